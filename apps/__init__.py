@@ -1,0 +1,1 @@
+"""The applications of restshape: each composes the library and names its quantities of interest."""

@@ -1,0 +1,17 @@
+// The extension module restshape._kernels: every binding file adds its part.
+#include <pybind11/pybind11.h>
+
+namespace py = pybind11;
+
+void bind_elements(py::module_&);
+void bind_operator(py::module_&);
+void bind_mesh(py::module_&);
+void bind_outline(py::module_&);
+
+PYBIND11_MODULE(_kernels, m) {
+    m.doc() = "Compiled kernels of restshape: elements, assembly, mesh operations.";
+    bind_elements(m);
+    bind_operator(m);
+    bind_mesh(m);
+    bind_outline(m);
+}

@@ -1,0 +1,78 @@
+"""Applications: what composes the library for one kind of object, found through entry points."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from restshape.errors import UserError
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical effect that an application knows.
+
+    Args:
+        model: pydantic model of the keys that ``[effects.NAME]`` may hold.
+        summary: one line for people.
+        required: the application makes no sense without it.
+    """
+
+    model: type[BaseModel]
+    summary: str
+    required: bool = False
+
+
+@dataclass(frozen=True)
+class Application:
+    """A kind of object: its effects, its analysis, and the folder of its scenes.
+
+    Args:
+        name: as scenes name it in ``app``.
+        summary: one line for people.
+        effects: every effect that its scenes may name.
+        folder: holds ``scenes/*.toml`` and ``edits/*.jsonl``.
+        analysis: path ``module:attribute`` of the factory ``(scene, plan, comm, options) -> analysis``, imported at the first solve.
+        orders: element orders that it supports.
+    """
+
+    name: str
+    summary: str
+    effects: dict[str, Effect]
+    folder: Path
+    analysis: str
+    orders: tuple[int, ...] = (1,)
+    notes: dict[str, Any] = field(default_factory=dict)
+
+    def make_analysis(self) -> Callable[..., Any]:
+        """The factory of this application's analysis, imported now."""
+        from importlib import import_module
+
+        module, attribute = self.analysis.split(":")
+        return getattr(import_module(module), attribute)
+
+    def scenes(self) -> list[Path]:
+        """The scene files that ship with this application, sorted by name."""
+        return sorted((self.folder / "scenes").glob("*.toml"))
+
+
+@cache
+def applications() -> dict[str, Application]:
+    """All installed applications by name."""
+    return {entry.name: entry.load() for entry in sorted(entry_points(group="restshape.applications"))}
+
+
+def application(name: str, where: str = "app") -> Application:
+    """The installed application of that name.
+
+    Raises:
+        UserError: no such application.
+    """
+    known = applications()
+    if name not in known:
+        raise UserError(f"no application is named {name!r}", where, f"use one of: {', '.join(known)}")
+    return known[name]

@@ -1,0 +1,23 @@
+"""Errors that a user can cause: each says what is wrong, where, and what to do."""
+
+
+class UserError(Exception):
+    """Something in the user's input or surroundings that stops a command; exit code 2.
+
+    Args:
+        what: what is wrong, one sentence.
+        where: file, and line or key, e.g. ``plate.toml: material.steel.E``.
+        do: what to do about it.
+    """
+
+    def __init__(self, what: str, where: str = "", do: str = "") -> None:
+        self.what, self.where, self.do = what, where, do
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        lines = [f"{self.where}: {self.what}" if self.where else self.what]
+        return "\n".join([*lines, f"  try: {self.do}"] if self.do else lines)
+
+
+class ReplayProblem(Exception):
+    """A frame that cannot be computed (no equilibrium, no mesh): recorded as refused, the replay goes on."""
