@@ -34,4 +34,5 @@ application = Application(
     },
     folder=Path(__file__).parent,
     analysis="restshape.analysis.static:StaticAnalysis",
+    validation="restshape_apps.solid.validation:CASES",
 )

@@ -1,7 +1,185 @@
-// Bindings of the elements kernels.
+// Bindings of the elements: their residuals, energies, stresses and derivatives on the cells of a mesh.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <stdexcept>
+
+#include "element.hpp"
 
 namespace py = pybind11;
+using restshape::Element;
 
-void bind_elements(py::module_& m) { (void)m; }
+namespace {
+
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Output = py::array_t<double, py::array::c_style>;
+using Cells = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
+
+void require(bool holds, const std::string& message) {
+    if (!holds) throw std::invalid_argument(message);
+}
+
+// The arguments that all loops share, checked once.
+struct Loop {
+    Loop(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params)
+        : element(e), X(X.data()), x(x.data()), cells(cells.data()), parameters(params.data()) {
+        require(cells.ndim() == 2 && cells.shape(1) == e.nodes,
+                e.name + " needs cells of shape (ne, " + std::to_string(e.nodes) + ")");
+        require(X.ndim() == 2 && X.shape(1) == e.dim, e.name + " needs X of shape (n, " + std::to_string(e.dim) + ")");
+        nodes = X.shape(0);
+        count = cells.shape(0);
+        require(x.size() == nodes * e.fields, e.name + " needs x of shape (n, " + std::to_string(e.fields) + ")");
+        const auto np = static_cast<py::ssize_t>(e.parameters.size());
+        const bool each = params.ndim() == 2 && params.shape(0) == count && params.shape(1) == np;
+        require(each || (params.ndim() == 1 && params.size() == np),
+                e.name + " needs params of shape (" + std::to_string(np) + ",) or (ne, " + std::to_string(np) + ")");
+        stride = each ? np : 0;
+    }
+
+    void require_output(const Output& out, py::ssize_t rows, py::ssize_t columns) const {
+        require(out.size() == rows * columns && out.writeable(),
+                "out must be a writeable array of shape (" + std::to_string(rows) + ", " + std::to_string(columns) + ")");
+    }
+
+    const int32_t* gather(py::ssize_t e) {
+        const int32_t* cell = cells + e * element.nodes;
+        for (int i = 0; i < element.nodes; ++i) {
+            if (cell[i] < 0 || cell[i] >= nodes)
+                throw std::invalid_argument("cell " + std::to_string(e) + " names node " + std::to_string(cell[i]) +
+                                            ", which does not exist");
+            for (int a = 0; a < element.dim; ++a)
+                Xe[i * element.dim + a] = X[static_cast<size_t>(cell[i]) * element.dim + a];
+            for (int a = 0; a < element.fields; ++a)
+                xe[i * element.fields + a] = x[static_cast<size_t>(cell[i]) * element.fields + a];
+        }
+        p = parameters + e * stride;
+        return cell;
+    }
+
+    void scatter(const int32_t* cell, const double* r, double* out) const {
+        for (int i = 0; i < element.nodes; ++i)
+            for (int a = 0; a < element.fields; ++a)
+                out[static_cast<size_t>(cell[i]) * element.fields + a] += r[i * element.fields + a];
+    }
+
+    const Element& element;
+    const double *X, *x;
+    const int32_t* cells;
+    const double *parameters, *p = nullptr;
+    py::ssize_t nodes, count, stride;
+    alignas(64) double Xe[restshape::max_coordinates];
+    alignas(64) double xe[restshape::max_unknowns];
+};
+
+void residual(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params, Output out,
+              const std::optional<Cells>& subset) {
+    Loop loop(e, X, x, cells, params);
+    loop.require_output(out, loop.nodes, e.fields);
+    double* target = out.mutable_data();
+    double r[restshape::max_unknowns];
+    const py::ssize_t count = subset ? subset->size() : loop.count;
+    for (py::ssize_t k = 0; k < count; ++k) {
+        const py::ssize_t cell = subset ? subset->data()[k] : k;
+        require(cell >= 0 && cell < loop.count, "subset names cell " + std::to_string(cell) + ", which does not exist");
+        const int32_t* nodes = loop.gather(cell);
+        e.residual(loop.Xe, loop.xe, loop.p, r);
+        loop.scatter(nodes, r, target);
+    }
+}
+
+void design(const Element& e, const Doubles& X, const Doubles& dX, const Doubles& x, const Cells& cells,
+            const Doubles& params, Output out) {
+    Loop loop(e, X, x, cells, params);
+    require(dX.size() == X.size(), "dX must have the shape of X");
+    loop.require_output(out, loop.nodes, e.fields);
+    double* target = out.mutable_data();
+    double dXe[restshape::max_coordinates], r[restshape::max_unknowns];
+    for (py::ssize_t k = 0; k < loop.count; ++k) {
+        const int32_t* cell = loop.gather(k);
+        for (int i = 0; i < e.nodes; ++i)
+            for (int a = 0; a < e.dim; ++a) dXe[i * e.dim + a] = dX.data()[static_cast<size_t>(cell[i]) * e.dim + a];
+        e.design(loop.Xe, dXe, loop.xe, loop.p, r);
+        loop.scatter(cell, r, target);
+    }
+}
+
+py::array_t<double> energy(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells,
+                           const Doubles& params) {
+    Loop loop(e, X, x, cells, params);
+    require(e.energy != nullptr, e.name + " has no energy");
+    py::array_t<double> out(loop.count);
+    for (py::ssize_t k = 0; k < loop.count; ++k) {
+        loop.gather(k);
+        out.mutable_data()[k] = e.energy(loop.Xe, loop.xe, loop.p);
+    }
+    return out;
+}
+
+void stress(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params, Output out) {
+    Loop loop(e, X, x, cells, params);
+    require(e.stress != nullptr, e.name + " has no stress");
+    loop.require_output(out, loop.count, e.stress_components);
+    for (py::ssize_t k = 0; k < loop.count; ++k) {
+        loop.gather(k);
+        e.stress(loop.Xe, loop.xe, loop.p, out.mutable_data() + k * e.stress_components);
+    }
+}
+
+py::array_t<double> tangent_block(const Element& e, const Doubles& X, const Doubles& x, const Doubles& params) {
+    const int n = e.unknowns();
+    require(X.size() == e.nodes * e.dim && x.size() == n && params.size() == static_cast<py::ssize_t>(e.parameters.size()),
+            e.name + " needs X (" + std::to_string(e.nodes) + ", " + std::to_string(e.dim) + "), x (" +
+                std::to_string(e.nodes) + ", " + std::to_string(e.fields) + ") and " +
+                std::to_string(e.parameters.size()) + " params");
+    py::array_t<double> out({n, n});
+    std::fill(out.mutable_data(), out.mutable_data() + n * n, 0.0);
+    if (!e.residual_tangent) return out;
+    alignas(64) double r[restshape::max_unknowns], K[restshape::max_tangent];
+    e.residual_tangent(X.data(), x.data(), params.data(), r, K);
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) out.mutable_data()[i * n + j] = K[i * e.tangent_stride + j];
+    return out;
+}
+
+}  // namespace
+
+void bind_elements(py::module_& m) {
+    m.def(
+        "element_names",
+        [] {
+            py::list names;
+            for (const Element& e : restshape::elements()) names.append(e.name);
+            return names;
+        },
+        "Names of all elements.");
+
+    py::class_<Element>(m, "Element", R"(An element: a shape with a law, found by its name.
+
+X are material coordinates (n, dim) [m], x the unknowns (n, fields): the displacement [m] of solids, the acceleration
+of masses. params is (np,) for all cells or (ne, np); `parameters` names its columns. Tangent and design derivative
+come from dual numbers.)")
+        .def(py::init([](const std::string& name) { return restshape::element(name); }), py::arg("name"))
+        .def_readonly("name", &Element::name)
+        .def_readonly("nodes", &Element::nodes, "Nodes of a cell.")
+        .def_readonly("dim", &Element::dim, "Material coordinates of a node.")
+        .def_readonly("fields", &Element::fields, "Unknowns of a node.")
+        .def_readonly("symmetric", &Element::symmetric, "Whether the tangent is symmetric.")
+        .def_readonly("stress_components", &Element::stress_components, "Columns of `stress`; 0 where there is none.")
+        .def_property_readonly("has_tangent", [](const Element& e) { return e.residual_tangent != nullptr; })
+        .def_property_readonly("parameters", [](const Element& e) { return py::tuple(py::cast(e.parameters)); })
+        .def("residual", &residual, py::arg("X"), py::arg("x"), py::arg("cells"), py::arg("params"),
+             py::arg("out").noconvert(), py::arg("subset") = py::none(),
+             "Adds the residuals of all cells, or of those in subset, to out (n, fields).")
+        .def("energy", &energy, py::arg("X"), py::arg("x"), py::arg("cells"), py::arg("params"),
+             "Energy of each cell (ne,), whose derivative in x is the residual.")
+        .def("design", &design, py::arg("X"), py::arg("dX"), py::arg("x"), py::arg("cells"), py::arg("params"),
+             py::arg("out").noconvert(), "Adds (dr/dX) dX at constant x to out (n, fields).")
+        .def("stress", &stress, py::arg("X"), py::arg("x"), py::arg("cells"), py::arg("params"),
+             py::arg("out").noconvert(),
+             "Writes the Cauchy stress at the centroid of each cell to out: xx yy xy zz in 2D (zz of plane strain), "
+             "xx yy xy zz yz xz in 3D [Pa].")
+        .def("tangent_block", &tangent_block, py::arg("X"), py::arg("x"), py::arg("params"),
+             "Tangent (nodes*fields, nodes*fields) of one cell with nodes X and unknowns x.");
+}

@@ -1,7 +1,131 @@
-// Bindings of the operator kernels.
+// Bindings of the operator: topology, constraints, values, and the PETSc matrix for petsc4py.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <stdexcept>
+
+#include "operator.hpp"
 
 namespace py = pybind11;
+using restshape::Block;
+using restshape::Element;
+using restshape::Operator;
 
-void bind_operator(py::module_& m) { (void)m; }
+namespace {
+
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Output = py::array_t<double, py::array::c_style>;
+using Indices = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
+
+void require(bool holds, const std::string& message) {
+    if (!holds) throw std::invalid_argument(message);
+}
+
+void set_topology(Operator& op, const py::list& arrays) {
+    std::vector<Block> blocks;
+    for (py::handle item : arrays) {
+        // A converted copy would not see the flips of the mesh.
+        require(py::isinstance<py::array_t<int32_t, py::array::c_style>>(item),
+                "cells must be C-contiguous int32 arrays: they are held, not copied");
+        auto cells = py::reinterpret_borrow<py::array_t<int32_t, py::array::c_style>>(item);
+        require(cells.ndim() == 2, "cells must have the shape (ne, nodes)");
+        Block b;
+        b.cells = cells.data();
+        b.count = static_cast<int>(cells.shape(0));
+        b.nodes = static_cast<int>(cells.shape(1));
+        b.owner = std::make_shared<py::array>(std::move(cells));
+        blocks.push_back(std::move(b));
+    }
+    op.set_topology(std::move(blocks));
+}
+
+void patch(Operator& op, int block, const Indices& changed) {
+    op.patch(block, changed.data(), static_cast<int>(changed.size()));
+}
+
+void set_constraints(Operator& op, const py::array_t<uint8_t, py::array::c_style | py::array::forcecast>& mask) {
+    require(mask.size() == static_cast<py::ssize_t>(op.nodes()) * op.fields(),
+            "mask must have an entry for each of the " + std::to_string(op.nodes()) + " nodes times " +
+                std::to_string(op.fields()) + " fields");
+    op.set_constraints(mask.data());
+}
+
+void add(Operator& op, int block, const Element& e, const Doubles& X, const Doubles& x, const Doubles& params,
+         double coef, std::optional<Output> rhs, std::optional<double> residual_coef) {
+    const Block& b = op.block(block);
+    const py::ssize_t n = op.nodes(), np = static_cast<py::ssize_t>(e.parameters.size());
+    require(X.size() == n * e.dim, e.name + " needs X of shape (" + std::to_string(n) + ", " + std::to_string(e.dim) + ")");
+    require(x.size() == n * e.fields,
+            e.name + " needs x of shape (" + std::to_string(n) + ", " + std::to_string(e.fields) + ")");
+    const bool each = params.ndim() == 2 && params.shape(0) == b.count && params.shape(1) == np;
+    require(each || (params.ndim() == 1 && params.size() == np),
+            e.name + " needs params of shape (" + std::to_string(np) + ",) or (" + std::to_string(b.count) + ", " +
+                std::to_string(np) + ")");
+    require(!rhs || (rhs->size() == n * e.fields && rhs->writeable()),
+            "rhs must be a writeable array of " + std::to_string(n * e.fields) + " numbers");
+    restshape::Terms terms;
+    terms.X = X.data();
+    terms.x = x.data();
+    terms.parameters = params.data();
+    terms.parameter_stride = each ? static_cast<int>(np) : 0;
+    terms.coef = coef;
+    terms.residual_coef = residual_coef.value_or(coef);
+    terms.rhs = rhs ? rhs->mutable_data() : nullptr;
+    op.add(block, e, terms);
+}
+
+// petsc4py's own constructor, which takes a reference; petsc4py publishes it as a capsule for C code.
+py::object petsc4py_mat(const Operator& op) {
+    using New = PyObject* (*)(Mat);
+    static const New wrap = [] {
+        py::dict api = py::module_::import("petsc4py.PETSc").attr("__pyx_capi__");
+        py::capsule capsule = api["PyPetscMat_New"];
+        return reinterpret_cast<New>(capsule.get_pointer<void>());
+    }();
+    PyObject* wrapped = wrap(op.mat());
+    if (!wrapped) throw py::error_already_set();
+    return py::reinterpret_steal<py::object>(wrapped);
+}
+
+constexpr const char* operator_doc = R"(A sparse matrix assembled from elements, with supports eliminated inside the elements.
+
+Args:
+  world: on PETSC_COMM_WORLD; otherwise on PETSC_COMM_SELF.
+  fields: unknowns of a node; unknown `a` of node i is row i*fields + a.
+  node_offsets: int32 (ranks + 1); nodes of rank r are node_offsets[r]:node_offsets[r + 1].
+  rank: this process's.
+  backend: "csr" (one rank; own arrays, cheap patches) or "coo" (any number of ranks).
+
+Use: set_topology, set_constraints, then for each set of values begin, add ..., end. Then `mat` (a petsc4py Mat that holds
+a reference of its own; fetch it again when `generation` has changed). PETSc must be initialised. Every rank holds all
+nodes and cells and fills its own rows; set_topology, patch and end are collective with "coo".
+PETSc's log has the events RestshapePattern, RestshapePatch, RestshapeValues.)";
+
+}  // namespace
+
+void bind_operator(py::module_& m) {
+    py::class_<Operator>(m, "Operator", operator_doc)
+        .def(py::init(&Operator::create), py::arg("world"), py::arg("fields"), py::arg("node_offsets"),
+             py::arg("rank") = 0, py::arg("backend") = "csr")
+        .def("set_topology", &set_topology, py::arg("blocks"),
+             "Sets a new pattern from a list of int32 (ne, nodes) cell arrays, which are held and may change in place.")
+        .def("patch", &patch, py::arg("block"), py::arg("changed_cells"),
+             "Takes in the cells that changed in place. csr: adds only the pairs that are new; old ones stay as zeros "
+             "until the next set_topology, and the matrix is another one only if there were new pairs.")
+        .def("set_constraints", &set_constraints, py::arg("mask"),
+             "Marks constrained unknowns: mask uint8 (n*fields,) is 1 there.")
+        .def("begin", &Operator::begin, "Starts new values at zero.")
+        .def("add", &add, py::arg("block"), py::arg("element"), py::arg("X"), py::arg("x"), py::arg("params"),
+             py::arg("coef") = 1.0, py::arg("rhs").noconvert() = py::none(), py::arg("residual_coef") = py::none(),
+             "Adds coef * tangent to the matrix and subtracts residual_coef * residual from own rows of rhs "
+             "(n*fields,); residual_coef is coef unless given. Constrained rows and columns are left out, their "
+             "diagonal gets the sum of |coef * K_ii|, their rhs nothing.")
+        .def("end", &Operator::end, "Hands the values to PETSc.")
+        .def_property_readonly("mat", &petsc4py_mat, "The matrix as a petsc4py Mat with a reference of its own.")
+        .def_property_readonly("handle", [](const Operator& op) { return reinterpret_cast<intptr_t>(op.mat()); },
+                               "PETSc's Mat as an integer (borrowed).")
+        .def_property_readonly("generation", &Operator::generation, "Counts the matrices: it grows with each new one.")
+        .def_property_readonly("nnz", &Operator::nonzeros, "Stored entries of this rank's rows.");
+}

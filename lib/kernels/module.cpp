@@ -3,15 +3,19 @@
 
 namespace py = pybind11;
 
+void bind_build(py::module_&);
 void bind_elements(py::module_&);
 void bind_operator(py::module_&);
 void bind_mesh(py::module_&);
 void bind_outline(py::module_&);
+void bind_fields(py::module_&);
 
 PYBIND11_MODULE(_kernels, m) {
     m.doc() = "Compiled kernels of restshape: elements, assembly, mesh operations.";
+    bind_build(m);
     bind_elements(m);
     bind_operator(m);
     bind_mesh(m);
     bind_outline(m);
+    bind_fields(m);
 }

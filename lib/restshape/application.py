@@ -1,8 +1,9 @@
 """Applications: what composes the library for one kind of object, found through entry points."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
@@ -37,6 +38,7 @@ class Application:
         effects: every effect that its scenes may name.
         folder: holds ``scenes/*.toml`` and ``edits/*.jsonl``.
         analysis: path ``module:attribute`` of the factory ``(scene, plan, comm, options) -> analysis``, imported at the first solve.
+        validation: path ``module:attribute`` of its validation cases by name.
         orders: element orders that it supports.
     """
 
@@ -45,19 +47,25 @@ class Application:
     effects: dict[str, Effect]
     folder: Path
     analysis: str
+    validation: str = ""
     orders: tuple[int, ...] = (1,)
-    notes: dict[str, Any] = field(default_factory=dict)
 
     def make_analysis(self) -> Callable[..., Any]:
         """The factory of this application's analysis, imported now."""
-        from importlib import import_module
+        return _attribute(self.analysis)
 
-        module, attribute = self.analysis.split(":")
-        return getattr(import_module(module), attribute)
+    def cases(self) -> dict[str, Callable[..., Any]]:
+        """The validation cases by name, imported now."""
+        return _attribute(self.validation) if self.validation else {}
 
     def scenes(self) -> list[Path]:
         """The scene files that ship with this application, sorted by name."""
         return sorted((self.folder / "scenes").glob("*.toml"))
+
+
+def _attribute(path: str) -> Any:
+    module, attribute = path.split(":")
+    return getattr(import_module(module), attribute)
 
 
 @cache

@@ -1,1 +1,1 @@
-"""TODO"""
+"""Algebra: operators with kept patterns, linear solvers with kept preconditioners."""

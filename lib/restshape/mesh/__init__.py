@@ -1,1 +1,1 @@
-"""TODO"""
+"""Triangle meshes of outlines: generation, import, numbering, partition, motion, quality, transfer."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""Validation: computed values beside references that restshape did not compute."""

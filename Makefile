@@ -1,0 +1,47 @@
+# The everyday commands. Each of them makes what it needs first.
+.PHONY: setup demo test results lint format clean
+
+restshape := .venv/bin/restshape
+plate := apps/solid/scenes/plate.toml
+plate_edits := apps/solid/edits/plate.jsonl
+
+# Two cores hold two ranks or two test workers, one thread each; the rest lets mpiexec start as root, in a
+# container, with more ranks than cores, and without a word about network cards that are not there.
+export OMP_NUM_THREADS := 1
+export OMPI_ALLOW_RUN_AS_ROOT := 1
+export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
+export OMPI_MCA_rmaps_base_oversubscribe := 1
+export OMPI_MCA_btl := ^openib
+export OMPI_MCA_btl_vader_single_copy_mechanism := none
+export OMPI_MCA_mca_base_component_show_load_errors := 0
+
+setup:
+	@scripts/setup.sh test
+
+demo: setup
+	$(restshape) replay $(plate) --edits $(plate_edits) --out results/plate.vtkhdf
+	$(restshape) report results/plate.vtkhdf
+	$(restshape) tables
+
+test: setup
+	.venv/bin/python -m pytest -n 2 $(PYTEST_ARGS)
+
+# What is committed under results/, made anew.
+results: setup
+	$(restshape) tables
+
+lint:
+	@scripts/setup.sh develop
+	.venv/bin/python -m ruff check
+	.venv/bin/python -m ruff format --check
+	.venv/bin/clang-format --dry-run -Werror lib/kernels/*.?pp
+
+format:
+	@scripts/setup.sh develop
+	.venv/bin/python -m ruff check --fix
+	.venv/bin/python -m ruff format
+	.venv/bin/clang-format -i lib/kernels/*.?pp
+
+clean:
+	rm -rf build .pytest_cache .ruff_cache .hypothesis lib/restshape/_kernels.*.so results/*.vtkhdf
+	find lib apps tests -name __pycache__ -type d -exec rm -rf {} +

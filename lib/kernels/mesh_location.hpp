@@ -1,0 +1,136 @@
+// Finds the triangle that holds a point, by a grid of buckets.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace restshape {
+
+class Locator {
+ public:
+    Locator(const double* X, const std::int32_t* cells, std::ptrdiff_t count)
+        : X_(X), cells_(cells), count_(static_cast<std::int32_t>(count)) {
+        lower_ = {std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
+        std::array<double, 2> upper = {-lower_[0], -lower_[1]};
+        for (std::int32_t i = 0; i < 3 * count_; ++i) {
+            for (int k = 0; k < 2; ++k) {
+                lower_[k] = std::min(lower_[k], X[2 * cells[i] + k]);
+                upper[k] = std::max(upper[k], X[2 * cells[i] + k]);
+            }
+        }
+        const double wide = std::max(upper[0] - lower_[0], 1e-300), high = std::max(upper[1] - lower_[1], 1e-300);
+        const double side = std::max(std::sqrt(wide * high / std::max(1, count_)), std::max(wide, high) / 4096.0);
+        bins_ = {static_cast<std::int32_t>(wide / side) + 1, static_cast<std::int32_t>(high / side) + 1};
+        per_length_ = {bins_[0] / wide, bins_[1] / high};
+        fill_buckets();
+    }
+
+    // Triangle and barycentric coordinates of a point; a point outside is put on the nearest boundary point.
+    std::int32_t locate(const double* point, double* weights) {
+        std::int32_t best = -1;
+        double closest = -1e-12;
+        const std::int32_t bucket = bin(point[0], 0) + bins_[0] * bin(point[1], 1);
+        for (std::int32_t i = first_[bucket]; i < first_[bucket + 1]; ++i) {
+            double w[3];
+            const double smallest = barycentric(members_[i], point, w);
+            if (smallest >= closest) {
+                closest = smallest, best = members_[i];
+                std::copy(w, w + 3, weights);
+                if (smallest >= 0.0) return best;
+            }
+        }
+        return best >= 0 ? best : locate_on_boundary(point, weights);
+    }
+
+ private:
+    std::int32_t bin(double value, int k) const {
+        const double place = (value - lower_[k]) * per_length_[k];
+        return place <= 0.0 ? 0 : std::min(bins_[k] - 1, static_cast<std::int32_t>(std::min(place, 1e9)));
+    }
+
+    template <class Visit>
+    void each_bucket(std::int32_t cell, Visit visit) const {
+        const std::int32_t* n = cells_ + 3 * cell;
+        const double *a = X_ + 2 * n[0], *b = X_ + 2 * n[1], *c = X_ + 2 * n[2];
+        const auto [left, right] = std::minmax({a[0], b[0], c[0]});
+        const auto [low, high] = std::minmax({a[1], b[1], c[1]});
+        for (std::int32_t j = bin(low, 1); j <= bin(high, 1); ++j) {
+            for (std::int32_t i = bin(left, 0); i <= bin(right, 0); ++i) visit(i + bins_[0] * j);
+        }
+    }
+
+    void fill_buckets() {
+        first_.assign(static_cast<std::size_t>(bins_[0]) * bins_[1] + 1, 0);
+        for (std::int32_t cell = 0; cell < count_; ++cell)
+            each_bucket(cell, [this](std::int32_t b) { ++first_[b + 1]; });
+        for (std::size_t b = 1; b < first_.size(); ++b) first_[b] += first_[b - 1];
+        members_.resize(first_.back());
+        std::vector<std::int32_t> next(first_.begin(), first_.end() - 1);
+        for (std::int32_t cell = 0; cell < count_; ++cell) {
+            each_bucket(cell, [&](std::int32_t b) { members_[next[b]++] = cell; });
+        }
+    }
+
+    double barycentric(std::int32_t cell, const double* p, double* w) const {
+        const std::int32_t* n = cells_ + 3 * cell;
+        const double *a = X_ + 2 * n[0], *b = X_ + 2 * n[1], *c = X_ + 2 * n[2];
+        const double bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
+        const double px = p[0] - a[0], py = p[1] - a[1];
+        const double twice_area = bx * cy - cx * by;
+        if (!(twice_area > 0.0)) return -1.0;  // an inverted triangle holds nothing
+        w[1] = (px * cy - cx * py) / twice_area;
+        w[2] = (bx * py - px * by) / twice_area;
+        w[0] = 1.0 - w[1] - w[2];
+        return std::min({w[0], w[1], w[2]});
+    }
+
+    void find_boundary() {
+        std::vector<std::array<std::int32_t, 4>> sides;  // lower node, higher node, triangle, corner opposite
+        sides.reserve(3 * static_cast<std::size_t>(count_));
+        for (std::int32_t cell = 0; cell < count_; ++cell) {
+            for (std::int32_t i = 0; i < 3; ++i) {
+                const std::int32_t a = cells_[3 * cell + (i + 1) % 3], b = cells_[3 * cell + (i + 2) % 3];
+                sides.push_back({std::min(a, b), std::max(a, b), cell, i});
+            }
+        }
+        std::sort(sides.begin(), sides.end());
+        for (std::size_t s = 0; s < sides.size(); ++s) {
+            const auto same = [&](std::size_t r) { return sides[r][0] == sides[s][0] && sides[r][1] == sides[s][1]; };
+            const bool shared = (s > 0 && same(s - 1)) || (s + 1 < sides.size() && same(s + 1));
+            if (!shared) boundary_.push_back({sides[s][2], sides[s][3]});
+        }
+    }
+
+    std::int32_t locate_on_boundary(const double* p, double* weights) {
+        if (boundary_.empty()) find_boundary();
+        double nearest = std::numeric_limits<double>::max();
+        std::int32_t best = -1;
+        for (const auto& [cell, corner] : boundary_) {
+            const int i = (corner + 1) % 3, j = (corner + 2) % 3;
+            const double *a = X_ + 2 * cells_[3 * cell + i], *b = X_ + 2 * cells_[3 * cell + j];
+            const double ex = b[0] - a[0], ey = b[1] - a[1], px = p[0] - a[0], py = p[1] - a[1];
+            const double length = ex * ex + ey * ey;
+            const double t = length > 0.0 ? std::clamp((px * ex + py * ey) / length, 0.0, 1.0) : 0.0;
+            const double dx = px - t * ex, dy = py - t * ey, distance = dx * dx + dy * dy;
+            if (distance < nearest) {
+                nearest = distance, best = cell;
+                weights[corner] = 0.0, weights[i] = 1.0 - t, weights[j] = t;
+            }
+        }
+        return best;
+    }
+
+    const double* X_;
+    const std::int32_t* cells_;
+    std::int32_t count_;
+    std::array<double, 2> lower_, per_length_;
+    std::array<std::int32_t, 2> bins_;
+    std::vector<std::int32_t> first_, members_;
+    std::vector<std::array<std::int32_t, 2>> boundary_;
+};
+
+}  // namespace restshape

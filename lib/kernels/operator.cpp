@@ -1,0 +1,198 @@
+#include "operator.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace restshape {
+
+namespace {
+
+struct Events {
+    PetscClassId id = 0;
+    PetscLogEvent pattern = 0, patch = 0, values = 0;
+};
+
+// Registered once PETSc runs.
+const Events& events() {
+    static const Events registered = [] {
+        Events e;
+        check(PetscClassIdRegister("Restshape", &e.id), "PetscClassIdRegister");
+        check(PetscLogEventRegister("RestshapePattern", e.id, &e.pattern), "PetscLogEventRegister");
+        check(PetscLogEventRegister("RestshapePatch", e.id, &e.patch), "PetscLogEventRegister");
+        check(PetscLogEventRegister("RestshapeValues", e.id, &e.values), "PetscLogEventRegister");
+        return e;
+    }();
+    return registered;
+}
+
+class Logged {
+  public:
+    explicit Logged(PetscLogEvent event) : event_(event) { (void)PetscLogEventBegin(event_, 0, 0, 0, 0); }
+    ~Logged() { (void)PetscLogEventEnd(event_, 0, 0, 0, 0); }
+
+  private:
+    PetscLogEvent event_;
+};
+
+}  // namespace
+
+void check(PetscErrorCode code, const char* call) {
+    if (!code) return;
+    const char* text = nullptr;
+    char* specific = nullptr;
+    PetscErrorMessage(code, &text, &specific);
+    std::string message = std::string(call) + " failed with PETSc error " + std::to_string(static_cast<int>(code));
+    if (text) message += std::string(": ") + text;
+    if (specific && *specific) message += std::string(": ") + specific;
+    throw std::runtime_error(message);
+}
+
+std::unique_ptr<Operator> Operator::create(bool world, int fields, std::vector<int32_t> node_offsets, int rank,
+                                           const std::string& backend) {
+    PetscBool running = PETSC_FALSE;
+    PetscInitialized(&running);
+    if (!running) throw std::runtime_error("PETSc is not initialised: import petsc4py and call petsc4py.init() first");
+    if (backend == "csr") return make_csr_operator(world, fields, std::move(node_offsets), rank);
+    if (backend == "coo") return make_coo_operator(world, fields, std::move(node_offsets), rank);
+    throw std::invalid_argument("no backend \"" + backend + "\"; there are csr, coo");
+}
+
+Operator::Operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank)
+    : comm_(world ? PETSC_COMM_WORLD : PETSC_COMM_SELF),
+      fields_(fields),
+      rank_(rank),
+      node_offsets_(std::move(node_offsets)) {
+    if (fields < 1) throw std::invalid_argument("an operator needs at least one field");
+    if (node_offsets_.size() < 2 || node_offsets_.front() != 0)
+        throw std::invalid_argument("node_offsets must start with 0 and end with the number of nodes");
+    for (size_t k = 1; k < node_offsets_.size(); ++k)
+        if (node_offsets_[k] < node_offsets_[k - 1]) throw std::invalid_argument("node_offsets must not fall");
+    PetscMPIInt size = 1;
+    MPI_Comm_size(comm_, &size);
+    if (static_cast<int>(node_offsets_.size()) - 1 != size)
+        throw std::invalid_argument("node_offsets is for " + std::to_string(node_offsets_.size() - 1) +
+                                    " ranks, the communicator has " + std::to_string(size));
+    if (rank < 0 || rank >= size) throw std::invalid_argument("rank is not in the communicator");
+    events();
+    mask_.assign(static_cast<size_t>(nodes()) * fields_, 0);
+    diagonal_.assign(mask_.size(), 0.0);
+}
+
+Operator::~Operator() {
+    // petsc4py may have finalised PETSc before Python lets go of the operator.
+    PetscBool finished = PETSC_FALSE;
+    PetscFinalized(&finished);
+    if (mat_ && !finished) (void)MatDestroy(&mat_);
+}
+
+const Block& Operator::block(int k) const {
+    if (k < 0 || k >= block_count())
+        throw std::invalid_argument("block " + std::to_string(k) + " is not in the topology, which has " +
+                                    std::to_string(block_count()));
+    return blocks_[k];
+}
+
+void Operator::check_cells(const Block& b, const int32_t* list, int count) const {
+    for (int k = 0; k < count; ++k) {
+        const int e = list ? list[k] : k;
+        if (e < 0 || e >= b.count) throw std::invalid_argument("cell " + std::to_string(e) + " does not exist");
+        for (int i = 0; i < b.nodes; ++i)
+            if (b.cell(e)[i] < 0 || b.cell(e)[i] >= nodes())
+                throw std::invalid_argument("cell " + std::to_string(e) + " names node " +
+                                            std::to_string(b.cell(e)[i]) + ", which does not exist");
+    }
+}
+
+void Operator::set_topology(std::vector<Block> blocks) {
+    for (const Block& b : blocks) check_cells(b, nullptr, b.count);
+    Logged event(events().pattern);
+    filling_ = false;
+    blocks_ = std::move(blocks);
+    flagged_.resize(blocks_.size());
+    for (int k = 0; k < block_count(); ++k) flag_constrained(k, nullptr, blocks_[k].count);
+    new_pattern();
+}
+
+void Operator::patch(int k, const int32_t* changed, int count) {
+    check_cells(block(k), changed, count);
+    Logged event(events().patch);
+    filling_ = false;
+    flag_constrained(k, changed, count);
+    patch_pattern(k, changed, count);
+}
+
+void Operator::set_constraints(const uint8_t* mask) {
+    mask_.assign(mask, mask + mask_.size());
+    constrained_.clear();
+    const int first = node_offsets_[rank_] * fields_, last = node_offsets_[rank_ + 1] * fields_;
+    for (int dof = first; dof < last; ++dof)
+        if (mask_[dof]) constrained_.push_back(dof);
+    for (int k = 0; k < block_count(); ++k) flag_constrained(k, nullptr, blocks_[k].count);
+}
+
+void Operator::flag_constrained(int k, const int32_t* list, int count) {
+    const Block& b = blocks_[k];
+    flagged_[k].resize(b.count);
+    for (int m = 0; m < count; ++m) {
+        const int e = list ? list[m] : m;
+        uint8_t any = 0;
+        for (int i = 0; i < b.nodes; ++i)
+            for (int a = 0; a < fields_; ++a) any |= mask_[static_cast<size_t>(b.cell(e)[i]) * fields_ + a];
+        flagged_[k][e] = any;
+    }
+}
+
+void Operator::begin() {
+    if (!mat_) throw std::runtime_error("an operator needs set_topology before begin");
+    if (filling_) (void)PetscLogEventEnd(events().values, 0, 0, 0, 0);
+    (void)PetscLogEventBegin(events().values, 0, 0, 0, 0);
+    filling_ = true;
+    for (int32_t dof : constrained_) diagonal_[dof] = 0.0;
+    zero();
+}
+
+void Operator::add(int k, const Element& element, const Terms& terms) {
+    if (!filling_) throw std::runtime_error("an operator needs begin before add");
+    if (element.fields != fields_ || element.nodes != block(k).nodes)
+        throw std::invalid_argument(element.name + " has " + std::to_string(element.nodes) + " nodes and " +
+                                    std::to_string(element.fields) + " fields; block " + std::to_string(k) + " has " +
+                                    std::to_string(block(k).nodes) + ", the operator " + std::to_string(fields_));
+    assemble(k, element, terms);
+}
+
+void Operator::end() {
+    if (!filling_) throw std::runtime_error("an operator needs begin before end");
+    filling_ = false;
+    // A supported node without stiffness of its own still needs a regular row.
+    for (int32_t dof : constrained_)
+        if (diagonal_[dof] == 0.0) set_diagonal(dof, 1.0);
+    finish();
+    (void)PetscLogEventEnd(events().values, 0, 0, 0, 0);
+}
+
+void Operator::constrain(const Element& element, const int32_t* cell, double coef, double* r, double* K) {
+    const int n = element.unknowns(), stride = element.tangent_stride;
+    for (int i = 0; i < n; ++i) {
+        const size_t dof = static_cast<size_t>(cell[i / fields_]) * fields_ + i % fields_;
+        if (!mask_[dof]) continue;
+        r[i] = 0.0;
+        if (!element.residual_tangent) continue;
+        const double kept = std::fabs(K[i * stride + i]);
+        for (int j = 0; j < n; ++j) K[i * stride + j] = K[j * stride + i] = 0.0;
+        K[i * stride + i] = coef < 0 ? -kept : kept;
+        diagonal_[dof] += std::fabs(coef) * kept;
+    }
+}
+
+Mat Operator::mat() const {
+    if (!mat_) throw std::runtime_error("an operator needs set_topology before it has a matrix");
+    return mat_;
+}
+
+void Operator::replace_matrix(Mat mat) {
+    if (mat_) check(MatDestroy(&mat_), "MatDestroy");
+    mat_ = mat;
+    ++generation_;
+}
+
+}  // namespace restshape

@@ -1,0 +1,148 @@
+// A sparse matrix assembled from elements, with supports eliminated inside the elements. Two backends share the loop.
+#pragma once
+
+#include <petscmat.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "element.hpp"
+#include "pattern.hpp"
+
+namespace restshape {
+
+static_assert(sizeof(PetscScalar) == sizeof(double), "restshape needs a PETSc of real double precision");
+
+// Throws std::runtime_error with PETSc's message.
+void check(PetscErrorCode code, const char* call);
+
+// What `add` assembles: matrix += coef * tangent, rhs -= residual_coef * residual (rhs may be null).
+struct Terms {
+    const double *X, *x, *parameters;
+    int parameter_stride;  // 0: the same for all elements
+    double coef, residual_coef;
+    double* rhs;
+};
+
+class Operator {
+  public:
+    static std::unique_ptr<Operator> create(bool world, int fields, std::vector<int32_t> node_offsets, int rank,
+                                            const std::string& backend);
+    virtual ~Operator();
+    Operator(const Operator&) = delete;
+    Operator& operator=(const Operator&) = delete;
+
+    void set_topology(std::vector<Block> blocks);
+    void patch(int block, const int32_t* changed, int count);
+    void set_constraints(const uint8_t* mask);
+    void begin();
+    void add(int block, const Element& element, const Terms& terms);
+    void end();
+
+    Mat mat() const;
+    int64_t generation() const { return generation_; }
+    virtual int64_t nonzeros() const = 0;
+    int fields() const { return fields_; }
+    int nodes() const { return node_offsets_.back(); }
+    int block_count() const { return static_cast<int>(blocks_.size()); }
+    const Block& block(int k) const;
+
+  protected:
+    Operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
+
+    virtual void new_pattern() = 0;
+    virtual void patch_pattern(int block, const int32_t* changed, int count) = 0;
+    virtual void zero() = 0;
+    virtual void assemble(int block, const Element& element, const Terms& terms) = 0;
+    virtual void set_diagonal(int dof, double value) = 0;
+    virtual void finish() = 0;
+
+    // Takes the matrix over; the one before is released.
+    void replace_matrix(Mat mat);
+    bool owned(int32_t node) const { return node >= node_offsets_[rank_] && node < node_offsets_[rank_ + 1]; }
+    int own_nodes() const { return node_offsets_[rank_ + 1] - node_offsets_[rank_]; }
+
+    // Calls scatter(k, e, cell, K) with the constrained tangent of each element e = list[k] (all if list is null).
+    template <class Sizes, class Scatter>
+    void element_loop(Sizes sizes, int block, const Element& element, const Terms& terms, const int32_t* list, int count,
+                      Scatter scatter);
+
+    MPI_Comm comm_;
+    int fields_, rank_;
+    std::vector<int32_t> node_offsets_;
+    std::vector<Block> blocks_;
+
+  private:
+    void check_cells(const Block& block, const int32_t* list, int count) const;
+    void flag_constrained(int block, const int32_t* list, int count);
+    void constrain(const Element& element, const int32_t* cell, double coef, double* r, double* K);
+
+    Mat mat_ = nullptr;
+    int64_t generation_ = 0;
+    bool filling_ = false;
+    std::vector<uint8_t> mask_;                  // (nodes * fields), 1 where constrained
+    std::vector<int32_t> constrained_;           // own constrained unknowns
+    std::vector<double> diagonal_;               // (nodes * fields), what constrained diagonals have got
+    std::vector<std::vector<uint8_t>> flagged_;  // a block: elements with a constrained unknown
+};
+
+// Sizes of an element, known to the compiler where they are not 0.
+template <int Nodes, int Dim, int Fields>
+struct Sizes {
+    int nodes_, dim_, fields_;
+
+    explicit Sizes(const Element& e) : nodes_(e.nodes), dim_(e.dim), fields_(e.fields) {}
+    int nodes() const { return Nodes ? Nodes : nodes_; }
+    int dim() const { return Dim ? Dim : dim_; }
+    int fields() const { return Fields ? Fields : fields_; }
+};
+
+// Runs the same loop with its inner counts unrolled for the commonest sizes.
+template <class Run>
+void with_sizes(const Element& e, Run run) {
+    const auto is = [&e](int nodes, int dim, int fields) {
+        return e.nodes == nodes && e.dim == dim && e.fields == fields;
+    };
+    if (is(3, 2, 2)) return run(Sizes<3, 2, 2>(e));
+    if (is(6, 2, 2)) return run(Sizes<6, 2, 2>(e));
+    if (is(4, 3, 3)) return run(Sizes<4, 3, 3>(e));
+    run(Sizes<0, 0, 0>(e));
+}
+
+// Own memory in PETSc's CSR format, one rank: new values and patches cost no search and no preallocation.
+std::unique_ptr<Operator> make_csr_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
+// PETSc's COO assembly, any number of ranks.
+std::unique_ptr<Operator> make_coo_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
+
+template <class Sizes, class Scatter>
+void Operator::element_loop(Sizes sizes, int block, const Element& element, const Terms& t, const int32_t* list,
+                            int count, Scatter scatter) {
+    alignas(64) double X[max_coordinates], x[max_unknowns], r[max_unknowns], K[max_tangent];
+    const Block& b = blocks_[block];
+    const uint8_t* flagged = flagged_[block].data();
+    const int nodes = sizes.nodes(), dim = sizes.dim(), fields = sizes.fields();
+    for (int k = 0; k < count; ++k) {
+        const int e = list ? list[k] : k;
+        const int32_t* cell = b.cell(e);
+        for (int i = 0; i < nodes; ++i) {
+            for (int a = 0; a < dim; ++a) X[i * dim + a] = t.X[static_cast<size_t>(cell[i]) * dim + a];
+            for (int a = 0; a < fields; ++a) x[i * fields + a] = t.x[static_cast<size_t>(cell[i]) * fields + a];
+        }
+        const double* p = t.parameters + static_cast<size_t>(e) * t.parameter_stride;
+        if (element.residual_tangent)
+            element.residual_tangent(X, x, p, r, K);
+        else
+            element.residual(X, x, p, r);
+        if (flagged[e]) constrain(element, cell, t.coef, r, K);
+        if (t.rhs)
+            for (int i = 0; i < nodes; ++i)
+                if (owned(cell[i])) {
+                    double* row = t.rhs + static_cast<size_t>(cell[i]) * fields;
+                    for (int a = 0; a < fields; ++a) row[a] -= t.residual_coef * r[i * fields + a];
+                }
+        if (element.residual_tangent) scatter(k, e, cell, K);
+    }
+}
+
+}  // namespace restshape

@@ -1,0 +1,33 @@
+"""Whole matrices and vectors from the ranks' rows of them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from petsc4py import PETSc
+
+
+@dataclass
+class System:
+    """A whole linear system's matrix (n, n) and solution (n,)."""
+
+    matrix: sp.csr_matrix
+    solution: np.ndarray
+
+
+def whole_vector(full: np.ndarray, rows: slice, comm: PETSc.Comm) -> np.ndarray:
+    """Fill an array (n,) of which each rank has set its own rows; returns it."""
+    if comm.size > 1:
+        world = comm.tompi4py()
+        counts = world.allgather(rows.stop - rows.start)
+        world.Allgatherv(full[rows].copy(), [full, counts])
+    return full
+
+
+def whole_matrix(mat: PETSc.Mat, comm: PETSc.Comm) -> sp.csr_matrix:
+    """A copy of a PETSc matrix (n, n), whole on every rank."""
+    indptr, indices, values = (np.array(part) for part in mat.getValuesCSR())
+    n = mat.getSize()[1]
+    own = sp.csr_matrix((values, indices, indptr), shape=(len(indptr) - 1, n))
+    parts = comm.tompi4py().allgather(own) if comm.size > 1 else [own]
+    return sp.vstack(parts, format="csr")

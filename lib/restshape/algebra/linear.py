@@ -1,0 +1,175 @@
+"""Linear solves with a preconditioner that is kept for as long as it is worth it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.stages import Stages
+from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem
+
+METHODS = ("direct", "stale", "ilu")
+
+
+@dataclass
+class LinearReport:
+    """What one linear solve did: `age` counts the solves since the preconditioner was made."""
+
+    iterations: int
+    refreshed: bool
+    age: int
+
+
+class LinearSolver:
+    """One KSP whose preconditioner outlives the matrix that it was made from.
+
+    Args:
+        comm: PETSc communicator.
+        prefix: of its options in PETSc's database.
+        method: `direct` (a complete Cholesky factor anew for each matrix, no Krylov iteration), `stale` (CG with an old
+            complete factor, refreshed when that pays), `ilu` (CG with ILU(3), kept until the mesh is another one).
+        tolerance: of the true residual, relative to the right side.
+        calibration: seconds a unit of counted work, for the refresh of `stale`.
+        stages: takes the time of factorizations and of Krylov iterations.
+
+    On several ranks the factors are those of the ranks' own rows (block Jacobi), so that the bits repeat.
+
+    Source: THEORY.md section 1 (rent or buy).
+    """
+
+    def __init__(
+        self, comm: PETSc.Comm, prefix: str, method: str, tolerance: float, calibration: Calibration, stages: Stages
+    ):
+        self.method, self.tolerance, self.calibration, self.stages = method, tolerance, calibration, stages
+        self.comm = comm
+        self.ksp = PETSc.KSP().create(comm)
+        self.ksp.setOptionsPrefix(prefix)
+        self._set_types()
+        self.ksp.setFromOptions()
+        self.age = -1
+        self.excess = 0
+        self.fresh_iterations = 1
+        self.budget = 0
+
+    def _set_types(self) -> None:
+        direct = self.method == "direct" and self.comm.size == 1
+        self.ksp.setType("preonly" if direct else "cg")
+        if not direct:
+            self.ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+            self.ksp.setInitialGuessNonzero(True)
+        self.ksp.setTolerances(rtol=self.tolerance, atol=0.0, divtol=1e30, max_it=10_000)
+        pc = self.ksp.getPC()
+        kind = "ilu" if self.method == "ilu" else "cholesky"
+        if self.comm.size == 1:
+            pc.setType(kind)
+            if kind == "ilu":
+                pc.setFactorLevels(3)
+            else:
+                pc.setFactorOrdering("amd")
+            return
+        pc.setType("bjacobi")
+        options = PETSc.Options(self.ksp.getOptionsPrefix() or "")
+        for key, value in {"sub_ksp_type": "preonly", "sub_pc_type": kind, "sub_pc_factor_levels": 3}.items():
+            if not options.hasName(key) and not (kind == "cholesky" and key.endswith("levels")):
+                options.setValue(key, value)
+
+    def solve(self, mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, new_system: bool) -> LinearReport:
+        """Solve mat x = b from the guess in x.
+
+        Args:
+            mat: symmetric positive definite.
+            b: right side.
+            x: guess on entry (but for `direct`), solution on return.
+            new_system: the mesh is another one, so that no old preconditioner fits.
+
+        Raises:
+            ReplayProblem: no convergence, or no factor.
+        """
+        refreshed = False
+        if new_system:
+            self.ksp.reset()
+        if new_system or self.age < 0 or self.method == "direct" or self._worth_refreshing():
+            self._factor(mat)
+            refreshed = True
+        else:
+            self.ksp.setOperators(mat)
+        self.age += 1
+        iterations = self._iterate(b, x, limited=self.method == "stale" and not refreshed)
+        if (
+            self.ksp.getConvergedReason() == PETSc.KSP.ConvergedReason.DIVERGED_MAX_IT
+            and not refreshed
+            and self.method == "stale"
+        ):
+            self._factor(mat)
+            refreshed = True
+            iterations += self._iterate(b, x, limited=False)
+        self._check()
+        if self.method == "stale":
+            self._count(iterations, refreshed)
+        return LinearReport(iterations, refreshed, self.age)
+
+    def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, limited: bool) -> int:
+        """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper."""
+        if self.method == "stale":
+            left = max(self.fresh_iterations + 1, self.fresh_iterations + self.budget - self.excess)
+            self.ksp.setTolerances(max_it=left if limited else 10_000)
+        with self.stages("krylov"):
+            self.ksp.solve(b, x)
+        return self.ksp.getIterationNumber()
+
+    def _factor(self, mat: PETSc.Mat) -> None:
+        """Make the preconditioner from `mat`, then keep it."""
+        pc = self.ksp.getPC()
+        with self.stages("factor"):
+            pc.setReusePreconditioner(False)
+            self.ksp.setOperators(mat)
+            self.ksp.setUp()
+            if self.comm.size > 1:
+                self.ksp.setUpOnBlocks()
+            pc.setReusePreconditioner(True)
+        failed = pc.getFailedReason() if hasattr(pc, "getFailedReason") else 0
+        if failed:
+            raise ReplayProblem("the stiffness matrix has no factor: part of the body is not held, or has no stiffness")
+        self.age = -1
+        self.excess = 0
+        if self.method == "stale":
+            self._set_budget(mat)
+
+    def _set_budget(self, mat: PETSc.Mat) -> None:
+        """Iterations that cost as much as a refresh, from counted work on all ranks and the calibration."""
+        factor = self.ksp.getPC()
+        nnz = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
+        size = mat.getSize()[0]
+        if self.comm.size == 1:
+            filled = factor.getFactorMatrix().getInfo()["nz_used"]
+        else:
+            filled = sum(ksp.getPC().getFactorMatrix().getInfo()["nz_used"] for ksp in factor.getBJacobiSubKSP())
+            filled = self.comm.tompi4py().allreduce(filled)
+        refresh = self.calibration.refresh_seconds(size, nnz, filled)
+        self.budget = max(1, math.ceil(refresh / self.calibration.iteration_seconds(size, nnz, filled)))
+
+    def _worth_refreshing(self) -> bool:
+        return self.method == "stale" and self.excess >= self.budget
+
+    def _count(self, iterations: int, refreshed: bool) -> None:
+        if refreshed and self.comm.size > 1:
+            self.fresh_iterations = max(1, iterations)
+        self.excess += 0 if refreshed else max(0, iterations - self.fresh_iterations)
+
+    def _check(self) -> None:
+        reason = self.ksp.getConvergedReason()
+        if reason < 0:
+            names = {v: k for k, v in vars(PETSc.KSP.ConvergedReason).items() if isinstance(v, int)}
+            done = self.ksp.getIterationNumber()
+            raise ReplayProblem(f"the linear solve did not converge ({names.get(reason, reason)}, {done} iterations)")
+
+
+def true_residual(mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec) -> float:
+    """The norm of b - mat x over that of b (0 when b is 0)."""
+    r = b.duplicate()
+    mat.mult(x, r)
+    r.aypx(-1.0, b)
+    scale = b.norm()
+    return r.norm() / scale if scale > 0 else float(np.abs(r.norm()))

@@ -1,0 +1,48 @@
+"""The stiffness operator: nonzero pattern kept over a topology, values anew each frame."""
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape import _kernels
+
+
+class Operator:
+    """A PETSc matrix over the nodes of a mesh whose pattern is set once a topology and patched after flips.
+
+    Args:
+        comm: PETSc communicator.
+        fields: unknowns a node.
+        node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
+        backend: `csr` (one rank, the library's own patchable pattern) or `coo` (PETSc's COO assembly); by default
+            csr on one rank and coo on several.
+    """
+
+    def __init__(self, comm: PETSc.Comm, fields: int, node_offsets: np.ndarray, backend: str | None = None) -> None:
+        self.comm, self.fields = comm, fields
+        offsets = np.ascontiguousarray(node_offsets, dtype=np.int32)
+        self.rows = slice(int(offsets[comm.rank]) * fields, int(offsets[comm.rank + 1]) * fields)
+        self.backend = backend or ("csr" if comm.size == 1 else "coo")
+        self.core = _kernels.Operator(comm.size > 1, fields, offsets, comm.rank, self.backend)
+        self.mat = PETSc.Mat()
+        self._generation = -1
+
+    def set_topology(self, blocks: list[np.ndarray], mask: np.ndarray) -> None:
+        """Make a new pattern for blocks of cells (ne, nn) int32; `mask` (n * f,) uint8 marks constrained unknowns."""
+        self.core.set_topology(blocks)
+        self.core.set_constraints(np.ascontiguousarray(mask, dtype=np.uint8).ravel())
+
+    def patch(self, block: int, changed: np.ndarray) -> None:
+        """Add to the pattern what the flipped cells `changed` of a block need; nothing else is set up anew."""
+        self.core.patch(block, changed)
+
+    def assemble(self, terms: list[tuple], rhs: np.ndarray) -> PETSc.Mat:
+        """The matrix of a sum of terms (block, element, X, x, params, coefficient); rhs (n * f,) loses their residuals."""
+        self.core.begin()
+        for block, element, X, x, params, coefficient in terms:
+            self.core.add(block, element, X, x, params, coefficient, rhs)
+        self.core.end()
+        if self.core.generation != self._generation:
+            self._generation = self.core.generation
+            self.mat = self.core.mat
+            self.mat.setOption(PETSc.Mat.Option.SPD, True)
+        return self.mat

@@ -1,0 +1,152 @@
+"""Linear solids at rest: one solve a frame, reusing pattern, factor and solution of the frames before."""
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.sparse.linalg import spsolve
+
+from restshape.algebra.gather import System, whole_matrix, whole_vector
+from restshape.algebra.linear import LinearReport, LinearSolver, true_residual
+from restshape.algebra.operator import Operator
+from restshape.algebra.stages import Stages
+from restshape.analysis.frame import Frame
+from restshape.analysis.guess import Guess
+from restshape.calibration import Calibration
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.transfer import transfer
+from restshape.physics.quantities import Observer, von_mises
+from restshape.physics.solid import LinearSolid
+from restshape.policy import Policy
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+
+class StaticAnalysis:
+    """The equilibrium of a linear elastic solid, frame after frame.
+
+    What is stale is read from the versions of mesh topology, node places and scene; nobody tells the analysis.
+
+    Args:
+        scene: what the user wrote.
+        plan: which effects are on.
+        comm: PETSc communicator.
+        policy: what is reused.
+        calibration: seconds a unit of counted work.
+        stages: takes the time of each stage.
+
+    Source: THEORY.md sections 1 and 2.
+    """
+
+    def __init__(
+        self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
+    ) -> None:
+        self.plan, self.comm, self.policy, self.stages = plan, comm, policy, stages
+        self.calibration = calibration
+        self.scene: Scene | None = None
+        self.mesh: Mesh | None = None
+        self.physics: LinearSolid | None = None
+        self.operator: Operator | None = None
+        self.topology = self.geometry = -1
+        self.x = np.zeros((0, 2))
+        self.guess = Guess(policy.extrapolate)
+        self.solver = LinearSolver(comm, "solid_", policy.solver, scene.solve.tolerance, calibration, stages)
+
+    def solve(self, frame: Frame) -> LinearReport:
+        """Bring the displacement `x` (n, 2) [m] up to date with a frame.
+
+        Raises:
+            ReplayProblem: the solve does not converge; `x` stays that of the last frame.
+        """
+        mesh = frame.mesh
+        new_mesh, new_scene = mesh is not self.mesh, frame.scene is not self.scene
+        if not (new_mesh or new_scene or mesh.topology != self.topology or mesh.geometry != self.geometry):
+            self.solver.age += 1
+            return LinearReport(0, False, self.solver.age)
+        if new_mesh or new_scene:
+            self._bind(frame, new_mesh)
+        elif mesh.topology != self.topology:
+            with self.stages("pattern"):
+                self.operator.patch(0, frame.changed_cells)
+        report = self._solve(frame, new_mesh)
+        self.mesh, self.scene, self.topology, self.geometry = mesh, frame.scene, mesh.topology, mesh.geometry
+        return report
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of the linear system, prescribed ones included."""
+        return self.x.size
+
+    def observe(self) -> dict[str, float]:
+        """The scene's quantities of interest at the last solution."""
+        return self.observer(self.x)
+
+    def von_mises(self) -> np.ndarray:
+        """Equivalent stress (ne,) [Pa] of each cell at the last solution."""
+        return von_mises(self.physics.stress(self.x))
+
+    def residual(self) -> float:
+        """The true residual of the last solve, relative to its right side."""
+        return true_residual(self.mat, self.b, self.solution)
+
+    def _bind(self, frame: Frame, new_mesh: bool) -> None:
+        """Set up what depends on the mesh topology or on the scene's values."""
+        mesh = frame.mesh
+        with self.stages("pattern"):
+            self.physics = LinearSolid(frame.scene, self.plan, mesh)
+            self.observer = Observer(self.physics, frame.scene.quantities)
+            if new_mesh:
+                self.operator = Operator(self.comm, 2, mesh.node_offsets, self.policy.backend)
+            self.operator.set_topology([mesh.cells], self.physics.mask)
+            if new_mesh:
+                self._allocate(mesh)
+            self.terms = [(0, self.physics.element, mesh.X, self.physics.prescribed, self.physics.params, 1.0)]
+        if new_mesh:
+            carried = None
+            if self.policy.transfer and frame.old_mesh is not None and len(self.x):
+                with self.stages("map"):
+                    carried = transfer(frame.old_mesh, mesh, self.x)
+            self.x = carried if carried is not None else np.zeros((len(mesh.X), 2))
+            self.guess.restart()
+
+    def _allocate(self, mesh: Mesh) -> None:
+        """Make the vectors of a new mesh; `rhs` and `full` hold all nodes, PETSc's vectors this rank's rows of them."""
+        n, rows = mesh.X.size, self.operator.rows
+        self.rhs, self.full = np.zeros((len(mesh.X), 2)), np.zeros(n)
+        size = (rows.stop - rows.start, n)
+        self.b = PETSc.Vec().createWithArray(self.rhs.ravel()[rows], size=size, comm=self.comm)
+        self.solution = PETSc.Vec().createWithArray(self.full[rows], size=size, comm=self.comm)
+
+    def _solve(self, frame: Frame, new_mesh: bool) -> LinearReport:
+        physics, mesh = self.physics, frame.mesh
+        with self.stages("values"):
+            physics.move()
+            if physics.moving:
+                self.terms = [(0, physics.element, mesh.X, physics.prescribed, physics.params, 1.0)]
+            physics.loads(self.rhs)
+            self.mat = self.operator.assemble(self.terms, self.rhs.ravel())
+        np.subtract(self.guess(self.x, frame.hand), physics.prescribed, out=self.full.reshape(-1, 2))
+        self.full[physics.constrained] = 0.0
+        report = self.solver.solve(self.mat, self.b, self.solution, new_mesh)
+        whole_vector(self.full, self.operator.rows, self.comm)
+        x = self.full.reshape(-1, 2) + physics.prescribed
+        self.guess.keep(x, frame.hand)
+        self.x = x
+        return report
+
+    # --- for comparison with a cold solve -----------------------------------------------------------------------
+
+    def system(self) -> System:
+        """The matrix and the free part of the solution as they stand, whole on every rank."""
+        return System(whole_matrix(self.mat, self.comm), self.full.copy())
+
+    def cold_system(self) -> System:
+        """Matrix and solution of this frame with new pattern, values and factor, and no guess."""
+        physics = LinearSolid(self.scene, self.plan, self.mesh)
+        operator = Operator(self.comm, 2, self.mesh.node_offsets, "coo")
+        operator.set_topology([self.mesh.cells], physics.mask)
+        rhs = np.zeros_like(self.mesh.X)
+        physics.loads(rhs)
+        mat = operator.assemble(
+            [(0, physics.element, self.mesh.X, physics.prescribed, physics.params, 1.0)], rhs.ravel()
+        )
+        matrix = whole_matrix(mat, self.comm)
+        return System(matrix, spsolve(matrix.tocsc(), whole_vector(rhs.ravel(), operator.rows, self.comm)))

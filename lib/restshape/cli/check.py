@@ -1,0 +1,157 @@
+"""`restshape check`: reads a scene and an edit script, and says what they hold."""
+
+import argparse
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from restshape.application import application
+from restshape.cli.options import add_scene, print_table, read_scene, write_json
+from restshape.errors import UserError
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan, plan
+from restshape.scene.script import Script, load_script
+from restshape.shape.outline import Outline
+
+SUMMARY = "check a scene and an edit script without solving anything"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what this command takes."""
+    add_scene(parser)
+    parser.add_argument("edits", metavar="EDITS", type=Path, nargs="?", help="edit script (.jsonl)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Prints what the scene holds and which edits would be refused; 1 if any would be."""
+    scene = read_scene(args)
+    app = application(scene.app)
+    effects = plan(scene, app)
+    outline = starting_outline(scene)
+    data = held(scene, effects, outline)
+    print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), described(scene, effects, outline))
+    refused: list[dict[str, Any]] = []
+    if args.edits is not None:
+        script = load_script(args.edits, scene)
+        if script.error:
+            raise script.error
+        data["edits"] = edits = replayed(scene, script, outline)
+        refused = edits["refused"]
+        print_edits(args.edits, edits, script)
+    write_json(args, data)
+    return 1 if refused else 0
+
+
+def starting_outline(scene: Scene) -> Outline:
+    """The shape before any edit, with every name that the scene uses found in it.
+
+    Raises:
+        UserError: the outline is open, crosses itself, has an edge without length, or lacks a name.
+    """
+    if scene.mesh.file:
+        from restshape.mesh.importer import read_mesh
+
+        outline = read_mesh(scene.folder / scene.mesh.file, scene.mesh.unit)[1]
+    else:
+        try:
+            outline = Outline.from_spec(scene.shape, scene.folder)
+        except UserError as error:
+            raise scene.located(error) from error
+    for key, name in used_names(scene):
+        try:
+            outline.entity(name)
+        except UserError as error:
+            raise scene.located(UserError(error.what, key, error.do)) from error
+    return outline
+
+
+def used_names(scene: Scene) -> list[tuple[str, str]]:
+    """Every entity that the scene names, with the key that names it."""
+    used = [(f"supports.{key}.on", name) for key, support in scene.supports.items() for name in support.on]
+    used += [(f"loads.{key}.on", name) for key, load in scene.loads.items() for name in load.on]
+    used += [(f"quantities.{key}.at", q.at) for key, q in scene.quantities.items() if q.at is not None]
+    used += [(f"material.{key}.region", name) for key, m in scene.material.items() for name in m.region or []]
+    return used + [(f"mesh.near.{name}", name) for name in scene.mesh.near]
+
+
+def names_of(outline: Outline) -> dict[str, list[str]]:
+    """Names of the outline's entities by kind."""
+    return {kind: outline.names(kind) for kind in ("vertex", "edge", "hole", "region", "group")}
+
+
+def held(scene: Scene, effects: Plan, outline: Outline) -> dict[str, Any]:
+    """What the scene holds, for programs."""
+    return {
+        "scene": str(scene.path),
+        "app": scene.app,
+        "title": scene.title,
+        "entities": names_of(outline),
+        "area": float(outline.area()),
+        "materials": list(scene.material),
+        "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
+        "supports": {name: support.on for name, support in scene.supports.items()},
+        "loads": {name: {"kind": load.kind, "on": load.on} for name, load in scene.loads.items()},
+        "quantities": list(scene.quantities),
+        "mesh": scene.mesh.model_dump(),
+        "solve": scene.solve.model_dump(),
+    }
+
+
+def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, str]]:
+    """What the scene holds, for people."""
+    names = names_of(outline)
+    plurals = {"vertex": "vertices", "edge": "edges", "hole": "holes", "region": "regions", "group": "groups"}
+    rows = [(plurals[kind], listed(found)) for kind, found in names.items() if found or kind in ("vertex", "edge")]
+    rows.append(("area", f"{outline.area():.6g} m^2"))
+    rows += [
+        (f"material {name}", f"E {m.E:.6g} Pa, nu {m.nu:g}, rho {m.rho:g} kg/m^3, {m.thickness:g} m thick")
+        for name, m in scene.material.items()
+    ]
+    rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
+    rows += [(f"support {n}", f"{' and '.join(s.fix)} on {', '.join(s.on)}") for n, s in scene.supports.items()]
+    rows += [(f"load {name}", f"{load.kind} on {', '.join(load.on)}") for name, load in scene.loads.items()]
+    for name, q in scene.quantities.items():
+        what = f"{q.kind} {getattr(q, q.kind)}" if q.kind != "area" else "area"
+        rows.append((f"quantity {name}", f"{q.take} of {what} at {q.at or 'all'}"))
+    mesh, solve = scene.mesh, scene.solve
+    rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))
+    rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))
+    return rows
+
+
+def listed(names: list[str], most: int = 12) -> str:
+    """How many there are, and the first of them."""
+    more = f", ... {len(names) - most} more" if len(names) > most else ""
+    return f"{len(names)}: {', '.join(names[:most])}{more}" if names else "0"
+
+
+def replayed(scene: Scene, script: Script, outline: Outline) -> dict[str, Any]:
+    """What the script does to the shape: frames, what changes in them, and the edits that are refused."""
+    from restshape.shape.session import EditSession
+
+    frames, seconds = 0, 0.0
+    changes: Counter[str] = Counter()
+    refused = []
+    for frame in EditSession(scene, script, outline=outline).frames():
+        frames += 1
+        seconds = frame.t
+        changes[frame.change] += 1
+        if frame.refused:
+            refused.append({"line": frame.line, "frame": frame.index, "do": frame.do, "why": frame.refused})
+    return {"frames": frames, "seconds": seconds, "changes": dict(changes), "refused": refused}
+
+
+def print_edits(path: Path, edits: dict[str, Any], script: Script) -> None:
+    """Prints the tables of the script."""
+    rows = [("events", len(script.events)), ("frames", edits["frames"]), ("edit time", f"{edits['seconds']:g} s")]
+    rows += [(f"frames with change {change!r}", count) for change, count in edits["changes"].items()]
+    rows.append(("refused frames", len(edits["refused"])))
+    print()
+    print_table(str(path), ("what", "held"), rows)
+    for warning in script.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    if edits["refused"]:
+        print()
+        shown = [(r["line"], r["frame"], r["do"], r["why"]) for r in edits["refused"]]
+        print_table("refused edits", ("line", "frame", "event", "why"), shown, right=("line", "frame"))

@@ -1,0 +1,65 @@
+"""`restshape list`: what is installed."""
+
+import argparse
+import json
+import tomllib
+from pathlib import Path
+
+from restshape.application import Application, applications
+from restshape.cli.options import add_json, open_json, print_table, write_json
+
+SUMMARY = "list the applications with their scenes and edit scripts"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what this command takes."""
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Prints applications, scenes and scripts."""
+    open_json(args)
+    found = {name: held(app) for name, app in applications().items()}
+    print_table("applications", ("name", "summary"), ((name, app["summary"]) for name, app in found.items()))
+    print()
+    rows = [
+        (name, s["path"], ", ".join(s["scripts"]), s["title"]) for name, app in found.items() for s in app["scenes"]
+    ]
+    print_table("scenes", ("application", "scene", "scripts", "title"), rows)
+    write_json(args, found)
+    return 0
+
+
+def held(app: Application) -> dict:
+    """Summary, effects, scenes and scripts of an application."""
+    scripts: dict[str, list[str]] = {}
+    for path in sorted((app.folder / "edits").glob("*.jsonl")):
+        scripts.setdefault(scene_of(path), []).append(path.name)
+    scenes = [
+        {"path": relative(path), "title": title_of(path), "scripts": scripts.get(path.name, [])}
+        for path in app.scenes()
+    ]
+    return {"summary": app.summary, "effects": {n: e.summary for n, e in app.effects.items()}, "scenes": scenes}
+
+
+def relative(path: Path) -> str:
+    """The path as a user here would type it."""
+    here = Path.cwd()
+    return str(path.relative_to(here) if path.is_relative_to(here) else path)
+
+
+def title_of(path: Path) -> str:
+    """The title in a scene file."""
+    try:
+        return str(tomllib.loads(path.read_text(encoding="utf-8")).get("title", ""))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return "(cannot be read: see restshape check)"
+
+
+def scene_of(path: Path) -> str:
+    """The scene that an edit script's header names."""
+    try:
+        with path.open(encoding="utf-8") as lines:
+            return str(json.loads(lines.readline()).get("scene", ""))
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError, AttributeError):
+        return ""

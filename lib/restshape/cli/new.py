@@ -1,0 +1,36 @@
+"""`restshape new`: a commented scene and edit script to start from."""
+
+import argparse
+from pathlib import Path
+
+from restshape.application import application
+from restshape.errors import UserError
+
+SUMMARY = "write a commented scene and edit script to start from"
+FILES = ("scene.toml", "edits.jsonl")
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what this command takes."""
+    parser.add_argument("app", metavar="APP", help="application, as `restshape list` names it")
+    parser.add_argument("dir", metavar="DIR", type=Path, help="folder to write into; made if it is not there")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Writes the two files, never over others."""
+    template = application(args.app, "APP").folder / "template"
+    texts = {name: (template / name).read_text(encoding="utf-8") for name in FILES}
+    for name in FILES:
+        if (args.dir / name).exists():
+            raise UserError("this file is there already", str(args.dir / name), "name another folder")
+    try:
+        args.dir.mkdir(parents=True, exist_ok=True)
+        for name, text in texts.items():
+            (args.dir / name).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UserError(f"cannot write here: {error.strerror}", str(args.dir), "name another folder") from error
+    scene, edits = (args.dir / name for name in FILES)
+    print(f"wrote {scene} and {edits}; next:")
+    print(f"  restshape check {scene} {edits}")
+    print(f"  restshape replay {scene} --edits {edits}")
+    return 0

@@ -1,0 +1,127 @@
+"""What commands share: options on scenes, tables for people, JSON for programs."""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from restshape.errors import UserError
+from restshape.scene.load import load_scene
+from restshape.scene.model import Scene
+
+PLAIN_WIDTH = 160
+"""Columns of a table where there is no terminal."""
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Adds ``--json FILE``."""
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the result for programs into this file")
+
+
+def add_set(parser: argparse.ArgumentParser) -> None:
+    """Adds ``--set key=value``, which may come several times."""
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="change one key of the scene, e.g. --set material.steel.E='70 GPa' (may be given several times)",
+    )
+
+
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """Adds the scene with ``--set`` and ``--json``."""
+    parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.toml)")
+    add_set(parser)
+    add_json(parser)
+
+
+def read_scene(args: argparse.Namespace) -> Scene:
+    """The scene that the command line names, with its overrides; also makes sure that ``--json`` can be written.
+
+    Raises:
+        UserError: a bad scene, or an output that cannot be written.
+    """
+    open_json(args)
+    return load_scene(args.scene, args.set)
+
+
+def open_json(args: argparse.Namespace) -> None:
+    """Makes sure, before any work, that the file of ``--json`` can be written.
+
+    Raises:
+        UserError: it cannot.
+    """
+    check_output(args.json, "--json")
+
+
+def check_output(path: Path | None, option: str) -> None:
+    """Makes sure, before any work, that a file can be written; leaves things as they were.
+
+    Raises:
+        UserError: it cannot.
+    """
+    if path is None:
+        return
+    existed = path.exists()
+    try:
+        path.open("ab").close()
+    except OSError as error:
+        do = "make its folder first" if not path.parent.is_dir() else "name another file"
+        raise UserError(f"{path} cannot be written: {(error.strerror or str(error)).lower()}", option, do) from error
+    if not existed:
+        path.unlink()
+
+
+def write_json(args: argparse.Namespace, data: Any) -> None:
+    """Writes the result for programs, if ``--json`` asks for it.
+
+    Raises:
+        UserError: the file cannot be written.
+    """
+    if args.json is None:
+        return
+    try:
+        args.json.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        what = f"{args.json} cannot be written: {(error.strerror or str(error)).lower()}"
+        raise UserError(what, "--json", "name another file") from error
+
+
+def console() -> Console:
+    """Where tables go: as wide as the terminal, or plain and wide where there is none."""
+    terminal = sys.stdout.isatty()
+    return Console(file=sys.stdout, width=None if terminal else PLAIN_WIDTH, highlight=False, soft_wrap=False)
+
+
+def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]], right: Sequence[str] = ()) -> None:
+    """Prints a table: ruled on a terminal, aligned plain text elsewhere.
+
+    Args:
+        title: one line above.
+        columns: heads.
+        rows: one cell a column; numbers are shown with six digits.
+        right: heads of the columns to align to the right.
+    """
+    out = console()
+    box = {} if out.is_terminal else {"box": None, "pad_edge": False, "padding": (0, 2, 0, 0)}
+    table = Table(header_style="bold", **box)
+    for column in columns:
+        table.add_column(column, justify="right" if column in right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(shown(cell)) for cell in row))
+    out.print(Text(title, style="bold"), soft_wrap=True)
+    out.print(table)
+
+
+def shown(cell: Any) -> str:
+    """A cell as text."""
+    if isinstance(cell, float):
+        return f"{cell:.6g}"
+    return "" if cell is None else str(cell)

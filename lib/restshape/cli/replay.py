@@ -1,0 +1,124 @@
+"""`restshape replay`: replays an edit script against a scene."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from restshape.cli.options import add_scene, check_output, print_table, read_scene, write_json
+from restshape.cli.progress import progress
+from restshape.errors import UserError
+from restshape.policy import POLICIES, policy
+
+LEVELS = {1: "relocation", 2: "reconnection", 3: "reconstruction"}
+SUMMARY = "replay an edit script against a scene: result, cost and error of every frame"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_scene(parser)
+    parser.add_argument("--edits", type=Path, metavar="FILE", help="edit script (.jsonl); default: the first shape only")
+    parser.add_argument("--policy", choices=list(POLICIES), help="what is reused (default: the scene's)")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="recording (.vtkhdf)")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="a row of numbers a frame")
+    parser.add_argument("--parity", action="store_true", help="compare each frame with a cold solve on the same mesh")
+    parser.add_argument("--calibration", type=Path, metavar="FILE", help="seconds a unit of work (default: nominal)")
+
+
+def first_rank() -> bool:
+    """Tell, before MPI starts, whether this process will be rank 0."""
+    ranks = (os.environ.get(key) for key in ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"))
+    return next((rank for rank in ranks if rank), "0") == "0"
+
+
+def run(args: argparse.Namespace) -> int:
+    """Replay; 0 when all frames were replayed, 1 when parity fails, 2 on bad input."""
+    from restshape.application import application
+    from restshape.calibration import Calibration
+    from restshape.replay.request import Request
+    from restshape.scene.script import Header, Script, load_script
+
+    scene = read_scene(args)
+    check_output(args.csv, "--csv")
+    app = application(scene.app, f"{args.scene}: app")
+    script = load_script(args.edits, scene, keep_good=True) if args.edits else Script(Header(format="restshape-edits", version=1), ())
+    chosen = policy(args.policy or scene.solve.policy)
+    request = Request(scene, script, app, chosen, Calibration.load(args.calibration), tuple(args.petsc))
+    first = first_rank()
+    if first:
+        for warning in script.warnings:
+            print(f"note: {warning}", file=sys.stderr)
+    recorder = _start_recorder(args.out, request) if args.out and first else None
+    try:
+        summary = _run(args, request, recorder)
+    except BaseException:
+        if recorder:
+            recorder.close("interrupted")
+        raise
+    if recorder:
+        summary["recording"] = recorder.close()
+    return _tell(args, request, summary) if first else 0
+
+
+def _start_recorder(path: Path, request: Any) -> Any:
+    """The recorder process, started before MPI."""
+    from restshape.replay.columns import columns
+    from restshape.replay.recorder import Recorder
+
+    return Recorder.start(path, request.header(), columns(list(request.scene.quantities)))
+
+
+def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any]:
+    """Start PETSc, run all frames, and sum up."""
+    import petsc4py
+
+    petsc4py.init(["restshape", *args.petsc])
+    from restshape.replay.run import run_replay
+
+    with progress(quiet=not first_rank()) as on_frame:
+        return run_replay(request, recorder, args.parity, args.csv, on_frame)
+
+
+def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> int:
+    """Print the tables, write the JSON file, and give the exit code."""
+    print_summary(summary)
+    write_json(args, {key: value for key, value in summary.items() if key != "rows"})
+    if request.script.problem:
+        kept = "replayed and recorded" if args.out else "replayed"
+        raise UserError(f"{request.script.problem}\n  the {summary['frames']} frames before it were {kept}")
+    return 1 if args.parity and not summary["parity"]["holds"] else 0
+
+
+def print_summary(summary: dict[str, Any]) -> None:
+    """Print the tables of a summary."""
+    print(
+        f"{summary['frames']} frames, {summary['refused']} refused, {summary['unknowns']} unknowns, "
+        f"{summary['elements']} elements, policy {summary['policy']}, {summary['ranks']} rank(s)"
+    )
+    print_table(
+        "time a frame",
+        ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]"),
+        [
+            (f"{k} {LEVELS[k]}", summary["levels"][str(k)], *(f"{v:.3f}" for v in summary["ms"][str(k)].values()))
+            for k in (1, 2, 3)
+        ],
+    )
+    print(
+        f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); "
+        f"{summary['iterations']} iterations, {summary['refreshes']} factorizations"
+    )
+    print_table(
+        "quantities",
+        ("name", "first", "last", "least", "largest"),
+        [
+            (name, *(f"{value:.6g}" for value in (values[0], values[-1], min(values), max(values))))
+            for name, values in summary["quantities"].items()
+        ],
+    )
+    if "parity" in summary:
+        parity = summary["parity"]
+        print(
+            f"parity with cold solves: {'holds' if parity['holds'] else 'FAILS'}; entries differ by at most "
+            f"{parity['entries']:.1e} relative, solutions by {parity['solution']:.1e} in the energy norm"
+        )

@@ -1,0 +1,54 @@
+"""`restshape schema`: the JSON schema of a scene or of an edit script, for editors."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from restshape.application import applications
+from restshape.cli.options import check_output
+from restshape.scene.model import Scene
+from restshape.scene.script import Event, Header
+
+SUMMARY = "write the JSON schema of a scene or of a line of an edit script"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what this command takes."""
+    parser.add_argument("of", choices=("scene", "script"), help="what to describe")
+    parser.add_argument("--out", metavar="FILE", type=Path, help="write into this file, not to the terminal")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Writes the schema."""
+    check_output(args.out, "--out")
+    text = json.dumps(scene_schema() if args.of == "scene" else script_schema(), indent=1)
+    if args.out:
+        args.out.write_text(text + "\n", encoding="utf-8")
+        print(f"wrote {args.out}")
+    else:
+        print(text)
+    return 0
+
+
+def scene_schema() -> dict[str, Any]:
+    """The JSON schema of a scene, with the effects of all installed applications."""
+    schema = Scene.model_json_schema()
+    names = sorted(applications())
+    schema["properties"]["app"] = {"enum": names, "title": "App"}
+    effects = {
+        name: {"description": effect.summary, **effect.model.model_json_schema()}
+        for app in applications().values()
+        for name, effect in app.effects.items()
+    }
+    schema["properties"]["effects"] = {"type": "object", "properties": effects, "additionalProperties": False}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "restshape scene", **schema}
+
+
+def script_schema() -> dict[str, Any]:
+    """The JSON schema of one line of an edit script: the header, or an event."""
+    schema = TypeAdapter(Header | Event).json_schema()
+    title = "one line of a restshape edit script"
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **schema}

@@ -1,0 +1,172 @@
+"""Measures what a unit of counted work costs on this machine."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+import scipy.sparse as sparse
+from petsc4py import PETSc
+from scipy.optimize import nnls
+
+from restshape import _kernels
+from restshape.calibration import Calibration
+
+SIDES = (32, 100)
+"""Grid points a side of the two problems: 2,048 and 20,000 unknowns."""
+TINY_SIDE = 3
+"""Of a problem with so little work that an iteration costs its overhead."""
+
+
+def measure(machine: str) -> Calibration:
+    """The calibration of this machine, from two plates of triangles with two unknowns a node; takes seconds.
+
+    Args:
+        machine: its name, for people.
+    """
+    counts, seconds = zip(*(measure_size(side) for side in SIDES), strict=True)
+    count = {key: np.array([c[key] for c in counts]) for key in counts[0]}
+    took = {key: np.array([s[key] for s in seconds]) for key in seconds[0]}
+    symbolic = fit(took["symbolic"], count["filled"])
+    numeric = fit(took["numeric"] - took["iteration"], count["filled"], count["filled"] ** 1.5)
+    solve = fit(took["solve"], 2.0 * count["filled"])
+    ilu = fit(took["ilu_numeric"], count["ilu"])
+    ilu_solve = fit(took["ilu_solve"], count["ilu"])
+    matvec = fit(took["matvec"], count["nonzeros"])
+    overhead = measure_iteration(*stiffness(*plate(TINY_SIDE)))
+    vectors = fit(np.maximum(0.0, took["iteration"] - took["matvec"] - overhead), count["unknowns"])
+    element = fit(took["assembly"], count["elements"])
+    units = [*symbolic, *numeric, *solve, *ilu, *ilu_solve, *matvec, *vectors, overhead, *element]
+    # Three digits: more would be noise, and a file that people may read.
+    return Calibration(machine, *(float(f"{unit:.3g}") for unit in units))
+
+
+def measure_size(side: int) -> tuple[dict[str, float], dict[str, float]]:
+    """Counts of work and seconds of each operation on one plate of side x side nodes."""
+    X, cells = plate(side)
+    mat, x, b = stiffness(X, cells)
+    filled, cholesky = measure_factor(mat, x, b, "cholesky")
+    ilu_filled, ilu = measure_factor(mat, x, b, "ilu")
+    work = {"unknowns": mat.getSize()[0], "nonzeros": mat.getInfo()["nz_used"], "elements": len(cells)}
+    seconds = {
+        **cholesky,
+        "ilu_numeric": ilu["numeric"],
+        "ilu_solve": ilu["solve"],
+        "matvec": median_seconds(lambda: mat.mult(b, x)),
+        "iteration": measure_iteration(mat, x, b),
+        "assembly": measure_assembly(X, cells),
+    }
+    return {**work, "filled": filled, "ilu": ilu_filled}, seconds
+
+
+def plate(side: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (n, 2) and triangles (ne, 3) int32 of a square plate of side x side nodes."""
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, side), np.linspace(0.0, 1.0, side))
+    first = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
+    lower = np.stack([first, first + 1, first + side + 1], axis=1)
+    upper = np.stack([first, first + side + 1, first + side], axis=1)
+    cells = np.concatenate([lower, upper]).astype(np.int32)
+    return np.ascontiguousarray(np.stack([x.ravel(), y.ravel()], axis=1)), cells
+
+
+def stiffness(X: np.ndarray, cells: np.ndarray) -> tuple[PETSc.Mat, PETSc.Vec, PETSc.Vec]:
+    """A positive definite matrix with the pattern of two unknowns a node of that plate, a vector, a right side."""
+    i, j = cells[:, [0, 1, 2]].ravel(), cells[:, [1, 2, 0]].ravel()
+    graph = sparse.coo_matrix((np.ones(len(i)), (i, j)), shape=(len(X), len(X)))
+    weights = ((graph + graph.T) > 0).astype(float)
+    nodes = sparse.diags(np.asarray(weights.sum(axis=1)).ravel() + 0.01) - weights
+    matrix = sparse.kron(nodes, np.array([[1.0, 0.3], [0.3, 1.0]])).tocsr()
+    matrix.sort_indices()
+    rows, columns = (part.astype(PETSc.IntType) for part in (matrix.indptr, matrix.indices))
+    mat = PETSc.Mat().createAIJ(matrix.shape, csr=(rows, columns, matrix.data), comm=PETSc.COMM_SELF)
+    mat.setOption(PETSc.Mat.Option.SPD, True)
+    x, b = mat.createVecs()
+    b.set(1.0)
+    return mat, x, b
+
+
+def measure_factor(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec, kind: str) -> tuple[float, dict[str, float]]:
+    """Nonzeros of a factor, and seconds of its symbolic part, its numeric part and one solve."""
+
+    def make() -> PETSc.PC:
+        pc = PETSc.PC().create(PETSc.COMM_SELF)
+        pc.setType(kind)
+        pc.setFactorOrdering("amd" if kind == "cholesky" else "natural")
+        if kind == "ilu":
+            pc.setFactorLevels(3)
+        pc.setOperators(mat)
+        pc.setUp()
+        return pc
+
+    whole = median_seconds(make, least=3)
+    pc, diagonal = make(), mat.getValue(0, 0)
+
+    def refresh() -> None:
+        # A value set again makes PETSc take the matrix for a new one of the same pattern.
+        mat.setValue(0, 0, diagonal)
+        mat.assemble()
+        pc.setUp()
+
+    numeric = median_seconds(refresh)
+    filled = pc.getFactorMatrix().getInfo()["nz_used"]
+    solve = median_seconds(lambda: pc.apply(b, x))
+    return filled, {"symbolic": max(0.0, whole - numeric), "numeric": numeric, "solve": solve}
+
+
+def measure_iteration(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> float:
+    """Seconds of an iteration of conjugate gradients without a preconditioner."""
+    ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+    ksp.setType("cg")
+    ksp.getPC().setType("none")
+    ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+    ksp.setTolerances(rtol=1e-300, atol=0.0, max_it=20)
+    ksp.setOperators(mat)
+    ksp.setUp()
+    seconds = median_seconds(lambda: ksp.solve(b, x))
+    return seconds / max(1, ksp.getIterationNumber())
+
+
+def measure_assembly(X: np.ndarray, cells: np.ndarray) -> float:
+    """Seconds of the values of the plate's stiffness matrix on a pattern that stands."""
+    nodes = len(X)
+    operator = _kernels.Operator(False, 2, np.array([0, nodes], dtype=np.int32), 0, "csr")
+    operator.set_topology([cells])
+    operator.set_constraints(np.zeros(2 * nodes, dtype=np.uint8))
+    element = _kernels.Element("linear_elastic_tri3")
+    params = np.array([1.0 if name in ("lambda", "mu", "thickness") else 0.0 for name in element.parameters])
+    x, rhs = np.zeros_like(X), np.zeros(2 * nodes)
+
+    def assemble() -> None:
+        operator.begin()
+        operator.add(0, element, X, x, params, 1.0, rhs)
+        operator.end()
+
+    return median_seconds(assemble)
+
+
+def measure_bandwidth() -> float:
+    """Bytes a second that one core moves between memory and itself, copying arrays larger than its caches."""
+    source = np.ones(16_000_000)
+    target = np.zeros_like(source)
+    return 2.0 * source.nbytes / median_seconds(lambda: np.copyto(target, source), least=5)
+
+
+def median_seconds(run: Callable[[], object], least: int = 7, budget: float = 0.2) -> float:
+    """The median time of a call, over at least `least` calls and about `budget` seconds, after one not counted."""
+    run()
+    times: list[float] = []
+    while len(times) < least or (sum(times) < budget and len(times) < 1000):
+        start = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - start)
+    return float(np.median(times))
+
+
+def fit(seconds: np.ndarray, *counts: np.ndarray) -> np.ndarray:
+    """Seconds a unit of each count, none negative, with the least relative error over the sizes.
+
+    Args:
+        seconds: (sizes,) measured.
+        counts: (sizes,) units of work, one array a kind of work.
+    """
+    floor = np.maximum(seconds, 1e-9)
+    return nnls(np.stack(counts, axis=1) / floor[:, None], seconds / floor)[0]

@@ -1,0 +1,221 @@
+"""Triangle meshes of outlines, made anew (level 3)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from restshape.errors import ReplayProblem
+from restshape.mesh.boundary import Boundary, discretise
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.mesher import triangulate
+from restshape.mesh.numbering import cell_order, node_order
+from restshape.mesh.partition import node_owners
+from restshape.mesh.regions import cell_regions, signed_area
+from restshape.mesh.sizing import GRADING, sizing_of
+from restshape.shape.outline import Outline
+
+EVEN = 1e-3
+"""Mesh edges of one chain whose lengths differ by less than this share count as equally long."""
+
+SWEEPS = 3
+"""Smoothing sweeps after Delaunay refinement: each costs 1 % of the mesher and they raise the mean quality by 0.08."""
+
+
+def generate(outline: Outline, spec: Any, ranks: int = 1) -> Mesh:
+    """A mesh of an outline that resolves all its entities; the same input gives the same mesh, bit for bit.
+
+    Args:
+        outline: a valid shape.
+        spec: the scene's ``MeshSpec``: `size` [m] and `near`, smaller sizes [m] at entities.
+        ranks: number of ranks; nodes are grouped by the rank that owns them.
+
+    Raises:
+        ReplayProblem: this shape cannot be meshed.
+        UserError: `near` names an entity that is not there.
+    """
+    sizing = sizing_of(outline, spec.size, spec.near)
+    boundary = discretise(outline, sizing)
+    runs, runs_of = _runs(boundary)
+    inside = [i for i, around in enumerate(_on_border(outline)) if not around]
+    X, cells = triangulate(
+        boundary.points,
+        runs,
+        [_signed_runs(loop.edges, runs_of) for loop in _border_loops(outline)],
+        [run for edge in inside for run in runs_of[edge]],
+        np.array(outline.embedded, dtype=np.int64),
+        sizing.size,
+        [(attractor.points, attractor.size, GRADING) for attractor in sizing.attractors],
+    )
+    _refuse_broken(outline, boundary, X, cells)
+    _smooth(X, cells, len(boundary.points))
+    return assemble(outline, boundary, X, cells, ranks)
+
+
+def assemble(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndarray, ranks: int) -> Mesh:
+    """A mesh with its nodes and cells in their final order.
+
+    Args:
+        outline: the shape; boundary: its nodes, the first rows of X.
+        X: (n, 2) [m]; cells: (ne, 3) counter-clockwise; ranks: number of ranks.
+
+    Raises:
+        ReplayProblem: an edge of the outline is not made of sides of triangles.
+    """
+    owner = node_owners(X, cells, ranks)
+    order = node_order(X, owner)
+    number = np.empty(len(X), dtype=np.int32)
+    number[order] = np.arange(len(X), dtype=np.int32)
+    X, cells = X[order], number[cells]
+    cells = cells[cell_order(cells)]
+    facets, facet_edge = _facets(outline, boundary)
+    facets = number[facets]
+    node_edge, node_param = np.full(len(X), -1, dtype=np.int32), np.zeros(len(X))
+    on_boundary = number[: len(boundary.points)]
+    node_edge[on_boundary], node_param[on_boundary] = boundary.edge, boundary.param
+    mesh = Mesh.build(
+        X,
+        cells,
+        outline,
+        facets=facets,
+        facet_edge=facet_edge,
+        node_edge=node_edge,
+        node_param=node_param,
+        vertex_node=number[: len(outline.vertex_names)],
+        node_offsets=np.searchsorted(owner[order], np.arange(ranks + 1)),
+    )
+    if mesh.facet_cell.min() < 0:
+        name = outline.edges[facet_edge[np.argmin(mesh.facet_cell)]].name
+        raise ReplayProblem(f"the shape cannot be meshed: edge {name!r} is lost in the mesh")
+    polygons = [
+        X[number[_loop_nodes(loop.edges, boundary)]] for loop in outline.loops if loop.kind == "region"
+    ]
+    if polygons:
+        barrier = np.zeros(len(mesh.edge_nodes), dtype=bool)
+        ends = np.sort(facets, axis=1).astype(np.int64) @ (len(X), 1)
+        barrier[np.searchsorted(mesh.edge_nodes.astype(np.int64) @ (len(X), 1), ends)] = True
+        mesh.cell_region = cell_regions(X, cells, mesh.cell_edges, barrier, polygons)
+    return mesh
+
+
+def _border_loops(outline: Outline) -> list[Any]:
+    """The outline's loop first, then the holes."""
+    return sorted((loop for loop in outline.loops if loop.kind != "region"), key=lambda loop: loop.kind != "outline")
+
+
+def _on_border(outline: Outline) -> list[bool]:
+    """For each edge whether it bounds the material."""
+    border = {edge for loop in _border_loops(outline) for edge, _ in loop.edges}
+    return [edge in border for edge in range(len(outline.edges))]
+
+
+def _runs(boundary: Boundary) -> tuple[list[np.ndarray], list[list[int]]]:
+    """Chains of equally spaced nodes, and for each outline edge the numbers, from 1, of its runs."""
+    runs: list[np.ndarray] = []
+    runs_of: list[list[int]] = []
+    for chain in boundary.chains:
+        lengths = np.hypot(*np.diff(boundary.points[chain], axis=0).T).tolist()
+        own, first = [], 0
+        for i in range(1, len(lengths) + 1):
+            closes = chain[first] == chain[i]
+            if i == len(lengths) or closes or abs(lengths[i] - lengths[first]) > EVEN * lengths[first]:
+                runs.append(chain[first : i + 1])
+                own.append(len(runs))
+                first = i
+        # gmsh takes a run that ends where it starts for a periodic curve.
+        if len(own) == 1 and chain[0] == chain[-1]:
+            half = len(chain) // 2
+            runs[-1:] = [chain[: half + 1], chain[half:]]
+            own.append(len(runs))
+        runs_of.append(own)
+    return runs, runs_of
+
+
+def _signed_runs(edges: tuple[tuple[int, bool], ...], runs_of: list[list[int]]) -> list[int]:
+    """Runs of a loop in its direction, negative where they are passed backwards."""
+    found: list[int] = []
+    for edge, forward in edges:
+        found += runs_of[edge] if forward else [-run for run in reversed(runs_of[edge])]
+    return found
+
+
+def _loop_nodes(edges: tuple[tuple[int, bool], ...], boundary: Boundary) -> np.ndarray:
+    """Nodes of a loop in its direction, each once."""
+    chains = [boundary.chains[edge] if forward else boundary.chains[edge][::-1] for edge, forward in edges]
+    return np.concatenate([chain[:-1] for chain in chains])
+
+
+def _facets(outline: Outline, boundary: Boundary) -> tuple[np.ndarray, np.ndarray]:
+    """Directed node pairs (nf, 2) on all outline edges, material on the left, and their edges (nf,)."""
+    loops = [*_border_loops(outline), *(loop for loop in outline.loops if loop.kind == "region")]
+    direction: dict[int, bool] = {}
+    for loop in loops:
+        for edge, forward in loop.edges:
+            direction.setdefault(edge, forward)
+    pairs, owners = [], []
+    for edge, chain in enumerate(boundary.chains):
+        nodes = chain if direction.get(edge, True) else chain[::-1]
+        pairs.append(np.stack([nodes[:-1], nodes[1:]], axis=1))
+        owners.append(np.full(len(nodes) - 1, edge, dtype=np.int32))
+    return np.concatenate(pairs), np.concatenate(owners)
+
+
+def _areas(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Twice the signed areas (ne,) of triangles [m^2]."""
+    x, y = X[:, 0][cells].T, X[:, 1][cells].T
+    return (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+
+
+def _refuse_broken(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndarray) -> None:
+    """Refuse a mesh that does not fill its boundary, or that has lost a node or a facet of it.
+
+    Raises:
+        ReplayProblem: with what is wrong.
+    """
+    if not len(cells) or cells.min() < 0:
+        raise ReplayProblem("the shape cannot be meshed: the mesher left its boundary")
+    double = _areas(X, cells)
+    if np.sum(double) < 0.0:
+        cells[:, 1:] = cells[:, :0:-1].copy()
+        double = -double
+    wanted = sum(
+        signed_area(boundary.points[_loop_nodes(loop.edges, boundary)]) for loop in _border_loops(outline)
+    )
+    if double.min() <= 0.0 or abs(0.5 * double.sum() - wanted) > 1e-9 * abs(wanted):
+        raise ReplayProblem("the shape cannot be meshed: its boundary touches or crosses itself at this mesh size")
+    used = np.zeros(len(X), dtype=bool)
+    used[cells] = True
+    if not used.all():
+        x, y = X[np.argmin(used)]
+        raise ReplayProblem(f"the shape cannot be meshed: the point ({x:.6g}, {y:.6g}) lies outside the material")
+
+
+def _smooth(X: np.ndarray, cells: np.ndarray, fixed: int) -> None:
+    """Move each inner node to the mean of its neighbours a few times; the worst triangle never gets worse.
+
+    Args:
+        X: (n, 2) [m], changed; cells: (ne, 3); fixed: number of nodes, the first ones, that stay.
+    """
+    corners, count = cells.ravel(), len(X)
+    weight = 0.5 / np.bincount(corners, minlength=count)[fixed:]
+    worst = _shape_factors(X, cells).min()
+    for _ in range(SWEEPS):
+        former = X.copy()
+        for axis in (0, 1):
+            own = X[:, axis][cells]
+            # Around an inner node each neighbour is met in two triangles.
+            others = own.sum(axis=1, keepdims=True) - own
+            X[fixed:, axis] = np.bincount(corners, weights=others.ravel(), minlength=count)[fixed:] * weight
+        bad = cells[_shape_factors(X, cells) < worst]
+        while len(bad):
+            X[bad] = former[bad]
+            again = cells[_shape_factors(X, cells) < worst]
+            bad = again[np.any(X[again] != former[again], axis=(1, 2))]
+
+
+def _shape_factors(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Area over the sum of squared sides (ne,) of triangles: a cheap measure of quality, negative if inverted."""
+    x, y = X[:, 0][cells].T, X[:, 1][cells].T
+    squares = sum((x[i] - x[i - 1]) ** 2 + (y[i] - y[i - 1]) ** 2 for i in range(3))
+    return ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / squares

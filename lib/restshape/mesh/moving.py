@@ -1,0 +1,266 @@
+"""The mesh of a shape under edit: relocated, reconnected or reconstructed from frame to frame."""
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.errors import ReplayProblem
+from restshape.mesh.generate import generate
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.quality import thresholds
+from restshape.mesh.reconnect import Reconnection
+from restshape.mesh.relocate import Boundary, Extension, extension, motion
+from restshape.scene.model import MeshSpec
+from restshape.shape.gesture import Gesture
+from restshape.shape.outline import Outline
+from restshape.shape.session import EditFrame
+
+SWEEPS = 2
+"""Spring sweeps a frame: even, so that they do not swing (thesis, 4.2.3)."""
+
+FRESH_SHARE = 0.75
+"""A mesh counts as distorted only below this share of its quality when new: else an awkward shape would be meshed anew
+in every frame."""
+
+NO_CELLS = np.empty(0, dtype=np.int32)
+# Versions after flips count downwards, so that they never meet those of generated meshes.
+_reconnections = itertools.count(-1, -1)
+
+
+@dataclass(slots=True)
+class Advance:
+    """What a frame did to the mesh.
+
+    Args:
+        level: 0 idle, 1 relocation, 2 reconnection, 3 reconstruction.
+        flips: number of flipped edges.
+        changed_cells: cells (int32, ascending) whose nodes changed by flips.
+        min_quality: smallest quality of a triangle afterwards, 1 for equilateral.
+        old_mesh: level 3: the mesh before, where it could be relocated to the new shape, else as it lay.
+        stages: seconds spent in "relocate", "map", "flip" and "mesh".
+    """
+
+    level: int
+    flips: int
+    changed_cells: np.ndarray
+    min_quality: float
+    old_mesh: Mesh | None = None
+    stages: dict[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def nothing(cls, min_quality: float = float("nan")) -> "Advance":
+        """An idle frame."""
+        return cls(0, 0, NO_CELLS, min_quality)
+
+
+class MovingMesh:
+    """Keeps a mesh on a shape that is being edited, with as little change as its quality allows.
+
+    Positions, and cells after flips, change in the arrays of ``mesh``; a reconstruction replaces ``mesh``.
+
+    Args:
+        outline: the first shape.
+        spec: how fine, of which relocation and criterion.
+        ranks: number of parts that the nodes are numbered by.
+        regenerate: a new mesh in every frame that moves.
+        broadcast: calls a function on rank 0 and returns its result, or raises its error, on every rank.
+        relocation, criterion: instead of the spec's.
+        imported: a mesh of the first shape, used instead of generating one.
+
+    Source: THEORY.md section 1.
+    """
+
+    mesh: Mesh
+
+    def __init__(
+        self,
+        outline: Outline,
+        spec: MeshSpec,
+        ranks: int = 1,
+        *,
+        regenerate: bool = False,
+        broadcast: Callable[[Callable[[], Any]], Any] | None = None,
+        relocation: str | None = None,
+        criterion: str | None = None,
+        imported: Mesh | None = None,
+    ) -> None:
+        self.outline, self.spec, self.ranks, self.regenerate = outline, spec, ranks, regenerate
+        self._broadcast = broadcast or (lambda make: make())
+        self._chosen_relocation, self._chosen_criterion, self._imported = relocation, criterion, imported
+        self._gesture: Gesture | None = None
+        self._c = (0.0, 0.0)
+        self._stale = True
+        self.min_quality = float("nan")
+
+    @property
+    def relocation(self) -> str:
+        """Kind of relocation in force: "harmonic", "mvc" or "laplacian"."""
+        return self._chosen_relocation or self.spec.relocation
+
+    @property
+    def gesture(self) -> Gesture | None:
+        """The gesture that the map belongs to."""
+        return self._gesture
+
+    @property
+    def Psi(self) -> np.ndarray:
+        """Node displacements (2, n, 2) a unit of the gesture's coefficients; computed when first asked for on a mesh.
+
+        Source: THEORY.md section 8.
+        """
+        if self._Psi is None:
+            if self._gesture is None or self._gesture.basis is None:
+                self._Psi = np.zeros((2, *self.mesh.X.shape))
+            else:
+                basis = self._boundary.basis(self.mesh.outline, self._gesture.basis)
+                self._Psi = motion(self.mesh, basis, self.relocation, self._extension())
+        return self._Psi
+
+    def advance(self, frame: EditFrame) -> Advance:
+        """What the frame did to the mesh, which now lies on the frame's outline.
+
+        Raises:
+            ReplayProblem: no valid mesh for the frame; the one before is kept.
+        """
+        if frame.refused is not None or frame.change in ("none", "values"):
+            return self._rest(frame)
+        if frame.change == "move":
+            if frame.gesture is self._gesture and frame.gesture.linear and frame.c == self._c and not self._stale:
+                return Advance.nothing(self.min_quality)
+            if not (self._stale or self.regenerate):
+                return self._follow(frame)
+        elif frame.change == "mesh":
+            self.spec = frame.scene.mesh
+        return self._reconstruct(frame, {})
+
+    def _rest(self, frame: EditFrame) -> Advance:
+        """A frame in which the shape stays; pressing makes the map of the gesture that begins."""
+        advance = Advance.nothing(self.min_quality)
+        if frame.do == "press" and frame.gesture is not None and not (self._stale or self.regenerate):
+            self._hold(frame, advance.stages)
+        return advance
+
+    def _follow(self, frame: EditFrame) -> Advance:
+        """Relocate; flip, or reconstruct, where that is not enough."""
+        stages: dict[str, float] = {}
+        mesh = self.mesh
+        if frame.gesture is not self._gesture or self._Psi is None:
+            self._hold(frame, stages)
+        start = perf_counter()
+        self._before[...] = mesh.X
+        verdict = self._place(frame)
+        stages["relocate"] = perf_counter() - start
+        flips, changed = 0, NO_CELLS
+        if verdict[1] or verdict[2]:
+            flips, changed, verdict = self._mend(frame, verdict, stages)
+            if flips:
+                mesh.topology = next(_reconnections)
+            if verdict[1]:
+                mesh.X[...] = self._before
+                return self._reconstruct(frame, stages)
+        mesh.outline = frame.outline
+        mesh.geometry += 1
+        if verdict[2]:
+            return self._reconstruct(frame, stages)
+        self._c, self.min_quality = frame.c, verdict[0]
+        return Advance(2 if flips else 1, flips, changed, verdict[0], None, stages)
+
+    def _place(self, frame: EditFrame) -> tuple[float, int, int]:
+        """Move the nodes to where the frame wants them; quality, inverted and distorted triangles there."""
+        mesh, (c0, c1) = self.mesh, frame.c
+        if not frame.gesture.linear:
+            target = self._boundary.values(frame.outline, frame.outline.points)
+            self._Psi[0] = self._extension()(target - self._reference[self._boundary.nodes])
+            c0, c1 = 1.0, 0.0
+        else:
+            c0, c1 = c0 - self._c_reference[0], c1 - self._c_reference[1]
+        floors = self._area_floor, self._quality_floor
+        if self.relocation == "laplacian":
+            fixed = self._fixed
+            return _kernels.relax_and_check(
+                self._reference, self._Psi, c0, c1, mesh.X, mesh.cells, mesh.edge_nodes, fixed, SWEEPS, *floors
+            )
+        return _kernels.move_and_check(self._reference, self._Psi, c0, c1, mesh.X, mesh.cells, *floors)
+
+    def _mend(
+        self, frame: EditFrame, verdict: tuple[float, int, int], stages: dict[str, float]
+    ) -> tuple[int, np.ndarray, tuple[float, int, int]]:
+        """Flips, the cells they changed, and the verdict afterwards."""
+        start = perf_counter()
+        X, flips, changed = self.mesh.X, 0, NO_CELLS
+        if verdict[1]:
+            X[...] = self._before
+            flips, changed = self._reconnection.flip(X)
+            if flips:
+                verdict = self._place(frame)
+        if verdict[2] and not verdict[1]:
+            more, cells = self._reconnection.flip(X)
+            if more:
+                verdict = _kernels.check_cells(X, self.mesh.cells, self._area_floor, self._quality_floor)
+            flips, changed = flips + more, np.union1d(changed, cells)
+        stages["flip"] = perf_counter() - start
+        return flips, changed, verdict
+
+    def _hold(self, frame: EditFrame, stages: dict[str, float]) -> None:
+        """Take up a gesture: where the nodes lie now becomes its reference, and its map is made."""
+        start = perf_counter()
+        if frame.gesture is not self._gesture:
+            self._gesture, self._Psi = frame.gesture, None
+            self._set_reference((0.0, 0.0))
+        if frame.gesture.linear:
+            self.Psi  # noqa: B018  made here, so that its time counts as the map's
+        else:
+            self._extension()
+            self._Psi = np.zeros((2, *self.mesh.X.shape))
+        stages["map"] = perf_counter() - start
+
+    def _set_reference(self, c: tuple[float, float]) -> None:
+        self._reference = self.mesh.X.copy()
+        self._c_reference = self._c = c
+
+    def _extension(self) -> Extension:
+        """The extension of the boundary into the mesh as it lay when the gesture, or the mesh, was new."""
+        version = (self.mesh.topology, self.mesh.geometry)
+        if self._carry is None or (self._carry_version != version and self._Psi is None):
+            self._carry = extension(self.mesh, self._boundary.nodes, self.relocation)
+            self._carry_version = version
+        return self._carry
+
+    def _reconstruct(self, frame: EditFrame, stages: dict[str, float]) -> Advance:
+        """Replace the mesh by a new one of the frame's outline."""
+        start = perf_counter()
+        old = None if frame.change == "start" else self.mesh
+        self._stale = True
+        if frame.gesture is not None:
+            self._gesture, self._c = frame.gesture, frame.c
+        if self._imported is not None and frame.change == "start":
+            mesh = self._imported
+        else:
+            mesh = self._broadcast(lambda: generate(frame.outline, self.spec, self.ranks))
+        criterion = self._chosen_criterion or self.spec.criterion
+        quality_floor, area_floor = thresholds(criterion, self.spec.min_quality, mesh.X, mesh.edge_nodes)
+        quality, inverted, _ = _kernels.check_cells(mesh.X, mesh.cells, area_floor, 0.0)
+        if inverted or not len(mesh.cells):
+            raise ReplayProblem(f"no valid mesh of the shape: {inverted} of {len(mesh.cells)} triangles have no area")
+        self._adopt(mesh)
+        self._area_floor, self._quality_floor = area_floor, min(quality_floor, FRESH_SHARE * quality)
+        self._set_reference(self._c)
+        self.min_quality, self._stale = quality, False
+        stages["mesh"] = perf_counter() - start
+        return Advance(3, 0, NO_CELLS, quality, old, stages)
+
+    def _adopt(self, mesh: Mesh) -> None:
+        self.mesh = mesh
+        self._boundary = Boundary(mesh)
+        self._reconnection = Reconnection(mesh)
+        self._fixed = np.zeros(len(mesh.X), dtype=np.uint8)
+        self._fixed[self._boundary.nodes] = 1
+        self._before = np.empty_like(mesh.X)
+        self._carry: Extension | None = None
+        self._carry_version = (0, 0)
+        self._Psi: np.ndarray | None = None

@@ -1,0 +1,63 @@
+"""Shape quality of triangles, vectorised: the reference that the compiled check is held against, and for reports."""
+
+import numpy as np
+
+EQUILATERAL_RATIO = 2.0 * np.sqrt(3.0)
+"""Longest edge over inscribed radius of an equilateral triangle."""
+
+AUTHOR_RATIO = 15.0
+"""The author's limit for longest edge x half perimeter / area: beyond it a triangle is distorted."""
+
+AUTHOR_AREA = 1e-5
+"""The author's limit for area over the mean edge squared: below it a triangle is inverted."""
+
+
+def areas(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Signed areas (ne,) [m^2], positive counterclockwise.
+
+    Args:
+        X: (n, 2) node positions [m].
+        cells: (ne, 3) nodes of the triangles.
+    """
+    a, b, c = X[cells[:, 0]], X[cells[:, 1]], X[cells[:, 2]]
+    u, v = b - a, c - a
+    return 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+
+
+def edge_lengths(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Lengths (ne, 3) [m] of the edges opposite to the corners."""
+    corners = X[cells]
+    return np.linalg.norm(corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]], axis=2)
+
+
+def author_ratios(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Longest edge x half perimeter / area (ne,), 3.46 for an equilateral triangle; negative where inverted.
+
+    Source: THEORY.md section 1.
+    """
+    lengths = edge_lengths(X, cells)
+    return lengths.max(axis=1) * 0.5 * lengths.sum(axis=1) / areas(X, cells)
+
+
+def qualities(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Inscribed radius over longest edge (ne,), scaled to 1 for an equilateral triangle; negative where inverted.
+
+    Source: THEORY.md section 1; it equals 2 sqrt(3) over the author's ratio.
+    """
+    lengths = edge_lengths(X, cells)
+    return EQUILATERAL_RATIO * 2.0 * areas(X, cells) / (lengths.sum(axis=1) * lengths.max(axis=1))
+
+
+def thresholds(criterion: str, min_quality: float, X: np.ndarray, edge_nodes: np.ndarray) -> tuple[float, float]:
+    """Quality below which a triangle is distorted, and area [m^2] up to which it is inverted.
+
+    Args:
+        criterion: "quality" (min_quality, area 0) or "author" (the thresholds of the author's released code).
+        min_quality: between 0 and 1; used by "quality".
+        X: (n, 2) node positions of a fresh mesh [m].
+        edge_nodes: (n_edges, 2) its edges.
+    """
+    if criterion == "quality":
+        return min_quality, 0.0
+    mean_edge = np.linalg.norm(X[edge_nodes[:, 1]] - X[edge_nodes[:, 0]], axis=1).mean()
+    return EQUILATERAL_RATIO / AUTHOR_RATIO, AUTHOR_AREA * mean_edge**2

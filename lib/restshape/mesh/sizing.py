@@ -1,0 +1,87 @@
+"""How long mesh edges should be: the size of a scene, smaller near entities, in bends and in narrow places."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from restshape.errors import UserError
+from restshape.mesh.regions import contains, loop_polygon
+from restshape.shape.outline import Outline
+
+GRADING = 0.3
+"""Growth of the size with the distance from where it is smaller."""
+
+DEFAULT_CELLS = 2000
+"""Triangles that a scene gets whose mesh has no size."""
+
+CELLS_PER_SQUARE = 2.6
+"""Triangles in a square of one size, as the mesher makes them."""
+
+
+@dataclass(frozen=True)
+class Attractor:
+    """Points (m, 2) around which the size is `size` [m]."""
+
+    points: np.ndarray
+    size: float
+
+
+@dataclass(frozen=True)
+class Sizing:
+    """Mesh size of a shape [m], and where it is smaller."""
+
+    size: float
+    attractors: tuple[Attractor, ...]
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Size (m,) wanted at points (m, 2)."""
+        wanted = np.full(len(points), self.size)
+        for attractor in self.attractors:
+            distance, _ = cKDTree(attractor.points).query(points)
+            # The attractor's points stand at most one size apart.
+            np.minimum(wanted, attractor.size + GRADING * np.maximum(distance - attractor.size, 0.0), out=wanted)
+        return wanted
+
+
+def sizing_of(outline: Outline, size: float | None, near: dict[str, float]) -> Sizing:
+    """The sizing that a scene's ``[mesh]`` asks for.
+
+    Args:
+        outline: the shape.
+        size: length of mesh edges [m]; None: such that there are about 2,000 triangles.
+        near: smaller sizes [m] on entities; a larger one than `size` has no effect.
+
+    Raises:
+        UserError: an entity of `near` is not there, or a size is not a positive length.
+    """
+    if size is None:
+        size = float(np.sqrt(outline.area() * CELLS_PER_SQUARE / DEFAULT_CELLS))
+    attractors = []
+    for name, length in near.items():
+        if not 0.0 < length < np.inf:
+            raise UserError(f"{length} is no mesh size", f"mesh.near.{name}", "give a positive length")
+        if length < size:
+            attractors.append(Attractor(_points_of(outline, name, length), length))
+    if not 0.0 < size < np.inf:
+        raise UserError(f"{size} is no mesh size", "mesh.size", "give a positive length")
+    return Sizing(size, tuple(attractors))
+
+
+def _points_of(outline: Outline, name: str, spacing: float) -> np.ndarray:
+    """Points on an entity, and inside it if it is a region, no farther apart than `spacing`."""
+    entity = outline.entity(name)
+    parts = [outline.points[list(entity.vertices)]]
+    for edge in entity.edges:
+        count = int(np.ceil(1.5 * outline.length(edge) / spacing)) + 1
+        parts.append(outline.point(edge, np.linspace(0.0, 1.0, count + 1)))
+    for i in entity.loops:
+        if outline.loops[i].kind == "region":
+            polygon = loop_polygon(outline, outline.loops[i])
+            low, high = polygon.min(axis=0), polygon.max(axis=0)
+            grid = np.meshgrid(*(np.arange(a, b, spacing) for a, b in zip(low, high)))
+            inner = np.stack([axis.ravel() for axis in grid], axis=1)
+            parts.append(inner[contains(polygon, inner)])
+    return np.concatenate(parts)

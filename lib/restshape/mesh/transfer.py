@@ -1,0 +1,39 @@
+"""Transfer of nodal fields from an old mesh to a new one."""
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.mesh.mesh import Mesh
+
+
+class Transfer:
+    """Interpolation from the nodes of one mesh to points, found once for any number of fields.
+
+    A point outside the mesh takes the value of the nearest boundary point.
+
+    Args:
+        mesh: where the fields live.
+        points: (m, 2) where they are wanted [m].
+    """
+
+    def __init__(self, mesh: Mesh, points: np.ndarray) -> None:
+        found, self.weights = _kernels.locate(mesh.X, mesh.cells, np.ascontiguousarray(points, dtype=float))
+        self.nodes = mesh.cells[found]
+
+    def __call__(self, field: np.ndarray) -> np.ndarray:
+        """Values (m, f) at the points.
+
+        Args:
+            field: (n, f) values at the nodes.
+        """
+        return np.einsum("ij,ijk->ik", self.weights, field[self.nodes])
+
+
+def transfer(old: Mesh, new: Mesh, field: np.ndarray) -> np.ndarray:
+    """Values (n_new, f) of a nodal field of the old mesh at the nodes of the new one; exact for linear fields.
+
+    Args:
+        old, new: meshes of nearly the same shape.
+        field: (n_old, f) values.
+    """
+    return Transfer(old, new.X)(field)

@@ -1,0 +1,106 @@
+"""Quantities of interest: numbers that a scene asks for, taken from a solid's displacement."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.errors import UserError
+from restshape.physics.solid import LinearSolid
+from restshape.scene.model import Quantity
+
+TAKES = {"max": np.max, "min": np.min, "mean": np.mean, "sum": np.sum, "absmax": lambda v: np.max(np.abs(v))}
+
+
+def von_mises(s: np.ndarray) -> np.ndarray:
+    """Equivalent stresses (n,) [Pa] of plane stress states s (n, 4): xx, yy, xy, zz."""
+    xx, yy, xy, zz = s.T
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * xy**2)
+
+
+def principal(s: np.ndarray, sign: float) -> np.ndarray:
+    """The larger (sign 1) or smaller (sign -1) in-plane principal stresses (n,) [Pa] of states s (n, 4)."""
+    xx, yy, xy, _ = s.T
+    return 0.5 * (xx + yy) + sign * np.hypot(0.5 * (xx - yy), xy)
+
+
+COMPONENTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "xx": lambda s: s[:, 0],
+    "yy": lambda s: s[:, 1],
+    "xy": lambda s: s[:, 2],
+    "von_mises": von_mises,
+    "max_principal": lambda s: principal(s, 1.0),
+    "min_principal": lambda s: principal(s, -1.0),
+}
+
+
+class Observer:
+    """Evaluates the quantities of a scene for a solid on its mesh.
+
+    Stresses are recovered at nodes: the mean over the elements around a node, weighted with their areas.
+
+    Args:
+        physics: the solid, on the mesh whose nodes are looked at.
+        quantities: by name, as in the scene.
+
+    Raises:
+        UserError: a quantity names a place where it has no meaning.
+    """
+
+    def __init__(self, physics: LinearSolid, quantities: dict[str, Quantity]) -> None:
+        self.physics, self.mesh = physics, physics.mesh
+        self.functions = {name: self._function(name, quantity) for name, quantity in quantities.items()}
+        self._nodal: np.ndarray | None = None
+        self._cells: dict[str, tuple[int, np.ndarray]] = {}
+
+    def __call__(self, x: np.ndarray) -> dict[str, float]:
+        """All quantities at the displacement x (n, 2) [m]."""
+        self._nodal = None
+        return {name: float(function(x)) for name, function in self.functions.items()}
+
+    def nodal_stress(self, x: np.ndarray) -> np.ndarray:
+        """Recovered stresses (n, 4) [Pa] at the nodes, computed once a frame."""
+        if self._nodal is None:
+            self._nodal = np.empty((len(self.mesh.X), 4))
+            _kernels.nodal_average(self.mesh.X, self.mesh.cells, self.physics.stress(x), self._nodal)
+        return self._nodal
+
+    def _function(self, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+        if quantity.area:
+            return lambda x: _kernels.total_area(self.mesh.X, self.mesh.cells)
+        if quantity.energy:
+            return self.physics.energy
+        nodes = self._nodes(name, quantity)
+        take = TAKES[quantity.take]
+        if quantity.reaction:
+            column = "xy".index(quantity.reaction)
+            return lambda x: self.physics.reaction(x, nodes, self._around(name, nodes))[:, column].sum()
+        if quantity.stress:
+            component = COMPONENTS[quantity.stress]
+            return lambda x: take(component(self.nodal_stress(x)[nodes]))
+        if quantity.displacement == "magnitude":
+            return lambda x: take(np.hypot(x[nodes, 0], x[nodes, 1]))
+        column = "xy".index(quantity.displacement)
+        return lambda x: take(x[nodes, column])
+
+    def _around(self, name: str, nodes: np.ndarray) -> np.ndarray:
+        """The cells around the nodes of a quantity, found once a topology."""
+        version, cells = self._cells.get(name, (None, None))
+        if version != self.mesh.topology:
+            cells = self.physics.cells_around(nodes)
+            self._cells[name] = (self.mesh.topology, cells)
+        return cells
+
+    def _nodes(self, name: str, quantity: Quantity) -> np.ndarray | slice:
+        if quantity.at is None:
+            if quantity.reaction:
+                raise UserError("a reaction needs a place", f"quantities.{name}", 'say where, e.g. at = "left"')
+            return slice(None)
+        nodes = self.mesh.nodes_of(quantity.at)
+        if len(nodes) == 0:
+            raise UserError(
+                f"{quantity.at!r} holds no node of the mesh",
+                f"quantities.{name}.at",
+                "name a vertex, an edge or a region",
+            )
+        return nodes

@@ -1,0 +1,62 @@
+"""Policies of reuse: which results of the frames before a frame may lean on."""
+
+from dataclasses import dataclass
+
+from restshape.errors import UserError
+
+
+@dataclass(frozen=True)
+class Policy:
+    """What a replay keeps from frame to frame.
+
+    Args:
+        name: as on the command line.
+        summary: one line for people.
+        regenerate: a new mesh in every frame that moves.
+        solver: method of `algebra.linear.LinearSolver`.
+        transfer: carry the solution to a new mesh as a guess.
+        extrapolate: guess along the last two solutions of a drag.
+        relocation: relocation of nodes in place of the scene's.
+        criterion: distortion criterion in place of the scene's.
+        backend: assembly backend, None for the default.
+    """
+
+    name: str
+    summary: str
+    regenerate: bool = False
+    solver: str = "stale"
+    transfer: bool = True
+    extrapolate: bool = True
+    relocation: str | None = None
+    criterion: str | None = None
+    backend: str | None = None
+
+
+POLICIES = {
+    policy.name: policy
+    for policy in (
+        Policy("rebuild", "a new mesh and all from nothing in each frame", True, "direct", False, False),
+        Policy("refactor", "the mesh moves, the factor is made anew in each frame", False, "direct", False, False),
+        Policy(
+            "thesis",
+            "two spring sweeps, CG with ILU(3) kept until the mesh is rebuilt",
+            solver="ilu",
+            transfer=False,
+            extrapolate=False,
+            relocation="laplacian",
+            criterion="author",
+        ),
+        Policy("auto", "an old complete factor, refreshed when counted work says that it pays"),
+    )
+}
+
+
+def policy(name: str) -> Policy:
+    """The policy of that name.
+
+    Raises:
+        UserError: there is none.
+    """
+    if name not in POLICIES:
+        raise UserError(f"no policy is named {name!r}", "--policy", f"use one of: {', '.join(POLICIES)}")
+    return POLICIES[name]

@@ -1,0 +1,20 @@
+"""The columns of a recording's table: one row a frame."""
+
+from typing import Any
+
+import numpy as np
+
+STAGES = ("edit", "relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe", "record")
+
+
+def columns(quantities: list[str]) -> dict[str, Any]:
+    """Name to numpy type, or `str`, of each column, for a scene with these quantities."""
+    integers = ("index", "line", "level", "flips", "age", "refreshed", "iterations", "unknowns", "elements")
+    reals = ("t", "min_quality", "residual", "ms", *(f"ms_{name}" for name in STAGES), "ms_python")
+    return {
+        **dict.fromkeys(integers, np.int64),
+        **dict.fromkeys(reals, np.float64),
+        **{f"q_{name}": np.float64 for name in quantities},
+        "do": str,
+        "refused": str,
+    }

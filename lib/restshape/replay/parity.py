@@ -1,0 +1,55 @@
+"""Reuse equals rebuild: each frame against a cold solve on the mesh that it was computed on."""
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from restshape.replay.loop import Replay
+
+ENTRIES = 1e-13
+
+
+class Parity:
+    """Compares the frames of a replay with cold ones: new pattern, new values, new factor, no guess.
+
+    Entries are compared relative to the largest; solutions in the energy norm, relative to the cold one, and must
+    agree within the solver tolerance.
+
+    Args:
+        replay: looked at after each of its frames.
+    """
+
+    def __init__(self, replay: Replay) -> None:
+        self.replay = replay
+        self.entries = self.solution = 0.0
+        self.tolerance = replay.session.scene.solve.tolerance
+
+    def __call__(self) -> dict[str, float]:
+        """The two differences in the frame just computed."""
+        hot, cold = self.replay.analysis.system(), self.replay.analysis.cold_system()
+        entries = matrix_difference(hot.matrix, cold.matrix)
+        solution = energy_distance(cold.matrix, hot.solution, cold.solution)
+        self.entries, self.solution = max(self.entries, entries), max(self.solution, solution)
+        return {"parity_entries": entries, "parity_solution": solution}
+
+    def summary(self) -> dict[str, Any]:
+        """The largest differences over all frames, and whether they are small enough."""
+        holds = self.entries <= ENTRIES and self.solution <= self.tolerance
+        return {"entries": self.entries, "solution": self.solution, "tolerance": self.tolerance, "holds": bool(holds)}
+
+
+def matrix_difference(a: sp.csr_matrix, b: sp.csr_matrix) -> float:
+    """The largest difference of two matrices' entries over the largest entry."""
+    scale = abs(b).max()
+    return float(abs(a - b).max() / scale) if scale else float(abs(a).max())
+
+
+def energy_distance(matrix: sp.csr_matrix, x: np.ndarray, reference: np.ndarray) -> float:
+    """The energy norm of x - reference over that of reference."""
+
+    def norm(v: np.ndarray) -> float:
+        return float(np.sqrt(max(0.0, v @ (matrix @ v))))
+
+    scale = norm(reference)
+    return norm(x - reference) / scale if scale else norm(x)

@@ -1,0 +1,314 @@
+"""The solver's side of a recording: hands frames to a process of its own that writes them.
+
+Import and start this before MPI starts: the recorder process must be no child of an MPI process. It imports no PETSc, no MPI, no HDF5.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.replay import ring as rings
+from restshape.replay.rows import RowPacker, row_dtype
+
+RING_BYTES = 32 << 20
+_MPI_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PRTE_", "HYDRA_", "MPI_LOCAL")
+_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_CELL_TYPES = {2: 3, 3: 5, 6: 22, 4: 10, 10: 24}
+_CHECK_EVERY = 64
+
+
+class Recorder:
+    """A recording that is being written; made by `Recorder.start`, closed by `close` or at the end of a ``with`` block.
+
+    Attributes:
+        frames: frames handed over.
+        stalls: times that a frame waited because the ring was full.
+        stalled_s: how long those waits took [s].
+        process_id: of the process that writes.
+        result: after `close`: frames, bytes, status, cpu_s, lag_s, batches, stalls.
+    """
+
+    def __init__(self, path: Path, ring: rings.Ring, process: subprocess.Popen, pipes: tuple[int, int, int]) -> None:
+        self.path = path
+        self.frames = self.stalls = 0
+        self.stalled_s = 0.0
+        self.result: dict[str, Any] = {}
+        self.process_id = process.pid
+        self._ring, self._process = ring, process
+        self._commands, self._control, self._answers = pipes
+        self._packer = RowPacker(np.dtype([]))
+        self._inbox = b""
+        self._state = "starting"
+        self._shape: tuple[Any, ...] = ()
+        self._cells = -1
+
+    @classmethod
+    def start(cls, path: str | Path, header: Mapping[str, Any], columns: Mapping[str, Any], wait: bool = True) -> "Recorder":
+        """A recorder whose process runs and, with ``wait``, has opened the file.
+
+        Args:
+            path: of the recording, overwritten if it is one.
+            header: JSON-like; more can follow by `add_header`.
+            columns: name -> numpy type or ``str`` of the table's columns.
+            wait: False returns at once; `ready` waits, as does the first frame.
+
+        Raises:
+            UserError: the file cannot be written.
+        """
+        path = Path(path)
+        _refuse_other_files(path)
+        dtype = row_dtype(columns)
+        opening = {
+            "path": str(path.resolve()),
+            "header": dict(header),
+            "columns": [[name, dtype[name].str] for name in columns],
+        }
+        data = json.dumps(opening, allow_nan=False).encode()
+        ring = _new_ring(max(RING_BYTES, 4 * len(data)))
+        inputs, control, answers = os.pipe(), os.pipe(), os.pipe()
+        theirs = (ring.fd, inputs[0], control[0], answers[1])
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "restshape.replay.recorder_process", *map(str, theirs)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            pass_fds=theirs,
+            start_new_session=True,
+            env={key: value for key, value in os.environ.items() if not key.startswith(_MPI_VARIABLES)},
+        )
+        for fd in theirs[1:]:
+            os.close(fd)
+        recorder = cls(path, ring, process, (inputs[1], control[1], answers[0]))
+        recorder._packer = RowPacker(dtype)
+        recorder._send(rings.HEADER, data)
+        recorder._wake()
+        if wait:
+            recorder.ready()
+        return recorder
+
+    def ready(self) -> None:
+        """Returns once the file is open.
+
+        Raises:
+            UserError: it cannot be written.
+        """
+        if self._state == "starting":
+            self._answer("ready")
+            self._state = "open"
+
+    def add_header(self, extra: Mapping[str, Any]) -> None:
+        """Merges more keys into the header, such as versions that are known after MPI has started."""
+        self.ready()
+        self._send(rings.NOTE, json.dumps(dict(extra), allow_nan=False).encode())
+
+    def topology(self, cells: np.ndarray, cell_type: int | None = None) -> None:
+        """Cells that hold from the next frame on.
+
+        Args:
+            cells: (ne, nodes an element) node indices.
+            cell_type: VTK's number; default by the node count (2 line, 3 and 6 triangle, 4 and 10 tetrahedron).
+        """
+        self.ready()
+        cells = np.ascontiguousarray(cells, dtype=np.int32)
+        kind = _CELL_TYPES[cells.shape[1]] if cell_type is None else cell_type
+        self._send(rings.TOPOLOGY, cells, cells.shape[1], kind)
+        if len(cells) != self._cells:
+            self._cells = len(cells)
+            self._shape = ()
+
+    def frame(
+        self,
+        t: float,
+        X: np.ndarray,
+        point_data: Mapping[str, np.ndarray],
+        cell_data: Mapping[str, np.ndarray],
+        row: Mapping[str, Any],
+    ) -> None:
+        """Hands over one frame: a copy into shared memory.
+
+        Args:
+            t: edit time [s].
+            X: (n, dim) rest positions [m].
+            point_data: name -> (n,) or (n, components).
+            cell_data: name -> (ne,) or (ne, components).
+            row: values of the table's columns; what is left out becomes NaN, -1 or "".
+
+        Raises:
+            UserError: the file can no longer be written; says how many frames are safe.
+        """
+        arrays = [X, *point_data.values(), *cell_data.values()]
+        shape = (tuple(point_data), tuple(cell_data), *[array.shape for array in arrays])
+        if shape != self._shape:
+            self._new_shape(shape)
+        at = self._begin(rings.FRAME, self._frame_bytes, t, time.monotonic())
+        memory = self._ring.memory
+        self._packer.pack_into(memory, at, row)
+        at += self._row_bytes
+        for array in arrays:
+            if array.dtype != np.float64 or not array.flags.c_contiguous:
+                array = np.ascontiguousarray(array, dtype=np.float64)
+            memory[at : at + array.nbytes] = array.data.cast("B")
+            at += array.nbytes
+        self._publish()
+        self.frames += 1
+        if self._ring.counters[rings.FAILED] or self.frames % _CHECK_EVERY == 0:
+            self._check_alive()
+
+    def _new_shape(self, shape: tuple[Any, ...]) -> None:
+        """Tells the process how the frames that follow are laid out.
+
+        Raises:
+            ValueError: arrays do not fit the mesh.
+        """
+        self.ready()
+        points, cells, positions, *fields = shape
+        if self._cells < 0:
+            raise ValueError("a frame needs a topology first")
+        for name, field in zip((*points, *cells), fields):
+            expected = positions[0] if name in points else self._cells
+            if field[0] != expected or len(field) > 2:
+                raise ValueError(f"field {name!r} has shape {field}, expected ({expected},) or ({expected}, components)")
+        layout = {"point_data": points, "cell_data": cells, "shapes": [positions, *fields]}
+        self._send(rings.LAYOUT, json.dumps(layout).encode())
+        self._shape = shape
+        self._row_bytes = (self._packer.size + 7) & ~7
+        self._frame_bytes = self._row_bytes + 8 * sum(int(np.prod(s)) for s in (positions, *fields))
+
+    def _begin(self, kind: int, length: int, a: float = 0.0, b: float = 0.0) -> int:
+        at = self._ring.begin(kind, length, a, b) if 4 * length < self._ring.capacity else None
+        if at is None:
+            at = self._wait_for_room(kind, length, a, b)
+        return at
+
+    def _wait_for_room(self, kind: int, length: int, a: float, b: float) -> int:
+        """The place for a record in a ring that is full, or too small and then enlarged once it is empty."""
+        grow = 4 * length >= self._ring.capacity
+        started = time.monotonic()
+        self.stalls += not grow
+        while True:
+            if grow and self._ring.counters[rings.TAIL] == self._ring.position:
+                self._ring.grow(8 * length)
+                grow = False
+            at = None if grow else self._ring.begin(kind, length, a, b)
+            if at is not None:
+                break
+            self._wake()
+            self._check_alive()
+            time.sleep(0.0005)
+        self.stalled_s += time.monotonic() - started
+        return at
+
+    def _send(self, kind: int, data: bytes | np.ndarray, a: float = 0.0, b: float = 0.0) -> None:
+        view = memoryview(data).cast("B") if len(data) else memoryview(b"")
+        at = self._begin(kind, len(view), a, b)
+        self._ring.memory[at : at + len(view)] = view
+        self._publish()
+
+    def _publish(self) -> None:
+        try:
+            os.write(self._commands, self._ring.commit().to_bytes(8, "little"))
+        except BrokenPipeError:
+            self._check_alive()
+
+    def _wake(self) -> None:
+        try:
+            os.write(self._control, b"w")
+        except BrokenPipeError:
+            self._check_alive()
+
+    def _check_alive(self) -> None:
+        if self._ring.counters[rings.FAILED] or self._process.poll() is not None:
+            self._answer("closed")
+
+    def _answer(self, expected: str) -> Any:
+        """What the process says under this name.
+
+        Raises:
+            UserError: it says that the file cannot be written, or it is gone.
+        """
+        while True:
+            while b"\n" not in self._inbox:
+                data = os.read(self._answers, 65536)
+                if not data:
+                    self._fail("the recorder process was ended from outside", "run the replay again")
+                self._inbox += data
+            line, _, self._inbox = self._inbox.partition(b"\n")
+            message = json.loads(line)
+            if expected in message:
+                return message[expected]
+            if "error" in message:
+                self._fail(message["error"]["reason"], "free space on that disk, or choose another file by --out")
+
+    def _fail(self, reason: str, do: str) -> None:
+        safe = self._ring.counters[rings.SAFE]
+        if self._state == "starting":
+            what = f"the recording cannot be written: {reason}"
+        else:
+            what = f"{reason}; the first {safe} frame{'' if safe == 1 else 's'} of the recording are safe"
+        self._end("failed")
+        raise UserError(what, str(self.path), do)
+
+    def _end(self, state: str) -> None:
+        if self._state in ("closed", "failed"):
+            return
+        self._state = state
+        for fd in (self._commands, self._control):
+            os.close(fd)
+        self._process.wait()
+        os.close(self._answers)
+        os.close(self._ring.fd)
+
+    def close(self, status: str = "done") -> dict[str, Any]:
+        """What the recording holds and what writing it cost; the file is closed with this status.
+
+        Raises:
+            UserError: the last frames could not be written.
+        """
+        if self._state in ("closed", "failed"):
+            return self.result
+        self.ready()
+        self._send(rings.CLOSE, status.encode())
+        self._wake()
+        closed = self._answer("closed")
+        self.result = {**closed, "stalls": self.stalls, "stalled_s": self.stalled_s}
+        self._end("closed")
+        return self.result
+
+    def __enter__(self) -> "Recorder":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: Any) -> None:
+        if self._state not in ("closed", "failed"):
+            self.close("done" if kind is None else "interrupted")
+
+
+def _new_ring(capacity: int) -> rings.Ring:
+    try:
+        return rings.Ring.create(capacity)
+    except OSError as error:
+        raise UserError(f"no memory for the recorder ({error.strerror})", do="close other programs") from error
+
+
+def _refuse_other_files(path: Path) -> None:
+    """Keeps a slip of the keyboard from overwriting a scene with a recording."""
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise UserError("the folder of the recording does not exist", str(path), f"mkdir -p {folder}")
+    if path.is_dir():
+        raise UserError("this is a folder", str(path), f"name a file in it, such as {path / 'run.vtkhdf'}")
+    if path.is_file() and path.stat().st_size:
+        try:
+            with path.open("rb") as file:
+                known = file.read(8) == _HDF5_SIGNATURE
+        except OSError:
+            return
+        if not known:
+            raise UserError("this file exists and is no recording", str(path), "choose another name by --out")

@@ -1,0 +1,182 @@
+"""Reads recordings: finished, interrupted, and those whose writer was killed."""
+
+import json
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.replay.vtkhdf import FORMAT, checksum
+
+
+_ATTEMPTS, _PAUSE = 20, 0.05
+
+
+class FieldInfo(NamedTuple):
+    """A recorded field: ``point_data`` or ``cell_data``, components (0 = scalar), first frame that has it."""
+
+    where: str
+    components: int
+    first_frame: int
+
+
+class Recording:
+    """A recording opened for reading; close it, or use it in a ``with`` statement.
+
+    Args:
+        path: a ``.vtkhdf`` file that `Recorder` wrote.
+
+    Attributes:
+        n: number of frames.
+        header: what the writer put there: scene, script, options, versions, calibration ...
+        table: column -> array (n,); text columns hold ``str``.
+        status: "done", or why the recording ended early: "interrupted" (the solver was stopped), "disk full", "killed" (its writer was).
+        fields: name -> FieldInfo.
+        writer: what writing cost: cpu_s, lag_s, batches; empty where the writer was killed.
+
+    Raises:
+        UserError: the file is not there, is no recording, or is being written.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self._file = self._open()
+        try:
+            self._read_frame_index()
+        except (KeyError, OSError, ValueError) as error:
+            self._file.close()
+            raise UserError(f"this is no recording, or it is damaged ({error})", str(path), "record it again") from error
+
+    def _open(self) -> h5py.File:
+        if not self.path.is_file():
+            raise UserError("there is no such recording", str(self.path), "restshape replay SCENE --out FILE makes one")
+        for attempt in range(_ATTEMPTS):
+            try:
+                return h5py.File(self.path, "r")
+            except BlockingIOError:
+                # A writer that was just killed holds its lock until the system has buried it.
+                time.sleep(_PAUSE if attempt + 1 < _ATTEMPTS else 0.0)
+            except OSError as error:
+                raise UserError("this is no recording (not an HDF5 file)", str(self.path)) from error
+        raise UserError("this recording is still being written", str(self.path), "wait for its replay to end")
+
+    def _read_frame_index(self) -> None:
+        own, self._root = self._file["restshape"], self._file["VTKHDF"]
+        if own.attrs["format"] != FORMAT:
+            raise ValueError(f"format {own.attrs['format']}, this program reads {FORMAT}")
+        steps = self._root["Steps"]
+        self.n = int(steps.attrs["NSteps"])
+        self.header: dict[str, Any] = json.loads(bytes(own["header"][()]))
+        self.dimension = int(own.attrs["dimension"])
+        status = own["status"][()].decode().strip()
+        self.status = "killed" if status == "recording" else status
+        self.writer = {k.removeprefix("writer_"): float(v) for k, v in own.attrs.items() if k.startswith("writer_")}
+        self._rows = own["table"][: self.n]
+        self.table = {name: _column(self._rows[name]) for name in self._rows.dtype.names if name != "checksum"}
+        self._steps = {name: steps[name][: self.n].reshape(-1) for name in steps if isinstance(steps[name], h5py.Dataset)}
+        self._parts = {name: self._root[name][()] for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")}
+        if len(self._rows) < self.n or any(len(values) < self.n for values in self._steps.values()):
+            raise ValueError("frames are missing")
+        self.fields: dict[str, FieldInfo] = {}
+        self._field_starts: dict[str, np.ndarray] = {}
+        for group, where in (("PointData", "point_data"), ("CellData", "cell_data")):
+            for name, dataset in sorted(self._root[group].items(), key=lambda item: item[1].attrs["order"]):
+                attributes = dataset.attrs
+                self.fields[name] = FieldInfo(where, int(attributes["components"]), int(attributes["first_frame"]))
+                self._field_starts[name] = steps[f"{group}Offsets"][name][: self.n]
+
+    @property
+    def times(self) -> np.ndarray:
+        """Edit time of each frame [s] as ParaView sees it: frames at the same time are one last bit apart."""
+        return self._steps["Values"]
+
+    @property
+    def summary(self) -> str:
+        """One sentence for people: how many frames, and why it ended if it ended early."""
+        frames = f"{self.n} frame{'' if self.n == 1 else 's'}"
+        reasons = {
+            "done": "",
+            "killed": "; its writer was killed, up to half a second is missing",
+            "interrupted": "; the replay was interrupted",
+        }
+        return frames + reasons.get(self.status, f"; ended early: {self.status}")
+
+    def topology(self, i: int) -> int:
+        """The number of frame i's topology: equal numbers, equal cells."""
+        return int(self._steps["PartOffsets"][self._frame(i)])
+
+    def cells(self, i: int) -> np.ndarray:
+        """The (ne, nodes) int32 cells of frame i."""
+        i = self._frame(i)
+        part = self.topology(i)
+        start, count = self._steps["ConnectivityIdOffsets"][i], self._parts["NumberOfConnectivityIds"][part]
+        flat = self._root["Connectivity"][start : start + count]
+        return flat.astype(np.int32).reshape(self._parts["NumberOfCells"][part], -1)
+
+    def points(self, i: int) -> np.ndarray:
+        """The (n, dimension) rest positions of frame i [m]."""
+        i = self._frame(i)
+        start, count = self._steps["PointOffsets"][i], self._parts["NumberOfPoints"][self.topology(i)]
+        return np.ascontiguousarray(self._root["Points"][start : start + count, : self.dimension])
+
+    def mesh(self, i: int) -> tuple[np.ndarray, np.ndarray]:
+        """Rest positions (n, dimension) [m] and cells (ne, nodes) of frame i."""
+        return self.points(i), self.cells(i)
+
+    def field(self, i: int, name: str) -> np.ndarray:
+        """A field of frame i as it was recorded: (n,) or (n, components) at points, (ne,) or (ne, components) at cells.
+
+        Raises:
+            UserError: no field has that name.
+        """
+        if name not in self.fields:
+            raise UserError(f"no field is named {name!r}", str(self.path), f"use one of: {', '.join(self.fields)}")
+        i = self._frame(i)
+        info = self.fields[name]
+        counts = self._parts["NumberOfPoints" if info.where == "point_data" else "NumberOfCells"]
+        start = self._field_starts[name][i]
+        group = "PointData" if info.where == "point_data" else "CellData"
+        rows = self._root[group][name][start : start + counts[self.topology(i)]]
+        return np.ascontiguousarray(rows[:, : info.components]) if info.components else rows
+
+    def verify(self) -> list[int]:
+        """The frames whose bytes do not match their checksum: none in a sound file."""
+        damaged = []
+        topologies: dict[int, int] = {}
+        for i in range(self.n):
+            try:
+                part = self.topology(i)
+                if part not in topologies:
+                    topologies[part] = checksum(0, self.cells(i).tobytes(), [])
+                arrays = [self.points(i), *(self.field(i, k) for k, f in self.fields.items() if f.first_frame <= i)]
+                code = checksum(topologies[part], self._rows[i].tobytes()[:-4], arrays)
+            except (OSError, ValueError, IndexError):
+                code = -1
+            if code != self._rows["checksum"][i]:
+                damaged.append(i)
+        return damaged
+
+    def _frame(self, i: int) -> int:
+        if not -self.n <= i < self.n:
+            raise IndexError(f"frame {i} of a recording of {self.n}")
+        return i % self.n
+
+    def close(self) -> None:
+        """Closes the file."""
+        self._file.close()
+
+    def __enter__(self) -> "Recording":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+
+def _column(values: np.ndarray) -> np.ndarray:
+    if values.dtype.kind != "S":
+        return np.ascontiguousarray(values)
+    return np.array([value.decode(errors="replace") for value in values], dtype=object)

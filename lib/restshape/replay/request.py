@@ -1,0 +1,47 @@
+"""What is to be replayed, and how."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from restshape import __version__
+from restshape.application import Application
+from restshape.calibration import Calibration
+from restshape.policy import Policy
+from restshape.scene.model import Scene
+from restshape.scene.script import Script
+
+
+@dataclass(frozen=True)
+class Request:
+    """One replay: all that its result depends on, but for the number of ranks.
+
+    Args:
+        scene: what the user wrote.
+        script: its edits.
+        application: of the scene.
+        policy: what is reused.
+        calibration: seconds a unit of counted work.
+        petsc: words for PETSc's options database.
+    """
+
+    scene: Scene
+    script: Script
+    application: Application
+    policy: Policy
+    calibration: Calibration
+    petsc: tuple[str, ...] = ()
+
+    def header(self) -> dict[str, Any]:
+        """What a recording says of how it was made."""
+        return {
+            "restshape": __version__,
+            "scene": self.scene.path.name,
+            "scene_values": self.scene.raw,
+            "script": self.script.path.name if self.script.path else "",
+            "script_text": self.script.path.read_text(errors="replace") if self.script.path else "",
+            "title": self.scene.title,
+            "app": self.application.name,
+            "policy": self.policy.name,
+            "calibration": self.calibration.as_dict(),
+            "petsc_options": list(self.petsc),
+        }

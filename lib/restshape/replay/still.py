@@ -1,0 +1,29 @@
+"""The first frame of a scene, for validation and studies."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from petsc4py import PETSc
+
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.policy import policy
+from restshape.replay.loop import Replay
+from restshape.scene.load import load_scene
+from restshape.scene.script import Header, Script
+
+
+def still(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PETSc.COMM_WORLD) -> Replay:
+    """A replay of a scene's first shape after its only frame; `row` and `analysis` hold the result.
+
+    Args:
+        path: scene file.
+        overrides: ``key=value`` as after --set.
+        comm: PETSc communicator.
+    """
+    scene = load_scene(path, overrides)
+    script = Script(Header(format="restshape-edits", version=1), ())
+    chosen = policy(scene.solve.policy)
+    replay = Replay(scene, script, application(scene.app), chosen, comm, Calibration.load())
+    list(replay.frames())
+    return replay

@@ -1,0 +1,43 @@
+"""What a replay was, summed up for programs."""
+
+from typing import Any
+
+import numpy as np
+
+from restshape.replay.columns import STAGES
+
+
+def percentiles(ms: np.ndarray) -> dict[str, float]:
+    """Median, 95th and 99th percentile [ms] of frame times; zeros when there are none."""
+    values = np.percentile(ms, (50, 95, 99)) if len(ms) else np.zeros(3)
+    return dict(zip(("p50", "p95", "p99"), map(float, values)))
+
+
+def summarise(rows: list[dict[str, Any]], policy: str, ranks: int) -> dict[str, Any]:
+    """Counts, times and quantities of a replay from its rows; the times leave out the first frame, made from nothing."""
+    later = rows[1:]
+    times = np.array([row["ms"] for row in later])
+    level = np.array([row["level"] for row in later], dtype=int)
+    moved = level > 0
+    return {
+        "frames": len(rows),
+        "refused": sum(bool(row["refused"]) for row in rows),
+        "ranks": ranks,
+        "policy": policy,
+        "levels": {str(k): int((level == k).sum()) for k in (1, 2, 3)},
+        "idle": int((level == 0).sum()),
+        "ms": {"all": percentiles(times[moved]), **{str(k): percentiles(times[level == k]) for k in (1, 2, 3)}},
+        "python_ms": {
+            "p50": percentiles(np.array([row["ms_python"] for row in later])[moved])["p50"],
+            "1": percentiles(np.array([row["ms_python"] for row in later])[level == 1])["p50"],
+        },
+        "stages": {name: float(sum(row[f"ms_{name}"] for row in rows)) for name in STAGES},
+        "iterations": int(sum(row["iterations"] for row in rows)),
+        "refreshes": int(sum(row["refreshed"] for row in rows)),
+        "unknowns": rows[-1]["unknowns"] if rows else 0,
+        "elements": rows[-1]["elements"] if rows else 0,
+        "quantities": {
+            key[2:]: [row[key] for row in rows] for key in (rows[0] if rows else {}) if key.startswith("q_")
+        },
+        "rows": rows,
+    }

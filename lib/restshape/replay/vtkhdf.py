@@ -1,0 +1,302 @@
+"""The file of a recording: a temporal VTKHDF unstructured grid beside a table of the frames.
+
+`/VTKHDF` follows version 2.0 of the format (read by vtk from 9.3 and ParaView from 5.12 on); `/restshape` is outside what that format
+speaks about, so its readers leave it alone. Arrays of all frames are concatenated, frames say where theirs start. Cells are stored
+once a topology; points and fields that repeat the last frame's bytes are not stored again.
+
+The file survives the death of its writer: HDF5's own metadata stay in memory between flushes, a flush brings the data, then
+`NSteps` is raised, and another flush brings that. The older layout of the superblock has no mark "open" that would bar the file.
+"""
+
+import json
+import os
+import zlib
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+
+VERSION = (2, 0)
+FORMAT = 1
+STATUS_BYTES = 64
+TRIANGLE, TETRA = 5, 10
+PARTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
+CELL_TYPES = {2: 3, 3: TRIANGLE, 6: 22, 4: TETRA, 10: 24}
+
+
+class Topology(NamedTuple):
+    """Cells that hold from the next frame on: (ne, nodes) int32 and their VTK cell type."""
+
+    cells: np.ndarray
+    cell_type: int
+
+
+class Frame(NamedTuple):
+    """One frame: edit time, rest points (n, dim), fields, the row's bytes."""
+
+    t: float
+    X: np.ndarray
+    point_data: dict[str, np.ndarray]
+    cell_data: dict[str, np.ndarray]
+    row: bytes
+
+
+def checksum(topology: int, row: bytes, arrays: list[np.ndarray]) -> int:
+    """The CRC-32 of a frame: that of its cells, carried on over its row, points and fields."""
+    value = zlib.crc32(row, topology)
+    for array in arrays:
+        value = zlib.crc32(np.ascontiguousarray(array).data.cast("B"), value)
+    return value
+
+
+class NoRoom(OSError):
+    """The disk has no room for the next batch; nothing of it has been written."""
+
+
+class Growing:
+    """A dataset that is appended to: rows wait in memory until `write`."""
+
+    def __init__(self, group: h5py.Group, name: str, dtype: Any, width: int = 0, chunk: int = 1024) -> None:
+        shape = (0, width) if width else (0,)
+        limit = (None, width) if width else (None,)
+        chunks = (chunk, width) if width else (chunk,)
+        self.dataset = group.create_dataset(name, shape, dtype=dtype, maxshape=limit, chunks=chunks)
+        self.width = width
+        self.length = 0
+        self._pending: list[np.ndarray] = []
+        self._last: tuple[int, bytes] | None = None
+
+    @property
+    def pending_bytes(self) -> int:
+        """Bytes that wait for `write`."""
+        return sum(rows.nbytes for rows in self._pending)
+
+    def add(self, rows: np.ndarray) -> int:
+        """The place of the rows, which are kept as they are until written."""
+        start = self.length
+        self._pending.append(rows)
+        self.length += len(rows)
+        return start
+
+    def add_changed(self, rows: np.ndarray) -> int:
+        """The place of the rows: that of the last ones where these repeat them bit for bit."""
+        data = rows.tobytes()
+        if self._last is None or self._last[1] != data:
+            self._last = (self.add(rows), data)
+        return self._last[0]
+
+    def write(self) -> None:
+        """Writes what waits."""
+        if self._pending:
+            rows = self._pending[0] if len(self._pending) == 1 else np.concatenate(self._pending)
+            self.dataset.resize(self.length, axis=0)
+            self.dataset[self.length - len(rows) :] = rows
+            self._pending.clear()
+
+
+class VtkHdfWriter:
+    """Writes a recording; `append` then `commit` makes frames safe.
+
+    Args:
+        path: the file, overwritten.
+        header: stored as JSON.
+        row_dtype: record type of a row; a column ``checksum`` is added.
+
+    Raises:
+        OSError: the file cannot be made.
+    """
+
+    def __init__(self, path: Path, header: dict[str, Any], row_dtype: np.dtype) -> None:
+        self.path = path
+        self.frames = 0
+        self._header = dict(header)
+        self.file = h5py.File(path, "w", libver=("earliest", "v110"), rdcc_nbytes=0)
+        self._space = os.open(path, os.O_RDWR | os.O_CLOEXEC)
+        settings = self.file.id.get_mdc_config()
+        settings.incr_mode = settings.flash_incr_mode = settings.decr_mode = 0
+        settings.evictions_enabled = False
+        self.file.id.set_mdc_config(settings)
+        self._row_dtype = row_dtype
+        self._make_groups()
+        self._topologies: list[int] = []
+        self._fresh: Topology | None = None
+        self._offsets: dict[str, Growing] = {}
+        self._fields: dict[str, dict[str, Growing]] = {"PointData": {}, "CellData": {}}
+        self._largest = {"PointData": 0, "CellData": 0}
+        self.commit()
+
+    def _make_groups(self) -> None:
+        root = self.file.create_group("VTKHDF")
+        root.attrs["Version"] = np.array(VERSION, dtype="i8")
+        root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", len("UnstructuredGrid")))
+        steps = root.create_group("Steps")
+        steps.attrs["NSteps"] = np.int64(0)
+        self.root, self.steps = root, steps
+        self._parts = {name: Growing(root, name, "i8") for name in PARTS}
+        self._connectivity = Growing(root, "Connectivity", "i8", chunk=65536)
+        self._cell_offsets = Growing(root, "Offsets", "i8", chunk=16384)
+        self._types = Growing(root, "Types", "u1", chunk=16384)
+        self._points: Growing | None = None
+        self._step = {"Values": Growing(steps, "Values", "f8")}
+        self._step |= {name: Growing(steps, name, "i8") for name in ("PartOffsets", "NumberOfParts", "PointOffsets")}
+        self._step |= {name: Growing(steps, name, "i8", width=1) for name in ("CellOffsets", "ConnectivityIdOffsets")}
+        for kind in ("PointData", "CellData"):
+            root.create_group(kind)
+            steps.create_group(f"{kind}Offsets")
+        own = self.file.create_group("restshape")
+        own.attrs["format"] = FORMAT
+        # A dataset of its own, whose place in the file is known: written past HDF5 when HDF5 has no room.
+        self._status = own.create_dataset("status", data=np.bytes_("recording".ljust(STATUS_BYTES)))
+        own.attrs["dimension"] = 0
+        self.own = own
+        self._table = Growing(own, "table", np.dtype([*self._row_dtype.descr, ("checksum", "<u4")]), chunk=64)
+        self._last_time = -np.inf
+        self._write_header()
+
+    def _write_header(self) -> None:
+        if "header" in self.own:
+            del self.own["header"]
+        text = json.dumps(self._header, sort_keys=True, allow_nan=False).encode()
+        self.own.create_dataset("header", data=np.frombuffer(text, dtype="u1"))
+
+    def add_header(self, extra: dict[str, Any]) -> None:
+        """Merges more keys into the header, and commits."""
+        self._header |= extra
+        self._write_header()
+        self.commit()
+
+    def append(self, item: Topology | Frame) -> None:
+        """Takes one topology or frame; it is in the file after the next `commit`."""
+        if isinstance(item, Topology):
+            self._fresh = item
+        else:
+            self._append_frame(item)
+
+    def _append_topology(self, topology: Topology, points: int) -> None:
+        cells = topology.cells
+        count, width = cells.shape
+        self._start_cells = self._types.add(np.full(count, topology.cell_type, dtype="u1"))
+        self._start_connectivity = self._connectivity.add(cells.astype("i8").reshape(-1))
+        self._cell_offsets.add(np.arange(0, count * width + 1, width, dtype="i8"))
+        for name, value in zip(PARTS, (points, count, count * width), strict=True):
+            self._parts[name].add(np.array([value], dtype="i8"))
+        self._topologies.append(zlib.crc32(np.ascontiguousarray(cells, dtype="i4").data.cast("B")))
+
+    def _append_frame(self, frame: Frame) -> None:
+        n, dim = frame.X.shape
+        if self._points is None:
+            self._points = Growing(self.root, "Points", "f8", width=3, chunk=min(max(4096, 16 * n), 1 << 18))
+            self.own.attrs["dimension"] = dim
+        if self._fresh is not None:
+            self._append_topology(self._fresh, n)
+            self._cells, self._fresh = len(self._fresh.cells), None
+        start = self._points.add_changed(_padded(frame.X))
+        data = self._append_fields("PointData", frame.point_data, n)
+        data += self._append_fields("CellData", frame.cell_data, self._cells)
+        self._last_time = frame.t if frame.t > self._last_time else float(np.nextafter(self._last_time, np.inf))
+        values = {"PartOffsets": len(self._topologies) - 1, "NumberOfParts": 1, "PointOffsets": start}
+        values |= {"CellOffsets": self._start_cells, "ConnectivityIdOffsets": self._start_connectivity}
+        for name, value in values.items():
+            place = self._step[name]
+            place.add(np.full((1, 1) if place.width else 1, value, dtype="i8"))
+        self._step["Values"].add(np.array([self._last_time]))
+        row = np.zeros(1, dtype=self._table.dataset.dtype)
+        code = checksum(self._topologies[-1], frame.row, [frame.X, *data])
+        row.view("u1")[:] = np.frombuffer(frame.row + np.uint32(code).tobytes(), dtype="u1")
+        self._table.add(row)
+        self.frames += 1
+
+    def _append_fields(self, kind: str, given: dict[str, np.ndarray], count: int) -> list[np.ndarray]:
+        fields = self._fields[kind]
+        for name, values in given.items():
+            if name not in fields:
+                fields[name] = self._new_field(kind, name, values)
+        self._largest[kind] = max(self._largest[kind], count)
+        written = []
+        for name, field in fields.items():
+            values = given.get(name)
+            if values is None:
+                shape = (count, field.dataset.attrs["components"]) if field.width else (count,)
+                values = np.full(shape, np.nan)
+            self._offsets[f"{kind}/{name}"].add(np.array([field.add_changed(_padded(values))], dtype="i8"))
+            written.append(values)
+        return written
+
+    def _new_field(self, kind: str, name: str, values: np.ndarray) -> Growing:
+        """A field's dataset; frames before it find NaN there."""
+        components = values.shape[1] if values.ndim == 2 else 0
+        width = 3 if components == 2 else components
+        field = Growing(self.root[kind], name, "f8", width=width, chunk=min(max(4096, 16 * len(values)), 1 << 18))
+        field.dataset.attrs["components"] = components
+        field.dataset.attrs["first_frame"] = self.frames
+        field.dataset.attrs["order"] = len(self._fields[kind])
+        offsets = self._offsets[f"{kind}/{name}"] = Growing(self.steps[f"{kind}Offsets"], name, "i8")
+        if self.frames:
+            missing = self._largest[kind]
+            field.add(np.full((missing, width) if width else missing, np.nan))
+            offsets.add(np.zeros(self.frames, dtype="i8"))
+        return field
+
+    def _datasets(self) -> list[Growing]:
+        fields = [*self._fields["PointData"].values(), *self._fields["CellData"].values()] if self.frames else []
+        points = [self._points] if self._points else []
+        cells = [self._connectivity, self._cell_offsets, self._types]
+        small = [*self._parts.values(), *self._step.values(), self._table]
+        return points + fields + cells + small + (list(self._offsets.values()) if self.frames else [])
+
+    def commit(self) -> None:
+        """Makes everything appended safe.
+
+        Raises:
+            OSError: no room on the disk; what was safe before still is.
+        """
+        datasets = self._datasets()
+        self._reserve(sum(d.pending_bytes for d in datasets))
+        for dataset in datasets:
+            dataset.write()
+        self.file.flush()
+        if self.frames:
+            self.steps.attrs.modify("NSteps", np.int64(self.frames))
+            self.file.flush()
+        self._size = self.file.id.get_filesize()
+
+    def _reserve(self, pending: int) -> None:
+        """Asks the disk for room before HDF5 writes: a write of its that fails half-way could cost the whole file.
+
+        The room is counted generously: a dataset's last chunk is allocated whole.
+        """
+        chunks = sum(int(np.prod(d.dataset.chunks)) * d.dataset.dtype.itemsize for d in self._datasets())
+        size = os.fstat(self._space).st_size
+        need = self.file.id.get_filesize() + pending + chunks + (1 << 20)
+        if need > size:
+            try:
+                os.posix_fallocate(self._space, size, need - size)
+            except OSError as error:
+                raise NoRoom(error.errno, error.strerror) from error
+
+    def close(self, status: str, written: dict[str, float]) -> int:
+        """The file's size in bytes, closed with this status and what writing it cost."""
+        self._status[()] = status.encode()[:STATUS_BYTES].ljust(STATUS_BYTES)
+        for name, value in written.items():
+            self.own.attrs[f"writer_{name}"] = value
+        self.file.flush()
+        size = self.file.id.get_filesize()
+        self.file.close()
+        os.ftruncate(self._space, size)
+        os.close(self._space)
+        return size
+
+    def abandon(self, status: str) -> None:
+        """Leaves the file as the last `commit` made it, with this status; the process must end without closing it."""
+        os.ftruncate(self._space, self._size)
+        os.pwrite(self._space, status.encode()[:STATUS_BYTES].ljust(STATUS_BYTES), self._status.id.get_offset())
+
+
+def _padded(values: np.ndarray) -> np.ndarray:
+    """A copy with a third component 0 where there are two."""
+    if values.ndim == 2 and values.shape[1] == 2:
+        padded = np.zeros((len(values), 3))
+        padded[:, :2] = values
+        return padded
+    return np.array(values)

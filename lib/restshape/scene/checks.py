@@ -1,0 +1,164 @@
+"""What models alone cannot check in a scene: names that refer to each other, coverage, sense."""
+
+from collections.abc import Iterable
+
+from restshape.application import Application
+from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
+from restshape.scene.model import EdgeLoop, Load, Scene
+from restshape.scene.source import Source, suggestion
+
+ALONG = ("edge", "hole", "region", "outline", "group")
+ACCEPTS = {
+    "force": (*ALONG, "vertex", "point"),
+    "traction": ALONG,
+    "pressure": ALONG,
+    "body": ("region", "all", "group"),
+}
+
+
+def check_scene(scene: Scene, application: Application, source: Source) -> None:
+    """Checks all that needs neither geometry nor a mesh.
+
+    Raises:
+        UserError: the first thing that makes no sense.
+    """
+    _check_names(scene, source)
+    _check_shape(scene, source)
+    _check_parameters(scene, source)
+    _check_materials(scene, source)
+    _check_references(scene, source)
+    _check_formulas(scene, source)
+    _check_mesh(scene, application, source)
+
+
+def _check_names(scene: Scene, source: Source) -> None:
+    """Refuses a name that stands for two entities."""
+    taken: dict[str, str] = {}
+    for key, kind in scene.shape.named.items():
+        for name in getattr(scene.shape, key):
+            if name in taken:
+                raise source.error(
+                    ("shape", key, name), f"name {name!r} used twice: for {taken[name]} and here", "rename one of them"
+                )
+            taken[name] = f"the {kind} shape.{key}.{name}"
+
+
+def _check_shape(scene: Scene, source: Source) -> None:
+    """Refuses a shape that is missing, or edges and loops of things that are not there."""
+    shape = scene.shape
+    if scene.mesh.file:
+        if shape.outline or shape.file:
+            raise source.error(("mesh", "file"), "the scene has a shape and a mesh file", "keep one of the two")
+        return
+    if shape.file:
+        return
+    if shape.outline is None:
+        raise source.error(("shape", "outline"), "the shape has no outline", 'add outline = ["edge", ...] to [shape]')
+    for name, edge in shape.edges.items():
+        kind = next(iter(type(edge).model_fields))
+        for vertex in getattr(edge, kind):
+            _refuse_absent(vertex, shape.vertices, "vertex", ("shape", "edges", name, kind), source)
+    loops = {("shape", "outline"): shape.outline}
+    for key in ("holes", "regions"):
+        for name, loop in getattr(shape, key).items():
+            if isinstance(loop, EdgeLoop):
+                loops[("shape", key, name, "loop")] = loop.loop
+    for place, edges in loops.items():
+        for edge_name in edges:
+            _refuse_absent(edge_name, shape.edges, "edge", place, source)
+
+
+def _refuse_absent(name: str, known: Iterable[str], kind: str, place: tuple[str, ...], source: Source) -> None:
+    """Refuses a name that names nothing of its kind."""
+    if name not in known:
+        raise source.error(place, f"there is no {kind} {name!r}", suggestion(name, sorted(known)))
+
+
+def _check_parameters(scene: Scene, source: Source) -> None:
+    """Refuses a parameter that hides what formulas already know."""
+    for name in scene.parameters:
+        if name in (*COORDINATES, *CONSTANTS, *FUNCTIONS):
+            raise source.error(("parameters", name), f"{name!r} has a meaning in formulas already", "rename it")
+
+
+def _check_materials(scene: Scene, source: Source) -> None:
+    """Refuses regions with two materials, and places with none."""
+    rest = [name for name, material in scene.material.items() if material.region is None]
+    if len(rest) > 1:
+        raise source.error(
+            ("material", rest[1]),
+            f"the materials {rest[0]!r} and {rest[1]!r} both fill the whole shape",
+            "give one of them a region",
+        )
+    if not rest:
+        first = next(iter(scene.material))
+        raise source.error(
+            ("material", first), "outside of the regions there is no material", "let one material have no region"
+        )
+    owner: dict[str, str] = {}
+    for name, material in scene.material.items():
+        for region in material.region or []:
+            if region in owner:
+                raise source.error(
+                    ("material", name, "region"),
+                    f"the region {region!r} has two materials, {owner[region]!r} and {name!r}",
+                    "take it out of one",
+                )
+            owner[region] = name
+            if not (scene.shape.file or scene.mesh.file):
+                regions = [*scene.shape.regions, *scene.shape.groups]
+                _refuse_absent(region, regions, "region", ("material", name, "region"), source)
+
+
+def _check_references(scene: Scene, source: Source) -> None:
+    """Refuses supports, loads, quantities, sizes and groups on entities that are not there."""
+    if scene.shape.file or scene.mesh.file:
+        return
+    kinds = scene.shape.kinds()
+    places: dict[tuple[str, ...], list[str]] = {("shape", "groups", n): g for n, g in scene.shape.groups.items()}
+    places |= {("supports", name, "on"): support.on for name, support in scene.supports.items()}
+    places |= {("loads", name, "on"): load.on for name, load in scene.loads.items()}
+    places |= {("quantities", name, "at"): [q.at] for name, q in scene.quantities.items() if q.at is not None}
+    places |= {("mesh", "near", name): [name] for name in scene.mesh.near}
+    for place, names in places.items():
+        for name in names:
+            _refuse_absent(name, kinds, "entity", place, source)
+    for name, load in scene.loads.items():
+        _check_load(name, load, kinds, source)
+
+
+def _check_load(name: str, load: Load, kinds: dict[str, str], source: Source) -> None:
+    """Refuses a load on a kind of entity that it cannot act on."""
+    accepted = ACCEPTS[load.kind]
+    for entity in load.on:
+        if kinds[entity] not in accepted:
+            raise source.error(
+                ("loads", name, "on"),
+                f"a {load.kind} cannot act on {entity!r}, which is {kinds[entity]!r}",
+                f"name one of: {', '.join(accepted)}",
+            )
+
+
+def _check_formulas(scene: Scene, source: Source) -> None:
+    """Refuses formulas that name what is neither a coordinate nor a parameter."""
+    places = [(("supports", n, "fix", axis), v) for n, s in scene.supports.items() for axis, v in s.fix.items()]
+    for name, load in scene.loads.items():
+        value = getattr(load, load.kind)
+        places += [(("loads", name, load.kind), v) for v in (value if isinstance(value, tuple) else (value,))]
+    for place, value in places:
+        unknown = value.unknown(scene.parameters) if isinstance(value, Expression) else None
+        if unknown:
+            what, _, do = unknown.rpartition(": ")
+            raise source.error(place, what, do)
+
+
+def _check_mesh(scene: Scene, application: Application, source: Source) -> None:
+    """Refuses a mesh without a size, and element orders that the application does not have."""
+    if scene.mesh.size is None and scene.mesh.file is None:
+        raise source.error(("mesh", "size"), "the mesh has no size", 'add size = "20 mm" to [mesh]')
+    if scene.mesh.order not in application.orders:
+        raise source.error(
+            ("mesh", "order"),
+            f"the application {application.name!r} has no elements of order {scene.mesh.order}",
+            f"use one of: {', '.join(str(order) for order in application.orders)}",
+        )

@@ -1,0 +1,162 @@
+"""Formulas in a scene: read from text, evaluated on arrays, with nothing but arithmetic in them."""
+
+import ast
+from collections.abc import Callable
+from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FUNCTIONS: dict[str, tuple[Callable[..., NDArray[np.float64]], int]] = {
+    "sqrt": (np.sqrt, 1),
+    "sin": (np.sin, 1),
+    "cos": (np.cos, 1),
+    "tan": (np.tan, 1),
+    "atan": (np.arctan, 1),
+    "atan2": (np.arctan2, 2),
+    "exp": (np.exp, 1),
+    "log": (np.log, 1),
+    "abs": (np.abs, 1),
+    "min": (np.minimum, 2),
+    "max": (np.maximum, 2),
+}
+OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**", ast.USub: "-", ast.UAdd: "+"}
+COORDINATES = ("x", "y")
+CONSTANTS = {"pi": np.pi}
+LONGEST = 2000
+DEEPEST = 100
+
+
+class ExpressionError(ValueError):
+    """A formula that cannot be read, or that names something unknown."""
+
+
+class Expression:
+    """A formula of the material coordinates ``x`` and ``y``, of ``pi`` and of the scene's parameters.
+
+    Args:
+        text: for example ``"-P*(L - x)*y/I"``; ``^`` is a power, as ``**`` is.
+
+    Raises:
+        ExpressionError: not a formula of + - * / ** ^, numbers, names and the known functions.
+    """
+
+    __slots__ = ("_code", "_numbers", "names", "text")
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        if len(text) > LONGEST:
+            raise ExpressionError(f"the formula is {len(text)} characters long: {LONGEST} are allowed")
+        try:
+            tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
+        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+            raise ExpressionError(f"{text!r} is not a formula") from error
+        names: set[str] = set()
+        _examine(tree.body, text, names, 0)
+        numbers = _Numbers()
+        tree = numbers.visit(tree)
+        self._numbers = numbers.values
+        self.names = frozenset(names)
+        self._code = compile(tree, "<formula>", "eval")
+
+    def __repr__(self) -> str:
+        return f"Expression({self.text!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Expression) and other.text == self.text
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
+    def unknown(self, parameters: dict[str, float]) -> str | None:
+        """What the formula names although it is neither a coordinate nor a parameter, with a suggestion; or None."""
+        known = [*COORDINATES, *CONSTANTS, *parameters]
+        for name in sorted(self.names.difference(known)):
+            near = get_close_matches(name, [*known, *FUNCTIONS], n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"known names: {', '.join(known)}"
+            return f"the formula {self.text!r} names {name!r}, which is not in [parameters]: {hint}"
+        return None
+
+    def evaluate(self, x: ArrayLike, y: ArrayLike, parameters: dict[str, float]) -> NDArray[np.float64]:
+        """The formula at points, in the shape of x and y broadcast; not finite where the formula is not.
+
+        Args:
+            x: (...,) material coordinate [m].
+            y: (...,) material coordinate [m].
+            parameters: value of each named parameter.
+
+        Raises:
+            ExpressionError: an unknown name.
+        """
+        unknown = self.unknown(parameters)
+        if unknown:
+            raise ExpressionError(unknown)
+        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        known = {name: function for name, (function, _) in FUNCTIONS.items()}
+        values = {name: np.float64(value) for name, value in (CONSTANTS | parameters).items()}
+        with np.errstate(all="ignore"):
+            result = eval(self._code, {"__builtins__": {}}, known | self._numbers | values | {"x": x, "y": y})
+        return np.array(np.broadcast_to(result, x.shape), dtype=np.float64)
+
+
+Value = float | Expression
+
+
+def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
+    """Refuses all that is not arithmetic, and collects the names."""
+    if depth > DEEPEST:
+        raise ExpressionError(f"{text!r} is nested too deeply")
+    match node:
+        case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+            inner: list[ast.AST] = []
+        case ast.Name(id=name):
+            if name in FUNCTIONS:
+                raise ExpressionError(f"{name!r} in {text!r} is a function: write {name}(...)")
+            names.add(name)
+            inner = []
+        case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
+            inner = [operand]
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
+            inner = [left, right]
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
+            inner = list(arguments)
+            _check_call(name, len(inner), text)
+        case ast.Call():
+            raise ExpressionError(f"{text!r} calls something that is not one of {', '.join(FUNCTIONS)}")
+        case _:
+            raise ExpressionError(
+                f"{text!r} holds something that formulas may not hold: use + - * / ^, numbers, x, y, pi, "
+                f"parameters and {', '.join(FUNCTIONS)}"
+            )
+    for part in inner:
+        _examine(part, text, names, depth + 1)
+
+
+def _check_call(name: str, count: int, text: str) -> None:
+    """Refuses a function that is not known, or the wrong count of arguments."""
+    if name not in FUNCTIONS:
+        near = get_close_matches(name, FUNCTIONS, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"known functions: {', '.join(FUNCTIONS)}"
+        raise ExpressionError(f"{text!r} calls {name!r}, which is not a known function: {hint}")
+    wanted = FUNCTIONS[name][1]
+    if count != wanted:
+        raise ExpressionError(f"{name} in {text!r} takes {wanted} argument{'s' * (wanted > 1)}, not {count}")
+
+
+class _Numbers(ast.NodeTransformer):
+    """Moves the numbers of a formula out of it, as numpy scalars.
+
+    Python's own would overflow, divide by zero or turn complex with an error; whole ones could grow without bound.
+    """
+
+    def __init__(self) -> None:
+        self.values: dict[str, np.float64] = {}
+
+    def visit_Constant(self, node: ast.Constant) -> ast.Name:
+        """A name that no formula can hold, in place of the number."""
+        name = f"#{len(self.values)}"
+        try:
+            self.values[name] = np.float64(node.value)
+        except OverflowError as error:
+            raise ExpressionError("a number in the formula is too large") from error
+        return ast.copy_location(ast.Name(id=name, ctx=ast.Load()), node)

@@ -1,0 +1,153 @@
+"""Scenes from files: read, overridden, validated."""
+
+import tomllib
+from collections.abc import Sequence
+from copy import deepcopy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from restshape.application import application
+from restshape.errors import UserError
+from restshape.scene.checks import check_scene
+from restshape.scene.model import FORMAT, VERSION, Scene
+from restshape.scene.problems import user_error
+from restshape.scene.source import Source, read_text, split_key, suggestion
+
+NAMED_TABLES = (("parameters",), ("material",), ("supports",), ("loads",), ("quantities",), ("shape", "vertices"))
+NAMED_TABLES += (("shape", "edges"), ("shape", "holes"), ("shape", "regions"), ("shape", "points"), ("shape", "groups"))
+
+
+def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
+    """The scene of a TOML file.
+
+    Args:
+        path: the file.
+        overrides: ``"material.steel.E=70e9"`` and the like, applied before validation.
+
+    Raises:
+        UserError: naming file, key and line of what is wrong.
+    """
+    path = Path(path)
+    text = read_text(path, "scene")
+    try:
+        raw = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise _syntax_error(error, path) from error
+    _check_format(raw, path)
+    keys = []
+    for override in overrides:
+        key, value = parse_override(override)
+        put(raw, key, value, f"--set {override}")
+        keys.append(key)
+    return _scene(raw, Source(path, text, tuple(keys)))
+
+
+def revise(scene: Scene, key: str, value: Any) -> Scene:
+    """The scene with one key changed, validated anew.
+
+    Args:
+        scene: is left as it is.
+        key: dotted, such as ``material.steel.E``.
+        value: as it would stand in the file.
+
+    Raises:
+        UserError: there is no such key, or the value does not suit it.
+    """
+    raw = deepcopy(scene.raw)
+    parts = split_key(key)
+    put(raw, parts, value, f"set {key}")
+    return _scene(raw, replace(scene._source, overridden=(*scene._source.overridden, parts)))
+
+
+def parse_override(text: str) -> tuple[tuple[str, ...], Any]:
+    """The key and the value of ``key=value``; a value that is not TOML is taken as text.
+
+    Raises:
+        UserError: no key or no equals sign.
+    """
+    key, equals, value = text.partition("=")
+    parts = split_key(key)
+    if not equals or not parts:
+        raise UserError(f"{text!r} is not key=value", "--set", 'write for example --set material.steel.E="70 GPa"')
+    try:
+        return parts, tomllib.loads(f"value = {value.strip()}")["value"]
+    except tomllib.TOMLDecodeError:
+        return parts, value.strip()
+
+
+def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str) -> None:
+    """Sets one dotted key in plain tables, in place; a whole number as a part is the place in a list.
+
+    Raises:
+        UserError: no such key.
+    """
+    if not key:
+        raise UserError("there is no key", where, "write a dotted key such as material.steel.E")
+    here: Any = raw
+    for depth, part in enumerate(key):
+        last = depth == len(key) - 1
+        if isinstance(here, list):
+            if not part.isdigit() or int(part) >= len(here):
+                places = f"a list of {len(here)} entries"
+                raise UserError(
+                    f"{'.'.join(key[:depth])} is {places}, so {part!r} is no place in it", where, "count from 0"
+                )
+            part = int(part)
+        elif not isinstance(here, dict):
+            raise UserError(
+                f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
+            )
+        elif key[:depth] in NAMED_TABLES and part not in here:
+            raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, suggestion(part, sorted(here)))
+        if last:
+            here[part] = value
+        else:
+            here = here[part] if isinstance(here, list) else here.setdefault(part, {})
+
+
+def _syntax_error(error: tomllib.TOMLDecodeError, path: Path) -> UserError:
+    """The error for people of text that is not TOML."""
+    message = str(error)
+    what, _, place = message.partition(" (at ")
+    place = place.rstrip(")")
+    where = f"{path.name} ({place})" if place else path.name
+    if "overwrite" in what or "twice" in what or "Duplicate" in what:
+        return UserError("a name or key is used twice", where, "rename or remove one of the two")
+    return UserError(f"this is not TOML: {what[0].lower()}{what[1:]}", where, "see https://toml.io for the syntax")
+
+
+def _check_format(raw: dict[str, Any], path: Path) -> None:
+    """Refuses a file that says it is something else, or of another version."""
+    if raw.get("format") != FORMAT:
+        found = f"its format is {raw['format']!r}" if "format" in raw else "it has no format"
+        raise UserError(f"this is not a scene: {found}", f"{path.name}: format", f'begin it with format = "{FORMAT}"')
+    if raw.get("version") != VERSION:
+        found = f"version {raw['version']!r}" if "version" in raw else "no version"
+        raise UserError(f"the scene has {found}", f"{path.name}: version", f"this program reads version = {VERSION}")
+
+
+def _scene(raw: dict[str, Any], source: Source) -> Scene:
+    """The validated scene of plain tables."""
+    try:
+        scene = Scene.model_validate(raw)
+    except ValidationError as error:
+        raise user_error(error, source, Scene) from error
+    app = application(scene.app, f"{source.path.name}: app")
+    effects = {}
+    for name, settings in scene.effects.items():
+        if name not in app.effects:
+            raise source.error(
+                ("effects", name), f"{app.name!r} has no effect {name!r}", suggestion(name, sorted(app.effects))
+            )
+        model = app.effects[name].model
+        try:
+            effects[name] = model.model_validate(settings).model_dump()
+        except ValidationError as error:
+            raise user_error(error, source, model, ("effects", name)) from error
+    scene = scene.model_copy(update={"effects": effects})
+    check_scene(scene, app, source)
+    scene._source, scene._raw = source, raw
+    return scene

@@ -1,0 +1,336 @@
+"""What a scene holds, as validated models."""
+
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import BeforeValidator, Discriminator, Field, PrivateAttr, Tag, WithJsonSchema, model_validator
+
+from restshape.errors import UserError
+from restshape.scene.source import Source, split_key
+from restshape.scene.units import UnitError, quantity
+from restshape.scene.values import Entities, Length, Name, Point, Strict, number_of, value_of
+
+FORMAT = "restshape-scene"
+VERSION = 1
+
+
+def only_one(model: Strict, keys: tuple[str, ...]) -> str:
+    """The one of these keys that the model holds.
+
+    Raises:
+        UnitError: none of them, or more than one.
+    """
+    held = [key for key in keys if getattr(model, key) is not None]
+    if len(held) != 1:
+        found = " and ".join(held) if held else "none of them"
+        raise UnitError(f"exactly one of {', '.join(keys)} is wanted here, but there is {found}")
+    return held[0]
+
+
+def _tag_by_key(keys: tuple[str, ...]) -> Discriminator:
+    """A discriminator that tells models apart by which of the keys is there."""
+
+    def tag(raw: Any) -> str | None:
+        held = [key for key in keys if (key in raw if isinstance(raw, dict) else hasattr(raw, key))]
+        return f"<{held[0]}>" if held else None
+
+    wanted = f"one of {', '.join(keys)} is wanted here"
+    return Discriminator(
+        tag, custom_error_type="kind", custom_error_message=wanted, custom_error_context={"keys": keys}
+    )
+
+
+class LineSpec(Strict):
+    """A straight edge: ``{ line = ["a", "b"] }``."""
+
+    line: tuple[str, str]
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        _check_ends(self.line)
+        return self
+
+
+class ArcSpec(Strict):
+    """A circular edge: ``{ arc = ["a", "b"], through = [x, y] }``, or ``bulge`` = tan(angle / 4).
+
+    A positive bulge lies to the right of the way from a to b, as in DXF.
+    """
+
+    arc: tuple[str, str]
+    through: Point | None = None
+    bulge: float | None = None
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        _check_ends(self.arc)
+        only_one(self, ("through", "bulge"))
+        return self
+
+
+class SplineSpec(Strict):
+    """An edge that interpolates points: ``{ spline = ["a", "b"], through = [[x, y], ...] }``."""
+
+    spline: tuple[str, str]
+    through: Annotated[list[Point], Field(min_length=1)]
+
+
+class PolylineSpec(Strict):
+    """An edge of straight pieces: ``{ polyline = ["a", "b"], through = [[x, y], ...] }``."""
+
+    polyline: tuple[str, str]
+    through: Annotated[list[Point], Field(min_length=1)]
+
+
+def _check_ends(ends: tuple[str, str]) -> None:
+    """Refuses an edge from a vertex to itself."""
+    if ends[0] == ends[1]:
+        raise UnitError(f"the edge has zero length: it goes from {ends[0]!r} to itself")
+
+
+EdgeSpec = Annotated[
+    Annotated[LineSpec, Tag("<line>")]
+    | Annotated[ArcSpec, Tag("<arc>")]
+    | Annotated[SplineSpec, Tag("<spline>")]
+    | Annotated[PolylineSpec, Tag("<polyline>")],
+    _tag_by_key(("line", "arc", "spline", "polyline")),
+]
+
+
+class Circle(Strict):
+    """A circle by centre [m] and radius [m]."""
+
+    center: Point
+    radius: Annotated[Length, Field(gt=0)]
+
+
+class CircleLoop(Strict):
+    """A round loop of four arcs, ``NAME.1`` to ``NAME.4``, through vertices ``NAME.v1`` to ``NAME.v4``."""
+
+    circle: Circle
+
+
+class EdgeLoop(Strict):
+    """A loop of named edges."""
+
+    loop: Annotated[list[str], Field(min_length=1)]
+
+
+class PolygonLoop(Strict):
+    """A loop of straight edges ``NAME.1``, ``NAME.2``, ... between corners [m]."""
+
+    polygon: Annotated[list[Point], Field(min_length=3)]
+
+
+LoopSpec = Annotated[
+    Annotated[CircleLoop, Tag("<circle>")]
+    | Annotated[EdgeLoop, Tag("<loop>")]
+    | Annotated[PolygonLoop, Tag("<polygon>")],
+    _tag_by_key(("circle", "loop", "polygon")),
+]
+
+
+class ShapeSpec(Strict):
+    """``[shape]``: the outline with its holes, and what has a name on it."""
+
+    named: ClassVar[dict[str, str]] = {
+        "vertices": "vertex",
+        "edges": "edge",
+        "holes": "hole",
+        "regions": "region",
+        "points": "point",
+        "groups": "group",
+    }
+
+    file: str | None = None
+    outline: Annotated[list[str], Field(min_length=1)] | None = None
+    vertices: dict[Name, Point] = {}
+    edges: dict[Name, EdgeSpec] = {}
+    holes: dict[Name, LoopSpec] = {}
+    regions: dict[Name, LoopSpec] = {}
+    points: dict[Name, Point] = {}
+    groups: dict[Name, Annotated[list[str], Field(min_length=1)]] = {}
+
+    def kinds(self) -> dict[str, str]:
+        """Every name that this shape gives, also those inside loops, with what it names: vertex, edge, hole, ..."""
+        kinds = {name: kind for key, kind in self.named.items() for name in getattr(self, key)}
+        for name, loop in (self.holes | self.regions).items():
+            corners = 4 if isinstance(loop, CircleLoop) else len(loop.polygon) if isinstance(loop, PolygonLoop) else 0
+            for i in range(1, corners + 1):
+                kinds |= {f"{name}.{i}": "edge", f"{name}.v{i}": "vertex"}
+        return kinds | {"outline": "outline", "all": "all"}
+
+
+class Material(Strict):
+    """``[material.NAME]``: an isotropic material; without ``region`` it fills what no other material does."""
+
+    E: Annotated[number_of("pressure"), Field(gt=0)]
+    nu: Annotated[number_of("number"), Field(gt=-1, lt=0.5)]
+    rho: Annotated[number_of("density"), Field(ge=0)] = 0.0
+    thickness: Annotated[Length, Field(gt=0)] = 1.0
+    region: Entities | None = None
+
+
+Displacement = value_of("length")
+
+
+def _read_fix(raw: Any) -> Any:
+    """Directions that are held, as a table of displacements."""
+    if isinstance(raw, list) and raw and all(isinstance(direction, str) for direction in raw):
+        return dict.fromkeys(raw, 0.0)
+    if not isinstance(raw, dict) or not raw:
+        raise UnitError(f'directions such as ["x", "y"], or a table such as {{ x = 0, y = "1 mm" }}, not {raw!r}')
+    return raw
+
+
+class Support(Strict):
+    """``[supports.NAME]``: where and in which directions the displacement is given."""
+
+    on: Entities
+    fix: Annotated[
+        dict[Literal["x", "y"], Displacement],
+        BeforeValidator(_read_fix),
+        WithJsonSchema(
+            {
+                "anyOf": [{"type": "array", "items": {"enum": ["x", "y"]}}, {"type": "object"}],
+                "description": "directions",
+            }
+        ),
+    ]
+
+
+Force = tuple[value_of("force"), value_of("force")]
+Traction = tuple[value_of("pressure"), value_of("pressure")]
+Body = tuple[value_of("body force"), value_of("body force")]
+
+
+class Load(Strict):
+    """``[loads.NAME]``: a force [N], a dead traction [Pa], a pressure [Pa], or a body force [N/m^3].
+
+    A force on an edge is a total, spread evenly; a pressure acts along the inward normal.
+    """
+
+    kinds: ClassVar[tuple[str, ...]] = ("force", "traction", "pressure", "body")
+
+    on: Entities
+    force: Force | None = None
+    traction: Traction | None = None
+    pressure: value_of("pressure") | None = None
+    body: Body | None = None
+
+    @property
+    def kind(self) -> str:
+        """Which of force, traction, pressure and body this load is."""
+        return only_one(self, self.kinds)
+
+    @model_validator(mode="after")
+    def _is_one_kind(self) -> Self:
+        only_one(self, self.kinds)
+        return self
+
+
+class MeshSpec(Strict):
+    """``[mesh]``: how fine, of which order, and how it follows the shape."""
+
+    size: Annotated[Length, Field(gt=0)] | None = None
+    near: dict[str, Annotated[Length, Field(gt=0)]] = {}
+    order: Literal[1, 2] = 1
+    relocation: Literal["harmonic", "mvc", "laplacian"] = "harmonic"
+    criterion: Literal["quality", "author"] = "quality"
+    min_quality: Annotated[float, Field(gt=0, lt=1)] = 0.3
+    file: str | None = None
+    unit: Annotated[float, BeforeValidator(lambda raw: _read_scale(raw)), Field(gt=0)] = 1.0
+
+
+def _read_scale(raw: Any) -> float:
+    """Metres in one unit of an imported mesh, given as a number or as the name of a unit."""
+    return quantity(f"1 {raw}" if isinstance(raw, str) and raw.strip().isalpha() else raw, "length")
+
+
+class SolveSpec(Strict):
+    """``[solve]``: the relative residual to reach, and the policy of reuse."""
+
+    tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-6
+    policy: Literal["auto", "thesis", "refactor", "rebuild"] = "auto"
+
+
+class Quantity(Strict):
+    """``[quantities.NAME]``: one number a frame; ``take`` says how many values become one."""
+
+    kinds: ClassVar[tuple[str, ...]] = ("displacement", "reaction", "stress", "energy", "area")
+    usual: ClassVar[dict[str, str]] = {
+        "displacement": "mean",
+        "reaction": "sum",
+        "stress": "max",
+        "energy": "sum",
+        "area": "sum",
+    }
+
+    displacement: Literal["x", "y", "magnitude"] | None = None
+    reaction: Literal["x", "y"] | None = None
+    stress: Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"] | None = None
+    energy: Literal["strain"] | None = None
+    area: Literal[True] | None = None
+    at: str | None = None
+    take: Literal["max", "min", "mean", "sum", "absmax"] | None = None
+
+    @property
+    def kind(self) -> str:
+        """Which of displacement, reaction, stress, energy and area this quantity is."""
+        return only_one(self, self.kinds)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_the_usual(cls, raw: Any) -> Any:
+        if isinstance(raw, dict) and "take" not in raw:
+            kind = next((kind for kind in cls.kinds if kind in raw), None)
+            return raw | {"take": cls.usual[kind]} if kind else raw
+        return raw
+
+    @model_validator(mode="after")
+    def _is_one_kind(self) -> Self:
+        only_one(self, self.kinds)
+        return self
+
+
+class Scene(Strict):
+    """A whole scene: object, material, effects, supports, loads, mesh, solution and what is observed."""
+
+    format: Literal["restshape-scene"]
+    version: Literal[1]
+    app: str
+    title: str = ""
+    parameters: dict[Name, number_of(None)] = {}
+    shape: ShapeSpec = ShapeSpec()
+    material: Annotated[dict[Name, Material], Field(min_length=1)]
+    effects: dict[str, dict[str, Any]] = {}
+    supports: dict[Name, Support] = {}
+    loads: dict[Name, Load] = {}
+    mesh: MeshSpec
+    solve: SolveSpec = SolveSpec()
+    quantities: dict[Name, Quantity] = {}
+
+    _source: Source = PrivateAttr(default_factory=lambda: Source(Path("scene.toml")))
+    _raw: dict[str, Any] = PrivateAttr(default_factory=dict)
+
+    @property
+    def path(self) -> Path:
+        """The file that the scene was read from."""
+        return self._source.path
+
+    @property
+    def raw(self) -> dict[str, Any]:
+        """The plain tables that the scene was built from, overrides included."""
+        return self._raw
+
+    @property
+    def folder(self) -> Path:
+        """Where files that the scene names are looked for."""
+        return self._source.path.parent
+
+    def located(self, error: UserError) -> UserError:
+        """The same error with file and line, if its place is a key of this scene such as ``shape.edges.top``."""
+        key = split_key(error.where)
+        if not key or key[0] not in type(self).model_fields:
+            return error
+        return self._source.error(key, error.what, error.do)

@@ -1,0 +1,140 @@
+"""Validation errors of pydantic, told in plain words."""
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, Tag, ValidationError
+from pydantic_core import ErrorDetails
+
+from restshape.errors import UserError
+from restshape.scene.source import Source, suggestion
+
+MOST_TOLD = 4
+
+
+def user_error(
+    error: ValidationError, source: Source, root: type[BaseModel], prefix: tuple[str, ...] = ()
+) -> UserError:
+    """The one error for people that tells what a validation found.
+
+    Args:
+        error: as pydantic raised it.
+        source: the text that was validated, to find lines in.
+        root: the model that it was validated against.
+        prefix: key of that model in the file.
+    """
+    # an unknown key is often what makes another one missing: tell it first
+    found = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
+    told = [_told(details, source, root, prefix) for details in found[:MOST_TOLD]]
+    first = told[0]
+    others = [f"  also {other.where}: {other.what}{f' ({other.do})' * bool(other.do)}" for other in told[1:]]
+    if len(found) > MOST_TOLD:
+        others.append(f"  and {len(found) - MOST_TOLD} more")
+    return UserError("\n".join([first.what, *others]), first.where, first.do)
+
+
+def _told(details: ErrorDetails, source: Source, root: type[BaseModel], prefix: tuple[str, ...]) -> UserError:
+    """One finding as an error with key, line and suggestion."""
+    location = details["loc"]
+    key = [
+        *prefix,
+        *(part for part in location if not (isinstance(part, str) and part.startswith("<")) and part != "[key]"),
+    ]
+    what, do = plain(details)
+    match details["type"]:
+        case "extra_forbidden":
+            known = known_keys(root, location[:-1])
+            return source.error(key, f"there is no key {str(key[-1])!r} here", suggestion(str(key[-1]), known))
+        case "kind" if isinstance(details["input"], dict) and details["input"]:
+            held = next(iter(details["input"]))
+            return source.error(key, what, suggestion(str(held), details["ctx"]["keys"]))
+        case "literal_error" if isinstance(details["input"], str):
+            expected = details["ctx"]["expected"].replace(" or ", ", ").replace("'", "").split(", ")
+            return source.error(key, what, suggestion(details["input"], expected))
+    return source.error(key, what, do)
+
+
+def plain(details: ErrorDetails) -> tuple[str, str]:
+    """What one finding says in plain words, and what to do about it."""
+    kind, given, context = details["type"], details["input"], details.get("ctx", {})
+    shown = f"not {_shown(given)}"
+    match kind:
+        case "missing":
+            return f"the key {str(details['loc'][-1])!r} is missing", "add it"
+        case "value_error":
+            message = str(context["error"])
+            what, _, do = message.partition(": ")
+            return (what, do) if do else (message, "")
+        case "kind":
+            return f"{details['msg']}, {shown}", ""
+        case "literal_error":
+            return f"{context['expected']} is wanted here, {shown}", ""
+        case "finite_number":
+            return f"{given} is not a finite number", "write a finite number"
+        case "greater_than":
+            return f"{_shown(given)} is too small: it must be greater than {context['gt']:g}", ""
+        case "greater_than_equal":
+            return f"{_shown(given)} is too small: it must be at least {context['ge']:g}", ""
+        case "less_than":
+            return f"{_shown(given)} is too large: it must be less than {context['lt']:g}", ""
+        case "less_than_equal":
+            return f"{_shown(given)} is too large: it must be at most {context['le']:g}", ""
+        case "too_short" | "too_long":
+            limit = context.get("min_length", context.get("max_length"))
+            bound = "at least" if kind == "too_short" else "at most"
+            return f"{bound} {limit} entries are wanted here, but there are {context['actual_length']}", ""
+        case "dict_type" | "model_type":
+            return f"a table of keys is wanted here, {shown}", ""
+        case "list_type" | "tuple_type":
+            return f"a list is wanted here, {shown}", ""
+        case "string_type":
+            return f"text in quotes is wanted here, {shown}", ""
+        case "float_type" | "float_parsing" | "int_type" | "int_parsing" | "int_from_float":
+            return f"a {'whole ' * kind.startswith('int')}number is wanted here, {shown}", ""
+    return f"{details['msg']}, {shown}", ""
+
+
+def _shown(given: Any) -> str:
+    """What was given, short."""
+    text = repr(given)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def known_keys(root: Any, location: Sequence[str | int]) -> list[str]:
+    """The keys of the model at a place, found by walking the annotations; empty where there is no model."""
+    kind = root
+    for part in location:
+        kind = _step(kind, part)
+        if kind is None:
+            return []
+    kind = _models(kind)
+    return [name for model in kind for name in model.model_fields]
+
+
+def _step(kind: Any, part: str | int) -> Any:
+    """The annotation one key further in, or None."""
+    origin, arguments = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        return _step(arguments[0], part)
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind.model_fields[part].annotation if part in kind.model_fields else None
+    if origin is dict:
+        return arguments[1]
+    if origin in (list, tuple):
+        return arguments[0]
+    if isinstance(part, str) and part.startswith("<"):
+        return next((option for option in arguments if Tag(part) in getattr(option, "__metadata__", ())), None)
+    models = _models(kind)
+    return _step(models[0], part) if models else None
+
+
+def _models(kind: Any) -> list[type[BaseModel]]:
+    """The models that an annotation may be."""
+    origin = get_origin(kind)
+    if origin is Annotated:
+        return _models(get_args(kind)[0])
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return [kind]
+    if origin is Union or type(kind).__name__ == "UnionType":
+        return [model for option in get_args(kind) for model in _models(option)]
+    return []

@@ -1,0 +1,365 @@
+"""Edit scripts: what a hand did to a shape, one event a line, in edit time."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal, NoReturn, Self
+
+from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, WithJsonSchema, model_validator
+from pydantic.json_schema import SkipJsonSchema
+
+from restshape.errors import UserError
+from restshape.scene.model import Scene, only_one
+from restshape.scene.problems import user_error
+from restshape.scene.source import Source, read_text, suggestion
+from restshape.scene.units import length_unit, quantity
+from restshape.scene.values import Name, Strict, number_of
+
+FORMAT = "restshape-edits"
+VERSION = 1
+
+
+def _read_coordinate(raw: Any, info: ValidationInfo) -> float:
+    """A length in metres: plain numbers are in the units of the script's header."""
+    scale = (info.context or {}).get("scale", 1.0)
+    return quantity(raw, "length") * (1.0 if isinstance(raw, str) else scale)
+
+
+Coordinate = Annotated[
+    float,
+    BeforeValidator(_read_coordinate),
+    WithJsonSchema(
+        {"anyOf": [{"type": "number"}, {"type": "string"}], "description": 'in the header\'s units, or "12 mm"'}
+    ),
+]
+Position = tuple[Coordinate, Coordinate]
+Frames = Annotated[int, Field(ge=1, le=1_000_000, strict=True)]
+
+
+class Header(Strict):
+    """The first line: what the script is, for which scene, in which unit of length."""
+
+    format: Literal["restshape-edits"]
+    version: Literal[1]
+    scene: str = ""
+    units: str = "m"
+    note: str = ""
+
+
+class EventLine(Strict):
+    """What every event has: its edit time [s], the line it stands on (0 = not from a file), and room for a remark."""
+
+    line: SkipJsonSchema[int] = Field(default=0, exclude=True)
+    t: Annotated[number_of("time"), Field(ge=0)]
+    note: str = ""
+
+
+class Press(EventLine):
+    """A hand takes hold of an entity, at a point [m] (else the entity's own)."""
+
+    do: Literal["press"]
+    on: str
+    at: Position | None = None
+
+
+class Drag(EventLine):
+    """The cursor moves to a point, or along a path in as many frames as it has points [m]."""
+
+    do: Literal["drag"]
+    to: Position | None = None
+    path: Annotated[list[Position], Field(min_length=1)] | None = None
+    frames: Frames | None = None
+
+    @model_validator(mode="after")
+    def _has_one_target(self) -> Self:
+        only_one(self, ("to", "path"))
+        return self
+
+
+class Release(EventLine):
+    """The hand lets go."""
+
+    do: Literal["release"]
+
+
+class Rotate(EventLine):
+    """An entity turns by an angle [rad] about a point [m] (else its own)."""
+
+    do: Literal["rotate"]
+    on: str
+    by: number_of("angle")
+    about: Position | None = None
+    frames: Frames = 1
+
+
+class Scale(EventLine):
+    """An entity grows by a factor about a point [m] (else its own)."""
+
+    do: Literal["scale"]
+    on: str
+    factor: Annotated[number_of("number"), Field(gt=0)]
+    about: Position | None = None
+    frames: Frames = 1
+
+
+class Set(EventLine):
+    """A key of the scene gets another value."""
+
+    do: Literal["set"]
+    key: Annotated[str, Field(min_length=1)]
+    value: Any
+
+
+class Insert(EventLine):
+    """An edge gets a vertex, near a point [m] or at a part 0 < s < 1 of its length."""
+
+    do: Literal["insert"]
+    on: str
+    name: Name
+    at: Position | None = None
+    s: Annotated[float, Field(gt=0, lt=1)] | None = None
+
+    @model_validator(mode="after")
+    def _has_one_place(self) -> Self:
+        only_one(self, ("at", "s"))
+        return self
+
+
+class Delete(EventLine):
+    """A vertex, a hole or a region goes away."""
+
+    do: Literal["delete"]
+    on: str
+
+
+class Arc(EventLine):
+    """An edge becomes an arc, through a point [m] or of a bulge tan(angle / 4)."""
+
+    do: Literal["arc"]
+    on: str
+    through: Position | None = None
+    bulge: float | None = None
+    frames: Frames = 1
+
+    @model_validator(mode="after")
+    def _has_one_form(self) -> Self:
+        only_one(self, ("through", "bulge"))
+        return self
+
+
+class Hole(EventLine):
+    """A new hole: a circle by centre and radius [m], or a polygon [m]."""
+
+    do: Literal["hole"]
+    name: Name
+    center: Position | None = None
+    radius: Annotated[Coordinate, Field(gt=0)] | None = None
+    polygon: Annotated[list[Position], Field(min_length=3)] | None = None
+
+    @model_validator(mode="after")
+    def _is_one_kind(self) -> Self:
+        if only_one(self, ("center", "polygon")) == "center":
+            only_one(self, ("radius",))
+        return self
+
+
+class Idle(EventLine):
+    """Nothing happens for some frames."""
+
+    do: Literal["idle"]
+    frames: Frames = 1
+
+
+class Undo(EventLine):
+    """The last edit is taken back."""
+
+    do: Literal["undo"]
+
+
+class Redo(EventLine):
+    """The last edit that was taken back is done again."""
+
+    do: Literal["redo"]
+
+
+EVENTS: dict[str, type[EventLine]] = {
+    model.model_fields["do"].annotation.__args__[0]: model
+    for model in (Press, Drag, Release, Rotate, Scale, Set, Insert, Delete, Arc, Hole, Idle, Undo, Redo)
+}
+Event = Annotated[
+    Press | Drag | Release | Rotate | Scale | Set | Insert | Delete | Arc | Hole | Idle | Undo | Redo,
+    Field(discriminator="do"),
+]
+HELD = ("drag", "release", "idle", "set")
+"""What may happen while the hand holds something."""
+
+
+@dataclass(frozen=True)
+class Script:
+    """An edit script.
+
+    Args:
+        header: its first line.
+        events: the events before the first line that cannot be used.
+        torn: why the last line is only part of a line; None when the file is whole.
+        error: what is wrong with the first line that cannot be used; None when all can.
+        warnings: what is odd, though it stops nothing.
+        path: the file; None when it came from none.
+    """
+
+    header: Header
+    events: tuple[Event, ...]
+    torn: str | None = None
+    error: UserError | None = None
+    warnings: tuple[str, ...] = ()
+    path: Path | None = None
+
+    @classmethod
+    def empty(cls, scene: Scene) -> Self:
+        """The script that leaves the scene's shape as it is."""
+        return cls(Header(format=FORMAT, version=VERSION, scene=scene.path.name), ())
+
+
+def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = False) -> Script:
+    """The edit script of a JSON Lines file.
+
+    A last line that is torn stops nothing: `Script.torn` tells of it, and the events before it are there.
+
+    Args:
+        path: the file.
+        scene: the scene that it will be replayed on.
+        keep_good: with a bad line, give the events before it and the error as `Script.error`, rather than raise.
+
+    Raises:
+        UserError: the header is missing or of another version, or (without keep_good) a line is bad.
+    """
+    path = Path(path)
+    text = read_text(path, "edit script")
+    lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if line.strip()]
+    if not lines:
+        raise UserError("the edit script is empty", path.name, _first_line())
+    reader = _Reader(path, whole=text.endswith("\n"), last=lines[-1][0])
+    header = reader.header(*lines[0])
+    try:
+        for number, line in lines[1:]:
+            reader.event(number, line)
+    except _Torn as torn:
+        reader.torn, reader.error = str(torn.error), torn.error
+    except UserError as error:
+        if not keep_good:
+            raise
+        reader.error = error
+    return Script(header, tuple(reader.events), reader.torn, reader.error, _warnings(header, scene), path)
+
+
+def _first_line() -> str:
+    """What to do about a missing header."""
+    return f'let the first line be {{"format": "{FORMAT}", "version": {VERSION}, "scene": "my.toml", "units": "m"}}'
+
+
+def _warnings(header: Header, scene: Scene | None) -> tuple[str, ...]:
+    """What is odd about the script for this scene."""
+    if scene is None or not header.scene or Path(header.scene).name == scene.path.name:
+        return ()
+    return (f"the script was written for the scene {header.scene!r}, not for {scene.path.name!r}",)
+
+
+class _Torn(Exception):
+    """The last line is only part of a line."""
+
+    def __init__(self, error: UserError) -> None:
+        self.error = error
+        super().__init__(str(error))
+
+
+@dataclass
+class _Reader:
+    """Reads a script line by line, and knows what is held."""
+
+    path: Path
+    whole: bool
+    last: int
+    events: list[Event] = field(default_factory=list)
+    torn: str | None = None
+    error: UserError | None = None
+    held: str | None = None
+    t: float = 0.0
+    scale: float = 1.0
+
+    def fail(self, number: int, what: str, do: str = "") -> NoReturn:
+        """Raises the error that names file and line."""
+        raise UserError(what, f"{self.path.name}: line {number}", do)
+
+    def table(self, number: int, line: str) -> dict[str, Any]:
+        """The JSON object of a line."""
+        try:
+            found = json.loads(line, parse_constant=_refuse_constant)
+        except json.JSONDecodeError as error:
+            if number == self.last and not self.whole and number > 1:
+                where = f"{self.path.name}: line {number}"
+                do = "remove that line: the ones before it are whole"
+                raise _Torn(UserError("the last line is torn: it ends in the middle", where, do)) from error
+            self.fail(
+                number, f"this is not JSON: {error.msg.lower()} at column {error.colno}", "one JSON object a line"
+            )
+        except (ValueError, RecursionError) as error:
+            self.fail(number, str(error), "write finite numbers")
+        if not isinstance(found, dict):
+            self.fail(number, f"a JSON object is wanted on each line, not {line.strip()[:40]}", "write {...}")
+        return found
+
+    def header(self, number: int, line: str) -> Header:
+        """The header of the first line."""
+        table = self.table(number, line)
+        if "do" in table or "format" not in table:
+            self.fail(number, "the header is missing", _first_line())
+        if table["format"] != FORMAT:
+            self.fail(number, f"this is not an edit script: its format is {table['format']!r}", _first_line())
+        if table.get("version") != VERSION:
+            self.fail(number, f"version {table.get('version')!r} is not known", f"this program reads version {VERSION}")
+        try:
+            header = Header.model_validate(table)
+        except ValidationError as error:
+            raise self.told(error, number, Header) from error
+        self.scale = length_unit(header.units, f"{self.path.name}: line {number}: units")
+        return header
+
+    def event(self, number: int, line: str) -> None:
+        """Reads one event and keeps it."""
+        table = self.table(number, line)
+        do = table.get("do")
+        if do is None:
+            self.fail(number, "the key 'do' is missing", f"use one of: {', '.join(EVENTS)}")
+        if not isinstance(do, str) or do not in EVENTS:
+            self.fail(number, f"there is no event {do!r}", suggestion(str(do), list(EVENTS)))
+        if "line" in table:
+            self.fail(number, "there is no key 'line' here", suggestion("line", list(EVENTS[do].model_fields)[1:]))
+        try:
+            event = EVENTS[do].model_validate(table | {"line": number}, context={"scale": self.scale})
+        except ValidationError as error:
+            raise self.told(error, number, EVENTS[do]) from error
+        self.check_order(event, number)
+        self.events.append(event)
+
+    def told(self, error: ValidationError, number: int, model: type[Strict]) -> UserError:
+        """The error that names file, line and key."""
+        return user_error(error, Source(Path(f"{self.path.name}: line {number}")), model)
+
+    def check_order(self, event: Event, number: int) -> None:
+        """Refuses time that runs backwards, and a hand that drags what it does not hold."""
+        if event.t < self.t:
+            self.fail(number, f"time runs backwards: t = {event.t:g} after t = {self.t:g}", "let t never decrease")
+        self.t = event.t
+        if self.held is None and event.do in ("drag", "release"):
+            self.fail(number, f"there is a {event.do} before a press", 'add {"do": "press", "on": ...} before it')
+        if self.held is not None and event.do not in HELD:
+            self.fail(number, f"there is a {event.do} while {self.held!r} is still held", "add a release before it")
+        if event.do == "press":
+            self.held = event.on
+        elif event.do == "release":
+            self.held = None
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    """Refuses NaN and infinities, which Python's JSON would take."""
+    raise ValueError(f"{name} is not a finite number")

@@ -1,0 +1,94 @@
+"""The text a user wrote: where each key stands in it, and how an error names the place."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+
+from restshape.errors import UserError
+
+KEY = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
+DOTTED = rf"{KEY}(?:\s*\.\s*{KEY})*"
+HEADER = re.compile(rf"^\s*\[\[?\s*({DOTTED})\s*\]\]?\s*(?:#.*)?$")
+ASSIGNMENT = re.compile(rf"^\s*({DOTTED})\s*=")
+INLINE = re.compile(rf"[{{,]\s*({DOTTED})\s*=")
+
+
+def split_key(text: str) -> tuple[str, ...]:
+    """The parts of a dotted key, without quotes."""
+    return tuple(part.strip("\"'") for part in re.findall(KEY, text))
+
+
+def suggestion(word: str, known: Sequence[str]) -> str:
+    """What to do about a word that is not known: the nearest known one, or the list of them."""
+    spelled = {name.lower(): name for name in known}
+    near = get_close_matches(word.lower(), spelled, n=1, cutoff=0.55)
+    if near:
+        return f"did you mean {spelled[near[0]]!r}?"
+    return f"use one of: {', '.join(known)}" if known else ""
+
+
+def read_text(path: Path, kind: str) -> str:
+    """The text of a file.
+
+    Raises:
+        UserError: the file is missing, cannot be read, or is not text.
+    """
+    try:
+        return path.read_bytes().decode("utf-8-sig")
+    except FileNotFoundError as error:
+        raise UserError(f"there is no such {kind}", str(path), "check the path") from error
+    except IsADirectoryError as error:
+        raise UserError(f"this is a folder, not a {kind}", str(path), "name the file in it") from error
+    except UnicodeDecodeError as error:
+        raise UserError(f"this is not a text file, so it is no {kind}", str(path), "name another file") from error
+    except OSError as error:
+        raise UserError(f"the {kind} cannot be read: {error.strerror}", str(path), "check its permissions") from error
+
+
+@dataclass
+class Source:
+    """A scene's text with the lines of its keys.
+
+    Args:
+        path: the file, for messages.
+        text: what it holds; empty when the tables did not come from text.
+        overridden: dotted keys given on the command line or by an edit, which stand on no line.
+    """
+
+    path: Path
+    text: str = ""
+    overridden: tuple[tuple[str, ...], ...] = ()
+    lines: dict[tuple[str, ...], int] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        table: tuple[str, ...] = ()
+        key: tuple[str, ...] = ()
+        for number, line in enumerate(self.text.splitlines(), start=1):
+            if header := HEADER.match(line):
+                table = key = split_key(header[1])
+            elif assignment := ASSIGNMENT.match(line):
+                key = table + split_key(assignment[1])
+            else:
+                continue
+            self.lines.setdefault(key, number)
+            for inner in INLINE.finditer(line):
+                # inline tables may nest: the last part of the key is enough to find the line
+                self.lines.setdefault((*key, split_key(inner[1])[-1]), number)
+
+    def line(self, key: tuple[str, ...]) -> int | None:
+        """The line of a key, or of the nearest table around it that has one."""
+        if any(key[: len(over)] == over for over in self.overridden):
+            return None
+        for length in range(len(key), 0, -1):
+            if key[:length] in self.lines:
+                return self.lines[key[:length]]
+        return None
+
+    def error(self, key: Sequence[str | int], what: str, do: str = "") -> UserError:
+        """The error that names file, key and line of what is wrong."""
+        parts = tuple(str(part) for part in key)
+        where = f"{self.path.name}: {'.'.join(parts)}" if parts else self.path.name
+        line = self.line(parts)
+        return UserError(what, f"{where} (line {line})" if line else where, do)

@@ -1,0 +1,168 @@
+"""Numbers with units: what a user writes, turned into SI."""
+
+import math
+import re
+
+from restshape.errors import UserError
+
+Powers = tuple[int, int, int, int, int]
+"""Powers of metre, kilogram, second, kelvin and radian."""
+
+DIMENSIONS: dict[str, Powers] = {
+    "number": (0, 0, 0, 0, 0),
+    "length": (1, 0, 0, 0, 0),
+    "area": (2, 0, 0, 0, 0),
+    "angle": (0, 0, 0, 0, 1),
+    "time": (0, 0, 1, 0, 0),
+    "frequency": (0, 0, -1, 0, 0),
+    "mass": (0, 1, 0, 0, 0),
+    "velocity": (1, 0, -1, 0, 0),
+    "acceleration": (1, 0, -2, 0, 0),
+    "force": (1, 1, -2, 0, 0),
+    "moment": (2, 1, -2, 0, 0),
+    "pressure": (-1, 1, -2, 0, 0),
+    "stiffness": (0, 1, -2, 0, 0),
+    "density": (-3, 1, 0, 0, 0),
+    "body force": (-2, 1, -2, 0, 0),
+    "temperature": (0, 0, 0, 1, 0),
+}
+
+EXAMPLES = {
+    "number": "0.3",
+    "length": '"12 mm"',
+    "area": '"4 cm^2"',
+    "angle": '"30 deg"',
+    "time": '"0.5 s"',
+    "frequency": '"440 Hz"',
+    "mass": '"2 kg"',
+    "velocity": '"1.5 m/s"',
+    "acceleration": '"9.81 m/s^2"',
+    "force": '"5 kN"',
+    "moment": '"3 N m"',
+    "pressure": '"210 GPa"',
+    "stiffness": '"35 kN/m"',
+    "density": '"7850 kg/m^3"',
+    "body force": '"77 kN/m^3"',
+    "temperature": '"293 K"',
+}
+
+PREFIXES = {"": 1.0, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9}
+
+PREFIXED: dict[str, tuple[float, Powers]] = {
+    "m": (1.0, DIMENSIONS["length"]),
+    "g": (1e-3, DIMENSIONS["mass"]),
+    "s": (1.0, DIMENSIONS["time"]),
+    "N": (1.0, DIMENSIONS["force"]),
+    "Pa": (1.0, DIMENSIONS["pressure"]),
+    "Hz": (1.0, DIMENSIONS["frequency"]),
+    "J": (1.0, DIMENSIONS["moment"]),
+}
+
+PLAIN: dict[str, tuple[float, Powers]] = {
+    "in": (0.0254, DIMENSIONS["length"]),
+    "ft": (0.3048, DIMENSIONS["length"]),
+    "t": (1e3, DIMENSIONS["mass"]),
+    "min": (60.0, DIMENSIONS["time"]),
+    "h": (3600.0, DIMENSIONS["time"]),
+    "bar": (1e5, DIMENSIONS["pressure"]),
+    "psi": (6894.757293168361, DIMENSIONS["pressure"]),
+    "rad": (1.0, DIMENSIONS["angle"]),
+    "deg": (math.pi / 180, DIMENSIONS["angle"]),
+    "°": (math.pi / 180, DIMENSIONS["angle"]),
+    "K": (1.0, DIMENSIONS["temperature"]),
+    "%": (0.01, DIMENSIONS["number"]),
+}
+
+UNITS = PLAIN | {
+    p + name: (scale * f, powers) for name, (f, powers) in PREFIXED.items() for p, scale in PREFIXES.items()
+}
+
+NUMBER_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµ°%][\w\sµ°%^*/.²³·-]*)?\s*$")
+FACTOR = re.compile(r"([*/·\s]*)([A-Za-zµ°%]+)(?:\^?(-?\d+))?\s*")
+
+
+class UnitError(ValueError):
+    """A number with a unit that cannot be read, or of the wrong dimension."""
+
+
+def reads_as_quantity(text: str) -> bool:
+    """Whether the text is a number, with or without something that looks like a unit."""
+    return NUMBER_UNIT.match(text) is not None
+
+
+def unit(text: str) -> tuple[float, Powers]:
+    """The factor to SI of a unit such as ``kg/m^3``, and its powers of m, kg, s, K and rad.
+
+    Raises:
+        UnitError: a unit that is not known.
+    """
+    factor, powers, sign, position = 1.0, (0, 0, 0, 0, 0), 1, 0
+    plain = text.strip().replace("²", "^2").replace("³", "^3")
+    while position < len(plain):
+        match = FACTOR.match(plain, position)
+        if match is None or match[2] not in UNITS or match[1].count("/") > 1:
+            raise UnitError(f"{text.strip()!r} is not a known unit")
+        scale, own = UNITS[match[2]]
+        # a slash holds for the factor behind it only: "N/m s" is (N/m) s
+        sign = -1 if "/" in match[1] else 1
+        exponent = sign * int(match[3] or 1)
+        factor *= scale**exponent
+        powers = tuple(p + exponent * q for p, q in zip(powers, own))
+        position = match.end()
+    return factor, powers
+
+
+def spelled(powers: Powers) -> str:
+    """A name for people of a dimension given by its powers."""
+    named = [name for name, own in DIMENSIONS.items() if own == powers]
+    if named:
+        return named[0]
+    return " ".join(f"{base}^{p}" for base, p in zip(("m", "kg", "s", "K", "rad"), powers) if p)
+
+
+def article(noun: str) -> str:
+    """The noun with its indefinite article."""
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
+
+
+def quantity(value: float | int | str, dimension: str | None) -> float:
+    """The value in SI units.
+
+    Args:
+        value: a number (taken as SI), or text such as ``"12 mm"``.
+        dimension: one of DIMENSIONS; None takes any.
+
+    Raises:
+        UnitError: not a finite number, an unknown unit, or a unit of another dimension.
+    """
+    example = f"write a number or {EXAMPLES[dimension]}" if dimension else 'write a number or "12 mm"'
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise UnitError(f"a number is wanted here, not {value!r}: {example}")
+    factor = 1.0
+    if isinstance(value, str):
+        match = NUMBER_UNIT.match(value)
+        if match is None:
+            raise UnitError(f"{value!r} is not a number with a unit: {example}")
+        if match[2]:
+            factor, powers = unit(match[2])
+            if dimension is not None and powers != DIMENSIONS[dimension]:
+                raise UnitError(
+                    f"{value!r} is {article(spelled(powers))}, but {article(dimension)} is wanted: {example}"
+                )
+        value = match[1]
+    number = float(value) * factor
+    if not math.isfinite(number):
+        raise UnitError(f"{value} is not a finite number")
+    return number
+
+
+def length_unit(text: str, where: str) -> float:
+    """Metres in one unit of length named by the text.
+
+    Raises:
+        UserError: no such unit, or not of length.
+    """
+    try:
+        return quantity(f"1 {text}", "length")
+    except UnitError as error:
+        raise UserError(str(error), where, 'use "m", "cm", "mm", "in" or "ft"') from error

@@ -1,0 +1,77 @@
+"""Types of single values in scenes and scripts: numbers with units, formulas, points and names."""
+
+import re
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema
+
+from restshape.scene.expressions import Expression, Value
+from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
+
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+RESERVED = ("all", "outline")
+
+
+class Strict(BaseModel):
+    """A model that refuses unknown keys and cannot be changed."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, allow_inf_nan=False)
+
+
+def _schema(dimension: str | None, formula: bool = False) -> dict[str, Any]:
+    """The JSON schema of a number with a unit."""
+    example = EXAMPLES[dimension].strip('"') if dimension else "12 mm"
+    text = f"a number in SI units or text such as {example}" + (", or a formula of x, y and the parameters" * formula)
+    return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": text}
+
+
+def number_of(dimension: str | None) -> Any:
+    """The type of a number with a unit of that dimension, in SI after validation."""
+    return Annotated[float, BeforeValidator(lambda raw: quantity(raw, dimension)), WithJsonSchema(_schema(dimension))]
+
+
+def value_of(dimension: str) -> Any:
+    """The type of a number with a unit of that dimension, or of a formula that gives one in SI units."""
+
+    def read(raw: Any) -> Value:
+        if isinstance(raw, Expression):
+            return raw
+        if isinstance(raw, str) and not reads_as_quantity(raw):
+            return Expression(raw)
+        return quantity(raw, dimension)
+
+    def write(value: Value) -> float | str:
+        return value.text if isinstance(value, Expression) else value
+
+    return Annotated[
+        float | Expression, BeforeValidator(read), PlainSerializer(write), WithJsonSchema(_schema(dimension, True))
+    ]
+
+
+def _read_name(raw: Any) -> str:
+    """The name, if it may name something."""
+    if not isinstance(raw, str):
+        raise UnitError(f"a name is wanted here, not {raw!r}")
+    if raw in RESERVED:
+        raise UnitError(f"{raw!r} means something already: choose another name")
+    if not NAME.fullmatch(raw):
+        raise UnitError(f"{raw!r} cannot be a name: use letters, digits, - and _, and start with a letter")
+    return raw
+
+
+def _read_entities(raw: Any) -> list[str]:
+    """One name or several, as a list."""
+    names = [raw] if isinstance(raw, str) else raw
+    if not isinstance(names, list) or not names or not all(isinstance(name, str) and name for name in names):
+        raise UnitError(f"the name of an entity, or a list of names, is wanted here, not {raw!r}")
+    return names
+
+
+Length = number_of("length")
+Point = tuple[Length, Length]
+Name = Annotated[str, BeforeValidator(_read_name)]
+Entities = Annotated[
+    list[str],
+    BeforeValidator(_read_entities),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
+]

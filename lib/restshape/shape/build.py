@@ -1,0 +1,135 @@
+"""Outlines from what a scene says about its shape."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.shape.curves import bulge_through
+from restshape.shape.draft import Draft, DraftEdge, add_circle, add_loop, add_polygon
+from restshape.shape.outline import Outline
+from restshape.shape.validity import problem
+
+
+def outline_from_spec(spec: Any, scene_dir: Path) -> Outline:
+    """The outline that a ``ShapeSpec`` describes, in one piece and valid.
+
+    Raises:
+        UserError: with the key below ``shape`` that is wrong.
+    """
+    spec = with_file(spec, scene_dir)
+    if spec.outline is None:
+        raise UserError("the shape has no outline", "shape.outline", "list the edges of the outer loop in order")
+    draft = Draft(vertices={name: (float(p[0]), float(p[1])) for name, p in spec.vertices.items()})
+    for name, edge in spec.edges.items():
+        draft.edges[name] = _edge(draft, name, edge)
+    _located("shape.outline", add_loop, draft, "outline", "outline", list(spec.outline))
+    for key, kind in (("holes", "hole"), ("regions", "region")):
+        for name, loop in getattr(spec, key).items():
+            _located(f"shape.{key}.{name}", _add, draft, name, kind, loop)
+    _refuse_unused(draft)
+    for name, p in spec.points.items():
+        if name in draft.vertices:
+            raise UserError(f"the name {name!r} is used twice", f"shape.points.{name}", "rename one of them")
+        draft.vertices[name] = (float(p[0]), float(p[1]))
+    draft.groups = {name: tuple(parts) for name, parts in spec.groups.items()}
+    outline = _located("shape", draft.outline)
+    _check_groups(outline)
+    wrong = problem(outline)
+    if wrong:
+        raise UserError(wrong, "shape", "mend the outline: loops must neither cross, touch nor leave the outline")
+    return outline
+
+
+def with_file(spec: Any, scene_dir: Path) -> Any:
+    """The shape with the outline of its ``file`` (.dxf or .geo) read in; what the scene adds itself comes on top."""
+    if spec.file is None:
+        return spec
+    from restshape.shape.dxf import read_dxf
+    from restshape.shape.geo import read_geo
+
+    path = Path(spec.file) if Path(spec.file).is_absolute() else scene_dir / spec.file
+    readers = {".dxf": read_dxf, ".geo": read_geo, ".geo_unrolled": read_geo}
+    if path.suffix.lower() not in readers:
+        raise UserError(f"no outline can be read from {path.name}", "shape.file", "use a .dxf or .geo file")
+    if not path.is_file():
+        raise UserError(f"there is no file {path}", "shape.file", "paths are relative to the scene's folder")
+    read = readers[path.suffix.lower()](path)
+    own = spec.model_dump(exclude_unset=True, exclude={"file"})
+    merged = {**read, **own}
+    for key in ("vertices", "edges", "holes", "regions", "groups"):
+        merged[key] = {**read.get(key, {}), **own.get(key, {})}
+    return type(spec).model_validate(merged)
+
+
+def _located(where: str, call, *args):
+    """The result of a call, whose errors get a place."""
+    try:
+        return call(*args)
+    except UserError as error:
+        raise UserError(error.what, error.where or where, error.do) from None
+
+
+def _edge(draft: Draft, name: str, spec: Any) -> DraftEdge:
+    kind = next(k for k in ("line", "arc", "spline", "polyline") if hasattr(spec, k))
+    start, end = getattr(spec, kind)
+    where = f"shape.edges.{name}"
+    for vertex in (start, end):
+        if vertex not in draft.vertices:
+            raise UserError(f"there is no vertex {vertex!r}", where, f"vertices: {', '.join(draft.vertices)}")
+    a, b = np.array(draft.vertices[start]), np.array(draft.vertices[end])
+    if np.array_equal(a, b):
+        raise UserError(f"the edge has zero length: {start!r} and {end!r} are the same point", where)
+    if kind == "line":
+        return DraftEdge(name, kind, start, end)
+    if kind == "arc":
+        return DraftEdge(name, kind, start, end, bulge=_bulge(where, a, b, spec))
+    inner = tuple((float(x), float(y)) for x, y in spec.through)
+    chain = np.array([a, *inner, b])
+    if not np.hypot(*np.diff(chain, axis=0).T).all():
+        raise UserError("two points that follow each other are the same", where, "remove one of them")
+    return DraftEdge(name, kind, start, end, inner=inner)
+
+
+def _bulge(where: str, a: np.ndarray, b: np.ndarray, spec: Any) -> float:
+    if spec.through is None:
+        return float(spec.bulge)
+    try:
+        return bulge_through(a, np.array(spec.through), b)
+    except ValueError:
+        raise UserError(
+            "no arc passes through its ends and `through`", where, "take a point between the ends"
+        ) from None
+
+
+def _add(draft: Draft, name: str, kind: str, loop: Any) -> None:
+    if hasattr(loop, "circle"):
+        add_circle(draft, name, kind, loop.circle.center, loop.circle.radius)
+    elif hasattr(loop, "polygon"):
+        add_polygon(draft, name, kind, loop.polygon)
+    else:
+        add_loop(draft, name, kind, list(loop.loop))
+
+
+def _refuse_unused(draft: Draft) -> None:
+    used = {edge for _, _, chain in draft.loops for edge, _ in chain}
+    for name in draft.edges:
+        if name not in used:
+            raise UserError("the edge belongs to no loop", f"shape.edges.{name}", "add it to a loop or remove it")
+    ends = {v for edge in draft.edges.values() for v in (edge.start, edge.end)}
+    for name in draft.vertices:
+        if name not in ends:
+            raise UserError(
+                "the vertex belongs to no edge", f"shape.vertices.{name}", "move it to [shape.points] or remove it"
+            )
+
+
+def _check_groups(outline: Outline) -> None:
+    for name, parts in outline.groups.items():
+        for part in parts:
+            if part in outline.groups:
+                raise UserError(f"a group cannot hold the group {part!r}", f"shape.groups.{name}", "list its entities")
+            _located(f"shape.groups.{name}", outline.entity, part)

@@ -1,0 +1,99 @@
+"""Gestures: how control points follow the hand, linearly where that is possible."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.shape.outline import Entity, Outline
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Gesture:
+    """A motion of control points: reference + c[0] basis[0] + c[1] basis[1].
+
+    Args:
+        kind: "drag", "rotate", "scale", "arc", "undo" or "redo".
+        basis: (2, k, 2) displacements of all control points, or None where the motion is not linear.
+        linear: the motion is linear in c and bulges stay.
+        reference: (k, 2) control points at c = (0, 0).
+        whole: (k,) control points that move with the selection itself (others follow along their edge).
+    """
+
+    kind: str
+    basis: np.ndarray | None
+    linear: bool
+    reference: np.ndarray
+    whole: np.ndarray
+
+    def points(self, c: tuple[float, float]) -> np.ndarray:
+        """Control points (k, 2) at the coefficients c; the reference where the motion is not linear."""
+        if self.basis is None:
+            return self.reference
+        return self.reference + (c[0] * self.basis[0] + c[1] * self.basis[1])
+
+
+def spread(outline: Outline, chosen: np.ndarray, displacement: np.ndarray) -> np.ndarray:
+    """Displacements (k, 2) of all control points when the chosen ones are displaced.
+
+    Inner points of a spline or polyline of which one end alone moves follow it linearly along the chord parameter.
+
+    Args:
+        outline: the shape.
+        chosen: (k,) bool.
+        displacement: (k, 2), used where chosen.
+    """
+    result = np.where(chosen[:, None], displacement, 0.0)
+    for edge in outline.edges:
+        loose = [j for j, p in enumerate(edge.inner) if not chosen[p]]
+        for j in loose:
+            t = edge.knots[j + 1]
+            result[edge.inner[j]] = (1.0 - t) * result[edge.start] + t * result[edge.end]
+    return result
+
+
+def chosen_points(outline: Outline, entity: Entity) -> np.ndarray:
+    """Mask (k,) of the control points of an entity, and of the inner points of edges both whose ends are in it."""
+    chosen = np.zeros(len(outline.points), dtype=bool)
+    chosen[outline.control_points(entity)] = True
+    for edge in outline.edges:
+        if edge.inner and chosen[edge.start] and chosen[edge.end]:
+            chosen[list(edge.inner)] = True
+    return chosen
+
+
+def drag(outline: Outline, entity: Entity) -> Gesture:
+    """The gesture of a drag: c is the displacement of the cursor [m]."""
+    chosen = chosen_points(outline, entity)
+    basis = np.stack([spread(outline, chosen, np.broadcast_to(unit, outline.points.shape)) for unit in np.eye(2)])
+    return Gesture("drag", basis, True, outline.points, chosen)
+
+
+def rotate(outline: Outline, entity: Entity, about: np.ndarray) -> Gesture:
+    """The gesture of a turn about a point (2,): c = (cos(angle) - 1, sin(angle))."""
+    chosen, arm = chosen_points(outline, entity), outline.points - about
+    turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+    basis = np.stack([spread(outline, chosen, arm), spread(outline, chosen, turned)])
+    return Gesture("rotate", basis, True, outline.points, chosen)
+
+
+def scale(outline: Outline, entity: Entity, about: np.ndarray) -> Gesture:
+    """The gesture of growing about a point (2,): c = (factor - 1, 0)."""
+    chosen = chosen_points(outline, entity)
+    grown = spread(outline, chosen, outline.points - about)
+    return Gesture("scale", np.stack([grown, np.zeros_like(grown)]), True, outline.points, chosen)
+
+
+def bend(outline: Outline) -> Gesture:
+    """The gesture of changing bulges: control points stay, nothing is linear."""
+    return Gesture("arc", None, False, outline.points, np.zeros(len(outline.points), dtype=bool))
+
+
+def towards(kind: str, outline: Outline, target: Outline) -> Gesture:
+    """The gesture that takes an outline to another one of the same layout at c = (1, 0), for undo and redo."""
+    none = np.zeros(len(outline.points), dtype=bool)
+    if not np.array_equal(outline.bulges, target.bulges):
+        return Gesture(kind, None, False, outline.points, none)
+    step = target.points - outline.points
+    return Gesture(kind, np.stack([step, np.zeros_like(step)]), True, outline.points, none)

@@ -1,0 +1,321 @@
+"""Outlines: closed loops of lines, arcs, splines and polylines between named vertices."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.shape import curves
+
+CHORD_ERROR = 1e-3
+"""Largest distance between a curve and its straight pieces, relative to the size of the shape."""
+
+RESERVED = ("outline", "all")
+_topologies = itertools.count(1)
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A curve between two vertices.
+
+    Args:
+        name: unique; parent: name that the scene gave it before it was split.
+        kind: "line", "arc", "spline" or "polyline".
+        start, end: control points at its ends.
+        inner: control points between them (splines and polylines).
+        knots: parameters of start, inner points and end, rising from 0 to 1, fixed at creation.
+        ends: end conditions of a spline, see :func:`restshape.shape.curves.second_derivatives`.
+    """
+
+    name: str
+    parent: str
+    kind: str
+    start: int
+    end: int
+    inner: tuple[int, ...] = ()
+    knots: tuple[float, ...] = (0.0, 1.0)
+    ends: tuple[str, str] = ("natural", "natural")
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A closed chain of edges: (edge index, forward) in the order that keeps the material on the left.
+
+    Regions are traversed counter-clockwise, so that their own inside is on the left.
+    """
+
+    name: str
+    kind: str
+    edges: tuple[tuple[int, bool], ...]
+
+
+@dataclass(frozen=True)
+class Entity:
+    """What a name addresses, as indices into an outline.
+
+    A vertex has no edges, an edge no vertices (its ends are in ``Edge``), a hole or region its edges and its loop.
+    """
+
+    vertices: tuple[int, ...] = ()
+    edges: tuple[int, ...] = ()
+    loops: tuple[int, ...] = ()
+
+
+class Layout:
+    """What stays while control points move: names, edges, loops, groups."""
+
+    def __init__(
+        self,
+        vertex_names: tuple[str, ...],
+        edges: tuple[Edge, ...],
+        loops: tuple[Loop, ...],
+        embedded: tuple[int, ...],
+        groups: dict[str, tuple[str, ...]],
+        size: float,
+    ) -> None:
+        self.vertex_names, self.edges, self.loops = vertex_names, edges, loops
+        self.embedded, self.groups, self.size = embedded, groups, size
+        self.topology = next(_topologies)
+        self.controls = tuple(np.array([e.start, *e.inner, e.end], dtype=np.int32) for e in edges)
+        self.entities = self._entities()
+
+    def _entities(self) -> dict[str, Entity]:
+        named = {name: Entity(vertices=(i,)) for i, name in enumerate(self.vertex_names)}
+        children: dict[str, list[int]] = {}
+        for i, edge in enumerate(self.edges):
+            named[edge.name] = Entity(edges=(i,))
+            children.setdefault(edge.parent, []).append(i)
+        for parent, indices in children.items():
+            named.setdefault(parent, Entity(edges=tuple(indices)))
+            if parent in (self.edges[i].name for i in indices):
+                named[parent] = Entity(edges=tuple(indices))
+        for i, loop in enumerate(self.loops):
+            named[loop.name] = Entity(edges=tuple(sorted({e for e, _ in loop.edges})), loops=(i,))
+        everything = range(len(self.vertex_names)), range(len(self.edges)), range(len(self.loops))
+        named["all"] = Entity(*(tuple(indices) for indices in everything))
+        return named
+
+
+class Outline:
+    """A shape in the plane; its layout never changes, :meth:`moved` gives another one with other control points.
+
+    Args:
+        layout: names, edges, loops, groups.
+        points: (k, 2) control points [m]: vertices first, then inner points of splines and polylines.
+        bulges: (n_edges,) tan(angle/4) of arcs, 0 elsewhere.
+    """
+
+    __slots__ = ("bulges", "layout", "points")
+
+    def __init__(self, layout: Layout, points: np.ndarray, bulges: np.ndarray) -> None:
+        self.layout, self.points, self.bulges = layout, points, bulges
+
+    @classmethod
+    def from_spec(cls, spec: Any, scene_dir: Path | str = ".") -> Outline:
+        """The outline that a scene's ``[shape]`` describes.
+
+        Args:
+            spec: a ``ShapeSpec``.
+            scene_dir: folder that ``shape.file`` is relative to.
+
+        Raises:
+            UserError: open, crossing or degenerate loops, unknown or repeated names, unreadable file.
+        """
+        from restshape.shape.build import outline_from_spec
+
+        return outline_from_spec(spec, Path(scene_dir))
+
+    @property
+    def vertex_names(self) -> tuple[str, ...]:
+        """Names of the vertices, in the order of the first rows of ``points``."""
+        return self.layout.vertex_names
+
+    @property
+    def edges(self) -> tuple[Edge, ...]:
+        """All edges."""
+        return self.layout.edges
+
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        """All loops; the outline is the first."""
+        return self.layout.loops
+
+    @property
+    def embedded(self) -> tuple[int, ...]:
+        """Vertices that lie on no edge."""
+        return self.layout.embedded
+
+    @property
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """Named groups of entity names."""
+        return self.layout.groups
+
+    @property
+    def topology(self) -> int:
+        """Version of the layout: equal versions mean the same edges, loops and names."""
+        return self.layout.topology
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the shape when it was made [m]; tolerances are relative to it."""
+        return self.layout.size
+
+    def moved(self, points: np.ndarray | None = None, bulges: np.ndarray | None = None) -> Outline:
+        """An outline of the same layout with other control points or bulges."""
+        return Outline(
+            self.layout, self.points if points is None else points, self.bulges if bulges is None else bulges
+        )
+
+    def names(self, kind: str) -> list[str]:
+        """Names of all entities of a kind: "vertex", "edge", "hole", "region" or "group"."""
+        if kind == "vertex":
+            return list(self.vertex_names)
+        if kind == "edge":
+            return [edge.name for edge in self.edges]
+        if kind == "group":
+            return list(self.groups)
+        return [loop.name for loop in self.loops if loop.kind == kind]
+
+    def entity(self, name: str) -> Entity:
+        """What a name addresses: a vertex, edge, hole, region, group, "outline" or "all".
+
+        The name of an edge that was split addresses all its pieces.
+
+        Raises:
+            UserError: there is no such entity.
+        """
+        found = self.layout.entities.get(name)
+        if found is not None:
+            return found
+        if name in self.groups:
+            parts = [self.entity(part) for part in self.groups[name]]
+            return Entity(
+                *(
+                    tuple(dict.fromkeys(itertools.chain.from_iterable(getattr(part, key) for part in parts)))
+                    for key in ("vertices", "edges", "loops")
+                )
+            )
+        known = [*self.layout.entities, *self.groups]
+        near = get_close_matches(name, known, 1)
+        some = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
+        raise UserError(f"the shape has no entity named {name!r}", do=f"did you mean {near[0]!r}?" if near else some)
+
+    def control_points(self, entities: Iterable[Entity] | Entity) -> np.ndarray:
+        """Sorted indices of the control points that a drag of an entity moves: ends and inner points of edges too."""
+        chosen: set[int] = set()
+        for entity in [entities] if isinstance(entities, Entity) else entities:
+            chosen.update(entity.vertices)
+            for e in entity.edges:
+                chosen.update(self.layout.controls[e].tolist())
+        return np.array(sorted(chosen), dtype=np.int32)
+
+    def point(self, edge: int, s: np.ndarray | float, points: np.ndarray | None = None) -> np.ndarray:
+        """Points (m, 2) of an edge; linear and homogeneous in the control points for fixed bulges.
+
+        Args:
+            edge: index.
+            s: (m,) from 0 at its start to 1 at its end: share of length (line), angle (arc), chord parameter (others).
+            points: (k, 2) control points, or a displacement of them; default: this outline's.
+        """
+        return self._combine(edge, np.atleast_1d(np.asarray(s, dtype=float)), points, rate=False)
+
+    def tangent(self, edge: int, s: np.ndarray | float, points: np.ndarray | None = None) -> np.ndarray:
+        """Derivatives (m, 2) of :meth:`point` with respect to s."""
+        return self._combine(edge, np.atleast_1d(np.asarray(s, dtype=float)), points, rate=True)
+
+    def _combine(self, index: int, s: np.ndarray, points: np.ndarray | None, rate: bool) -> np.ndarray:
+        edge, controls = self.layout.edges[index], self.layout.controls[index]
+        own = (self.points if points is None else points)[controls]
+        if edge.kind == "spline":
+            weights = curves.spline_weight_rates if rate else curves.spline_weights
+            return weights(edge.knots, edge.ends, s) @ own
+        if edge.kind == "polyline":
+            return (curves.polyline_weight_rates if rate else curves.polyline_weights)(edge.knots, s) @ own
+        a, b = complex(*own[0]), complex(*own[1])
+        bulge = float(self.bulges[index])
+        if rate:
+            p = (b - a) * curves.arc_fraction_rate(bulge, s)
+        else:
+            z = curves.arc_fraction(bulge, s)
+            p = a * (1.0 - z) + b * z
+        return np.stack([p.real, p.imag], axis=1)
+
+    def length(self, edge: int) -> float:
+        """Length of an edge [m]; exact but for splines (Gauss quadrature)."""
+        kind = self.edges[edge].kind
+        own = self.points[self.layout.controls[edge]]
+        if kind == "spline":
+            s, w = curves.gauss_parameters(
+                tuple(np.unique(np.linspace(0, 1, 65).tolist() + list(self.edges[edge].knots)))
+            )
+            return float(np.hypot(*self.tangent(edge, s).T) @ w)
+        straight = float(np.hypot(*np.diff(own, axis=0).T).sum())
+        half = 2.0 * np.arctan(abs(self.bulges[edge]))
+        return straight if half < 1e-9 else straight * half / np.sin(half)
+
+    def pieces(self, edge: int, error: float) -> np.ndarray:
+        """Parameters from 0 to 1 whose points make a chain of chords no farther than `error` [m] from the edge."""
+        found = self.edges[edge]
+        if found.kind in ("line", "polyline"):
+            return np.array(found.knots)
+        if found.kind == "arc":
+            bulge = float(self.bulges[edge])
+            if abs(bulge) < 1e-12:
+                return np.array([0.0, 1.0])
+            a, b = self.points[found.start], self.points[found.end]
+            angle = 4.0 * np.arctan(abs(bulge))
+            step = 2.0 * np.arccos(max(1.0 - error / curves.arc_centre(a, b, bulge)[1], 0.5))
+            return np.linspace(0.0, 1.0, 1 + max(int(np.ceil(angle / step)), 2))
+        second = curves.second_derivatives(found.knots, found.ends) @ self.points[self.layout.controls[edge]]
+        bend = np.hypot(*second.T)
+        parts = []
+        for i, (u, v) in enumerate(itertools.pairwise(found.knots)):
+            n = max(int(np.ceil((v - u) * np.sqrt(max(bend[i], bend[i + 1]) / (8.0 * error)))), 1)
+            parts.append(np.linspace(u, v, n + 1)[:-1])
+        return np.concatenate([*parts, [1.0]])
+
+    def polyline(self, edge: int, error: float | None = None) -> np.ndarray:
+        """Points (m, 2) from start to end whose chords stay within `error` [m] of the edge (default: 1e-3 of size)."""
+        return self.point(edge, self.pieces(edge, CHORD_ERROR * self.size if error is None else error))
+
+    def area(self) -> float:
+        """Area of the material [m^2]: the outline less the holes, exact for every kind of edge."""
+        return sum(self.loop_area(i) for i, loop in enumerate(self.loops) if loop.kind != "region")
+
+    def loop_area(self, loop: int) -> float:
+        """Signed area of a loop [m^2]: positive counter-clockwise, so negative for holes."""
+        total = 0.0
+        for e, forward in self.loops[loop].edges:
+            total += self._swept(e) * (1.0 if forward else -1.0)
+        return total
+
+    def _swept(self, edge: int) -> float:
+        """Half the integral of x dy - y dx along an edge, from start to end."""
+        found = self.edges[edge]
+        if found.kind == "spline":
+            s, w = curves.gauss_parameters(found.knots)
+            p, t = self.point(edge, s), self.tangent(edge, s)
+            return 0.5 * float((p[:, 0] * t[:, 1] - p[:, 1] * t[:, 0]) @ w)
+        own = self.points[self.layout.controls[edge]]
+        straight = 0.5 * float(np.sum(own[:-1, 0] * own[1:, 1] - own[1:, 0] * own[:-1, 1]))
+        bulge = float(self.bulges[edge])
+        if abs(bulge) < 1e-9:
+            return straight
+        angle, radius = 4.0 * np.arctan(bulge), curves.arc_centre(own[0], own[1], bulge)[1]
+        return straight + 0.5 * radius**2 * (angle - np.sin(angle))
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner (2,) of the box around the shape; curves count as their straight pieces."""
+        chains = np.concatenate([self.polyline(e, 1e-4 * (self.size or 1.0)) for e in range(len(self.edges))])
+        return chains.min(axis=0), chains.max(axis=0)
+
+    def centroid(self, entity: Entity) -> np.ndarray:
+        """Mean (2,) of the control points of an entity [m]."""
+        return self.points[self.control_points(entity)].mean(axis=0)

@@ -1,0 +1,334 @@
+"""An edit session: events of a script turned into frames, each with a valid shape."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from restshape.application import Application
+from restshape.application import application as application_named
+from restshape.errors import UserError
+from restshape.scene.load import revise
+from restshape.scene.model import Scene
+from restshape.scene.plan import plan
+from restshape.scene.script import Script
+from restshape.shape import gesture as gestures
+from restshape.shape import surgery
+from restshape.shape.gesture import Gesture
+from restshape.shape.outline import Outline
+from restshape.shape.references import refuse_lost_names
+from restshape.shape.validity import MotionCheck, problem
+
+FRAME_TIME = 1.0 / 60.0
+"""Edit time of a frame [s] where the script leaves room for it."""
+
+STILL = (0.0, 0.0)
+State = tuple[Outline, Scene]
+
+
+@dataclass(slots=True)
+class EditFrame:
+    """One frame of a session.
+
+    Args:
+        index: from 0.
+        t: edit time [s].
+        line: of the script, 0 for the start.
+        do: the event's kind, "start" for frame 0.
+        change: "start", "none", "move" (control points), "shape" (another layout), "values" (materials, loads, ...) or
+            "mesh" (mesh settings).
+        gesture: the motion of a "move", given already at the press; None where there is none.
+        c: its two coefficients.
+        outline: the valid shape of this frame; scene: what else holds.
+        refused: why the event changed nothing; None when it was carried out.
+    """
+
+    index: int
+    t: float
+    line: int
+    do: str
+    change: str
+    gesture: Gesture | None
+    c: tuple[float, float]
+    outline: Outline
+    scene: Scene
+    refused: str | None
+
+
+@dataclass(slots=True)
+class Step:
+    """What one frame of an event did, before it gets its number and time."""
+
+    change: str
+    gesture: Gesture | None = None
+    c: tuple[float, float] = STILL
+    refused: str | None = None
+
+
+@dataclass(slots=True)
+class Hold:
+    """What the hand holds: a gesture, where it took hold, and the state before."""
+
+    gesture: Gesture
+    check: MotionCheck
+    origin: tuple[float, float]
+    cursor: tuple[float, float]
+    before: State
+    c: tuple[float, float] = STILL
+
+
+class EditSession:
+    """Replays a script's events on a scene's shape.
+
+    Args:
+        scene: where the session starts.
+        script: validated events.
+        application: whose effects the scene may name; default: the scene's own.
+        outline: the shape, when it does not come from the scene's ``[shape]`` (imported meshes).
+
+    Raises:
+        UserError: the scene's shape is not valid.
+    """
+
+    def __init__(
+        self, scene: Scene, script: Script, application: Application | None = None, outline: Outline | None = None
+    ) -> None:
+        self.scene = scene
+        self.outline = outline if outline is not None else Outline.from_spec(scene.shape, scene.folder)
+        refuse_lost_names(scene, self.outline)
+        self._application = application or application_named(scene.app)
+        self._script = script
+        self._hold: Hold | None = None
+        self._past: list[State] = []
+        self._future: list[State] = []
+
+    def frames(self) -> Iterator[EditFrame]:
+        """All frames, one after the other; the first shows the shape before any event."""
+        yield EditFrame(0, 0.0, 0, "start", "start", None, STILL, self.outline, self.scene, None)
+        index, events = 1, self._script.events
+        for k, event in enumerate(events):
+            room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
+            pace = min(FRAME_TIME, room / self._count(event))
+            for i, step in enumerate(getattr(self, f"_do_{event.do}")(event)):
+                t = event.t + i * pace
+                gesture, c, refused = step.gesture, step.c, step.refused
+                yield EditFrame(
+                    index, t, event.line, event.do, step.change, gesture, c, self.outline, self.scene, refused
+                )
+                index += 1
+
+    @staticmethod
+    def _count(event: Any) -> int:
+        """Number of frames that an event takes."""
+        frames = getattr(event, "frames", None)
+        if event.do == "drag" and frames is None:
+            return len(event.path) if event.path is not None else 1
+        return frames or 1
+
+    def _do_press(self, event: Any) -> Iterator[Step]:
+        try:
+            entity = self.outline.entity(event.on)
+        except UserError as error:
+            yield self._refusal(error)
+            return
+        gesture = gestures.drag(self.outline, entity)
+        origin = event.at if event.at is not None else tuple(self.outline.centroid(entity).tolist())
+        check = MotionCheck(self.outline, gesture)
+        self._hold = Hold(gesture, check, origin, origin, (self.outline, self.scene))
+        yield Step("none", gesture)
+
+    def _do_drag(self, event: Any) -> Iterator[Step]:
+        path = event.path if event.path is not None else (event.to,)
+        if self._hold is None:
+            for _ in range(self._count(event)):
+                yield Step("none", refused="nothing is held")
+            return
+        if event.frames is not None and event.frames != len(path):
+            path = resampled(self._hold.cursor, path, event.frames)
+        for cursor in path:
+            yield self._move_to(self._hold, cursor)
+
+    def _move_to(self, hold: Hold, cursor: tuple[float, float]) -> Step:
+        hold.cursor = cursor
+        c = (cursor[0] - hold.origin[0], cursor[1] - hold.origin[1])
+        if c == hold.c:
+            return Step("none", hold.gesture, c)
+        wrong = hold.check.problem(c)
+        if wrong is not None:
+            return Step("none", hold.gesture, hold.c, wrong)
+        hold.c = c
+        self.outline = self.outline.moved(hold.gesture.points(c))
+        return Step("move", hold.gesture, c)
+
+    def _do_release(self, event: Any) -> Iterator[Step]:
+        hold, self._hold = self._hold, None
+        if hold is None:
+            yield Step("none", refused="nothing is held")
+            return
+        self._remember(hold.before)
+        yield Step("none")
+
+    def _do_idle(self, event: Any) -> Iterator[Step]:
+        for _ in range(event.frames):
+            yield self._unchanged()
+
+    def _do_rotate(self, event: Any) -> Iterator[Step]:
+        def coefficients(part: float) -> tuple[float, float]:
+            # 1 - cos would lose the digits of small angles.
+            return -2.0 * float(np.sin(0.5 * part * event.by)) ** 2, float(np.sin(part * event.by))
+
+        yield from self._turn(event, gestures.rotate, coefficients)
+
+    def _do_scale(self, event: Any) -> Iterator[Step]:
+        yield from self._turn(event, gestures.scale, lambda part: (part * (event.factor - 1.0), 0.0))
+
+    def _turn(self, event: Any, make: Any, coefficients: Any) -> Iterator[Step]:
+        before = self.outline, self.scene
+        try:
+            entity = self.outline.entity(event.on)
+        except UserError as error:
+            for _ in range(event.frames):
+                yield self._refusal(error)
+            return
+        about = np.array(event.about) if event.about is not None else self.outline.centroid(entity)
+        gesture = make(self.outline, entity, about)
+        check, reached = MotionCheck(self.outline, gesture), STILL
+        for i in range(1, event.frames + 1):
+            c = coefficients(i / event.frames)
+            wrong = check.problem(c)
+            if wrong is None:
+                reached = c
+                self.outline = self.outline.moved(gesture.points(c))
+            last = i == event.frames
+            if last:
+                self._remember(before)
+            yield Step("move" if wrong is None else "none", gesture, reached, wrong)
+
+    def _do_arc(self, event: Any) -> Iterator[Step]:
+        before = self.outline, self.scene
+        try:
+            edge, goal = self._arc_goal(event)
+        except UserError as error:
+            for _ in range(event.frames):
+                yield self._refusal(error)
+            return
+        start = float(self.outline.bulges[edge])
+        gesture = gestures.bend(self.outline)
+        for i in range(1, event.frames + 1):
+            bulge = goal if i == event.frames else start + (goal - start) * i / event.frames
+            wanted = surgery.as_arc(self.outline, edge, bulge)
+            wrong = problem(wanted)
+            change = "none"
+            if wrong is None:
+                change = "move" if wanted.topology == self.outline.topology else "shape"
+                self.outline = wanted
+            if i == event.frames:
+                self._remember(before)
+            yield Step(change, gesture if change == "move" else None, refused=wrong)
+
+    def _arc_goal(self, event: Any) -> tuple[int, float]:
+        edges = self.outline.entity(event.on)
+        if len(edges.edges) != 1 or edges.vertices or edges.loops:
+            raise UserError(f"{event.on} is not one edge")
+        edge = edges.edges[0]
+        goal = event.bulge if event.through is None else surgery.bulge_of(self.outline, edge, np.array(event.through))
+        surgery.as_arc(self.outline, edge, goal)
+        return edge, goal
+
+    def _do_set(self, event: Any) -> Iterator[Step]:
+        table = event.key.partition(".")[0]
+        if table in ("shape", "format", "version", "app"):
+            yield Step("none", refused=f"{event.key} cannot be set during an edit", **self._held())
+            return
+        before = self.outline, self.scene
+        try:
+            self.scene = revise(self.scene, event.key, event.value)
+            refuse_lost_names(self.scene, self.outline)
+        except UserError as error:
+            self.scene = before[1]
+            yield self._refusal(error)
+            return
+        if self._hold is None:
+            self._remember(before)
+        yield Step(self._scene_change(before[1], self.scene), **self._held())
+
+    def _do_insert(self, event: Any) -> Iterator[Step]:
+        at = None if event.at is None else np.array(event.at)
+        yield self._cut(lambda: surgery.insert(self.outline, event.on, event.name, at, event.s))
+
+    def _do_delete(self, event: Any) -> Iterator[Step]:
+        yield self._cut(lambda: surgery.delete(self.outline, event.on))
+
+    def _do_hole(self, event: Any) -> Iterator[Step]:
+        yield self._cut(lambda: surgery.add_hole(self.outline, event.name, event.center, event.radius, event.polygon))
+
+    def _cut(self, operation: Any) -> Step:
+        """One frame of an edit that gives another layout."""
+        before = self.outline, self.scene
+        try:
+            wanted = operation()
+            refuse_lost_names(self.scene, wanted, self.outline)
+        except UserError as error:
+            return self._refusal(error)
+        wrong = problem(wanted)
+        if wrong is not None:
+            return Step("none", refused=wrong)
+        self.outline = wanted
+        self._remember(before)
+        return Step("shape")
+
+    def _do_undo(self, event: Any) -> Iterator[Step]:
+        yield self._go_back("undo", self._past, self._future)
+
+    def _do_redo(self, event: Any) -> Iterator[Step]:
+        yield self._go_back("redo", self._future, self._past)
+
+    def _go_back(self, kind: str, source: list[State], other: list[State]) -> Step:
+        if not source:
+            return Step("none", refused=f"there is nothing to {kind}")
+        now, then = (self.outline, self.scene), source.pop()
+        other.append(now)
+        self.outline, self.scene = then
+        if now[1] is not then[1] and now[0] is not then[0]:
+            # Values were set while the hand held the shape: both come back at once.
+            return Step("shape")
+        if now[1] is not then[1]:
+            return Step(self._scene_change(now[1], then[1]))
+        if now[0].topology != then[0].topology:
+            return Step("shape")
+        gesture = gestures.towards(kind, *(state[0] for state in (now, then)))
+        return Step("move", gesture, (1.0, 0.0))
+
+    def _remember(self, before: State) -> None:
+        """Ends an edit step: it can be undone from now on, if it changed anything."""
+        if before[0] is self.outline and before[1] is self.scene:
+            return
+        self._past.append(before)
+        self._future.clear()
+
+    def _scene_change(self, old: Scene, new: Scene) -> str:
+        """ "mesh" where mesh settings differ or other effects are simulated, so that all is built anew; else "values"."""
+        effects = [{e.name for e in plan(scene, self._application).effects if e.on} for scene in (old, new)]
+        return "values" if old.mesh == new.mesh and effects[0] == effects[1] else "mesh"
+
+    def _held(self) -> dict[str, Any]:
+        return {} if self._hold is None else {"gesture": self._hold.gesture, "c": self._hold.c}
+
+    def _unchanged(self) -> Step:
+        return Step("none", **self._held())
+
+    def _refusal(self, error: UserError) -> Step:
+        why = f"{error.where}: {error.what}" if error.where else error.what
+        return Step("none", refused=f"{why} ({error.do})" if error.do else why, **self._held())
+
+
+def resampled(start: tuple[float, float], path: Any, frames: int) -> list[tuple[float, float]]:
+    """As many cursor positions as frames, evenly along start and path by number, the last one exactly."""
+    chain = np.array([start, *path], dtype=float)
+    places = np.arange(1, frames + 1) * (len(path) / frames)
+    xy = [np.interp(places, np.arange(len(chain)), chain[:, k]) for k in (0, 1)]
+    steps = list(zip(*(column.tolist() for column in xy)))
+    return [*steps[:-1], tuple(chain[-1].tolist())]

@@ -1,0 +1,121 @@
+"""Whether a shape can be a shape: nothing crosses, touches, collapses or turns inside out.
+
+Curves are judged by straight pieces within CHORD of them; edges that share no vertex keep CLEARANCE apart, twice that,
+so that the true curves cannot cross unseen. Both are relative to the size that the shape had when it was made.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.shape.gesture import Gesture
+from restshape.shape.outline import Outline
+
+CLEARANCE = 2e-4
+CHORD = 1e-4
+SHARPEST = 0.01
+"""Smallest angle between two edges at their common vertex [rad]."""
+
+KINDS = {"outline": 0, "hole": 1, "region": 2}
+STILL, BENDING, WHOLE = 0, 1, 2
+
+
+class MotionCheck:
+    """Validity along one linear gesture: each call costs some microseconds.
+
+    Args:
+        outline: the shape at c = (0, 0).
+        gesture: a linear gesture on it, or None to check the shape itself (all edges against all).
+        sampled: the shape whose curvature decides on the number of straight pieces; default: `outline`.
+    """
+
+    def __init__(self, outline: Outline, gesture: Gesture | None = None, sampled: Outline | None = None) -> None:
+        self.outline, self.gesture = outline, gesture
+        self._check = self._kernel(sampled or outline)
+
+    def problem(self, c: tuple[float, float] = (0.0, 0.0)) -> str | None:
+        """What is wrong with the shape at the coefficients c; None when it is valid."""
+        found = self._check.check(c[0], c[1])
+        if found is None:
+            return None
+        if found[0] == "resample":
+            now = self.outline.moved(self.gesture.points(c))
+            self._check = self._kernel(now)
+            self._check.settle(c[0], c[1])
+            found = self._check.check(c[0], c[1])
+        return None if found is None else describe(self.outline, found)
+
+    def _kernel(self, sampled: Outline) -> _kernels.OutlineCheck:
+        outline, gesture, size = self.outline, self.gesture, self.outline.size
+        params = [sampled.pieces(e, CHORD * size) for e in range(len(outline.edges))]
+        first = np.concatenate([[0], np.cumsum([len(s) for s in params])]).astype(np.int32)
+        ends = np.array([(edge.start, edge.end) for edge in outline.edges], dtype=np.int32).reshape(-1, 2)
+        loops = [(KINDS[loop.kind], [e for e, _ in loop.edges], [f for _, f in loop.edges]) for loop in outline.loops]
+        embedded = np.array(outline.embedded, dtype=np.int32)
+        check = _kernels.OutlineCheck(first, ends, loops, CLEARANCE * size, SHARPEST)
+        reference, basis = outline.points, np.zeros((2, *outline.points.shape))
+        if gesture is not None:
+            reference, basis = gesture.reference, gesture.basis
+        fields = (reference, basis[0], basis[1])
+        chains = [self._chain(params, points) for points in fields]
+        spots = [np.ascontiguousarray(points[embedded]) for points in fields]
+        rigid = gesture is not None and gesture.kind in ("drag", "rotate")
+        check.set_motion(*chains, *spots, self._states(), rigid)
+        return check
+
+    def _chain(self, params: list[np.ndarray], points: np.ndarray) -> np.ndarray:
+        chains = [self.outline.point(e, s, points) for e, s in enumerate(params)]
+        return np.ascontiguousarray(np.concatenate(chains))
+
+    def _states(self) -> np.ndarray:
+        gesture, edges = self.gesture, self.outline.edges
+        if gesture is None:
+            return np.full(len(edges), BENDING, dtype=np.uint8)
+        moves = gesture.basis.any(axis=(0, 2))
+        states = np.zeros(len(edges), dtype=np.uint8)
+        for i, controls in enumerate(self.outline.layout.controls):
+            if moves[controls].any():
+                states[i] = WHOLE if gesture.whole[controls].all() else BENDING
+        return states
+
+
+def problem(outline: Outline, moved_points: np.ndarray | None = None) -> str | None:
+    """What is wrong with a shape, in one sentence that names the edges; None when it is valid.
+
+    Args:
+        outline: the shape.
+        moved_points: (k, 2) control points to judge instead of its own.
+    """
+    shape = outline if moved_points is None else outline.moved(moved_points)
+    if not (np.isfinite(shape.points).all() and np.isfinite(shape.bulges).all()):
+        return "a coordinate is not a finite number"
+    return MotionCheck(shape).problem()
+
+
+def describe(outline: Outline, found: tuple) -> str:
+    """The sentence for a finding (what, i, j, x, y) of the kernel."""
+    what, i, j, x, y = found
+    place = f"near ({x:.4g}, {y:.4g})"
+    edges, loops = outline.edges, outline.loops
+    gap = CLEARANCE * outline.size
+    if what == "cross":
+        return f"edge {edges[i].name} would cross " + ("itself" if i == j else f"edge {edges[j].name}") + f" {place}"
+    if what == "touch":
+        return f"edges {edges[i].name} and {edges[j].name} would come closer than {gap:.2g} m {place}"
+    if what == "fold":
+        return f"edges {edges[i].name} and {edges[j].name} would fold onto each other {place}"
+    if what == "short":
+        return f"edge {edges[i].name} would collapse: shorter than {gap:.2g} m {place}"
+    if what == "turned":
+        return f"loop {loops[i].name} would turn inside out or lose its area"
+    if what == "outside":
+        return f"{loops[i].kind} {loops[i].name} would lie outside the outline"
+    if what == "nested":
+        return f"{loops[i].kind} {loops[i].name} would lie inside hole {loops[j].name}"
+    name = outline.vertex_names[outline.embedded[i]]
+    if what == "point_near":
+        return f"point {name} would come closer than {gap:.2g} m to edge {edges[j].name}"
+    if what == "point_outside":
+        return f"point {name} would lie outside the outline"
+    return f"point {name} would lie inside hole {loops[j].name}"

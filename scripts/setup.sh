@@ -1,0 +1,111 @@
+#!/usr/bin/env bash
+# Makes .venv: what is missing from the distribution, the Python packages, the extension module.
+# Usage: scripts/setup.sh [test|develop]      (what the second run finds unchanged it leaves alone)
+#
+# Environment:
+#   PETSC_DIR, PETSC_ARCH   use that PETSc and the petsc4py that `python3` imports; nothing comes from apt
+#   PYTHON                  with PETSC_DIR: the Python that imports petsc4py (default: python3)
+#   RESTSHAPE_PORTABLE=1    an extension that runs on any CPU of the architecture
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+extra=${1:-test}
+venv=.venv
+. scripts/distribution.sh
+
+fail() { # what, what to do
+    printf 'setup: %s\n  try: %s\n' "$1" "$2" >&2
+    exit 1
+}
+
+# Everything that the installed packages and the extension depend on, as one line.
+state_of() { # files...
+    {
+        printf '%s\n' "$PWD" "$extra" "${PETSC_DIR:-}" "${PETSC_ARCH:-}" "$python" "${EIGEN3_INCLUDE_DIR:-}"
+        "$python" --version
+        # -march=native means another extension on another CPU.
+        if [ "${RESTSHAPE_PORTABLE:-0}" = 0 ]; then grep -m1 '^flags' /proc/cpuinfo || true; else echo portable; fi
+        cat -- "$@"
+    } | sha256sum | cut -d' ' -f1
+}
+
+choose_python() {
+    if [ -n "${PETSC_DIR:-}" ]; then python=${PYTHON:-python3}; else python=/usr/bin/python3; fi
+}
+
+check_tools() {
+    command -v "$python" >/dev/null || fail "$python not found" "install Python 3.11 or newer, or set PYTHON"
+    "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
+        fail "$python is older than 3.11" "docs/install.md lists what restshape runs on"
+    local compiler
+    for compiler in "${CXX:-g++}" "${MPICXX:-mpicxx}"; do
+        command -v "$compiler" >/dev/null ||
+            fail "no C++ compiler: $compiler not found" "install it, or name yours with CXX=... MPICXX=..."
+    done
+    "$python" -c 'import petsc4py, slepc4py' 2>/dev/null ||
+        fail "$python cannot import petsc4py and slepc4py" \
+            "add the folder that holds them to PYTHONPATH (docs/install.md, 'A PETSc of your own')"
+}
+
+make_venv() {
+    local version='import sys; print(sys.version_info[:2], sys.prefix != sys.base_prefix)'
+    if ! cmp -s <("$venv/bin/python" -c "$version" 2>/dev/null) <("$python" -c "$version" | sed 's/False/True/'); then
+        rm -rf "$venv"
+        "$python" -m venv --system-site-packages "$venv" ||
+            fail "$python cannot make a virtual environment" "install its venv module (python3-venv)"
+    fi
+    # petsc4py is compiled against the numpy beside it: pip must never bring another.
+    "$python" -c 'import numpy; print(f"numpy=={numpy.__version__}")' >"$venv/constraints.txt"
+}
+
+pip_install() {
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --retries 2 \
+        --constraint "$venv/constraints.txt" "$@" ||
+        fail "pip could not install: $*" \
+            "read pip's message above; without network put the wheels into a folder and set PIP_FIND_LINKS and PIP_NO_INDEX=1"
+}
+
+install_packages() {
+    echo "setup: Python packages into $venv"
+    pip_install 'setuptools>=64' wheel 'pybind11>=2.11,<4'
+    pip_install --no-build-isolation --editable ".[$extra]"
+}
+
+build_extension() {
+    echo "setup: extension module"
+    "$venv/bin/python" setup.py -q build_ext --inplace ||
+        fail "the extension module does not build" "read the compiler's message above; docs/install.md names what it needs"
+}
+
+verify() {
+    local problem
+    problem=$("$venv/bin/python" - 2>&1 <<'PYTHON'
+import sys
+import numpy
+from pathlib import Path
+
+wanted = Path(".venv/constraints.txt").read_text().strip().split("==")[1]
+if numpy.__version__ != wanted:
+    sys.exit(f"numpy {numpy.__version__} of {numpy.__path__[0]} hides the {wanted} that petsc4py needs")
+import petsc4py.PETSc, slepc4py.SLEPc, h5py, gmsh, restshape._kernels
+PYTHON
+    ) || fail "the new environment does not import: ${problem##*$'\n'}" \
+        "if the path is below your home folder set PYTHONNOUSERSITE=1, else see docs/install.md"
+}
+
+choose_python
+packages_state=$(state_of setup.cfg setup.py pyproject.toml scripts/setup.sh scripts/distribution.sh 2>/dev/null) || packages_state=none
+kernels_state=$(state_of setup.py lib/kernels/*.[ch]pp 2>/dev/null) || kernels_state=none
+if [ "$(cat "$venv/packages.state" 2>/dev/null)" != "$packages_state" ] || [ "$packages_state" = none ]; then
+    if [ -z "${PETSC_DIR:-}" ]; then install_distribution_packages; fi
+    check_tools
+    make_venv
+    install_packages
+    verify
+elif [ "$(cat "$venv/kernels.state" 2>/dev/null)" != "$kernels_state" ] || ! ls lib/restshape/_kernels.*.so >/dev/null 2>&1; then
+    build_extension
+else
+    exit 0
+fi
+state_of setup.cfg setup.py pyproject.toml scripts/setup.sh scripts/distribution.sh >"$venv/packages.state"
+state_of setup.py lib/kernels/*.[ch]pp >"$venv/kernels.state"
+echo "setup: done, the command is $venv/bin/restshape"

@@ -1,0 +1,133 @@
+"""`check`, `list`, `new` and `schema` on input that is right, and edits that are refused."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from restshape.application import applications
+from restshape.cli.main import main
+
+DATA = Path(__file__).parents[1] / "data"
+
+
+def check(*words: object) -> int:
+    """The exit code of `check`."""
+    return main(["check", *(str(word) for word in words)])
+
+
+def test_check_tells_what_the_scene_holds(tmp_path, capsys):
+    out = tmp_path / "check.json"
+    assert check(DATA / "plate.toml", DATA / "plate.jsonl", "--json", out) == 0
+    held = json.loads(out.read_text())
+    assert held["entities"]["vertex"][:4] == ["a", "b", "c", "d"]
+    assert held["entities"]["hole"] == ["window"]
+    # a 2 x 1 plate less a disc of radius 0.12
+    assert held["area"] == pytest.approx(2 - 3.141592653589793 * 0.12**2, rel=1e-12)
+    assert held["loads"] == {"pull": {"kind": "traction", "on": ["right"]}}
+    # the start, the press, one drag, a path of two, the release
+    assert held["edits"]["frames"] == 6 and held["edits"]["refused"] == []
+    printed = capsys.readouterr().out
+    for word in ("window", "steel", "plane", "wall", "pull", "stretch", "frames"):
+        assert word in printed or word == "plane"
+
+
+def test_overrides_reach_the_scene(tmp_path):
+    out = tmp_path / "check.json"
+    assert (
+        check(DATA / "plate.toml", "--set", "shape.vertices.b.0=3", "--set", "shape.vertices.c.0=3", "--json", out) == 0
+    )
+    assert json.loads(out.read_text())["area"] == pytest.approx(3 - 3.141592653589793 * 0.12**2, rel=1e-12)
+
+
+def script(tmp_path: Path, *events: str) -> Path:
+    """A script of the small scene's header and these events."""
+    path = tmp_path / "edits.jsonl"
+    header = (DATA / "plate.jsonl").read_text().splitlines()[0]
+    path.write_text("\n".join([header, *events]) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("events", "line", "why"),
+    [
+        (['{"t": 0, "do": "press", "on": "windo"}'], 2, "windo"),
+        (
+            ['{"t": 0, "do": "press", "on": "window", "at": [0, 0]}', '{"t": 1, "do": "drag", "to": [5000, 0]}'],
+            3,
+            "window",
+        ),
+        (['{"t": 0, "do": "scale", "on": "window", "factor": 9}'], 2, "window"),
+        (['{"t": 0, "do": "set", "key": "material.steel.nu", "value": 0.7}'], 2, "less than 0.5"),
+        (['{"t": 0, "do": "set", "key": "material.stel.nu", "value": 0.2}'], 2, "did you mean 'steel'"),
+        (['{"t": 0, "do": "undo"}'], 2, "undo"),
+        (['{"t": 0, "do": "hole", "name": "left", "center": [1500, 500], "radius": 50}'], 2, "left"),
+        (['{"t": 0, "do": "hole", "name": "far", "center": [9500, 500], "radius": 50}'], 2, "far"),
+        (['{"t": 0, "do": "delete", "on": "nothing"}'], 2, "nothing"),
+    ],
+)
+def test_refused_edits_are_listed_and_the_code_is_1(tmp_path, capsys, events, line, why):
+    out = tmp_path / "check.json"
+    assert check(DATA / "plate.toml", script(tmp_path, *events), "--json", out) == 1
+    refused = json.loads(out.read_text())["edits"]["refused"]
+    assert refused and refused[0]["line"] == line
+    assert why in refused[0]["why"]
+    assert "refused edits" in capsys.readouterr().out
+
+
+def test_a_script_of_another_scene_is_a_warning(tmp_path, capsys):
+    path = tmp_path / "edits.jsonl"
+    path.write_text((DATA / "plate.jsonl").read_text().replace("plate.toml", "bridge.toml"))
+    assert check(DATA / "plate.toml", path) == 0
+    assert "bridge.toml" in capsys.readouterr().err
+
+
+SHIPPED = [scene for app in applications().values() for scene in app.scenes()]
+
+
+@pytest.mark.parametrize("scene", SHIPPED, ids=lambda path: path.name)
+def test_every_scene_that_ships_is_right_and_so_is_its_script(scene):
+    script = scene.parents[1] / "edits" / f"{scene.stem}.jsonl"
+    assert check(scene, *([script] if script.exists() else [])) == 0
+
+
+def test_the_demo_drags_its_hole_through_at_least_160_frames(tmp_path):
+    out = tmp_path / "check.json"
+    folder = applications()["solid"].folder
+    assert check(folder / "scenes" / "plate.toml", folder / "edits" / "plate.jsonl", "--json", out) == 0
+    assert json.loads(out.read_text())["edits"]["changes"]["move"] >= 160
+
+
+@pytest.mark.parametrize("app", sorted(applications()))
+def test_new_writes_what_passes_check(app, tmp_path, capsys):
+    folder = tmp_path / "fresh" / "start"
+    assert main(["new", app, str(folder)]) == 0
+    assert check(folder / "scene.toml", folder / "edits.jsonl") == 0
+    assert sum("#" in line for line in (folder / "scene.toml").read_text().splitlines()) > 15
+    capsys.readouterr()
+    assert main(["new", app, str(folder)]) == 2
+    assert "there already" in capsys.readouterr().err
+
+
+def test_list_names_scenes_and_their_scripts(tmp_path, capsys):
+    out = tmp_path / "list.json"
+    assert main(["list", "--json", str(out)]) == 0
+    scenes = {Path(s["path"]).name: s["scripts"] for s in json.loads(out.read_text())["solid"]["scenes"]}
+    assert scenes["plate.toml"] == ["plate.jsonl"]
+    assert {"kirsch.toml", "cook.toml", "timoshenko.toml"} <= set(scenes)
+    assert "plate.jsonl" in capsys.readouterr().out
+
+
+def test_schemas_name_every_key(tmp_path, capsys):
+    out = tmp_path / "schema.json"
+    assert main(["schema", "scene", "--out", str(out)]) == 0
+    scene = json.loads(out.read_text())
+    assert {"shape", "material", "effects", "supports", "loads", "mesh"} <= set(scene["properties"])
+    assert scene["properties"]["app"]["enum"] == sorted(applications())
+    assert "gravity" in scene["properties"]["effects"]["properties"]
+    capsys.readouterr()
+    assert main(["schema", "script"]) == 0
+    script_schema = json.loads(capsys.readouterr().out)
+    names = {definition["properties"].get("do", {}).get("const") for definition in script_schema["$defs"].values()}
+    assert {"press", "drag", "release", "hole", "undo"} <= names
+    assert "line" not in script_schema["$defs"]["Press"]["properties"]

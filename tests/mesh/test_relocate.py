@@ -1,0 +1,129 @@
+"""Maps of the boundary into the mesh: linear precision, positivity, known harmonic functions."""
+
+import numpy as np
+import pytest
+from mesh_samples import SQUARE, grid, holed_mesh, l_mesh, mesh_of, polygon_outline, shaken
+
+from restshape import _kernels
+from restshape.mesh.relocate import Boundary, HarmonicExtension, MeanValueExtension, edge_weights, extension, motion
+from restshape.shape.gesture import drag
+
+LINEAR = np.array([[2.0, -1.0, 0.5], [0.3, 4.0, -2.0]])
+
+
+@pytest.mark.parametrize("make", [l_mesh, holed_mesh])
+@pytest.mark.parametrize(("kind", "tolerance"), [("harmonic", 1e-12), ("mvc", 1e-13)])
+def test_linear_functions_are_reproduced_in_concave_shapes_and_around_holes(make, kind, tolerance):
+    mesh = make()
+    boundary = Boundary(mesh)
+    linear = mesh.X @ LINEAR + [1.0, -3.0, 0.2]
+    found = extension(mesh, boundary.nodes, kind)(linear[boundary.nodes])
+    assert np.abs(found - linear).max() < tolerance * np.abs(linear).max()
+
+
+@pytest.mark.parametrize("kind", ["harmonic", "mvc"])
+def test_the_map_is_linear_in_the_boundary(kind):
+    mesh = holed_mesh()
+    nodes = Boundary(mesh).nodes
+    rng = np.random.default_rng(3)
+    u, v = rng.normal(size=(2, len(nodes), 2))
+    carry = extension(mesh, nodes, kind)
+    assert np.allclose(carry(2.0 * u - 3.0 * v), 2.0 * carry(u) - 3.0 * carry(v), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("make", [l_mesh, holed_mesh])
+def test_positive_mean_value_weights_are_non_negative_and_sum_to_one(make):
+    mesh = make()
+    boundary = np.unique(mesh.facets)
+    row = np.full(len(mesh.X), -1, dtype=np.int32)
+    row[boundary] = np.arange(len(boundary))
+    inside = np.setdiff1d(np.arange(len(mesh.X)), boundary)
+    weights = _kernels.positive_mean_value(mesh.X[inside], mesh.X[boundary], row[mesh.facets], np.eye(len(boundary)))
+    assert weights.min() >= 0.0
+    assert np.abs(weights.sum(axis=1) - 1.0).max() < 1e-14
+
+
+def test_positive_mean_value_equals_mean_value_weights_where_all_is_visible():
+    corners = np.array([[0.0, 0.0], [3.0, 0.5], [3.5, 2.0], [1.0, 3.0], [-0.5, 1.5]])
+    segments = np.array([[i, (i + 1) % 5] for i in range(5)], dtype=np.int32)
+    point = np.array([1.3, 1.1])
+    # Floater's mean value weights of a convex polygon, straight from angles.
+    arms = corners - point
+    r = np.linalg.norm(arms, axis=1)
+    angles = np.unwrap(np.arctan2(arms[:, 1], arms[:, 0]))
+    tangents = np.tan(np.diff([*angles, angles[0] + 2 * np.pi]) / 2)
+    weights = (tangents + np.roll(tangents, 1)) / r
+    found = _kernels.positive_mean_value(point[None], corners, segments, np.eye(5))[0]
+    assert np.allclose(found, weights / weights.sum(), rtol=0, atol=1e-14)
+
+
+def test_positive_mean_value_ignores_what_is_hidden():
+    mesh = l_mesh()
+    boundary = np.unique(mesh.facets)
+    row = np.full(len(mesh.X), -1, dtype=np.int32)
+    row[boundary] = np.arange(len(boundary))
+    point = np.array([[1.9, 0.5]])
+    # The line of sight through the inner corner (1, 1) meets the left side at
+    # 0.5 + 1.9 * 0.5 / 0.9, and facets are 1/8 long.
+    x, y = mesh.X[boundary].T
+    hidden = ((x == 1.0) & (y > 1.0)) | (y > 0.5 + 1.9 * 0.5 / 0.9 + 0.125)
+    values = hidden.astype(float)[:, None]
+    assert hidden.sum() > 10
+    assert _kernels.positive_mean_value(point, mesh.X[boundary], row[mesh.facets], values)[0, 0] == 0.0
+
+
+def test_harmonic_error_falls_with_the_square_of_the_size():
+    errors = []
+    for n in (8, 16, 32):
+        X, cells = grid(n, n, 1.0, 1.0)
+        mesh = shaken(mesh_of(polygon_outline(SQUARE), X, cells), 0.2 / n)
+        x, y = mesh.X.T
+        exact = (np.exp(x) * np.sin(y))[:, None]
+        nodes = Boundary(mesh).nodes
+        inside = np.setdiff1d(np.arange(len(mesh.X)), nodes)
+        errors.append(np.sqrt(np.mean((HarmonicExtension(mesh, nodes)(exact[nodes]) - exact)[inside] ** 2)))
+    assert np.log2(errors[0] / errors[2]) / 2 > 1.8
+
+
+def test_edge_weights_are_the_cotangent_formula():
+    side = np.sqrt(3) / 2
+    mesh = mesh_of(polygon_outline([[0, 0], [1, 0], [0.5, side]]), [[0, 0], [1, 0], [0.5, side]], np.array([[0, 1, 2]]))
+    assert np.allclose(edge_weights(mesh, 0.0), 0.5 / np.tan(np.pi / 3))
+
+
+@pytest.mark.parametrize("kind", ["harmonic", "mvc"])
+def test_a_dragged_hole_moves_its_boundary_by_the_hand_and_leaves_the_rest(kind):
+    mesh = holed_mesh()
+    outline = mesh.outline
+    gesture = drag(outline, outline.entity("window"))
+    boundary = Boundary(mesh)
+    Psi = motion(mesh, boundary.basis(outline, gesture.basis), kind)
+    moved = np.isin(np.arange(len(mesh.X)), mesh.nodes_of("window"))
+    still = np.isin(np.arange(len(mesh.X)), [*mesh.nodes_of("outline"), *mesh.nodes_of("patch")])
+    still |= np.arange(len(mesh.X)) == mesh.vertex_node[outline.vertex_names.index("probe")]
+    on_boundary = np.isin(np.arange(len(mesh.X)), boundary.nodes)
+    assert np.array_equal(Psi[0][moved], np.tile([1.0, 0.0], (moved.sum(), 1)))
+    assert np.array_equal(Psi[1][moved], np.tile([0.0, 1.0], (moved.sum(), 1)))
+    assert np.abs(Psi[:, still & on_boundary]).max() < 1e-15
+    # The probe, which no direction sees, may push mean values a little below the range of the boundary.
+    assert Psi[0][:, 0].min() > -1e-2 and Psi[0][:, 0].max() < 1 + 1e-12
+
+
+def test_mean_values_reach_embedded_points():
+    mesh = holed_mesh()
+    boundary = Boundary(mesh)
+    values = np.zeros((len(boundary.nodes), 1))
+    probe = mesh.vertex_node[mesh.outline.vertex_names.index("probe")]
+    values[boundary.nodes == probe] = 1.0
+    found = MeanValueExtension(mesh, boundary.nodes)(values)
+    assert found[probe, 0] == pytest.approx(1.0, abs=1e-13)
+    assert np.array_equal(found[boundary.nodes[boundary.nodes != probe]], np.zeros((len(boundary.nodes) - 1, 1)))
+    neighbours = np.unique(mesh.cells[(mesh.cells == probe).any(axis=1)])
+    assert 0.2 < found[neighbours].mean() < 0.8
+
+
+def test_stiffened_small_triangles_keep_their_shape():
+    mesh = l_mesh()
+    nodes = Boundary(mesh).nodes
+    constant = np.ones((len(nodes), 1))
+    assert np.allclose(HarmonicExtension(mesh, nodes, 1.0)(constant), 1.0, rtol=0, atol=1e-13)

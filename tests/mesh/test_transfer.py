@@ -1,0 +1,49 @@
+"""Transfer of fields between meshes: exact for linear ones, second order for smooth ones."""
+
+import numpy as np
+from mesh_samples import holed_mesh, l_mesh, shaken
+
+from restshape import _kernels
+from restshape.mesh.quality import areas
+from restshape.mesh.transfer import Transfer, transfer
+
+
+def test_linear_fields_are_exact_between_meshes_of_one_shape():
+    for make in (l_mesh, holed_mesh):
+        old, new = make(4), shaken(make(7), 0.004, seed=9)
+        plane = np.array([[1.0, -2.0], [0.5, 3.0]])
+        found = transfer(old, new, old.X @ plane + 1.0)
+        assert np.abs(found - (new.X @ plane + 1.0)).max() < 1e-11
+
+
+def test_smooth_fields_converge_with_second_order():
+    def field(mesh):
+        return (np.sin(2 * mesh.X[:, 0]) * np.cos(mesh.X[:, 1]))[:, None]
+
+    new = l_mesh(13)
+    errors = [np.sqrt(np.mean((transfer(old, new, field(old)) - field(new)) ** 2)) for old in map(l_mesh, (4, 8, 16))]
+    assert np.log2(errors[0] / errors[2]) / 2 > 1.8
+
+
+def test_points_are_found_in_the_triangle_that_holds_them():
+    mesh = holed_mesh()
+    rng = np.random.default_rng(2)
+    cells = rng.integers(0, len(mesh.cells), 500)
+    weights = rng.dirichlet([1, 1, 1], 500)
+    points = np.einsum("ij,ijk->ik", weights, mesh.X[mesh.cells[cells]])
+    found, coordinates = _kernels.locate(mesh.X, mesh.cells, points)
+    assert np.array_equal(found, cells)
+    assert np.allclose(coordinates, weights, atol=1e-9)
+
+
+def test_a_point_outside_takes_the_nearest_boundary_value():
+    mesh = holed_mesh()
+    carried = Transfer(mesh, np.array([[2.5, 0.4], [-0.3, -0.4], [0.75, 0.74], [0.6, 0.5]]))(mesh.X)
+    assert np.allclose(carried, [[2.0, 0.4], [0.0, 0.0], [0.75, 0.75], [0.5, 0.5]], atol=1e-12)
+
+
+def test_old_nodes_give_old_values_back():
+    mesh = l_mesh()
+    field = np.random.default_rng(0).normal(size=(len(mesh.X), 3))
+    assert np.allclose(transfer(mesh, mesh, field), field, atol=1e-12)
+    assert areas(mesh.X, mesh.cells).min() > 0

@@ -1,0 +1,93 @@
+"""Units: against the definitions of the units themselves."""
+
+import math
+
+import pytest
+
+from restshape.errors import UserError
+from restshape.scene.units import DIMENSIONS, EXAMPLES, UnitError, length_unit, quantity, reads_as_quantity, unit
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "si"),
+    [
+        ("12 mm", "length", 0.012),
+        ("12mm", "length", 0.012),
+        ("-1.5e1 cm", "length", -0.15),
+        ("1 in", "length", 0.0254),
+        ("1 ft", "length", 12 * 0.0254),
+        ("2.5", "length", 2.5),
+        (2, "length", 2.0),
+        ("210 GPa", "pressure", 210e9),
+        ("1 N/mm^2", "pressure", 1e6),
+        ("1 N/mm²", "pressure", 1e6),
+        ("7850 kg/m^3", "density", 7850.0),
+        ("7.85 g/cm^3", "density", 7850.0),
+        ("7.85 t/m^3", "density", 7850.0),
+        ("30 deg", "angle", math.pi / 6),
+        ("180°", "angle", math.pi),
+        ("5 kN", "force", 5000.0),
+        ("3 N m", "moment", 3.0),
+        ("3 N*m", "moment", 3.0),
+        ("9.81 m/s^2", "acceleration", 9.81),
+        ("9.81 m/s/s", "acceleration", 9.81),
+        ("35 kN/m", "stiffness", 35e3),
+        ("440 Hz", "frequency", 440.0),
+        ("1 min", "time", 60.0),
+        ("30 %", "number", 0.3),
+        ("77 kN/m^3", "body force", 77e3),
+        ("12 MPa", None, 12e6),
+    ],
+)
+def test_text_becomes_si(text, dimension, si):
+    assert quantity(text, dimension) == pytest.approx(si, rel=1e-14)
+
+
+def test_wrong_dimension_names_both():
+    with pytest.raises(UnitError, match="is a length, but a pressure is wanted"):
+        quantity("12 mm", "pressure")
+
+
+def test_an_angle_is_no_number():
+    with pytest.raises(UnitError, match="is an angle, but a length is wanted"):
+        quantity("30 deg", "length")
+
+
+def test_a_dimension_without_a_name_is_spelled_out():
+    with pytest.raises(UnitError, match=r"m\^1 kg\^1"):
+        quantity("1 kg m", "force")
+
+
+@pytest.mark.parametrize(
+    "text", ["12 parsec", "12 mm mm/", "twelve mm", "", "nan", "inf", "1e999", "12 m//s", "1 m**2"]
+)
+def test_what_is_no_quantity_is_refused(text):
+    with pytest.raises(UnitError):
+        quantity(text, "length")
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), True, None, [1.0]])
+def test_what_is_no_number_is_refused(value):
+    with pytest.raises(UnitError):
+        quantity(value, "length")
+
+
+def test_examples_have_the_dimension_they_stand_for():
+    for dimension, example in EXAMPLES.items():
+        assert math.isfinite(quantity(example.strip('"'), dimension))
+    assert set(EXAMPLES) == set(DIMENSIONS)
+
+
+def test_a_slash_holds_for_one_factor():
+    assert unit("N/m s")[1] == (0, 1, -1, 0, 0)
+
+
+def test_formulas_do_not_read_as_quantities():
+    assert reads_as_quantity("12 mm") and reads_as_quantity("1e3")
+    assert not any(reads_as_quantity(text) for text in ("x", "-P*y", "2*x", "3/x", "1 + 2"))
+
+
+def test_length_unit():
+    assert length_unit("mm", "units") == 1e-3
+    with pytest.raises(UserError, match="units"):
+        length_unit("kg", "units")
