@@ -33,6 +33,9 @@ choose_python() {
 }
 
 check_tools() {
+    if [ -n "${PETSC_DIR:-}" ] && [ ! -d "$PETSC_DIR" ]; then
+        fail "PETSC_DIR is $PETSC_DIR, and there is no such folder" "set it to your PETSc, or unset it for the distribution's"
+    fi
     command -v "$python" >/dev/null || fail "$python not found" "install Python 3.11 or newer, or set PYTHON"
     "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
         fail "$python is older than 3.11" "docs/install.md lists what restshape runs on"
@@ -41,8 +44,9 @@ check_tools() {
         command -v "$compiler" >/dev/null ||
             fail "no C++ compiler: $compiler not found" "install it, or name yours with CXX=... MPICXX=..."
     done
-    "$python" -c 'import petsc4py, slepc4py' 2>/dev/null ||
-        fail "$python cannot import petsc4py and slepc4py" \
+    local problem
+    problem=$("$python" -c 'import petsc4py, slepc4py' 2>&1) ||
+        fail "$python cannot import petsc4py and slepc4py: ${problem##*$'\n'}" \
             "add the folder that holds them to PYTHONPATH (docs/install.md, 'A PETSc of your own')"
 }
 
@@ -61,19 +65,22 @@ pip_install() {
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --retries 2 \
         --constraint "$venv/constraints.txt" "$@" ||
         fail "pip could not install: $*" \
-            "read pip's message above; without network put the wheels into a folder and set PIP_FIND_LINKS and PIP_NO_INDEX=1"
+            "read pip's message above. Is there a network? Without one put the wheels into a folder and set PIP_FIND_LINKS
+       to it and PIP_NO_INDEX=1"
 }
 
 install_packages() {
     echo "setup: Python packages into $venv"
     pip_install 'setuptools>=64' wheel 'pybind11>=2.11,<4'
+    # First by itself, where the compiler's messages are seen; pip then finds it built.
+    build_extension
     pip_install --no-build-isolation --editable ".[$extra]"
 }
 
 build_extension() {
     echo "setup: extension module"
     "$venv/bin/python" setup.py -q build_ext --inplace ||
-        fail "the extension module does not build" "read the compiler's message above; docs/install.md names what it needs"
+        fail "the extension module does not build" "read the message above; docs/install.md names what the build needs"
 }
 
 verify() {

@@ -1,10 +1,13 @@
-// Bindings of the mesh kernels: relocation, Delaunay flips, mean value coordinates, point location.
+// Bindings of the mesh kernels: relocation, harmonic maps, Delaunay flips, mean value coordinates, point location.
+#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 
+#include "mesh_harmonic.hpp"
 #include "mesh_location.hpp"
 #include "mesh_mean_value.hpp"
 #include "mesh_quality.hpp"
@@ -103,6 +106,15 @@ py::tuple locate(const Doubles& X, const Indices& cells, const Doubles& points) 
     return py::make_tuple(found, weights);
 }
 
+std::unique_ptr<restshape::HarmonicExtension> harmonic_extension(const Doubles& X, const Indices& cells,
+                                                                 const Indices& boundary) {
+    require_rows(X, 2, "X");
+    require_rows(cells, 3, "cells");
+    return std::make_unique<restshape::HarmonicExtension>(X.data(), static_cast<std::int32_t>(X.shape(0)), cells.data(),
+                                                          static_cast<std::int32_t>(cells.shape(0)), boundary.data(),
+                                                          static_cast<std::int32_t>(boundary.size()));
+}
+
 // Keeps the mesh's arrays alive beside the triangulation that works on them.
 class BoundTriangulation {
  public:
@@ -159,6 +171,14 @@ void bind_mesh(py::module_& m) {
           "Values (n, columns) at points inside the segments, by positive mean value coordinates.");
     m.def("locate", &locate, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("points").noconvert(),
           "Triangle and barycentric coordinates of every point; points outside are put on the nearest boundary point.");
+    py::class_<restshape::HarmonicExtension>(m, "HarmonicExtension",
+                                             "Carries boundary values into a mesh by Laplace's equation.")
+        .def(py::init(&harmonic_extension), py::arg("X").noconvert(), py::arg("cells").noconvert(),
+             py::arg("boundary").noconvert())
+        .def("solve", &restshape::HarmonicExtension::solve, "values"_a,
+             "Values (n, k) at all nodes from values (nb, k) at the boundary nodes.")
+        .def("stiffen", &restshape::HarmonicExtension::stiffen, "field"_a,
+             "Weights each triangle by the size of the gradient of a field (n, k), and factorizes again.");
     py::class_<BoundTriangulation>(m, "Triangulation",
                                    "Delaunay flips in the arrays of a mesh; a flipped edge keeps its number.")
         .def(py::init<Indices, Indices, Indices, const Flags&>(), py::arg("cells").noconvert(),

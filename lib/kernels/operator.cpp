@@ -82,7 +82,9 @@ Operator::~Operator() {
     // petsc4py may have finalised PETSc before Python lets go of the operator.
     PetscBool finished = PETSC_FALSE;
     PetscFinalized(&finished);
-    if (mat_ && !finished) (void)MatDestroy(&mat_);
+    if (finished) return;
+    for (Mat& mat : retired_) (void)MatDestroy(&mat);
+    if (mat_) (void)MatDestroy(&mat_);
 }
 
 const Block& Operator::block(int k) const {
@@ -106,7 +108,8 @@ void Operator::check_cells(const Block& b, const int32_t* list, int count) const
 void Operator::set_topology(std::vector<Block> blocks) {
     for (const Block& b : blocks) check_cells(b, nullptr, b.count);
     Logged event(events().pattern);
-    filling_ = false;
+    release_retired();
+    stop_filling();
     blocks_ = std::move(blocks);
     flagged_.resize(blocks_.size());
     for (int k = 0; k < block_count(); ++k) flag_constrained(k, nullptr, blocks_[k].count);
@@ -116,7 +119,8 @@ void Operator::set_topology(std::vector<Block> blocks) {
 void Operator::patch(int k, const int32_t* changed, int count) {
     check_cells(block(k), changed, count);
     Logged event(events().patch);
-    filling_ = false;
+    release_retired();
+    stop_filling();
     flag_constrained(k, changed, count);
     patch_pattern(k, changed, count);
 }
@@ -144,7 +148,7 @@ void Operator::flag_constrained(int k, const int32_t* list, int count) {
 
 void Operator::begin() {
     if (!mat_) throw std::runtime_error("an operator needs set_topology before begin");
-    if (filling_) (void)PetscLogEventEnd(events().values, 0, 0, 0, 0);
+    stop_filling();
     (void)PetscLogEventBegin(events().values, 0, 0, 0, 0);
     filling_ = true;
     for (int32_t dof : constrained_) diagonal_[dof] = 0.0;
@@ -162,12 +166,16 @@ void Operator::add(int k, const Element& element, const Terms& terms) {
 
 void Operator::end() {
     if (!filling_) throw std::runtime_error("an operator needs begin before end");
-    filling_ = false;
     // A supported node without stiffness of its own still needs a regular row.
     for (int32_t dof : constrained_)
         if (diagonal_[dof] == 0.0) set_diagonal(dof, 1.0);
     finish();
-    (void)PetscLogEventEnd(events().values, 0, 0, 0, 0);
+    stop_filling();
+}
+
+void Operator::stop_filling() {
+    if (filling_) (void)PetscLogEventEnd(events().values, 0, 0, 0, 0);
+    filling_ = false;
 }
 
 void Operator::constrain(const Element& element, const int32_t* cell, double coef, double* r, double* K) {
@@ -190,9 +198,23 @@ Mat Operator::mat() const {
 }
 
 void Operator::replace_matrix(Mat mat) {
-    if (mat_) check(MatDestroy(&mat_), "MatDestroy");
+    if (mat_) retired_.push_back(mat_);
     mat_ = mat;
     ++generation_;
+}
+
+// petsc4py only queues an object whose last reference it drops (PetscObjectDelayedDestroy), so the last one must be ours.
+void Operator::release_retired() {
+    size_t kept = 0;
+    for (Mat mat : retired_) {
+        PetscInt references = 0;
+        check(PetscObjectGetReference(reinterpret_cast<PetscObject>(mat), &references), "PetscObjectGetReference");
+        if (references > 1)
+            retired_[kept++] = mat;
+        else
+            check(MatDestroy(&mat), "MatDestroy");
+    }
+    retired_.resize(kept);
 }
 
 }  // namespace restshape

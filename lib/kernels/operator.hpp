@@ -58,7 +58,7 @@ class Operator {
     virtual void set_diagonal(int dof, double value) = 0;
     virtual void finish() = 0;
 
-    // Takes the matrix over; the one before is released.
+    // Takes the matrix over and retires the one before.
     void replace_matrix(Mat mat);
     bool owned(int32_t node) const { return node >= node_offsets_[rank_] && node < node_offsets_[rank_ + 1]; }
     int own_nodes() const { return node_offsets_[rank_ + 1] - node_offsets_[rank_]; }
@@ -76,9 +76,12 @@ class Operator {
   private:
     void check_cells(const Block& block, const int32_t* list, int count) const;
     void flag_constrained(int block, const int32_t* list, int count);
+    void release_retired();
+    void stop_filling();
     void constrain(const Element& element, const int32_t* cell, double coef, double* r, double* K);
 
     Mat mat_ = nullptr;
+    std::vector<Mat> retired_;
     int64_t generation_ = 0;
     bool filling_ = false;
     std::vector<uint8_t> mask_;                  // (nodes * fields), 1 where constrained

@@ -14,54 +14,61 @@ int NodeGraph::place(int node, int neighbour) const {
 }
 
 void NodeGraph::build(int nodes, std::vector<Block>& blocks) {
-    std::vector<int32_t> first(nodes + 1, 0);
-    for (Block& b : blocks) {
-        const size_t slots = static_cast<size_t>(b.count) * b.nodes;
-        b.offset.resize(slots * b.nodes);
-        for (size_t s = 0; s < slots; ++s) ++first[b.cells[s] + 1];
-    }
-    for (int i = 0; i < nodes; ++i) first[i + 1] += first[i];
-
-    std::vector<Incidence> incident(first[nodes]);
-    std::vector<int32_t> next(first.begin(), first.end() - 1);
-    for (size_t k = 0; k < blocks.size(); ++k) {
-        const size_t slots = static_cast<size_t>(blocks[k].count) * blocks[k].nodes;
-        for (size_t s = 0; s < slots; ++s)
-            incident[next[blocks[k].cells[s]]++] = {static_cast<int32_t>(k), static_cast<int32_t>(s)};
-    }
-
+    for (Block& b : blocks) b.offset.resize(static_cast<size_t>(b.count) * b.nodes * b.nodes);
+    collect_incidence(nodes, blocks);
     start.assign(1, 0);
     start.reserve(nodes + 1);
     adjacent.clear();
     adjacent.reserve(static_cast<size_t>(nodes) * 8);
-    std::vector<int32_t> seen(nodes, -1), place_in_row(nodes);
+    seen_.assign(nodes, -1);
+    place_in_row_.resize(nodes);
     for (int i = 0; i < nodes; ++i) {
-        const size_t row = adjacent.size();
-        seen[i] = i;
-        adjacent.push_back(i);
-        for (int s = first[i]; s < first[i + 1]; ++s) {
-            const Block& b = blocks[incident[s].block];
-            const int32_t* cell = b.cell(incident[s].slot / b.nodes);
-            for (int j = 0; j < b.nodes; ++j)
-                if (seen[cell[j]] != i) {
-                    seen[cell[j]] = i;
-                    adjacent.push_back(cell[j]);
-                }
+        append_row(i, blocks);
+        for (int s = first_[i]; s < first_[i + 1]; ++s) {
+            Block& b = blocks[incident_[s].block];
+            const int32_t* cell = b.cell(incident_[s].slot / b.nodes);
+            uint16_t* offset = b.offset.data() + static_cast<size_t>(incident_[s].slot) * b.nodes;
+            for (int j = 0; j < b.nodes; ++j) offset[j] = static_cast<uint16_t>(place_in_row_[cell[j]]);
         }
-        std::sort(adjacent.begin() + row, adjacent.end());
-        const size_t length = adjacent.size() - row;
-        if (length > std::numeric_limits<uint16_t>::max())
-            throw std::runtime_error("a node has more than 65535 neighbours");
-        for (size_t k = 0; k < length; ++k) place_in_row[adjacent[row + k]] = static_cast<int32_t>(k);
-        for (int s = first[i]; s < first[i + 1]; ++s) {
-            Block& b = blocks[incident[s].block];
-            const int32_t* cell = b.cell(incident[s].slot / b.nodes);
-            uint16_t* offset = b.offset.data() + static_cast<size_t>(incident[s].slot) * b.nodes;
-            for (int j = 0; j < b.nodes; ++j) offset[j] = static_cast<uint16_t>(place_in_row[cell[j]]);
-        }
-        start.push_back(static_cast<int32_t>(adjacent.size()));
     }
     has_grown_.assign(nodes, 0);
+}
+
+void NodeGraph::collect_incidence(int nodes, const std::vector<Block>& blocks) {
+    first_.assign(nodes + 1, 0);
+    for (const Block& b : blocks) {
+        const size_t slots = static_cast<size_t>(b.count) * b.nodes;
+        for (size_t s = 0; s < slots; ++s) ++first_[b.cells[s] + 1];
+    }
+    for (int i = 0; i < nodes; ++i) first_[i + 1] += first_[i];
+    incident_.resize(first_[nodes]);
+    next_.assign(first_.begin(), first_.end() - 1);
+    for (size_t k = 0; k < blocks.size(); ++k) {
+        const size_t slots = static_cast<size_t>(blocks[k].count) * blocks[k].nodes;
+        for (size_t s = 0; s < slots; ++s)
+            incident_[next_[blocks[k].cells[s]]++] = {static_cast<int32_t>(k), static_cast<int32_t>(s)};
+    }
+}
+
+void NodeGraph::append_row(int node, const std::vector<Block>& blocks) {
+    const size_t row = adjacent.size();
+    seen_[node] = node;
+    adjacent.push_back(node);
+    for (int s = first_[node]; s < first_[node + 1]; ++s) {
+        const Block& b = blocks[incident_[s].block];
+        const int32_t* cell = b.cell(incident_[s].slot / b.nodes);
+        for (int j = 0; j < b.nodes; ++j)
+            if (seen_[cell[j]] != node) {
+                seen_[cell[j]] = node;
+                adjacent.push_back(cell[j]);
+            }
+    }
+    std::sort(adjacent.begin() + row, adjacent.end());
+    const size_t length = adjacent.size() - row;
+    if (length > std::numeric_limits<uint16_t>::max())
+        throw std::runtime_error("a node has more than 65535 neighbours");
+    for (size_t k = 0; k < length; ++k) place_in_row_[adjacent[row + k]] = static_cast<int32_t>(k);
+    start.push_back(static_cast<int32_t>(adjacent.size()));
 }
 
 const std::vector<int32_t>& NodeGraph::patch(std::vector<Block>& blocks, int block, const int32_t* changed, int count,

@@ -41,10 +41,15 @@ class NodeGraph {
         int32_t block, slot;  // slot = element * nodes + local node
     };
 
+    void collect_incidence(int nodes, const std::vector<Block>& blocks);
+    void append_row(int node, const std::vector<Block>& blocks);
     void collect_missing(const Block& block, const int32_t* changed, int count);
     void merge_missing(std::vector<int32_t>& old_start);
     void mend_offsets(Block& block, int e, bool all_rows);
 
+    // Kept between calls, so that a new mesh of the same size touches no new memory.
+    std::vector<Incidence> incident_;
+    std::vector<int32_t> first_, next_, seen_, place_in_row_;
     std::vector<uint64_t> missing_;  // (row << 32) + column
     std::vector<int32_t> grown_, merged_;
     std::vector<uint8_t> has_grown_;

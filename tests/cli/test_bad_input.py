@@ -136,7 +136,9 @@ SCENES = [
     Case("missing scene", ("nowhere.toml", "no such scene"), argv=("check", "{folder}/nowhere.toml")),
     Case("a folder for a scene", ("is a folder",), argv=("check", "{folder}")),
     Case(
-        "missing outline file", ("shape.file", "part.dxf"), ("[shape]\noutline", '[shape]\nfile = "part.dxf"\noutline')
+        "missing outline file",
+        ("plate.toml: shape.file (line", "part.dxf"),
+        ("[shape]\noutline", '[shape]\nfile = "part.dxf"\noutline'),
     ),
 ]
 

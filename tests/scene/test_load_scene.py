@@ -213,6 +213,9 @@ def test_the_file_name_of_a_mesh_stands_for_the_shape(scene_file):
         'size = "100 mm"\nnear = { window = 0.05 }', 'file = "m.msh"\nunit = "mm"'
     )
     scene_file.write_text(body)
+    with pytest.raises(UserError, match="there is no file"):
+        load_scene(scene_file)
+    (scene_file.parent / "m.msh").touch()
     scene = load_scene(scene_file)
     assert scene.mesh.file == "m.msh" and scene.mesh.unit == 1e-3 and not scene.shape.edges
 

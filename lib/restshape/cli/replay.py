@@ -37,12 +37,12 @@ def run(args: argparse.Namespace) -> int:
     from restshape.application import application
     from restshape.calibration import Calibration
     from restshape.replay.request import Request
-    from restshape.scene.script import Header, Script, load_script
+    from restshape.scene.script import Script, load_script
 
     scene = read_scene(args)
     check_output(args.csv, "--csv")
     app = application(scene.app, f"{args.scene}: app")
-    script = load_script(args.edits, scene, keep_good=True) if args.edits else Script(Header(format="restshape-edits", version=1), ())
+    script = load_script(args.edits, scene, keep_good=True) if args.edits else Script.empty(scene)
     chosen = policy(args.policy or scene.solve.policy)
     request = Request(scene, script, app, chosen, Calibration.load(args.calibration), tuple(args.petsc))
     first = first_rank()
@@ -84,9 +84,9 @@ def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> in
     """Print the tables, write the JSON file, and give the exit code."""
     print_summary(summary)
     write_json(args, {key: value for key, value in summary.items() if key != "rows"})
-    if request.script.problem:
+    if request.script.error:
         kept = "replayed and recorded" if args.out else "replayed"
-        raise UserError(f"{request.script.problem}\n  the {summary['frames']} frames before it were {kept}")
+        raise UserError(f"{request.script.error}\n  the {summary['frames']} frames before it were {kept}")
     return 1 if args.parity and not summary["parity"]["holds"] else 0
 
 

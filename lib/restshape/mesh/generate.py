@@ -88,9 +88,7 @@ def assemble(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndar
     if mesh.facet_cell.min() < 0:
         name = outline.edges[facet_edge[np.argmin(mesh.facet_cell)]].name
         raise ReplayProblem(f"the shape cannot be meshed: edge {name!r} is lost in the mesh")
-    polygons = [
-        X[number[_loop_nodes(loop.edges, boundary)]] for loop in outline.loops if loop.kind == "region"
-    ]
+    polygons = [X[number[_loop_nodes(loop.edges, boundary)]] for loop in outline.loops if loop.kind == "region"]
     if polygons:
         barrier = np.zeros(len(mesh.edge_nodes), dtype=bool)
         ends = np.sort(facets, axis=1).astype(np.int64) @ (len(X), 1)
@@ -179,9 +177,7 @@ def _refuse_broken(outline: Outline, boundary: Boundary, X: np.ndarray, cells: n
     if np.sum(double) < 0.0:
         cells[:, 1:] = cells[:, :0:-1].copy()
         double = -double
-    wanted = sum(
-        signed_area(boundary.points[_loop_nodes(loop.edges, boundary)]) for loop in _border_loops(outline)
-    )
+    wanted = sum(signed_area(boundary.points[_loop_nodes(loop.edges, boundary)]) for loop in _border_loops(outline))
     if double.min() <= 0.0 or abs(0.5 * double.sum() - wanted) > 1e-9 * abs(wanted):
         raise ReplayProblem("the shape cannot be meshed: its boundary touches or crosses itself at this mesh size")
     used = np.zeros(len(X), dtype=bool)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.mesh.regions import nesting
 from restshape.shape.outline import Entity, Outline
 
 _topologies = itertools.count(1)
@@ -146,7 +145,7 @@ class Mesh:
         return np.flatnonzero(chosen[self.facet_edge]).astype(np.int32)
 
     def cells_of(self, name: str) -> np.ndarray:
-        """Triangles inside an entity: a region and the regions in it, or all for "all" and "outline"; else none.
+        """Triangles inside an entity: a region less the regions in it, or all for "all" and "outline"; else none.
 
         Raises:
             UserError: there is no such entity.
@@ -156,7 +155,7 @@ class Mesh:
         if any(loops[i].kind == "outline" for i in entity.loops):
             return np.arange(len(self.cells), dtype=np.int32)
         wanted = self._regions(entity)
-        return np.flatnonzero(np.isin(self.cell_region, self._with_nested(wanted))).astype(np.int32)
+        return np.flatnonzero(np.isin(self.cell_region, wanted)).astype(np.int32)
 
     def _regions(self, entity: Entity) -> list[int]:
         """Numbers, from 1, of the region loops of an entity."""
@@ -164,15 +163,6 @@ class Mesh:
         numbers = itertools.accumulate(loop.kind == "region" for loop in loops)
         number = dict(enumerate(numbers))
         return [number[i] for i in entity.loops if loops[i].kind == "region"]
-
-    def _with_nested(self, wanted: list[int]) -> list[int]:
-        """The regions of a list and those that lie in them."""
-        parents = nesting(self.outline) if wanted else ()
-        found = set(wanted)
-        for number, around in enumerate(parents, start=1):
-            if found.intersection(around):
-                found.add(number)
-        return sorted(found)
 
 
 def edges_of_cells(cells: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:

@@ -23,6 +23,8 @@ from restshape.shape.session import EditFrame
 SWEEPS = 2
 """Spring sweeps a frame: even, so that they do not swing (thesis, 4.2.3)."""
 
+ROUNDS = 1
+
 FRESH_SHARE = 0.75
 """A mesh counts as distorted only below this share of its quality when new: else an awkward shape would be meshed anew
 in every frame."""
@@ -93,6 +95,7 @@ class MovingMesh:
         self._broadcast = broadcast or (lambda make: make())
         self._chosen_relocation, self._chosen_criterion, self._imported = relocation, criterion, imported
         self._gesture: Gesture | None = None
+        self._carry: Extension | None = None
         self._c = (0.0, 0.0)
         self._stale = True
         self.min_quality = float("nan")
@@ -118,7 +121,7 @@ class MovingMesh:
                 self._Psi = np.zeros((2, *self.mesh.X.shape))
             else:
                 basis = self._boundary.basis(self.mesh.outline, self._gesture.basis)
-                self._Psi = motion(self.mesh, basis, self.relocation, self._extension())
+                self._Psi = motion(self.mesh, basis, self.relocation)
         return self._Psi
 
     def advance(self, frame: EditFrame) -> Advance:
@@ -175,7 +178,7 @@ class MovingMesh:
         mesh, (c0, c1) = self.mesh, frame.c
         if not frame.gesture.linear:
             target = self._boundary.values(frame.outline, frame.outline.points)
-            self._Psi[0] = self._extension()(target - self._reference[self._boundary.nodes])
+            self._Psi[0] = self._carry(target - self._reference[self._boundary.nodes])
             c0, c1 = 1.0, 0.0
         else:
             c0, c1 = c0 - self._c_reference[0], c1 - self._c_reference[1]
@@ -198,10 +201,13 @@ class MovingMesh:
             flips, changed = self._reconnection.flip(X)
             if flips:
                 verdict = self._place(frame)
-        if verdict[2] and not verdict[1]:
+        for _ in range(ROUNDS):
+            if verdict[1] or not verdict[2]:
+                break
             more, cells = self._reconnection.flip(X)
-            if more:
-                verdict = _kernels.check_cells(X, self.mesh.cells, self._area_floor, self._quality_floor)
+            if not more:
+                break
+            verdict = self._place(frame)
             flips, changed = flips + more, np.union1d(changed, cells)
         stages["flip"] = perf_counter() - start
         return flips, changed, verdict
@@ -215,21 +221,13 @@ class MovingMesh:
         if frame.gesture.linear:
             self.Psi  # noqa: B018  made here, so that its time counts as the map's
         else:
-            self._extension()
+            self._carry = extension(self.mesh, self._boundary.nodes, self.relocation)
             self._Psi = np.zeros((2, *self.mesh.X.shape))
         stages["map"] = perf_counter() - start
 
     def _set_reference(self, c: tuple[float, float]) -> None:
         self._reference = self.mesh.X.copy()
         self._c_reference = self._c = c
-
-    def _extension(self) -> Extension:
-        """The extension of the boundary into the mesh as it lay when the gesture, or the mesh, was new."""
-        version = (self.mesh.topology, self.mesh.geometry)
-        if self._carry is None or (self._carry_version != version and self._Psi is None):
-            self._carry = extension(self.mesh, self._boundary.nodes, self.relocation)
-            self._carry_version = version
-        return self._carry
 
     def _reconstruct(self, frame: EditFrame, stages: dict[str, float]) -> Advance:
         """Replace the mesh by a new one of the frame's outline."""
@@ -261,6 +259,4 @@ class MovingMesh:
         self._fixed = np.zeros(len(mesh.X), dtype=np.uint8)
         self._fixed[self._boundary.nodes] = 1
         self._before = np.empty_like(mesh.X)
-        self._carry: Extension | None = None
-        self._carry_version = (0, 0)
         self._Psi: np.ndarray | None = None

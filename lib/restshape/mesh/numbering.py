@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+
 def hilbert_keys(points: np.ndarray) -> np.ndarray:
     """Place (n,) of each point (n, 2) along a Hilbert curve that fills the box around all points."""
     # A grid of 16 squares for each point tells all but the closest neighbours apart.

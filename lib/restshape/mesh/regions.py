@@ -1,4 +1,4 @@
-"""Which region of an outline a triangle lies in, and which regions lie in which."""
+"""Which region of an outline a triangle lies in."""
 
 from __future__ import annotations
 
@@ -32,23 +32,6 @@ def loop_polygon(outline: Outline, loop: Loop) -> np.ndarray:
         chain = outline.polyline(edge)
         parts.append((chain if forward else chain[::-1])[:-1])
     return np.concatenate(parts)
-
-
-def nesting(outline: Outline) -> tuple[frozenset[int], ...]:
-    """For each region, numbered from 1, the regions that it lies in."""
-    polygons = [loop_polygon(outline, loop) for loop in outline.loops if loop.kind == "region"]
-    areas = [abs(signed_area(polygon)) for polygon in polygons]
-    found = []
-    for i, polygon in enumerate(polygons):
-        # Middles of sides: a corner may lie on a side of the larger region.
-        middles = 0.5 * (polygon + np.roll(polygon, -1, axis=0))
-        around = [
-            j + 1
-            for j, other in enumerate(polygons)
-            if areas[j] > areas[i] and np.count_nonzero(contains(other, middles)) * 2 > len(middles)
-        ]
-        found.append(frozenset(around))
-    return tuple(found)
 
 
 def cell_regions(

@@ -37,7 +37,7 @@ COMPONENTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 class Observer:
     """Evaluates the quantities of a scene for a solid on its mesh.
 
-    Stresses are recovered at nodes: the mean over the elements around a node, weighted with their areas.
+    Stresses are recovered at nodes by superconvergent patch recovery (Zienkiewicz and Zhu 1992).
 
     Args:
         physics: the solid, on the mesh whose nodes are looked at.
@@ -62,7 +62,7 @@ class Observer:
         """Recovered stresses (n, 4) [Pa] at the nodes, computed once a frame."""
         if self._nodal is None:
             self._nodal = np.empty((len(self.mesh.X), 4))
-            _kernels.nodal_average(self.mesh.X, self.mesh.cells, self.physics.stress(x), self._nodal)
+            _kernels.recover(self.mesh.X, self.mesh.cells, self.physics.stress(x), self._nodal)
         return self._nodal
 
     def _function(self, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:

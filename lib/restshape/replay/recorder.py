@@ -1,6 +1,7 @@
 """The solver's side of a recording: hands frames to a process of its own that writes them.
 
-Import and start this before MPI starts: the recorder process must be no child of an MPI process. It imports no PETSc, no MPI, no HDF5.
+Import and start this before MPI starts: the recorder process must be no child of an MPI process. It imports no PETSc,
+no MPI, no HDF5.
 """
 
 import json
@@ -51,7 +52,9 @@ class Recorder:
         self._cells = -1
 
     @classmethod
-    def start(cls, path: str | Path, header: Mapping[str, Any], columns: Mapping[str, Any], wait: bool = True) -> "Recorder":
+    def start(
+        cls, path: str | Path, header: Mapping[str, Any], columns: Mapping[str, Any], wait: bool = True
+    ) -> "Recorder":
         """A recorder whose process runs and, with ``wait``, has opened the file.
 
         Args:
@@ -175,7 +178,7 @@ class Recorder:
         for name, field in zip((*points, *cells), fields):
             expected = positions[0] if name in points else self._cells
             if field[0] != expected or len(field) > 2:
-                raise ValueError(f"field {name!r} has shape {field}, expected ({expected},) or ({expected}, components)")
+                raise ValueError(f"field {name!r} has shape {field}, expected {expected} rows of numbers or components")
         layout = {"point_data": points, "cell_data": cells, "shapes": [positions, *fields]}
         self._send(rings.LAYOUT, json.dumps(layout).encode())
         self._shape = shape

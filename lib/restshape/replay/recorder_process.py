@@ -1,8 +1,8 @@
 """The process that writes a recording: takes frames out of the shared ring, outlives the solver, closes the file.
 
-Started by `restshape.replay.recorder.Recorder` as ``python -m restshape.replay.recorder_process RING COMMANDS CONTROL ANSWERS``
-(numbers of inherited file descriptors). It knows neither MPI nor PETSc. COMMANDS carries the ring's published position, CONTROL
-wakes it, ANSWERS takes its JSON lines; the end of CONTROL means that the solver is gone.
+Started by `restshape.replay.recorder.Recorder` with the numbers of four inherited file descriptors: RING COMMANDS
+CONTROL ANSWERS. It knows neither MPI nor PETSc. COMMANDS carries the ring's published position, CONTROL wakes it,
+ANSWERS takes its JSON lines; the end of CONTROL means that the solver is gone.
 """
 
 import errno
@@ -12,6 +12,7 @@ import select
 import signal
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -164,11 +165,9 @@ def main(words: list[str]) -> int:
     """The exit code of the process."""
     for name in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
         signal.signal(name, signal.SIG_IGN)
-    try:
+    with suppress(OSError):
         # mpiexec binds the solver to a core; the recorder must not share that one.
         os.sched_setaffinity(0, range(os.cpu_count() or 1))
-    except OSError:
-        pass
     ring_fd, commands, control, answers = map(int, words)
     os.set_blocking(commands, False)
     return serve(rings.Ring(ring_fd), commands, control, answers)

@@ -3,15 +3,13 @@
 import json
 import time
 from pathlib import Path
-from types import TracebackType
 from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.replay.vtkhdf import FORMAT, checksum
-
+from restshape.replay.vtkhdf import FORMAT, PARTS, checksum
 
 _ATTEMPTS, _PAUSE = 20, 0.05
 
@@ -34,7 +32,8 @@ class Recording:
         n: number of frames.
         header: what the writer put there: scene, script, options, versions, calibration ...
         table: column -> array (n,); text columns hold ``str``.
-        status: "done", or why the recording ended early: "interrupted" (the solver was stopped), "disk full", "killed" (its writer was).
+        status: "done", or why the recording ended early: "interrupted" (the solver was stopped), "disk full", "killed"
+            (its writer was).
         fields: name -> FieldInfo.
         writer: what writing cost: cpu_s, lag_s, batches; empty where the writer was killed.
 
@@ -49,7 +48,8 @@ class Recording:
             self._read_frame_index()
         except (KeyError, OSError, ValueError) as error:
             self._file.close()
-            raise UserError(f"this is no recording, or it is damaged ({error})", str(path), "record it again") from error
+            what = f"this is no recording, or it is damaged ({error})"
+            raise UserError(what, str(path), "record it again") from error
 
     def _open(self) -> h5py.File:
         if not self.path.is_file():
@@ -77,8 +77,9 @@ class Recording:
         self.writer = {k.removeprefix("writer_"): float(v) for k, v in own.attrs.items() if k.startswith("writer_")}
         self._rows = own["table"][: self.n]
         self.table = {name: _column(self._rows[name]) for name in self._rows.dtype.names if name != "checksum"}
-        self._steps = {name: steps[name][: self.n].reshape(-1) for name in steps if isinstance(steps[name], h5py.Dataset)}
-        self._parts = {name: self._root[name][()] for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")}
+        places = {name: item for name, item in steps.items() if isinstance(item, h5py.Dataset)}
+        self._steps = {name: place[: self.n].reshape(-1) for name, place in places.items()}
+        self._parts = {name: self._root[name][()] for name in PARTS}
         if len(self._rows) < self.n or any(len(values) < self.n for values in self._steps.values()):
             raise ValueError("frames are missing")
         self.fields: dict[str, FieldInfo] = {}
@@ -172,7 +173,7 @@ class Recording:
     def __enter__(self) -> "Recording":
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, *_: Any) -> None:
         self.close()
 
 

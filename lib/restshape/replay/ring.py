@@ -1,9 +1,9 @@
 """A ring of records in memory that two processes share: one writes, the other reads.
 
 The memory is an anonymous file (``memfd``): its first page holds counters that the reader writes (`TAIL`, `SAFE`,
-`FAILED`), the rest holds records. A record is a 32-byte head (kind, payload length, two floats) and its payload, contiguous and
-aligned to 32 bytes. Positions count bytes since the start and never wrap; the writer publishes its position through a pipe,
-whose locking in the kernel also orders the memory writes before it.
+`FAILED`), the rest holds records. A record is a 32-byte head (kind, payload length, two floats) and its payload,
+contiguous and aligned to 32 bytes. Positions count bytes since the start and never wrap; the writer publishes its
+position through a pipe, whose locking in the kernel also orders the memory writes before it.
 """
 
 import mmap

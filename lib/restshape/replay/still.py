@@ -10,7 +10,7 @@ from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.scene.load import load_scene
-from restshape.scene.script import Header, Script
+from restshape.scene.script import Script
 
 
 def still(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PETSc.COMM_WORLD) -> Replay:
@@ -22,8 +22,7 @@ def still(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PETSc.CO
         comm: PETSc communicator.
     """
     scene = load_scene(path, overrides)
-    script = Script(Header(format="restshape-edits", version=1), ())
     chosen = policy(scene.solve.policy)
-    replay = Replay(scene, script, application(scene.app), chosen, comm, Calibration.load())
+    replay = Replay(scene, Script.empty(scene), application(scene.app), chosen, comm, Calibration.load())
     list(replay.frames())
     return replay

@@ -1,11 +1,11 @@
 """The file of a recording: a temporal VTKHDF unstructured grid beside a table of the frames.
 
-`/VTKHDF` follows version 2.0 of the format (read by vtk from 9.3 and ParaView from 5.12 on); `/restshape` is outside what that format
-speaks about, so its readers leave it alone. Arrays of all frames are concatenated, frames say where theirs start. Cells are stored
-once a topology; points and fields that repeat the last frame's bytes are not stored again.
+`/VTKHDF` follows version 2.0 of the format (read by vtk from 9.3 and ParaView from 5.12 on); `/restshape` is outside of
+what that format speaks about, so its readers leave it alone. Arrays of all frames are concatenated, frames say where
+theirs start. Cells are stored once a topology; points and fields that repeat the last frame's bytes are not stored again.
 
-The file survives the death of its writer: HDF5's own metadata stay in memory between flushes, a flush brings the data, then
-`NSteps` is raised, and another flush brings that. The older layout of the superblock has no mark "open" that would bar the file.
+The file survives the death of its writer: HDF5's own metadata stay in memory between flushes, a flush brings the data,
+then `NSteps` is raised, and another flush brings that. The older superblock has no mark "open" that would bar the file.
 """
 
 import json
@@ -20,9 +20,7 @@ import numpy as np
 VERSION = (2, 0)
 FORMAT = 1
 STATUS_BYTES = 64
-TRIANGLE, TETRA = 5, 10
 PARTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
-CELL_TYPES = {2: 3, 3: TRIANGLE, 6: 22, 4: TETRA, 10: 24}
 
 
 class Topology(NamedTuple):

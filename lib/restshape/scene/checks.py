@@ -46,6 +46,10 @@ def _check_names(scene: Scene, source: Source) -> None:
 def _check_shape(scene: Scene, source: Source) -> None:
     """Refuses a shape that is missing, or edges and loops of things that are not there."""
     shape = scene.shape
+    for key, file in (("shape", shape.file), ("mesh", scene.mesh.file)):
+        if file and not (path := source.path.parent / file).is_file():
+            do = "paths are relative to the scene's folder"
+            raise source.error((key, "file"), f"there is no file {str(path)!r}", do)
     if scene.mesh.file:
         if shape.outline or shape.file:
             raise source.error(("mesh", "file"), "the scene has a shape and a mesh file", "keep one of the two")

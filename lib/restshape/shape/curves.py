@@ -113,9 +113,8 @@ def spline_weight_rates(knots: tuple[float, ...], ends: tuple[str, str], s: np.n
     h = u[i + 1] - u[i]
     b = (s - u[i]) / h
     a = 1.0 - b
-    rates = ((3.0 * b**2 - 1.0) * h / 6.0)[:, None] * second[i + 1] - ((3.0 * a**2 - 1.0) * h / 6.0)[:, None] * second[
-        i
-    ]
+    rates = ((3.0 * b**2 - 1.0) * h / 6.0)[:, None] * second[i + 1]
+    rates -= ((3.0 * a**2 - 1.0) * h / 6.0)[:, None] * second[i]
     rows = np.arange(len(s))
     rates[rows, i] -= 1.0 / h
     rates[rows, i + 1] += 1.0 / h

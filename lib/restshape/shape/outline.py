@@ -252,9 +252,7 @@ class Outline:
         kind = self.edges[edge].kind
         own = self.points[self.layout.controls[edge]]
         if kind == "spline":
-            s, w = curves.gauss_parameters(
-                tuple(np.unique(np.linspace(0, 1, 65).tolist() + list(self.edges[edge].knots)))
-            )
+            s, w = curves.gauss_parameters(tuple(np.union1d(np.linspace(0.0, 1.0, 65), self.edges[edge].knots)))
             return float(np.hypot(*self.tangent(edge, s).T) @ w)
         straight = float(np.hypot(*np.diff(own, axis=0).T).sum())
         half = 2.0 * np.arctan(abs(self.bulges[edge]))

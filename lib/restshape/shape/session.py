@@ -112,13 +112,17 @@ class EditSession:
         for k, event in enumerate(events):
             room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
             pace = min(FRAME_TIME, room / self._count(event))
-            for i, step in enumerate(getattr(self, f"_do_{event.do}")(event)):
+            for i, step in enumerate(self.steps(event)):
                 t = event.t + i * pace
                 gesture, c, refused = step.gesture, step.c, step.refused
                 yield EditFrame(
                     index, t, event.line, event.do, step.change, gesture, c, self.outline, self.scene, refused
                 )
                 index += 1
+
+    def steps(self, event: Any) -> Iterator[Step]:
+        """What each frame of one event does; the session's shape and scene follow as the steps are taken."""
+        return getattr(self, f"_do_{event.do}")(event)
 
     @staticmethod
     def _count(event: Any) -> int:
@@ -310,7 +314,7 @@ class EditSession:
         self._future.clear()
 
     def _scene_change(self, old: Scene, new: Scene) -> str:
-        """ "mesh" where mesh settings differ or other effects are simulated, so that all is built anew; else "values"."""
+        """The change "mesh" where mesh settings or the effects that are simulated differ, else "values"."""
         effects = [{e.name for e in plan(scene, self._application).effects if e.on} for scene in (old, new)]
         return "values" if old.mesh == new.mesh and effects[0] == effects[1] else "mesh"
 

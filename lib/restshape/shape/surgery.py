@@ -188,9 +188,8 @@ def _merge(draft: Draft, vertex: str) -> None:
     far = gone.end if gone.start == vertex else gone.start
     ends = {"end": far} if forward else {"start": far}
     straight = replace(kept, kind="line", inner=(), knots=(), ends=("natural", "natural"), bulge=0.0, **ends)
-    draft.edges = {
-        name: straight if name == arriving else edge for name, edge in draft.edges.items() if name != leaving
-    }
+    draft.edges[arriving] = straight
+    del draft.edges[leaving]
     draft.loops = [(loop, kind, [part for part in parts if part[0] != leaving]) for loop, kind, parts in draft.loops]
     draft.vertices = {name: p for name, p in draft.vertices.items() if name != vertex}
 

@@ -1,0 +1,105 @@
+"""`restshape report`: tables and pictures of a recording."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from restshape.cli.options import add_json, open_json, print_table, write_json
+from restshape.errors import UserError
+
+SUMMARY = "tables and pictures of a recording"
+_FORMATS = ("gif", "mp4", "none")
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what this command takes."""
+    parser.add_argument("recording", metavar="RECORDING", type=Path, help="recording (.vtkhdf) that replay --out wrote")
+    parser.add_argument("--out", metavar="DIR", type=Path, help="folder for pictures (default: beside the recording)")
+    parser.add_argument("--frames", metavar="N", type=int, default=6, help="frames on the contact sheet (default 6)")
+    parser.add_argument("--animation", choices=_FORMATS, default="gif", help="kind of animation (default gif)")
+    parser.add_argument("--scale", metavar="S", type=float, help="exaggeration (default: 8 %% of the size)")
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Prints the tables and draws the pictures."""
+    open_json(args)
+    if args.frames < 1:
+        raise UserError("at least one frame must be shown", "--frames", "--frames 6")
+    from restshape.replay.recording import Recording
+    from restshape.report.animation import require_ffmpeg
+
+    if args.animation == "mp4":
+        require_ffmpeg()
+    with Recording(args.recording) as recording:
+        if not recording.n:
+            raise UserError("the recording holds no frames", str(args.recording), "run the replay again")
+        folder = args.out or args.recording.with_name(f"{args.recording.stem}-report")
+        data = _tables(recording)
+        pictures = _draw(recording, folder, args)
+    print()
+    for picture in pictures:
+        print(f"wrote {picture}")
+    write_json(args, {**data, "pictures": [str(picture) for picture in pictures]})
+    return 0
+
+
+def _tables(recording: Any) -> dict[str, Any]:
+    """Prints the tables and gives them back for programs."""
+    from restshape.report.style import si
+    from restshape.report.tables import level_table, quantity_table, refused
+
+    levels, quantities = level_table(recording), quantity_table(recording)
+    stopped = int(refused(recording).sum())
+    print(f"{recording.path}: {recording.summary}, {stopped} refused\n")
+    heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations")
+    keys = ("level", "frames", "p50", "p95", "p99", "iterations")
+    rows = [[_short(row[key]) for key in keys] for row in levels if row["frames"] or row["level"] in "123"]
+    print_table("time a level (without the first frame)", heads, rows, right=heads[1:])
+    if quantities:
+        print()
+        heads = ("quantity", "first", "last", "min", "max")
+        shown = [
+            [q["quantity"], *("–" if q[k] is None else si(q[k], q["unit"], 5) for k in heads[1:])] for q in quantities
+        ]
+        print_table("quantities", heads, shown, right=heads[1:])
+    return {
+        "frames": recording.n,
+        "refused": stopped,
+        "status": recording.status,
+        "levels": levels,
+        "quantities": quantities,
+        "writer": recording.writer,
+    }
+
+
+def _short(value: Any) -> Any:
+    return f"{value:.3g}" if isinstance(value, float) else value
+
+
+def _draw(recording: Any, folder: Path, args: argparse.Namespace) -> list[Path]:
+    """Draws all pictures; their paths."""
+    import numpy as np
+
+    from restshape.report.animation import animated_frames, draw_animation
+    from restshape.report.frames import chosen_frames, draw_frames
+    from restshape.report.levels import draw_levels
+    from restshape.report.scenery import scenery
+    from restshape.report.timeline import draw_timeline
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        pictures = [folder / "levels.png", folder / "timeline.png"]
+        draw_levels(recording, pictures[0])
+        draw_timeline(recording, pictures[1])
+        if recording.dimension == 2:
+            sheet, moving = chosen_frames(recording, args.frames), animated_frames(recording)
+            common = scenery(recording, np.union1d(sheet, moving), args.scale)
+            pictures.insert(0, folder / "frames.png")
+            draw_frames(recording, sheet, common, pictures[0])
+            if args.animation != "none":
+                pictures.append(folder / f"animation.{args.animation}")
+                draw_animation(recording, moving, common, pictures[-1])
+    except OSError as error:
+        raise UserError(f"pictures cannot be written: {error.strerror}", str(folder), "choose another --out") from error
+    return pictures

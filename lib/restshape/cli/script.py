@@ -1,0 +1,48 @@
+"""`restshape script`: an edit script from short lines of text."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from restshape.cli.options import add_scene, check_output, read_scene, write_json
+from restshape.scene.model import Scene
+from restshape.shape.compose import GRAMMAR, compose
+from restshape.shape.outline import Outline
+
+SUMMARY = "write an edit script from lines such as 'hole window by 0.8 0 in 160 frames, hand-like'"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments of this command."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.description = f"{SUMMARY}\n\n{GRAMMAR}\n\n60 frames are a second of edit time."
+    add_scene(parser)
+    parser.add_argument("lines", metavar="LINE", nargs="+", help="what to do, one edit an argument, in order")
+    parser.add_argument("--out", metavar="FILE", type=Path, help="edit script to write (default: standard output)")
+    parser.add_argument("--seed", type=int, default=0, help="of hand-like paths (default: 0)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Writes the script and tells how many frames it has and what of it will be refused; the exit code."""
+    scene = read_scene(args)
+    check_output(args.out, "--out")
+    made = compose(scene, args.lines, args.seed, _imported_outline(scene))
+    if args.out is None:
+        sys.stdout.write(made.text())
+    else:
+        args.out.write_text(made.text(), encoding="utf-8")
+        print(f"{args.out}: {len(made.lines) - 1} events, {made.frames} frames")
+    for text, frames, why in made.refused:
+        print(f"{text!r}: {frames} frame{'s' * (frames > 1)} will be refused: {why}", file=sys.stderr)
+    refused = [{"line": text, "frames": frames, "why": why} for text, frames, why in made.refused]
+    write_json(args, {"events": len(made.lines) - 1, "frames": made.frames, "refused": refused})
+    return 0
+
+
+def _imported_outline(scene: Scene) -> Outline | None:
+    """The outline of the scene's mesh file, if its shape comes from there."""
+    if scene.mesh.file is None:
+        return None
+    from restshape.mesh.importer import read_mesh
+
+    return read_mesh(scene.folder / scene.mesh.file, scene.mesh.unit)[1]

@@ -1,0 +1,229 @@
+"""Meshes from files: Abaqus, Nastran, Gmsh and VTU, their group names kept."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from xml.etree.ElementTree import ParseError
+
+import meshio
+import numpy as np
+from meshio.abaqus._abaqus import abaqus_to_meshio_type
+from scipy.spatial import cKDTree
+
+from restshape.errors import UserError
+from restshape.mesh.generate import assemble
+from restshape.mesh.mesh import Mesh, edges_of_cells
+from restshape.mesh.nastran import constraint_sets, has_grid
+from restshape.mesh.tracing import Triangles, trace
+from restshape.shape.outline import Outline
+
+FORMATS = {".inp": "abaqus", ".bdf": "nastran", ".nas": "nastran", ".dat": "nastran", ".msh": "gmsh", ".vtu": "vtu"}
+"""File name endings that are read, and meshio's name of their format."""
+
+PLANE_TRIANGLES = ("CPE3", "CPEG3", "M3D3", "CPE3H")
+"""Abaqus names of first-order triangles that meshio does not list."""
+
+UNREADABLE = (
+    meshio.ReadError,
+    ValueError,
+    KeyError,
+    IndexError,
+    TypeError,
+    AttributeError,
+    AssertionError,
+    RuntimeError,
+    OSError,
+    ParseError,
+    struct.error,
+    SystemExit,
+)
+"""What meshio's readers raise on broken files; some of them leave by SystemExit."""
+
+FLAT = 1e-6
+"""Share of the size by which z may differ from 0."""
+
+COINCIDENT = 1e-9
+"""Two nodes closer than this share of the size count as the same place."""
+
+DEGENERATE = 1e-6
+"""A triangle with less area than this share of its longest side squared is degenerate."""
+
+
+def read_mesh(path: Path | str, unit: float = 1.0, ranks: int = 1) -> tuple[Mesh, Outline]:
+    """The plane mesh of a file, and the outline that it fills, with the file's groups as named entities.
+
+    Node sets and line elements name boundary edges and points; sets of triangles, properties and integer cell data name
+    regions. Quadrilaterals are cut in two along their shorter diagonal. Nodes that no triangle uses are dropped.
+
+    Args:
+        path: .inp, .bdf, .nas, .dat, .msh or .vtu.
+        unit: metres in one unit of the file.
+        ranks: number of ranks.
+
+    Raises:
+        UserError: the file cannot be read, or does not hold a plane mesh in one piece.
+    """
+    path = Path(path)
+    triangles = _checked(_triangles(_read(path), path, unit), path)
+    try:
+        outline, boundary, X, cells = trace(triangles)
+    except UserError as error:
+        raise UserError(error.what, str(path), error.do) from None
+    mesh = assemble(outline, boundary, X, cells, ranks)
+    return mesh, outline
+
+
+def _read(path: Path) -> meshio.Mesh:
+    """What meshio reads from a file."""
+    if not path.is_file():
+        raise UserError("there is no such mesh file", str(path), "paths in a scene are relative to the scene's folder")
+    kind = FORMATS.get(path.suffix.lower())
+    if kind is None:
+        raise UserError(f"a {path.suffix or 'nameless'} file is no mesh", str(path), f"use {', '.join(FORMATS)}")
+    if not path.stat().st_size:
+        raise UserError("the mesh file is empty", str(path), "write it again")
+    # meshio waits for ever for the first card of a deck without any.
+    if kind == "nastran" and not has_grid(path):
+        raise UserError("there is no GRID card after BEGIN BULK", str(path), "export the nodes too")
+    for name in PLANE_TRIANGLES:
+        abaqus_to_meshio_type.setdefault(name, "triangle")
+    try:
+        return meshio.read(path, file_format=kind)
+    except UNREADABLE as failure:
+        reason = str(failure).strip().split("\n")[0]
+        raise UserError(
+            f"this is no {kind} mesh that can be read" + (f" ({reason})" if reason else ""),
+            str(path),
+            "export it again",
+        ) from None
+
+
+def _triangles(read: meshio.Mesh, path: Path, unit: float) -> Triangles:
+    """Triangles and groups of a meshio mesh, quadrilaterals cut in two."""
+    points = np.asarray(read.points, dtype=float)
+    if points.ndim != 2 or not len(points):
+        raise UserError("the mesh has no nodes", str(path), "export the nodes too")
+    points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))]) * unit
+    if not np.isfinite(points).all():
+        raise UserError(f"node {int(np.argmin(np.isfinite(points).all(axis=1))) + 1} has no finite place", str(path))
+    extent = float(np.ptp(points, axis=0).max())
+    if np.abs(points[:, 2]).max() > FLAT * extent:
+        raise UserError("the mesh is not in the plane z = 0", str(path), "only plane meshes are read: project it")
+    cells, lines, row_of_cell, row_of_line = [], [], [], []
+    row = 0
+    for block in read.cells:
+        rows = np.arange(row, row + len(block.data))
+        row += len(block.data)
+        data = np.asarray(block.data, dtype=np.int64).reshape(len(block.data), -1)
+        if block.type == "triangle":
+            cells.append(data)
+            row_of_cell.append(rows)
+        elif block.type == "quad":
+            cells.append(_halves(points, data))
+            row_of_cell.append(np.repeat(rows, 2))
+        elif block.type == "line":
+            lines.append(data)
+            row_of_line.append(rows)
+        elif block.type != "vertex":
+            what = f"the mesh has elements of type {block.type!r}"
+            raise UserError(what, str(path), "only triangles and quadrilaterals of first order are read")
+    if not cells:
+        raise UserError("the mesh has no triangles", str(path), "export the elements too")
+    found = Triangles(
+        points[:, :2].copy(),
+        np.concatenate(cells),
+        np.concatenate(lines) if lines else np.empty((0, 2), dtype=np.int64),
+    )
+    for name, rows in _element_groups(read).items():
+        chosen = np.zeros(row, dtype=bool)
+        chosen[rows] = True
+        found.add(name, "cells", np.flatnonzero(chosen[np.concatenate(row_of_cell)]))
+        if lines:
+            found.add(name, "lines", np.flatnonzero(chosen[np.concatenate(row_of_line)]))
+    for name, nodes in read.point_sets.items():
+        found.add(name, "nodes", np.unique(np.asarray(nodes, dtype=np.int64)))
+    if FORMATS[path.suffix.lower()] == "nastran":
+        for name, nodes in constraint_sets(path).items():
+            found.add(name, "nodes", nodes)
+    return found
+
+
+def _halves(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Two triangles for each quadrilateral (m, 4), in turn, cut along the shorter diagonal."""
+    first = np.hypot(*(points[quads[:, 2], :2] - points[quads[:, 0], :2]).T)
+    second = np.hypot(*(points[quads[:, 3], :2] - points[quads[:, 1], :2]).T)
+    along = (first <= second)[:, None, None]
+    halves = np.where(along, quads[:, ((0, 1, 2), (0, 2, 3))], quads[:, ((0, 1, 3), (1, 2, 3))])
+    return halves.reshape(-1, 3)
+
+
+def _element_groups(read: meshio.Mesh) -> dict[str, np.ndarray]:
+    """Rows of elements, counted through all blocks, by group name."""
+    starts = np.concatenate([[0], np.cumsum([len(block.data) for block in read.cells])])
+    found: dict[str, list[np.ndarray]] = {}
+    for name, blocks in read.cell_sets.items():
+        if not name.startswith("gmsh:"):
+            for start, rows in zip(starts, blocks):
+                if rows is not None and len(rows):
+                    found.setdefault(name, []).append(start + np.asarray(rows, dtype=np.int64))
+    names = {(int(tag), int(dim)): name for name, (tag, dim) in read.field_data.items()}
+    dims = {"vertex": 0, "line": 1}
+    for array, blocks in read.cell_data.items():
+        if array in ("gmsh:geometrical", "medit:ref"):
+            continue
+        label = {"gmsh:physical": "physical", "nastran:ref": "property"}.get(array, array)
+        for start, block, values in zip(starts, read.cells, blocks):
+            values = np.asarray(values)
+            if values.ndim != 1 or not np.issubdtype(values.dtype, np.integer):
+                continue
+            for value in np.unique(values):
+                name = names.get((int(value), dims.get(block.type, 2)), f"{label}_{value}")
+                if array != "gmsh:physical" or value:
+                    found.setdefault(name, []).append(start + np.flatnonzero(values == value))
+    return {name: np.unique(np.concatenate(rows)) for name, rows in found.items()}
+
+
+def _checked(found: Triangles, path: Path) -> Triangles:
+    """The triangles without orphan nodes, all counter-clockwise.
+
+    Raises:
+        UserError: with the first element or node that is wrong, numbered from 1 in the order of the file.
+    """
+    X, cells = found.X, found.cells
+    if cells.min() < 0 or cells.max() >= len(X):
+        raise UserError("an element names a node that is not there", str(path), "export it again")
+    u, v = X[cells[:, 1]] - X[cells[:, 0]], X[cells[:, 2]] - X[cells[:, 0]]
+    double = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    longest = np.max([np.sum(side**2, axis=1) for side in (u, v, v - u)], axis=0)
+    flat = np.abs(double) <= DEGENERATE * longest
+    if flat.any():
+        raise UserError(f"{_triangle(found, flat)} is degenerate: it has no area", str(path), "repair the mesh")
+    found.cells = np.where((double < 0.0)[:, None], cells[:, (0, 2, 1)], cells)
+    used = np.unique(cells)
+    extent = float(np.ptp(X[used], axis=0).max())
+    pairs = cKDTree(X[used]).query_pairs(COINCIDENT * extent, output_type="ndarray")
+    if len(pairs):
+        a, b = (used[pairs[0]] + 1).tolist()
+        raise UserError(f"nodes {a} and {b} stand in the same place: the mesh is torn there", str(path), "merge them")
+    found.keep_nodes(used)
+    edges, cell_edges = edges_of_cells(found.cells, len(found.X))
+    count = np.bincount(cell_edges.ravel(), minlength=len(edges))
+    if count.max() > 2:
+        crowded = (count[cell_edges] > 2).any(axis=1)
+        raise UserError(f"{_triangle(found, crowded)} has a side that more than two elements share", str(path))
+    a, b = found.cells[:, (1, 2, 0)].ravel(), found.cells[:, (2, 0, 1)].ravel()
+    same_way = np.bincount(cell_edges.ravel(), weights=np.where(a < b, 1.0, -1.0), minlength=len(edges))
+    folded = (np.abs(same_way[cell_edges]) > 1.5).any(axis=1)
+    if folded.any():
+        raise UserError(
+            f"{_triangle(found, folded)} is inverted: it lies on its neighbour", str(path), "repair the mesh"
+        )
+    return found
+
+
+def _triangle(found: Triangles, chosen: np.ndarray) -> str:
+    """Words for the first chosen triangle."""
+    row = int(np.argmax(chosen))
+    nodes = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in found.X[found.cells[row]].tolist())
+    return f"triangle {row + 1} with corners {nodes} m"

@@ -1,0 +1,108 @@
+"""The contact sheet: some frames of a recording side by side, deformed shape in the colours of its stress."""
+
+from math import ceil
+from pathlib import Path
+from textwrap import shorten
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from restshape.replay.recording import Recording
+from restshape.report.scenery import Drawing, Scenery
+from restshape.report.style import FAINT, INK, REFUSED, new_figure
+from restshape.report.tables import refused
+
+WIDTH = 9.5
+
+
+def chosen_frames(recording: Recording, count: int) -> np.ndarray:
+    """Indices of at most ``count`` frames, spread over those that were not refused, first and last too."""
+    good = np.flatnonzero(~refused(recording))
+    good = good if len(good) else np.arange(recording.n)
+    return good[np.unique(np.linspace(0, len(good) - 1, min(count, len(good))).round().astype(int))]
+
+
+def draw_frames(recording: Recording, chosen: np.ndarray, scenery: Scenery, path: Path) -> None:
+    """Writes the contact sheet as a PNG.
+
+    Args:
+        recording: of a shape in the plane.
+        chosen: frames to show.
+        scenery: scale, extent and colours.
+        path: of the picture.
+    """
+    xmin, xmax, ymin, ymax = scenery.extent
+    rows, columns, width, height = layout(len(chosen), (xmax - xmin) / (ymax - ymin))
+    figure = new_figure(width, height)
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    drawing = None
+    for k, axes in enumerate(grid.ravel()):
+        if k >= len(chosen):
+            axes.set_visible(False)
+            continue
+        drawing = Drawing(axes, scenery)
+        drawing.show(recording, int(chosen[k]))
+        axes.set_title(_caption(recording, int(chosen[k])), loc="left", pad=3)
+        _label(axes, scenery, bottom=k + columns >= len(chosen), left=k % columns == 0)
+    title(figure, recording, scenery)
+    if scenery.field and drawing:
+        bar = figure.colorbar(
+            drawing.body, ax=grid, extend="max" if scenery.clipped else "neither", aspect=40, pad=0.015, fraction=0.03
+        )
+        bar.set_label(scenery.colour[1])
+        bar.outline.set_visible(False)
+    figure.savefig(path)
+
+
+def layout(count: int, aspect: float) -> tuple[int, int, float, float]:
+    """Rows, columns, width and height [inch] of a sheet for panels of this aspect ratio (width / height)."""
+    best = min(range(1, count + 1), key=lambda columns: _badness(count, columns, aspect))
+    rows = ceil(count / best)
+    width = WIDTH if best > 1 or aspect > 1 else 6.0
+    panel = (width - 1.5) / best
+    height = rows * (panel / aspect + 0.22) + 0.75
+    return rows, best, width, float(np.clip(height, 2.8, 14.0))
+
+
+def _badness(count: int, columns: int, aspect: float) -> float:
+    """How far a sheet is from the proportions 3 : 2, and how many of its places stay empty."""
+    rows = ceil(count / columns)
+    return abs(np.log(columns * aspect / rows / 1.5)) + 0.35 * (rows * columns - count)
+
+
+def title(figure: Figure, recording: Recording, scenery: Scenery, size: float = 11) -> None:
+    """Puts the name of the scene and what is exaggerated above a figure, and the meaning of the thin line."""
+    room = int(110 * figure.get_figwidth() / size)
+    meaning = f"{scenery.deformation}   ·   thin line: rest outline" if scenery.largest else scenery.deformation
+    name = shorten(scene_name(recording), room, placeholder=" …")
+    gap = "   ·   " if len(name) + len(meaning) + 7 <= room else "\n"
+    figure.suptitle(name + gap + meaning, color=INK, fontsize=size)
+
+
+def scene_name(recording: Recording) -> str:
+    """The title of the recorded scene, or the recording's file name."""
+    given = recording.header.get("title") or recording.header.get("scene")
+    if isinstance(given, dict):
+        given = given.get("title")
+    return str(given or recording.path.stem)
+
+
+def _caption(recording: Recording, i: int) -> str:
+    table = recording.table
+    words = [f"frame {i}"]
+    if "t" in table:
+        words.append(f"t = {table['t'][i]:.2f} s")
+    if "level" in table:
+        words.append(f"level {table['level'][i]}" if table["level"][i] else "idle")
+    return ", ".join(words) + (" (refused)" if refused(recording)[i] else "")
+
+
+def _label(axes, scenery: Scenery, bottom: bool, left: bool) -> None:
+    _, unit = scenery.unit
+    axes.tick_params(length=2, labelbottom=bottom, labelleft=left, color=FAINT)
+    axes.set_xlabel(f"x [{unit}]" if bottom else "")
+    axes.set_ylabel(f"y [{unit}]" if left else "")
+    for spine in axes.spines.values():
+        spine.set_color("#cccccc")
+    if "(refused)" in axes.get_title(loc="left"):
+        axes.title.set_color(REFUSED)

@@ -1,0 +1,55 @@
+"""Time a level, stacked by stage: the thesis's figure 4.2 for any recording."""
+
+from pathlib import Path
+
+import numpy as np
+
+from restshape.replay.recording import Recording
+from restshape.report.frames import scene_name
+from restshape.report.style import FAINT, INK, LEVEL_NAMES, STAGES, new_figure
+from restshape.report.tables import column, level_table
+
+
+def stage_shares(recording: Recording, level: int) -> dict[str, float]:
+    """Share of each stage, and of "other", in the time of a level's frames (the first frame left out); sums to 1."""
+    chosen = (column(recording, "level") == level) & (np.arange(recording.n) > 0)
+    total = float(np.nansum(column(recording, "ms")[chosen]))
+    stages = {name: float(np.nansum(column(recording, f"ms_{name}")[chosen])) for name in STAGES if name != "other"}
+    whole = max(total, sum(stages.values()))
+    if whole <= 0:
+        return {"other": 1.0}
+    stages["other"] = whole - sum(stages.values())
+    return {name: value / whole for name, value in stages.items()}
+
+
+def draw_levels(recording: Recording, path: Path) -> None:
+    """Writes the picture as a PNG: a bar a level, as long as its median, with a whisker to the 95th percentile."""
+    figure = new_figure(9.0, 3.9)
+    axes = figure.subplots()
+    rows = [row for row in level_table(recording) if row["level"] in ("1", "2", "3")]
+    shown = [row for row in rows if row["frames"] and row["p50"] is not None]
+    drawn: dict[str, object] = {}
+    longest = max((row["p95"] for row in shown), default=1.0) or 1.0
+    for row in shown:
+        place, start = int(row["level"]), 0.0
+        for name, share in stage_shares(recording, place).items():
+            length = share * row["p50"]
+            look = {"color": STAGES[name], "edgecolor": "white", "linewidth": 0.4}
+            bar = axes.barh(place, length, left=start, height=0.56, **look)
+            if share >= 0.01:
+                drawn.setdefault(name, bar)
+            start += length
+        axes.plot([row["p50"], row["p95"]], [place, place], color=INK, linewidth=1.2, marker="|", markersize=7)
+        text = f"p50 {row['p50']:.3g} ms, p95 {row['p95']:.3g} ms   ({row['frames']} frames)"
+        axes.text(row["p95"] + 0.012 * longest, place, text, va="center", color=INK)
+    for row in rows:
+        if row not in shown:
+            axes.text(0.012 * longest, int(row["level"]), "no frames", va="center", color=FAINT, style="italic")
+    axes.set(yticks=(1, 2, 3), yticklabels=[LEVEL_NAMES[k] for k in (1, 2, 3)], ylim=(3.6, 0.4))
+    axes.set(xlim=(0, 1.65 * longest), xlabel="time a frame [ms]")
+    heading = f"{scene_name(recording)}: time a level, stages by their share of it"
+    axes.set_title(heading, loc="left", fontsize=11, pad=8)
+    if drawn:
+        order = [name for name in STAGES if name in drawn]
+        figure.legend([drawn[name] for name in order], order, loc="outside lower center", ncols=6)
+    figure.savefig(path)

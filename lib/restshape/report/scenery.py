@@ -1,0 +1,159 @@
+"""What all pictures of one recording have in common: extent, exaggeration, colours, units."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgba
+
+from restshape.errors import UserError
+from restshape.replay.recording import Recording
+from restshape.report.style import BODY, COLOURS, INK, MESH, length_unit, scaled_unit, si
+
+SHARE = 0.08
+FIELD_NAMES = {"von_mises": ("von Mises stress", "Pa")}
+
+
+@dataclass(frozen=True)
+class Scenery:
+    """Common to all frames drawn.
+
+    Args:
+        scale: exaggeration of the displacement.
+        largest: displacement [m].
+        extent: xmin, xmax, ymin, ymax of everything drawn [m].
+        field: cell field that gives the colour, or None.
+        top: value [field's unit] at the top of the colour bar; ``clipped`` if there are higher ones.
+        bottom: value at its bottom.
+    """
+
+    scale: float
+    largest: float
+    extent: tuple[float, float, float, float]
+    field: str | None
+    bottom: float
+    top: float
+    clipped: bool
+
+    @property
+    def unit(self) -> tuple[float, str]:
+        """Factor and unit of lengths on the axes."""
+        return length_unit(max(self.extent[1] - self.extent[0], self.extent[3] - self.extent[2]))
+
+    @property
+    def colour(self) -> tuple[float, str]:
+        """Factor of the field's values and the label of the colour bar."""
+        name, unit = FIELD_NAMES.get(self.field or "", (self.field or "", ""))
+        factor, shown = scaled_unit(max(abs(self.bottom), abs(self.top)), unit)
+        return factor, f"{name} [{shown}]" if shown else name
+
+    @property
+    def deformation(self) -> str:
+        """What the title says of the deformed shape."""
+        if not self.largest:
+            return "no displacement"
+        return f"deformation ×{self.scale:.3g}, largest displacement {si(self.largest, 'm')}"
+
+
+class Drawing:
+    """The artists of one panel, used again from frame to frame.
+
+    Args:
+        axes: where they are drawn.
+        scenery: common to all panels.
+    """
+
+    def __init__(self, axes: Axes, scenery: Scenery) -> None:
+        self.axes, self.scenery = axes, scenery
+        factor, _ = scenery.unit
+        colour, _ = scenery.colour
+        self.body = PolyCollection([], edgecolors=to_rgba(MESH, 0.4), linewidths=0.25, facecolors=BODY)
+        if scenery.field:
+            self.body.set_cmap(COLOURS)
+            self.body.set_clim(scenery.bottom * colour, scenery.top * colour)
+        self.rest = LineCollection([], colors=INK, linewidths=0.7)
+        axes.add_collection(self.body, autolim=False)
+        axes.add_collection(self.rest, autolim=False)
+        xmin, xmax, ymin, ymax = (value * factor for value in scenery.extent)
+        axes.set(xlim=(xmin, xmax), ylim=(ymin, ymax), aspect="equal")
+
+    def show(self, recording: Recording, i: int) -> None:
+        """Puts frame i into the artists."""
+        scenery = self.scenery
+        X, cells = recording.mesh(i)
+        factor, _ = scenery.unit
+        x = factor * (X + scenery.scale * displacement(recording, i))
+        corners = cells[:, :3]
+        self.body.set_verts(x[corners])
+        self.rest.set_segments(factor * X[boundary(corners)])
+        if scenery.field:
+            self.body.set_array(np.ma.masked_invalid(scenery.colour[0] * recording.field(i, scenery.field)))
+
+
+def scenery(recording: Recording, frames: np.ndarray, scale: float | None = None) -> Scenery:
+    """What the pictures of these frames have in common.
+
+    Args:
+        recording: two-dimensional.
+        frames: indices that are looked at.
+        scale: exaggeration; default: the largest displacement becomes 8 % of the size.
+
+    Raises:
+        UserError: the recording is not of a shape in the plane.
+    """
+    if recording.dimension != 2:
+        raise UserError("pictures can be drawn of shapes in the plane only", str(recording.path), "open it in ParaView")
+    field = _colour_field(recording)
+    low, high, values, largest = [], [], [], 0.0
+    for i in frames:
+        X = recording.points(i)
+        low.append(X.min(axis=0))
+        high.append(X.max(axis=0))
+        largest = max(largest, float(np.hypot(*displacement(recording, i).T).max(initial=0.0)))
+        if field:
+            values.append(recording.field(i, field))
+    size = float(np.max(np.max(high, axis=0) - np.min(low, axis=0)))
+    if scale is None:
+        scale = float(f"{SHARE * size / largest:.2g}") if largest else 1.0
+    for i in frames:
+        x = recording.points(i) + scale * displacement(recording, i)
+        low.append(x.min(axis=0))
+        high.append(x.max(axis=0))
+    margin = 0.02 * size
+    (xmin, ymin), (xmax, ymax) = np.min(low, axis=0) - margin, np.max(high, axis=0) + margin
+    extent = (float(xmin), float(xmax), float(ymin), float(ymax))
+    return Scenery(scale, largest, extent, field, *_colour_range(values))
+
+
+def _colour_field(recording: Recording) -> str | None:
+    scalars = [name for name, info in recording.fields.items() if info.where == "cell_data" and not info.components]
+    return "von_mises" if "von_mises" in scalars else next(iter(scalars), None)
+
+
+def _colour_range(values: list[np.ndarray]) -> tuple[float, float, bool]:
+    """Bottom, top, and whether some values lie above: a corner's singular stress must not darken all the rest."""
+    finite = np.concatenate(values) if values else np.zeros(0)
+    finite = finite[np.isfinite(finite)]
+    if not len(finite) or finite.max() == finite.min() == 0:
+        return 0.0, 1.0, False
+    bottom, top = min(0.0, float(finite.min())), float(finite.max())
+    usual = float(np.percentile(finite, 99.5))
+    if usual > 0 and top > 1.3 * usual:
+        return bottom, usual, True
+    return bottom, top if top > bottom else bottom + 1.0, False
+
+
+def displacement(recording: Recording, i: int) -> np.ndarray:
+    """Displacement (n, 2) of frame i [m]; zero where none is known."""
+    if "displacement" not in recording.fields:
+        return np.zeros_like(recording.points(i))
+    return np.nan_to_num(recording.field(i, "displacement")[:, :2], posinf=0.0, neginf=0.0)
+
+
+def boundary(triangles: np.ndarray) -> np.ndarray:
+    """The (m, 2) edges that belong to one triangle only."""
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64), axis=1)
+    codes, counts = np.unique(edges[:, 0] << 32 | edges[:, 1], return_counts=True)
+    single = codes[counts == 1]
+    return np.column_stack([single >> 32, single & 0xFFFFFFFF])

@@ -1,0 +1,89 @@
+"""How pictures look: colours that colour-blind readers can tell apart, numbers with SI prefixes."""
+
+from math import floor, isfinite, log10
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+
+DPI = 150
+COLOURS = "viridis"
+INK, FAINT, REFUSED = "#222222", "#9a9a9a", "#c0392b"
+BODY, MESH = "#c9d3dc", "#ffffff"
+LEVELS = {0: "#b5b5b5", 1: "#0072b2", 2: "#e69f00", 3: "#d55e00"}
+LEVEL_MARKS = {0: "o", 1: "o", 2: "^", 3: "s"}
+LEVEL_NAMES = {0: "idle", 1: "level 1, relocated", 2: "level 2, reconnected", 3: "level 3, rebuilt"}
+STAGES = {
+    "edit": "#332288",
+    "relocate": "#88ccee",
+    "map": "#44aa99",
+    "flip": "#117733",
+    "mesh": "#999933",
+    "pattern": "#ddcc77",
+    "values": "#cc6677",
+    "factor": "#882255",
+    "krylov": "#aa4499",
+    "observe": "#6699cc",
+    "other": "#dddddd",
+}
+_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_SETTINGS = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "figure.titlesize": 11,
+    "axes.edgecolor": "#666666",
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": "#444444",
+    "ytick.color": "#444444",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "figure.dpi": DPI,
+    "savefig.dpi": DPI,
+    "svg.hashsalt": "restshape",
+}
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure in the house's style.
+
+    Args:
+        width, height: inches.
+    """
+    plt.rcParams.update(_SETTINGS)
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def prefix(size: float) -> tuple[float, str]:
+    """The factor and SI prefix that bring a number of this size between 1 and 1000."""
+    if not isfinite(size) or size == 0:
+        return 1.0, ""
+    power = min(max(3 * floor(log10(abs(size)) / 3 + 1e-12), -12), 12)
+    return 10.0**-power, _PREFIXES[power]
+
+
+def scaled_unit(size: float, unit: str) -> tuple[float, str]:
+    """The factor and unit in which a number of this size reads well, e.g. 1e-6 and "MPa"; squares stay unprefixed."""
+    if not unit or unit in ("1", "m²"):
+        return 1.0, unit
+    factor, letter = prefix(size)
+    return factor, letter + unit
+
+
+def length_unit(size: float) -> tuple[float, str]:
+    """The factor and unit for axes of a part of this size [m]."""
+    return (1.0, "m") if size >= 1 else (1e3, "mm") if size >= 1e-3 else (1e6, "µm")
+
+
+def si(value: float, unit: str = "", digits: int = 3) -> str:
+    """A number with its unit, e.g. ``si(2.1e-4, "m") == "210 µm"``."""
+    if not isfinite(value):
+        return "–"
+    factor, shown = scaled_unit(value, unit)
+    text = f"{value * factor:.{digits}g}"
+    if "e" in text and abs(value * factor) < 1e5:
+        text = f"{value * factor:.0f}"
+    return f"{text} {shown}".rstrip()

@@ -1,0 +1,95 @@
+"""What a recording says in numbers: time a level, quantities; and tables in Markdown."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from restshape.replay.recording import Recording
+from restshape.replay.summary import percentiles
+
+QUANTITY_UNITS = {"displacement": "m", "reaction": "N", "stress": "Pa", "energy": "J", "area": "m²"}
+
+
+def column(recording: Recording, name: str, default: float = np.nan) -> np.ndarray:
+    """A column of numbers; filled with the default where the recording lacks it."""
+    values = recording.table.get(name)
+    return np.full(recording.n, default) if values is None else np.asarray(values, dtype=float)
+
+
+def refused(recording: Recording) -> np.ndarray:
+    """Whether each frame was refused (n,)."""
+    reasons = recording.table.get("refused", [""] * recording.n)
+    return np.array([bool(reason) for reason in reasons], dtype=bool)
+
+
+def level_table(recording: Recording) -> list[dict[str, Any]]:
+    """A row a level: level, frames, p50, p95, p99 [ms], iterations (mean a frame).
+
+    The first frame is left out, as it is made from nothing; "all" is every later frame whose shape moved.
+    """
+    later = np.arange(recording.n) > 0
+    level, ms, iterations = (column(recording, name) for name in ("level", "ms", "iterations"))
+    rows = []
+    for name, chosen in [("idle", level == 0), *((str(k), level == k) for k in (1, 2, 3)), ("all", level > 0)]:
+        chosen = chosen & later
+        times, counts = ms[chosen], iterations[chosen]
+        known = percentiles(times[np.isfinite(times)]) if len(times) else dict.fromkeys(("p50", "p95", "p99"))
+        mean = float(counts.mean()) if len(counts) and np.isfinite(counts).all() else None
+        rows.append({"level": name, "frames": int(chosen.sum()), **known, "iterations": mean})
+    return rows
+
+
+def quantity_table(recording: Recording) -> list[dict[str, Any]]:
+    """A row a quantity of interest: quantity, first, last, min, max, unit; None where there is no number."""
+    units = quantity_units(recording.header)
+    rows = []
+    for name in recording.table:
+        if name.startswith("q_"):
+            values = column(recording, name)
+            finite = values[np.isfinite(values)]
+            found = (values[0], values[-1], finite.min(), finite.max()) if len(finite) else (None,) * 4
+            numbers = [float(v) if v is not None and np.isfinite(v) else None for v in found]
+            row = dict(zip(("first", "last", "min", "max"), numbers, strict=True))
+            rows.append({"quantity": name[2:], **row, "unit": units.get(name[2:], "")})
+    return rows
+
+
+def quantity_units(header: Mapping[str, Any]) -> dict[str, str]:
+    """Quantity -> unit, as far as the scene in the header tells."""
+    scene = header.get("scene_values")
+    given = scene.get("quantities", {}) if isinstance(scene, Mapping) else {}
+    return {name: next((QUANTITY_UNITS[k] for k in spec if k in QUANTITY_UNITS), "") for name, spec in given.items()}
+
+
+def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], right: Sequence[str] = ()) -> str:
+    """A Markdown table; columns named in ``right`` are aligned to the right, None is an empty cell."""
+    rules = ["---:" if name in right else "---" for name in columns]
+    lines = [_line(columns), _line(rules), *(_line([_cell(value) for value in row]) for row in rows)]
+    return "\n".join(lines) + "\n"
+
+
+def thesis_table(rows: Iterable[Mapping[str, Any]]) -> str:
+    """Markdown: a section a table of the thesis, its numbers beside ours.
+
+    Args:
+        rows: dicts with table ("4.2"), row, quantity, thesis, ours, unit; rows of one table follow each other.
+    """
+    names = ("row", "quantity", "thesis", "ours", "unit")
+    sections = []
+    for table, members in groupby(rows, key=lambda row: str(row["table"])):
+        cells = [[member.get(name) for name in names] for member in members]
+        sections.append(f"## Table {table}\n\n{markdown_table(names, cells, right=('thesis', 'ours'))}")
+    return "\n".join(sections)
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    text = f"{value:.4g}" if isinstance(value, float) else str(value)
+    return text.replace("|", "\\|").replace("\n", " ")

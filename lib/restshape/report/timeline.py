@@ -1,0 +1,67 @@
+"""Level, time and iterations against the frame."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from restshape.replay.recording import Recording
+from restshape.report.frames import scene_name
+from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, new_figure
+from restshape.report.tables import column, refused
+
+
+def draw_timeline(recording: Recording, path: Path) -> None:
+    """Writes the picture as a PNG."""
+    figure = new_figure(10.0, 5.2)
+    levels, times, iterations = figure.subplots(3, 1, sharex=True, height_ratios=(1, 2, 1.4))
+    frames = np.arange(recording.n)
+    level = np.nan_to_num(column(recording, "level")).astype(int)
+    stopped = refused(recording)
+    for k in sorted(set(level) & set(LEVELS)):
+        chosen = level == k
+        look = {"linestyle": "none", "marker": LEVEL_MARKS[k], "color": LEVELS[k], "markersize": 3.5}
+        levels.plot(frames[chosen], level[chosen], label=LEVEL_NAMES[k], **look)
+        times.plot(frames[chosen], column(recording, "ms")[chosen], **look)
+        iterations.plot(frames[chosen], column(recording, "iterations")[chosen], **look)
+    for axes in (levels, times, iterations):
+        axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
+        axes.set_axisbelow(True)
+        _mark(axes, frames[stopped])
+    levels.set(ylabel="level", yticks=(0, 1, 2, 3), ylim=(-0.5, 3.5))
+    _scale_times(times, column(recording, "ms"))
+    counts = column(recording, "iterations")
+    most = np.nanmax(counts) if np.isfinite(counts).any() else 1
+    iterations.set(ylabel="iterations", xlabel="frame", ylim=(-0.06 * max(most, 1), 1.15 * max(most, 1)))
+    iterations.yaxis.get_major_locator().set_params(integer=True)
+    iterations.set_xlim(-0.5 - 0.01 * recording.n, recording.n - 0.5 + 0.01 * recording.n)
+    iterations.xaxis.get_major_locator().set_params(integer=True)
+    figure.suptitle(f"{scene_name(recording)}: {recording.summary}", x=0.01, ha="left", color=INK)
+    handles, names = levels.get_legend_handles_labels()
+    if stopped.any():
+        handles.append(levels.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3))
+        names.append(f"refused ({stopped.sum()})")
+    figure.legend(handles, names, loc="outside lower center", ncols=len(names))
+    figure.align_ylabels()
+    figure.savefig(path)
+
+
+def _mark(axes: Axes, frames: np.ndarray) -> None:
+    """Shades the refused frames, neighbours as one band."""
+    if len(frames):
+        for run in np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1):
+            axes.axvspan(run[0] - 0.5, run[-1] + 0.5, color=REFUSED, alpha=0.18, linewidth=0, zorder=0)
+
+
+def _scale_times(axes: Axes, ms: np.ndarray) -> None:
+    axes.set_ylabel("time a frame [ms]")
+    positive = ms[np.isfinite(ms) & (ms > 0)]
+    if not len(positive):
+        return
+    axes.set_yscale("log")
+    axes.set_ylim(positive.min() / 1.5, positive.max() * 1.5)
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    if positive.max() / positive.min() < 20:
+        axes.yaxis.set_minor_formatter(lambda value, _: f"{value:g}")
+    else:
+        axes.yaxis.set_minor_formatter(lambda value, _: "")

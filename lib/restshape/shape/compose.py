@@ -1,0 +1,220 @@
+"""Edit scripts from short lines of text, such as "hole window by 0.8 0 in 160 frames, hand-like"."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import ValidationError
+
+from restshape.errors import UserError
+from restshape.scene.load import parse_override
+from restshape.scene.model import Scene
+from restshape.scene.script import EVENTS, FORMAT, VERSION, Script
+from restshape.scene.units import quantity
+from restshape.shape.handpath import cursor_path
+from restshape.shape.outline import Outline
+from restshape.shape.session import FRAME_TIME, EditSession
+
+GRAMMAR = """\
+[KIND] ENTITY by DX DY in N frames[, straight | jerk | hand-like][, pause K]   KIND: vertex, edge, hole, region, group
+rotate ENTITY by ANGLE [about X Y] [in N frames]       scale ENTITY by FACTOR [about X Y] [in N frames]
+arc EDGE to BULGE [in N frames]                        insert NAME on EDGE at S (0 < S < 1)
+hole NAME at X Y radius R                              delete ENTITY
+set KEY = VALUE                                        idle N | undo | redo
+lengths in m or with a unit (8 mm), angles with a unit (30 deg)"""
+
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+LENGTH = rf"{NUMBER}(?:\s*(?:mm|cm|dm|km|um|nm|µm|in|ft|m)\b)?"
+ANGLE = rf"{NUMBER}(?:\s*(?:deg|rad|°))?"
+NAME = r"[^\s,=]+"
+FRAMES = r"(?:\s+in\s+(?P<frames>\d+)\s+frames?)?"
+ABOUT = rf"(?:\s+about\s+(?P<ax>{LENGTH})\s+(?P<ay>{LENGTH}))?"
+KINDS = r"(?:vertex|point|edge|hole|region|group)\s+"
+
+
+@dataclass
+class Composition:
+    """A script in the making.
+
+    Args:
+        lines: of JSON, the header first.
+        frames: so far, without the start.
+        refused: (text, frames refused, why) of the lines that the session does not take whole.
+    """
+
+    lines: list[str]
+    frames: int = 0
+    refused: list[tuple[str, int, str]] = field(default_factory=list)
+
+    def text(self) -> str:
+        """The script as JSON Lines."""
+        return "\n".join(self.lines) + "\n"
+
+
+class Composer:
+    """Turns lines of text into events, and carries them out so that the next line starts from where they lead.
+
+    Args:
+        scene: that the script is for.
+        seed: of hand-like paths.
+        outline: the shape, when it does not come from ``[shape]``.
+    """
+
+    def __init__(self, scene: Scene, seed: int = 0, outline: Outline | None = None) -> None:
+        self._session = EditSession(scene, Script.empty(scene), outline=outline)
+        self._seed = seed
+        header = {"format": FORMAT, "version": VERSION, "scene": scene.path.name, "units": "m"}
+        self.result = Composition([json.dumps(header)])
+
+    def add(self, text: str) -> None:
+        """Adds one line of text.
+
+        Raises:
+            UserError: it is not understood, or names what is not there.
+        """
+        found = ((make, pattern.fullmatch(text.strip())) for pattern, make in RULES)
+        make, match = next((pair for pair in found if pair[1]), (None, None))
+        if match is None:
+            raise UserError(f"{text.strip()!r} is not understood", "line of the script", f"write one of\n{GRAMMAR}")
+        wrong, why = 0, ""
+        for event in make(self, match):
+            for refused in self._perform(text, event):
+                wrong, why = wrong + 1, why or refused
+        if wrong:
+            self.result.refused.append((text.strip(), wrong, why))
+
+    def _perform(self, text: str, event: dict[str, Any]) -> list[str]:
+        """Why frames of an event are refused; the event is written down in any case."""
+        stamped = {"t": round(self.result.frames * FRAME_TIME, 6), **event}
+        try:
+            found = EVENTS[event["do"]].model_validate(stamped)
+        except ValidationError as error:
+            first = error.errors()[0]
+            key = ".".join(str(part) for part in first["loc"])
+            raise UserError(f"{key}: {first['msg']}", text.strip(), f"write one of\n{GRAMMAR}") from error
+        steps = list(self._session.steps(found))
+        self.result.frames += len(steps)
+        self.result.lines.append(json.dumps(stamped, allow_nan=False, default=str))
+        return [step.refused for step in steps if step.refused is not None]
+
+    def _place(self, name: str) -> tuple[float, float]:
+        """Where an entity is now [m]."""
+        outline = self._session.outline
+        x, y = outline.centroid(outline.entity(name)).tolist()
+        return x, y
+
+    def _drag(self, match: re.Match) -> list[dict[str, Any]]:
+        name, frames = match["on"], int(match["frames"] or 1)
+        start = self._place(name)
+        step = length(match["dx"]), length(match["dy"])
+        style, pause = _style(match["styles"] or "")
+        path = cursor_path(start, step, frames, style, pause, self._seed)
+        self._seed += 1
+        press = {"do": "press", "on": name, "at": list(start)}
+        return [press, {"do": "drag", "path": [list(p) for p in path]}, {"do": "release"}]
+
+    def _rotate(self, match: re.Match) -> list[dict[str, Any]]:
+        return [_turned(match, {"do": "rotate", "on": match["on"], "by": quantity(match["by"], "angle")})]
+
+    def _scale(self, match: re.Match) -> list[dict[str, Any]]:
+        return [_turned(match, {"do": "scale", "on": match["on"], "factor": float(match["factor"])})]
+
+    def _arc(self, match: re.Match) -> list[dict[str, Any]]:
+        return [_turned(match, {"do": "arc", "on": match["on"], "bulge": float(match["bulge"])})]
+
+    def _insert(self, match: re.Match) -> list[dict[str, Any]]:
+        return [{"do": "insert", "on": match["on"], "name": match["name"], "s": float(match["s"])}]
+
+    def _hole(self, match: re.Match) -> list[dict[str, Any]]:
+        center = [length(match["x"]), length(match["y"])]
+        return [{"do": "hole", "name": match["name"], "center": center, "radius": length(match["radius"])}]
+
+    def _delete(self, match: re.Match) -> list[dict[str, Any]]:
+        return [{"do": "delete", "on": match["on"]}]
+
+    def _set(self, match: re.Match) -> list[dict[str, Any]]:
+        _, value = parse_override(f"{match['key']}={match['value']}")
+        return [{"do": "set", "key": match["key"], "value": value}]
+
+    def _idle(self, match: re.Match) -> list[dict[str, Any]]:
+        return [{"do": "idle", "frames": int(match["frames"])}]
+
+    def _undo(self, match: re.Match) -> list[dict[str, Any]]:
+        return [{"do": "undo"}]
+
+    def _redo(self, match: re.Match) -> list[dict[str, Any]]:
+        return [{"do": "redo"}]
+
+
+def length(text: str) -> float:
+    """A length in metres from text, a plain number being in metres."""
+    try:
+        return float(text)
+    except ValueError:
+        return quantity(text, "length")
+
+
+def _turned(match: re.Match, event: dict[str, Any]) -> dict[str, Any]:
+    """The event with centre and number of frames, where the text has them."""
+    if match.groupdict().get("ax"):
+        event["about"] = [length(match["ax"]), length(match["ay"])]
+    return {**event, "frames": int(match["frames"] or 1)}
+
+
+def _style(text: str) -> tuple[str, int]:
+    style, pause = "straight", 0
+    for word in (part.strip() for part in text.split(",") if part.strip()):
+        if word.startswith("pause"):
+            pause = int(word.split()[1])
+        else:
+            style = word
+    return style, pause
+
+
+STYLES = r"(?P<styles>(?:\s*,\s*(?:straight|hand-like|jerk|pause\s+\d+))*)"
+Rule = tuple[re.Pattern, Callable[[Composer, re.Match], list[dict[str, Any]]]]
+RULES: list[Rule] = [
+    (re.compile(pattern), make)
+    for pattern, make in (
+        (rf"rotate\s+(?:{KINDS})?(?P<on>{NAME})\s+by\s+(?P<by>{ANGLE}){ABOUT}{FRAMES}", Composer._rotate),
+        (rf"scale\s+(?:{KINDS})?(?P<on>{NAME})\s+by\s+(?P<factor>{NUMBER}){ABOUT}{FRAMES}", Composer._scale),
+        (rf"arc\s+(?:edge\s+)?(?P<on>{NAME})\s+to\s+(?P<bulge>{NUMBER}){FRAMES}", Composer._arc),
+        (rf"insert\s+(?P<name>{NAME})\s+on\s+(?:edge\s+)?(?P<on>{NAME})\s+at\s+(?P<s>{NUMBER})", Composer._insert),
+        (
+            rf"hole\s+(?P<name>{NAME})\s+at\s+(?P<x>{LENGTH})\s+(?P<y>{LENGTH})\s+radius\s+(?P<radius>{LENGTH})",
+            Composer._hole,
+        ),
+        (rf"delete\s+(?:{KINDS})?(?P<on>{NAME})", Composer._delete),
+        (r"set\s+(?P<key>[^\s=]+)\s*=\s*(?P<value>.+)", Composer._set),
+        (r"idle\s+(?P<frames>\d+)(?:\s+frames?)?", Composer._idle),
+        (r"undo", Composer._undo),
+        (r"redo", Composer._redo),
+        (
+            rf"(?:{KINDS})?(?P<on>{NAME})\s+by\s+(?P<dx>{LENGTH})\s+(?P<dy>{LENGTH}){FRAMES}{STYLES}",
+            Composer._drag,
+        ),
+    )
+]
+
+
+def compose(scene: Scene, texts: Sequence[str], seed: int = 0, outline: Outline | None = None) -> Composition:
+    """The edit script that lines of text describe; empty lines and lines that begin with # are skipped.
+
+    Args:
+        scene: that it is for.
+        texts: lines, see GRAMMAR.
+        seed: of hand-like paths.
+        outline: the shape, when it does not come from ``[shape]``.
+
+    Raises:
+        UserError: a line that is not understood, or names what is not there.
+    """
+    composer = Composer(scene, seed, outline)
+    for text in (line for block in texts for line in block.splitlines()):
+        if text.strip() and not text.strip().startswith("#"):
+            composer.add(text)
+    return composer.result

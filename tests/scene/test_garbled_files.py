@@ -1,0 +1,70 @@
+"""Garbled files: whatever the text, a scene and a script are read or refused with a message, and never break."""
+
+import tomllib
+from pathlib import Path
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from restshape.errors import UserError
+from restshape.scene.load import load_scene, revise
+from restshape.scene.script import load_script
+
+DATA = Path(__file__).parents[1] / "data"
+SCENE = (DATA / "plate.toml").read_text()
+SCRIPT = (DATA / "plate.jsonl").read_text()
+quiet = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+splices = st.tuples(st.floats(0, 1), st.integers(0, 12), st.text(alphabet="{}[]\"=.,:-\n abxt019eN#'\\\0", max_size=6))
+values = st.recursive(
+    st.none() | st.booleans() | st.integers(-(10**30), 10**30) | st.floats() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=5,
+)
+
+
+def spliced(text: str, changes: list[tuple[float, int, str]]) -> str:
+    """The text with pieces cut out and others put in."""
+    for place, length, piece in changes:
+        at = int(place * len(text))
+        text = text[:at] + piece + text[at + length :]
+    return text
+
+
+def keys_of(table: dict, before: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+    """Every key of nested tables."""
+    inner = [k for key, value in table.items() if isinstance(value, dict) for k in keys_of(value, (*before, key))]
+    return [(*before, key) for key in table] + inner
+
+
+@quiet
+@given(st.lists(splices, min_size=1, max_size=3))
+def test_spliced_scene(tmp_path, changes):
+    path = tmp_path / "scene.toml"
+    path.write_text(spliced(SCENE, changes))
+    try:
+        load_scene(path)
+    except UserError as error:
+        assert error.what and "scene.toml" in error.where
+
+
+@quiet
+@given(st.lists(splices, min_size=1, max_size=3))
+def test_spliced_script(tmp_path, changes):
+    path = tmp_path / "edits.jsonl"
+    path.write_text(spliced(SCRIPT, changes))
+    try:
+        load_script(path)
+    except UserError as error:
+        assert error.what and "edits.jsonl" in error.where
+
+
+@quiet
+@given(st.sampled_from(keys_of(tomllib.loads(SCENE))), values)
+def test_any_value_at_any_key(tmp_path, key, value):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    scene = load_scene(path)
+    try:
+        revise(scene, ".".join(key), value)
+    except UserError as error:
+        assert error.what and error.where
