@@ -42,6 +42,6 @@ format:
 	.venv/bin/python -m ruff format
 	.venv/bin/clang-format -i lib/kernels/*.?pp
 
-clean:
+clean: # keeps .venv
 	rm -rf build .pytest_cache .ruff_cache .hypothesis lib/restshape/_kernels.*.so results/*.vtkhdf
 	find lib apps tests -name __pycache__ -type d -exec rm -rf {} +

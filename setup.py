@@ -117,13 +117,13 @@ def kernels_extension() -> Pybind11Extension:
     return Pybind11Extension(
         "restshape._kernels",
         sorted(str(path) for path in KERNELS.rglob("*.cpp")),
-        include_dirs=[str(KERNELS), *includes, eigen_folder()],
+        include_dirs=[str(KERNELS), *includes],
         library_dirs=library_dirs,
         runtime_library_dirs=library_dirs,
         libraries=[library],
         depends=[*sorted(str(path) for path in KERNELS.rglob("*.hpp")), str(OPTIONS)],
         define_macros=[("RESTSHAPE_FLAGS", f'"{" ".join(flags)}"')],
-        extra_compile_args=[*flags, *mpi_flags("compile", "-I|-D|-pthread")],
+        extra_compile_args=[*flags, "-isystem", eigen_folder(), *mpi_flags("compile", "-I|-D|-pthread")],
         extra_link_args=mpi_flags("link", "-L|-l|-Wl|-pthread"),
         cxx_std=17,
     )

@@ -8,7 +8,14 @@
 #   RESTSHAPE_PORTABLE=1    an extension that runs on any CPU of the architecture
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-extra=${1:-test}
+case "${1:-test}" in
+test) extras=(test) ;;
+develop) extras=(test develop) ;;
+*)
+    echo "usage: scripts/setup.sh [test|develop]" >&2
+    exit 2
+    ;;
+esac
 venv=.venv
 . scripts/distribution.sh
 
@@ -20,7 +27,7 @@ fail() { # what, what to do
 # Everything that the installed packages and the extension depend on, as one line.
 state_of() { # files...
     {
-        printf '%s\n' "$PWD" "$extra" "${PETSC_DIR:-}" "${PETSC_ARCH:-}" "$python" "${EIGEN3_INCLUDE_DIR:-}"
+        printf '%s\n' "$PWD" "${PETSC_DIR:-}" "${PETSC_ARCH:-}" "$python" "${EIGEN3_INCLUDE_DIR:-}"
         "$python" --version
         # -march=native means another extension on another CPU.
         if [ "${RESTSHAPE_PORTABLE:-0}" = 0 ]; then grep -m1 '^flags' /proc/cpuinfo || true; else echo portable; fi
@@ -71,10 +78,10 @@ pip_install() {
 
 install_packages() {
     echo "setup: Python packages into $venv"
-    pip_install 'setuptools>=64' wheel 'pybind11>=2.11,<4'
+    pip_install 'setuptools>=64,<100' wheel 'pybind11>=2.11,<4'
     # First by itself, where the compiler's messages are seen; pip then finds it built.
     build_extension
-    pip_install --no-build-isolation --editable ".[$extra]"
+    pip_install --no-build-isolation --editable ".[$(IFS=, && echo "${extras[*]}")]"
 }
 
 build_extension() {
@@ -99,20 +106,24 @@ PYTHON
         "if the path is below your home folder set PYTHONNOUSERSITE=1, else see docs/install.md"
 }
 
+packages_state() { state_of setup.cfg setup.py pyproject.toml scripts/setup.sh scripts/distribution.sh; }
+kernels_state() { state_of setup.py lib/kernels/*.[ch]pp; }
+unchanged() { # what
+    [ "$(cat "$venv/$1.state" 2>/dev/null)" = "$("${1%%-*}_state" 2>/dev/null)" ]
+}
+
 choose_python
-packages_state=$(state_of setup.cfg setup.py pyproject.toml scripts/setup.sh scripts/distribution.sh 2>/dev/null) || packages_state=none
-kernels_state=$(state_of setup.py lib/kernels/*.[ch]pp 2>/dev/null) || kernels_state=none
-if [ "$(cat "$venv/packages.state" 2>/dev/null)" != "$packages_state" ] || [ "$packages_state" = none ]; then
+if ! unchanged "packages-${extras[-1]}"; then
     if [ -z "${PETSC_DIR:-}" ]; then install_distribution_packages; fi
     check_tools
     make_venv
     install_packages
     verify
-elif [ "$(cat "$venv/kernels.state" 2>/dev/null)" != "$kernels_state" ] || ! ls lib/restshape/_kernels.*.so >/dev/null 2>&1; then
+elif ! unchanged kernels || ! ls lib/restshape/_kernels.*.so >/dev/null 2>&1; then
     build_extension
 else
     exit 0
 fi
-state_of setup.cfg setup.py pyproject.toml scripts/setup.sh scripts/distribution.sh >"$venv/packages.state"
-state_of setup.py lib/kernels/*.[ch]pp >"$venv/kernels.state"
+for extra in "${extras[@]}"; do packages_state >"$venv/packages-$extra.state"; done
+kernels_state >"$venv/kernels.state"
 echo "setup: done, the command is $venv/bin/restshape"

@@ -35,4 +35,5 @@ application = Application(
     folder=Path(__file__).parent,
     analysis="restshape.analysis.static:StaticAnalysis",
     validation="restshape_apps.solid.validation:CASES",
+    thesis="restshape_apps.solid.thesis:rows",
 )

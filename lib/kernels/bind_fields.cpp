@@ -17,11 +17,13 @@ double area(const double* X, const int* cell) {
     return 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
 }
 
-void recover(const Reals& X, const Ints& cells, const Reals& values, Reals out) {
-    const py::ssize_t n = X.shape(0), ne = cells.shape(0), k = values.shape(1);
-    if (values.shape(0) != ne || out.shape(0) != n || out.shape(1) != k) throw std::invalid_argument("shapes do not agree");
-    const restshape::TriangleField field{X.data(), cells.data(), values.data(), int(n), int(ne), int(cells.shape(1)), int(k)};
-    restshape::PatchRecovery(field).run(out.mutable_data());
+void recover(const Reals& X, const Ints& cells, const Reals& stress, Reals out) {
+    const py::ssize_t n = X.shape(0), ne = cells.shape(0);
+    if (stress.shape(0) != ne || stress.shape(1) != 4 || out.shape(0) != n || out.shape(1) != 4)
+        throw std::invalid_argument("stress must be (ne, 4) and out (n, 4)");
+    const int stride = static_cast<int>(cells.shape(1));
+    restshape::PatchRecovery(X.data(), cells.data(), stride, stress.data(), static_cast<int>(n), static_cast<int>(ne))
+        .run(out.mutable_data());
 }
 
 double total_area(const Reals& X, const Ints& cells) {
@@ -33,9 +35,9 @@ double total_area(const Reals& X, const Ints& cells) {
 }  // namespace
 
 void bind_fields(py::module_& m) {
-    m.def("recover", &recover, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("values").noconvert(),
+    m.def("recover", &recover, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("stress").noconvert(),
           py::arg("out").noconvert(),
-          "Nodal values (n, k) recovered from cell values (ne, k) by fits over patches (Zienkiewicz and Zhu 1992).");
+          "Nodal stresses (n, 4) recovered from cell stresses (ne, 4) by fits over patches (Zienkiewicz and Zhu 1992).");
     m.def("total_area", &total_area, py::arg("X").noconvert(), py::arg("cells").noconvert(),
           "Sum of the signed areas of triangles [m^2].");
 }

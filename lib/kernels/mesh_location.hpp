@@ -49,7 +49,8 @@ class Locator {
  private:
     std::int32_t bin(double value, int k) const {
         const double place = (value - lower_[k]) * per_length_[k];
-        return place <= 0.0 ? 0 : std::min(bins_[k] - 1, static_cast<std::int32_t>(std::min(place, 1e9)));
+        // Negated, so that a coordinate that is not a number falls into some bucket.
+        return !(place > 0.0) ? 0 : std::min(bins_[k] - 1, static_cast<std::int32_t>(std::min(place, 1e9)));
     }
 
     template <class Visit>

@@ -8,8 +8,8 @@
 namespace restshape {
 
 // Quadrature: `at` reference coordinates, `weight` (their sum is the measure of the reference element).
-// Sources: triangle rules of degree 1, 2, 4 by Dunavant (1985), tetrahedron rule of degree 3 by Zhang, Cui and Liu (2009),
-// Gauss-Legendre on [0, 1].
+// Sources: triangle rules of degree 1, 2, 4 by Dunavant (1985), tetrahedron rule of degree 3 by Witherden
+// and Vincent (2015), Gauss-Legendre on [0, 1].
 struct TriRule1 {
     static constexpr int points = 1, dim = 2;
     static constexpr double at[1][2] = {{1.0 / 3, 1.0 / 3}};
@@ -34,8 +34,8 @@ struct TetRule1 {
 };
 struct TetRule8 {
     static constexpr int points = 8, dim = 3;
-    static constexpr double a = 0.32816330251638170524, b = 0.10804724989842862117;
-    static constexpr double wa = 0.13852796651186214232 / 6, wb = 0.11147203348813785768 / 6;
+    static constexpr double a = 0.32816330251638170524, b = 0.10804724989842862115;
+    static constexpr double wa = 0.13621784253708734584 / 6, wb = 0.11378215746291265415 / 6;
     static constexpr double at[8][3] = {{a, a, a}, {1 - 3 * a, a, a}, {a, 1 - 3 * a, a}, {a, a, 1 - 3 * a},
                                         {b, b, b}, {1 - 3 * b, b, b}, {b, 1 - 3 * b, b}, {b, b, 1 - 3 * b}};
     static constexpr double weight[8] = {wa, wa, wa, wa, wb, wb, wb, wb};

@@ -37,8 +37,9 @@ class Application:
         summary: one line for people.
         effects: every effect that its scenes may name.
         folder: holds ``scenes/*.toml`` and ``edits/*.jsonl``.
-        analysis: path ``module:attribute`` of the factory ``(scene, plan, comm, options) -> analysis``, imported at the first solve.
+        analysis: path ``module:attribute`` of its analysis class, imported at the first solve.
         validation: path ``module:attribute`` of its validation cases by name.
+        thesis: path ``module:attribute`` of the function that gives its rows of the thesis's tables.
         orders: element orders that it supports.
     """
 
@@ -48,6 +49,7 @@ class Application:
     folder: Path
     analysis: str
     validation: str = ""
+    thesis: str = ""
     orders: tuple[int, ...] = (1,)
 
     def make_analysis(self) -> Callable[..., Any]:
@@ -57,6 +59,10 @@ class Application:
     def cases(self) -> dict[str, Callable[..., Any]]:
         """The validation cases by name, imported now."""
         return _attribute(self.validation) if self.validation else {}
+
+    def thesis_rows(self) -> list[dict[str, Any]]:
+        """The thesis's numbers beside ours, measured now."""
+        return _attribute(self.thesis)() if self.thesis else []
 
     def scenes(self) -> list[Path]:
         """The scene files that ship with this application, sorted by name."""

@@ -72,6 +72,32 @@ def test_positive_mean_value_ignores_what_is_hidden():
     assert _kernels.positive_mean_value(point, mesh.X[boundary], row[mesh.facets], values)[0, 0] == 0.0
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_positive_mean_value_is_the_mean_over_all_directions(seed):
+    rng = np.random.default_rng(seed)
+    angles = (np.arange(14) + rng.uniform(0, 0.9, 14)) * 2 * np.pi / 14
+    star = rng.uniform(0.4, 2.0, (14, 1)) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    hole = 0.08 * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    vertices, point = np.concatenate([star, hole]), np.array([0.15, 0.12])
+    segments = [(i, (i + 1) % 14) for i in range(14)] + [(14 + i, 14 + (i + 1) % 4) for i in range(4)]
+    values = rng.normal(size=(18, 2))
+    # Rays in many directions: the value where each first meets the boundary, weighted by one over the distance.
+    rays = (np.arange(100_000) + 0.5) * 2 * np.pi / 100_000
+    u = np.stack([np.cos(rays), np.sin(rays)], axis=1)
+    nearest, met = np.full(len(rays), np.inf), np.zeros((len(rays), 2))
+    for i, j in segments:
+        a, along = vertices[i] - point, vertices[j] - vertices[i]
+        turn = u[:, 0] * along[1] - u[:, 1] * along[0]
+        distance = (a[0] * along[1] - a[1] * along[0]) / turn
+        share = (a[0] * u[:, 1] - a[1] * u[:, 0]) / turn
+        hit = (distance > 0) & (share >= 0) & (share <= 1) & (distance < nearest)
+        nearest[hit] = distance[hit]
+        met[hit] = values[i] * (1 - share[hit, None]) + values[j] * share[hit, None]
+    expected = (met / nearest[:, None]).sum(axis=0) / (1 / nearest).sum()
+    found = _kernels.positive_mean_value(point[None], vertices, np.array(segments, dtype=np.int32), values)[0]
+    assert np.allclose(found, expected, rtol=0, atol=1e-4)
+
+
 def test_harmonic_error_falls_with_the_square_of_the_size():
     errors = []
     for n in (8, 16, 32):

@@ -20,9 +20,7 @@ CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 
 def test_it_imports_neither_mpi_nor_petsc_nor_hdf5():
-    code = (
-        "import sys, restshape.replay.recorder; print({'petsc4py', 'mpi4py', 'h5py'} & set(sys.modules) or 'none')"
-    )
+    code = "import sys, restshape.replay.recorder; print({'petsc4py', 'mpi4py', 'h5py'} & set(sys.modules) or 'none')"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "none\n"
 
 

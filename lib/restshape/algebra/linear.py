@@ -103,6 +103,7 @@ class LinearSolver:
             and self.method == "stale"
         ):
             self._factor(mat)
+            self.age = 0
             refreshed = True
             iterations += self._iterate(b, x, limited=False)
         self._check()

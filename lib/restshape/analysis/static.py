@@ -11,6 +11,7 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
 from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
 from restshape.physics.quantities import Observer, von_mises
@@ -47,6 +48,7 @@ class StaticAnalysis:
         self.operator: Operator | None = None
         self.topology = self.geometry = -1
         self.x = np.zeros((0, 2))
+        self.observed: dict[str, float] | None = None
         self.guess = Guess(policy.extrapolate)
         self.solver = LinearSolver(comm, "solid_", policy.solver, scene.solve.tolerance, calibration, stages)
 
@@ -54,19 +56,26 @@ class StaticAnalysis:
         """Bring the displacement `x` (n, 2) [m] up to date with a frame.
 
         Raises:
-            ReplayProblem: the solve does not converge; `x` stays that of the last frame.
+            ReplayProblem: the solve does not converge, or a value has no number somewhere.
+            UserError: the scene's supports no longer hold the body. In both cases `mesh` and `x` stay as they were.
         """
         mesh = frame.mesh
         new_mesh, new_scene = mesh is not self.mesh, frame.scene is not self.scene
         if not (new_mesh or new_scene or mesh.topology != self.topology or mesh.geometry != self.geometry):
             self.solver.age += 1
             return LinearReport(0, False, self.solver.age)
-        if new_mesh or new_scene:
-            self._bind(frame, new_mesh)
-        elif mesh.topology != self.topology:
-            with self.stages("pattern"):
-                self.operator.patch(0, frame.changed_cells)
-        report = self._solve(frame, new_mesh)
+        kept = self.__dict__.copy()
+        try:
+            if new_mesh or new_scene:
+                self._bind(frame, new_mesh)
+            elif mesh.topology != self.topology:
+                with self.stages("pattern"):
+                    self.operator.patch(0, frame.changed_cells)
+            report = self._solve(frame, new_mesh)
+        except (ReplayProblem, UserError):
+            # Mesh, solution and observer stay those of the last solution; without a scene the next frame binds anew.
+            self.__dict__.update(kept, scene=None)
+            raise
         self.mesh, self.scene, self.topology, self.geometry = mesh, frame.scene, mesh.topology, mesh.geometry
         return report
 
@@ -76,8 +85,10 @@ class StaticAnalysis:
         return self.x.size
 
     def observe(self) -> dict[str, float]:
-        """The scene's quantities of interest at the last solution."""
-        return self.observer(self.x)
+        """The scene's quantities of interest at the last solution, evaluated once a solution."""
+        if self.observed is None:
+            self.observed = self.observer(self.x)
+        return self.observed
 
     def von_mises(self) -> np.ndarray:
         """Equivalent stress (ne,) [Pa] of each cell at the last solution."""
@@ -101,9 +112,9 @@ class StaticAnalysis:
             self.terms = [(0, self.physics.element, mesh.X, self.physics.prescribed, self.physics.params, 1.0)]
         if new_mesh:
             carried = None
-            if self.policy.transfer and frame.old_mesh is not None and len(self.x):
+            if self.policy.transfer and self.mesh is not None:
                 with self.stages("map"):
-                    carried = transfer(frame.old_mesh, mesh, self.x)
+                    carried = transfer(self.mesh, mesh, self.x)
             self.x = carried if carried is not None else np.zeros((len(mesh.X), 2))
             self.guess.restart()
 
@@ -129,7 +140,7 @@ class StaticAnalysis:
         whole_vector(self.full, self.operator.rows, self.comm)
         x = self.full.reshape(-1, 2) + physics.prescribed
         self.guess.keep(x, frame.hand)
-        self.x = x
+        self.x, self.observed = x, None
         return report
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------

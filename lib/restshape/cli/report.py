@@ -46,7 +46,6 @@ def run(args: argparse.Namespace) -> int:
 
 def _tables(recording: Any) -> dict[str, Any]:
     """Prints the tables and gives them back for programs."""
-    from restshape.report.style import si
     from restshape.report.tables import level_table, quantity_table, refused
 
     levels, quantities = level_table(recording), quantity_table(recording)
@@ -59,10 +58,7 @@ def _tables(recording: Any) -> dict[str, Any]:
     if quantities:
         print()
         heads = ("quantity", "first", "last", "min", "max")
-        shown = [
-            [q["quantity"], *("–" if q[k] is None else si(q[k], q["unit"], 5) for k in heads[1:])] for q in quantities
-        ]
-        print_table("quantities", heads, shown, right=heads[1:])
+        print_table("quantities", heads, map(_quantity, quantities), right=heads[1:])
     return {
         "frames": recording.n,
         "refused": stopped,
@@ -71,6 +67,16 @@ def _tables(recording: Any) -> dict[str, Any]:
         "quantities": quantities,
         "writer": recording.writer,
     }
+
+
+def _quantity(row: dict[str, Any]) -> list[str]:
+    """The cells of a quantity, all in one unit."""
+    from restshape.report.style import si
+
+    keys = ("first", "last", "min", "max")
+    largest = max((abs(row[key]) for key in keys if row[key] is not None), default=0.0)
+    cells = ["–" if row[key] is None else si(row[key], row["unit"], 5, largest) for key in keys]
+    return [row["quantity"], *cells]
 
 
 def _short(value: Any) -> Any:

@@ -23,7 +23,8 @@ from restshape.shape.session import EditFrame
 SWEEPS = 2
 """Spring sweeps a frame: even, so that they do not swing (thesis, 4.2.3)."""
 
-ROUNDS = 1
+ROUNDS = 2
+"""Flips, each with a relocation, while triangles are distorted: springs pull better after flips."""
 
 FRESH_SHARE = 0.75
 """A mesh counts as distorted only below this share of its quality when new: else an awkward shape would be meshed anew

@@ -78,9 +78,9 @@ class HarmonicExtension:
     def stiffen(self, field: np.ndarray) -> None:
         """Weight each triangle by the size of a field's gradient in it, from the next call on.
 
-        Strain then spreads away from where the field gathers it. A linear field has the same gradient everywhere, so that
-        it is reproduced as before. Measured with a hole of radius 0.12 in a plate of 2 x 1: the map of a drag lasts 1.2
-        to 2.4 times as far until a triangle is distorted; weights by area gain less and reproduce no linear function.
+        Strain then spreads away from where the field gathers it. A linear field has one gradient everywhere, and is
+        reproduced as before. With a hole of radius 0.12 in a plate of 2 x 1 the map of a drag lasts 1.2 to 2.4 times as
+        far until a triangle is distorted; weights by area gain less and reproduce no linear function.
 
         Args:
             field: (n, k) values at all nodes.

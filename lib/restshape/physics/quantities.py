@@ -66,10 +66,11 @@ class Observer:
         return self._nodal
 
     def _function(self, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
-        if quantity.area:
-            return lambda x: _kernels.total_area(self.mesh.X, self.mesh.cells)
-        if quantity.energy:
-            return self.physics.energy
+        if quantity.area or quantity.energy:
+            cells = self._region(name, quantity)
+            if quantity.area:
+                return lambda x: _kernels.total_area(self.mesh.X, self.mesh.cells[cells])
+            return lambda x: self.physics.energies(x)[cells].sum()
         nodes = self._nodes(name, quantity)
         take = TAKES[quantity.take]
         if quantity.reaction:
@@ -89,6 +90,14 @@ class Observer:
         if version != self.mesh.topology:
             cells = self.physics.cells_around(nodes)
             self._cells[name] = (self.mesh.topology, cells)
+        return cells
+
+    def _region(self, name: str, quantity: Quantity) -> np.ndarray | slice:
+        if quantity.at is None:
+            return slice(None)
+        cells = self.mesh.cells_of(quantity.at)
+        if len(cells) == 0:
+            raise UserError(f"{quantity.at!r} holds no cell of the mesh", f"quantities.{name}.at", "name a region")
         return cells
 
     def _nodes(self, name: str, quantity: Quantity) -> np.ndarray | slice:

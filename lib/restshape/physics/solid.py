@@ -69,11 +69,7 @@ class LinearSolid:
         for facets in self.tractions:
             self.traction.residual(self.mesh.X, self.prescribed, facets.facets, facets.params, rhs)
         np.negative(rhs, out=rhs)
-        for name, load in self.forces:
-            nodes = nodes_on(self.mesh, load.on)
-            rhs[nodes] += evaluate(load.force, self.mesh.X[nodes], self.scene.parameters, f"loads.{name}.force") / len(
-                nodes
-            )
+        self._add_forces(rhs, 1.0)
         if self.tractions or self.forces:
             rhs.ravel()[self.constrained] = 0.0
 
@@ -94,16 +90,20 @@ class LinearSolid:
         out = self.residual(x, around)
         for facets in self.tractions:
             self.traction.residual(self.mesh.X, x, facets.facets, facets.params, out)
+        self._add_forces(out, -1.0)
         return out[nodes]
 
-    def energy(self, x: np.ndarray) -> float:
-        """Strain energy [J] of the displacement x (n, 2) [m]: half of x . K x."""
-        return float(self.element.energy(self.mesh.X, x, self.mesh.cells, self.stiffness_params).sum())
+    def energies(self, x: np.ndarray) -> np.ndarray:
+        """Strain energies (ne,) [J] of the cells at the displacement x (n, 2) [m]; they sum to half of x . K x."""
+        return self.element.energy(self.mesh.X, x, self.mesh.cells, self.stiffness_params)
 
     def stress(self, x: np.ndarray) -> np.ndarray:
         """Stresses (ne, 4) [Pa] of each cell: xx, yy, xy, zz."""
         out = np.empty((len(self.mesh.cells), 4))
         self.element.stress(self.mesh.X, x, self.mesh.cells, self.stiffness_params, out)
+        if self.model == "plane_stress":
+            # The element knows lambda* only, with which its zz means nothing.
+            out[:, 3] = 0.0
         return out
 
     # --- parts ---------------------------------------------------------------------------------------------------
@@ -137,6 +137,13 @@ class LinearSolid:
             centres = self.mesh.X[self.mesh.cells[cells]].mean(axis=1)
             params[cells, 3:] += evaluate(load.body, centres, self.scene.parameters, f"loads.{name}.body")
         return params
+
+    def _add_forces(self, out: np.ndarray, sign: float) -> None:
+        """Add `sign` times the loads on points to `out` (n, 2) [N]."""
+        for name, load in self.forces:
+            nodes = nodes_on(self.mesh, load.on)
+            force = evaluate(load.force, self.mesh.X[nodes], self.scene.parameters, f"loads.{name}.force")
+            out[nodes] += sign / len(nodes) * force
 
     def _facet_load(self, name: str, load: Load) -> "FacetLoad":
         thickness = self.materials[self.mesh.cell_region[self.mesh.facet_cell], 2]

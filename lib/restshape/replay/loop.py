@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from time import perf_counter
 from typing import Any
 
+import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.linear import LinearReport
@@ -12,7 +13,7 @@ from restshape.analysis.frame import Frame
 from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
-# from restshape.mesh.importer import read_mesh
+from restshape.mesh.importer import read_mesh
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import Advance, MovingMesh
 from restshape.policy import Policy
@@ -67,6 +68,7 @@ class Replay:
             imported=imported,
         )
         self.recorded_topology: tuple[int, int] | None = None
+        self.solved = False
         self.row: dict[str, Any] = {}
 
     def frames(self) -> Iterator[dict[str, Any]]:
@@ -92,17 +94,23 @@ class Replay:
     def _frame(self, edit: EditFrame) -> dict[str, Any]:
         """Compute one frame; a problem in it is recorded as refused and the last solution is kept."""
         refused = edit.refused or ""
+        solved, self.solved = self.solved, False
         try:
             advance = self.moving.advance(edit)
-            hand = (edit.gesture, tuple(edit.c))
-            frame = Frame(self.moving.mesh, advance.changed_cells, advance.old_mesh, edit.scene, hand)
-            report = self.analysis.solve(frame)
-        except ReplayProblem as problem:
+            mesh, hand = self.moving.mesh, (edit.gesture, tuple(edit.c))
+            # Flips of a frame that failed are not known any more.
+            changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
+            report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand))
+            self.solved = True
+        except (ReplayProblem, UserError) as problem:
+            if edit.index == 0 and isinstance(problem, UserError):
+                raise
             if edit.index == 0:
                 raise UserError(
                     str(problem), str(edit.scene.path), "mend the scene: its first shape has no solution"
                 ) from problem
-            advance, report, refused = Advance.nothing(), LinearReport(0, False, self.row["age"]), str(problem)
+            refused = str(problem).replace("\n  try:", "; try:")
+            advance, report = Advance.nothing(), LinearReport(0, False, self.row["age"])
         with self.stages("observe"):
             quantities = self.analysis.observe()
         for stage, seconds in advance.stages.items():
@@ -119,7 +127,7 @@ class Replay:
             "refreshed": int(report.refreshed),
             "iterations": report.iterations,
             "unknowns": self.analysis.unknowns,
-            "elements": len(self.moving.mesh.cells),
+            "elements": len(self.analysis.mesh.cells),
             "refused": refused,
         }
         self.row.update({f"q_{name}": value for name, value in quantities.items()})
@@ -137,7 +145,7 @@ class Replay:
     def _record(self, edit: EditFrame, row: dict[str, Any], end: float) -> None:
         """Hand the frame to the recorder; the true residual is measured here, off the frame's time."""
         row["residual"] = self.analysis.residual()
-        mesh = self.moving.mesh
+        mesh = self.analysis.mesh
         if self.recorder:
             version = (id(mesh), mesh.topology)
             if version != self.recorded_topology:

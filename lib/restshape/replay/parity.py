@@ -26,7 +26,9 @@ class Parity:
         self.tolerance = replay.session.scene.solve.tolerance
 
     def __call__(self) -> dict[str, float]:
-        """The two differences in the frame just computed."""
+        """The two differences in the frame just computed; none where there was no solution."""
+        if not self.replay.solved:
+            return {}
         hot, cold = self.replay.analysis.system(), self.replay.analysis.cold_system()
         entries = matrix_difference(hot.matrix, cold.matrix)
         solution = energy_distance(cold.matrix, hot.solution, cold.solution)

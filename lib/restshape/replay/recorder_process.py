@@ -23,7 +23,7 @@ from restshape.replay.rows import row_dtype
 from restshape.replay.vtkhdf import Frame, NoRoom, Topology, VtkHdfWriter
 
 PERIOD = 0.2
-BATCH_BYTES = 32 << 20
+BATCH_BYTES = 8 << 20
 _NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 

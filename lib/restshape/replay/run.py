@@ -1,20 +1,25 @@
 """Runs a whole replay and sums it up."""
 
 import csv
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
 from petsc4py import PETSc
 
+from restshape.application import application
+from restshape.calibration import Calibration
 from restshape.errors import UserError
+from restshape.policy import policy
 from restshape.replay.columns import columns
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.summary import summarise
+from restshape.scene.load import load_scene
+from restshape.scene.script import load_script
 
 
 def run_replay(
@@ -57,6 +62,20 @@ def run_replay(
     if check:
         summary["parity"] = check.summary()
     return summary
+
+
+def replay_files(scene: Path, edits: Path, name: str, overrides: Sequence[str] = ()) -> dict[str, Any]:
+    """The summary of a replay of files under the policy `name`, for studies; nothing is recorded.
+
+    Args:
+        scene: scene file.
+        edits: edit script.
+        name: of the policy.
+        overrides: ``key=value`` as after --set.
+    """
+    read = load_scene(scene, overrides)
+    script = load_script(edits, read)
+    return run_replay(Request(read, script, application(read.app), policy(name), Calibration.load()))
 
 
 @contextmanager

@@ -14,7 +14,7 @@ def percentiles(ms: np.ndarray) -> dict[str, float]:
 
 
 def summarise(rows: list[dict[str, Any]], policy: str, ranks: int) -> dict[str, Any]:
-    """Counts, times and quantities of a replay from its rows; the times leave out the first frame, made from nothing."""
+    """Counts, times and quantities of a replay from its rows; times leave out the first frame, made from nothing."""
     later = rows[1:]
     times = np.array([row["ms"] for row in later])
     level = np.array([row["level"] for row in later], dtype=int)

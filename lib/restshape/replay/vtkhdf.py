@@ -2,7 +2,7 @@
 
 `/VTKHDF` follows version 2.0 of the format (read by vtk from 9.3 and ParaView from 5.12 on); `/restshape` is outside of
 what that format speaks about, so its readers leave it alone. Arrays of all frames are concatenated, frames say where
-theirs start. Cells are stored once a topology; points and fields that repeat the last frame's bytes are not stored again.
+theirs start. Cells are stored once a topology; points and fields that repeat the last bytes are not stored again.
 
 The file survives the death of its writer: HDF5's own metadata stay in memory between flushes, a flush brings the data,
 then `NSteps` is raised, and another flush brings that. The older superblock has no mark "open" that would bar the file.

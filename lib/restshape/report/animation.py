@@ -64,7 +64,7 @@ def draw_animation(recording: Recording, chosen: np.ndarray, scenery: Scenery, p
 
 def _pause(recording: Recording, chosen: np.ndarray) -> float:
     """Seconds a picture: those of the edit, within what a viewer can follow."""
-    t = recording.table.get("t", recording.times)
+    t = recording.times
     duration = float(t[chosen[-1]] - t[chosen[0]]) if len(chosen) > 1 else 0.0
     return float(np.clip(duration / max(len(chosen) - 1, 1), *_SECONDS))
 
@@ -90,7 +90,7 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: Scenery) -> Ite
     canvas.draw()
     still = canvas.copy_from_bbox(figure.bbox)
     stopped = refused(recording)
-    t = recording.table.get("t", recording.times)
+    t = recording.times
     for i in map(int, chosen):
         canvas.restore_region(still)
         drawing.show(recording, i)

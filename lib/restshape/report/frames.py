@@ -89,9 +89,7 @@ def scene_name(recording: Recording) -> str:
 
 def _caption(recording: Recording, i: int) -> str:
     table = recording.table
-    words = [f"frame {i}"]
-    if "t" in table:
-        words.append(f"t = {table['t'][i]:.2f} s")
+    words = [f"frame {i}", f"t = {recording.times[i]:.2f} s"]
     if "level" in table:
         words.append(f"level {table['level'][i]}" if table["level"][i] else "idle")
     return ", ".join(words) + (" (refused)" if refused(recording)[i] else "")

@@ -1,6 +1,7 @@
 """Time a level, stacked by stage: the thesis's figure 4.2 for any recording."""
 
 from pathlib import Path
+from textwrap import shorten
 
 import numpy as np
 
@@ -34,8 +35,7 @@ def draw_levels(recording: Recording, path: Path) -> None:
         place, start = int(row["level"]), 0.0
         for name, share in stage_shares(recording, place).items():
             length = share * row["p50"]
-            look = {"color": STAGES[name], "edgecolor": "white", "linewidth": 0.4}
-            bar = axes.barh(place, length, left=start, height=0.56, **look)
+            bar = axes.barh(place, length, left=start, height=0.56, color=STAGES[name], linewidth=0)
             if share >= 0.01:
                 drawn.setdefault(name, bar)
             start += length
@@ -47,8 +47,8 @@ def draw_levels(recording: Recording, path: Path) -> None:
             axes.text(0.012 * longest, int(row["level"]), "no frames", va="center", color=FAINT, style="italic")
     axes.set(yticks=(1, 2, 3), yticklabels=[LEVEL_NAMES[k] for k in (1, 2, 3)], ylim=(3.6, 0.4))
     axes.set(xlim=(0, 1.65 * longest), xlabel="time a frame [ms]")
-    heading = f"{scene_name(recording)}: time a level, stages by their share of it"
-    axes.set_title(heading, loc="left", fontsize=11, pad=8)
+    name = shorten(scene_name(recording), 70, placeholder=" …")
+    figure.suptitle(f"{name}: time a level, stages by their share of it", x=0.01, ha="left", color=INK)
     if drawn:
         order = [name for name in STAGES if name in drawn]
         figure.legend([drawn[name] for name in order], order, loc="outside lower center", ncols=6)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgba
@@ -70,7 +71,7 @@ class Drawing:
         colour, _ = scenery.colour
         self.body = PolyCollection([], edgecolors=to_rgba(MESH, 0.4), linewidths=0.25, facecolors=BODY)
         if scenery.field:
-            self.body.set_cmap(COLOURS)
+            self.body.set_cmap(colormaps[COLOURS].with_extremes(bad=BODY))
             self.body.set_clim(scenery.bottom * colour, scenery.top * colour)
         self.rest = LineCollection([], colors=INK, linewidths=0.7)
         axes.add_collection(self.body, autolim=False)
@@ -123,7 +124,8 @@ def scenery(recording: Recording, frames: np.ndarray, scale: float | None = None
     margin = 0.02 * size
     (xmin, ymin), (xmax, ymax) = np.min(low, axis=0) - margin, np.max(high, axis=0) + margin
     extent = (float(xmin), float(xmax), float(ymin), float(ymax))
-    return Scenery(scale, largest, extent, field, *_colour_range(values))
+    known = any(np.isfinite(value).any() for value in values)
+    return Scenery(scale, largest, extent, field if known else None, *_colour_range(values))
 
 
 def _colour_field(recording: Recording) -> str | None:
@@ -139,7 +141,7 @@ def _colour_range(values: list[np.ndarray]) -> tuple[float, float, bool]:
         return 0.0, 1.0, False
     bottom, top = min(0.0, float(finite.min())), float(finite.max())
     usual = float(np.percentile(finite, 99.5))
-    if usual > 0 and top > 1.3 * usual:
+    if usual > 0 and top > 3 * usual:
         return bottom, usual, True
     return bottom, top if top > bottom else bottom + 1.0, False
 

@@ -61,7 +61,7 @@ def prefix(size: float) -> tuple[float, str]:
     """The factor and SI prefix that bring a number of this size between 1 and 1000."""
     if not isfinite(size) or size == 0:
         return 1.0, ""
-    power = min(max(3 * floor(log10(abs(size)) / 3 + 1e-12), -12), 12)
+    power = min(max(3 * floor(log10(abs(float(f"{size:.5g}"))) / 3 + 1e-12), -12), 12)
     return 10.0**-power, _PREFIXES[power]
 
 
@@ -78,12 +78,12 @@ def length_unit(size: float) -> tuple[float, str]:
     return (1.0, "m") if size >= 1 else (1e3, "mm") if size >= 1e-3 else (1e6, "µm")
 
 
-def si(value: float, unit: str = "", digits: int = 3) -> str:
-    """A number with its unit, e.g. ``si(2.1e-4, "m") == "210 µm"``."""
+def si(value: float, unit: str = "", digits: int = 3, like: float | None = None) -> str:
+    """A number with its unit, e.g. ``si(2.1e-4, "m") == "210 µm"``; the prefix is that of ``like``, if given."""
     if not isfinite(value):
         return "–"
-    factor, shown = scaled_unit(value, unit)
+    factor, shown = scaled_unit(value if like is None else like, unit)
     text = f"{value * factor:.{digits}g}"
-    if "e" in text and abs(value * factor) < 1e5:
+    if "e" in text and 1 <= abs(value * factor) < 1e5:
         text = f"{value * factor:.0f}"
     return f"{text} {shown}".rstrip()

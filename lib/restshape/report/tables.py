@@ -36,7 +36,8 @@ def level_table(recording: Recording) -> list[dict[str, Any]]:
         chosen = chosen & later
         times, counts = ms[chosen], iterations[chosen]
         known = percentiles(times[np.isfinite(times)]) if len(times) else dict.fromkeys(("p50", "p95", "p99"))
-        mean = float(counts.mean()) if len(counts) and np.isfinite(counts).all() else None
+        counts = counts[counts >= 0]
+        mean = float(counts.mean()) if len(counts) else None
         rows.append({"level": name, "frames": int(chosen.sum()), **known, "iterations": mean})
     return rows
 

@@ -1,6 +1,7 @@
 """Level, time and iterations against the frame."""
 
 from pathlib import Path
+from textwrap import shorten
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,13 +31,13 @@ def draw_timeline(recording: Recording, path: Path) -> None:
         _mark(axes, frames[stopped])
     levels.set(ylabel="level", yticks=(0, 1, 2, 3), ylim=(-0.5, 3.5))
     _scale_times(times, column(recording, "ms"))
-    counts = column(recording, "iterations")
-    most = np.nanmax(counts) if np.isfinite(counts).any() else 1
-    iterations.set(ylabel="iterations", xlabel="frame", ylim=(-0.06 * max(most, 1), 1.15 * max(most, 1)))
+    most = max(1.0, np.nanmax(column(recording, "iterations"), initial=1.0))
+    iterations.set(ylabel="iterations", xlabel="frame", ylim=(-0.06 * most, 1.15 * most))
     iterations.yaxis.get_major_locator().set_params(integer=True)
     iterations.set_xlim(-0.5 - 0.01 * recording.n, recording.n - 0.5 + 0.01 * recording.n)
     iterations.xaxis.get_major_locator().set_params(integer=True)
-    figure.suptitle(f"{scene_name(recording)}: {recording.summary}", x=0.01, ha="left", color=INK)
+    name = shorten(scene_name(recording), 70, placeholder=" …")
+    figure.suptitle(f"{name}: {recording.summary}", x=0.01, ha="left", color=INK)
     handles, names = levels.get_legend_handles_labels()
     if stopped.any():
         handles.append(levels.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3))

@@ -119,7 +119,9 @@ def _spline(entity: Any) -> list[tuple[Any, str, float]]:
 
 
 def write_dxf(outline: Outline, path: Path) -> None:
-    """Writes a shape as a DXF drawing in metres: one layer an edge (a loop's name for holes and regions).
+    """Writes a shape as a DXF drawing in metres: one layer an edge, for holes and regions one a loop.
+
+    The layer of a region gets ``region_`` before its name, so that it is read back as one.
 
     Lines, arcs and polylines are exact; splines are written with fit points.
 
@@ -132,6 +134,8 @@ def write_dxf(outline: Outline, path: Path) -> None:
         for e, _ in loop.edges:
             edge = outline.edges[e]
             layer = edge.name if loop.kind == "outline" else loop.name
+            if loop.kind == "region" and not layer.lower().startswith("region"):
+                layer = f"region_{layer}"
             _write_edge(space, outline, e, {"layer": layer})
     try:
         drawing.saveas(path)

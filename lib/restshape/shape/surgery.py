@@ -34,6 +34,7 @@ def insert(outline: Outline, on: str, name: str, at: np.ndarray | None = None, s
     Raises:
         UserError: not an edge, name in use, or the place is at an end of the edge.
     """
+    _refuse_used(outline, name)
     edges = outline.entity(on)
     if not edges.edges or edges.vertices or edges.loops:
         raise UserError(f"{on} is not an edge")
@@ -63,6 +64,11 @@ def insert(outline: Outline, on: str, name: str, at: np.ndarray | None = None, s
         for group, parts in draft.groups.items()
     }
     return draft.outline()
+
+
+def _refuse_used(outline: Outline, name: str) -> None:
+    if name in outline.layout.entities or name in outline.groups:
+        raise UserError(f"the name {name!r} is in use already")
 
 
 def _replaced(chain: list[tuple[str, bool]], old: str, first: str, second: str) -> list[tuple[str, bool]]:
@@ -214,8 +220,7 @@ def add_hole(
     Raises:
         UserError: the name is in use.
     """
-    if name in outline.layout.entities or name in outline.groups:
-        raise UserError(f"the name {name!r} is in use already")
+    _refuse_used(outline, name)
     draft = draft_of(outline)
     if polygon is not None:
         add_polygon(draft, name, "hole", polygon)

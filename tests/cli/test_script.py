@@ -1,0 +1,106 @@
+"""`restshape script`: what it writes is a valid script that does what the lines say."""
+
+import json
+
+import numpy as np
+import pytest
+
+from restshape.cli.main import main
+from restshape.scene.load import load_scene
+from restshape.scene.script import load_script
+from restshape.shape.session import EditSession
+
+SCENE = """
+format = "restshape-scene"
+version = 1
+app = "solid"
+[shape]
+outline = ["bottom", "right", "top", "left"]
+groups.pair = ["window", "top"]
+[shape.vertices]
+a = [0, 0]
+b = [2, 0]
+c = [2, 1]
+d = [0, 1]
+[shape.edges]
+bottom = { line = ["a", "b"] }
+right = { arc = ["b", "c"], through = [2.2, 0.5] }
+top = { spline = ["c", "d"], through = [[1.5, 1.1], [0.5, 1.1]] }
+left = { line = ["d", "a"] }
+[shape.holes.window]
+circle = { center = [0.5, 0.5], radius = 0.2 }
+[material.steel]
+E = "210 GPa"
+nu = 0.3
+[supports.left]
+on = "left"
+fix = ["x", "y"]
+[loads.right]
+on = "right"
+traction = [1e6, 0]
+[mesh]
+size = 0.1
+"""
+
+LINES = [
+    "hole window by 0.8 0 in 160 frames, hand-like",
+    "rotate window by 30 deg in 5 frames",
+    "scale hole window by 0.5 about 1300 mm 0.5 in 5 frames",
+    "hole port at 0.4 0.5 radius 8 cm",
+    "insert q on bottom at 0.5",
+    "vertex q by 0 -10 cm in 10 frames, jerk, pause 3",
+    "arc left to 0.2 in 4 frames",
+    'set material.steel.E = "70 GPa"',
+    "delete port",
+    "idle 10",
+    "undo",
+    "redo",
+]
+
+
+@pytest.fixture
+def scene(tmp_path):
+    (tmp_path / "plate.toml").write_text(SCENE)
+    return tmp_path / "plate.toml"
+
+
+def test_the_script_is_valid_and_leads_where_the_lines_say(scene, tmp_path, capsys):
+    out, numbers = tmp_path / "edits.jsonl", tmp_path / "numbers.json"
+    assert main(["script", str(scene), *LINES, "--out", str(out), "--json", str(numbers)]) == 0
+    found = load_scene(scene)
+    frames = list(EditSession(found, load_script(out, found)).frames())
+    assert len(frames) == 1 + json.loads(numbers.read_text())["frames"]
+    assert not any(frame.refused for frame in frames)
+    outline = frames[-1].outline
+    np.testing.assert_allclose(outline.centroid(outline.entity("window")), [1.3, 0.5], atol=1e-12)
+    np.testing.assert_allclose(outline.points[outline.entity("q").vertices[0]], [1.0, -0.1], atol=1e-12)
+    assert sum(outline.length(e) for e in outline.entity("window").edges) == pytest.approx(0.2 * np.pi, rel=1e-12)
+    assert outline.names("hole") == ["window"]
+    assert frames[-1].scene.material["steel"].E == 70e9
+    steps = np.diff([frame.t for frame in frames[2:162]])
+    np.testing.assert_allclose(steps, 1 / 60, atol=1e-5)
+
+
+def test_the_same_seed_gives_the_same_bytes(scene, tmp_path, capsys):
+    texts = []
+    for seed in ("5", "5", "6"):
+        assert main(["script", str(scene), LINES[0], "--seed", seed]) == 0
+        texts.append(capsys.readouterr().out)
+    assert texts[0] == texts[1] != texts[2]
+
+
+def test_what_will_be_refused_is_told(scene, tmp_path, capsys):
+    out = tmp_path / "edits.jsonl"
+    assert main(["script", str(scene), "window by 0 0.5 in 10 frames", "--out", str(out)]) == 0
+    assert "3 frames will be refused: edges top and window.1" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("line", ["fly window", "window by 1", "arc left to", "insert q on bottom at 2", "idle 0"])
+def test_lines_that_make_no_sense_get_the_grammar(scene, capsys, line):
+    assert main(["script", str(scene), line]) == 2
+    assert "insert NAME on EDGE at S" in capsys.readouterr().err
+
+
+def test_a_name_that_is_not_there_is_suggested(scene, capsys):
+    assert main(["script", str(scene), "windw by 1 0 in 3 frames"]) == 2
+    assert "did you mean 'window'" in capsys.readouterr().err

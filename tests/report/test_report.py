@@ -1,0 +1,198 @@
+"""The report says what the recording holds, and draws something for every recording."""
+
+import json
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from restshape.cli.main import main
+from restshape.errors import UserError
+from restshape.replay.recorder import Recorder
+from restshape.replay.recording import Recording
+from restshape.report.animation import animated_frames
+from restshape.report.frames import chosen_frames
+from restshape.report.levels import stage_shares
+from restshape.report.scenery import boundary, scenery
+from restshape.report.style import length_unit, si
+from restshape.report.tables import level_table, quantity_table, thesis_table
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "replay"))
+from plates import COLUMNS, record_plate
+
+
+@pytest.fixture(scope="module")
+def plate(tmp_path_factory):
+    path = tmp_path_factory.mktemp("report") / "plate.vtkhdf"
+    return path, record_plate(path, frames=24, remesh_every=8)
+
+
+def report(path: Path, *words: str) -> int:
+    return main(["report", str(path), *words])
+
+
+def test_levels_and_quantities_are_those_recorded(plate):
+    path, known = plate
+    with Recording(path) as recording:
+        levels = {row["level"]: row for row in level_table(recording)}
+        for k in (1, 2, 3):
+            ms = [row["ms"] for row in known[1:] if row["level"] == k]
+            assert levels[str(k)]["frames"] == len(ms)
+            for name, share in (("p50", 50), ("p95", 95), ("p99", 99)):
+                assert levels[str(k)][name] == pytest.approx(np.percentile(ms, share), rel=1e-14)
+        assert levels["all"]["frames"] == sum(row["level"] > 0 for row in known[1:])
+        assert levels["idle"]["frames"] == sum(row["level"] == 0 for row in known[1:])
+        tips = [row["q_tip"] for row in known]
+        expected = {"first": tips[0], "last": tips[-1], "min": min(tips), "max": max(tips)}
+        assert quantity_table(recording) == [{"quantity": "tip", **expected, "unit": ""}]
+
+
+def test_stages_share_the_time_of_their_level(plate):
+    with Recording(plate[0]) as recording:
+        shares = stage_shares(recording, 1)
+    # ms = 1 + i, krylov = values = (1 + i) / 2: see plates.py
+    assert shares["krylov"] == pytest.approx(0.5) and shares["values"] == pytest.approx(0.5)
+    assert sum(shares.values()) == pytest.approx(1.0)
+
+
+def test_the_command_writes_pictures_tables_and_json(plate, tmp_path, capsys):
+    path, _ = plate
+    data = tmp_path / "report.json"
+    assert report(path, "--out", str(tmp_path / "pictures"), "--json", str(data)) == 0
+    printed = capsys.readouterr().out
+    assert "24 frames, 3 refused" in printed and "tip" in printed
+    found = json.loads(data.read_text())
+    assert found["frames"] == 24 and found["refused"] == 3 and found["status"] == "done"
+    assert [Path(p).name for p in found["pictures"]] == ["frames.png", "levels.png", "timeline.png", "animation.gif"]
+    for picture in found["pictures"]:
+        with Image.open(picture) as image:
+            colours = np.asarray(image.convert("RGB")).reshape(-1, 3)
+            assert min(image.size) > 300 and len(np.unique(colours, axis=0)) > 20
+            if picture.endswith("gif"):
+                assert image.n_frames == 24
+
+
+def test_the_deformation_is_exaggerated_to_8_percent(plate):
+    path, known = plate
+    largest = max(np.hypot(*frame["displacement"].T).max() for frame in known)
+    with Recording(path) as recording:
+        common = scenery(recording, np.arange(24))
+        assert common.largest == largest
+        assert common.scale * largest == pytest.approx(0.08 * 1.2, rel=0.06)
+        assert scenery(recording, np.arange(24), 3.0).scale == 3.0
+        xmin, xmax, ymin, ymax = common.extent
+        for frame in known:
+            x = frame["points"] + common.scale * frame["displacement"]
+            assert xmin < x[:, 0].min() and x[:, 0].max() < xmax and ymin < x[:, 1].min() and x[:, 1].max() < ymax
+
+
+def test_frames_shown_avoid_the_refused(plate):
+    path, known = plate
+    with Recording(path) as recording:
+        chosen = chosen_frames(recording, 6)
+        assert len(chosen) == 6 and chosen[0] == 0 and chosen[-1] == 23
+        assert not any(known[i]["refused"] for i in chosen)
+        assert animated_frames(recording, 10).tolist() == [0, 3, 6, 9, 12, 15, 18, 21, 23]
+
+
+def test_the_boundary_of_two_triangles_is_their_four_sides():
+    edges = boundary(np.array([[0, 1, 2], [2, 1, 3]]))
+    assert {tuple(edge) for edge in edges.tolist()} == {(0, 1), (0, 2), (1, 3), (2, 3)}
+
+
+CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+
+
+@pytest.mark.parametrize(
+    ("frames", "refused", "fields", "columns"),
+    [
+        (1, "", True, COLUMNS),
+        (3, "outline crosses itself", True, COLUMNS),
+        (3, "", False, COLUMNS),
+        (2, "", True, {"index": "i4"}),
+        (1, "no equilibrium", False, {}),
+    ],
+)
+def test_poor_recordings_still_report(tmp_path, frames, refused, fields, columns):
+    path = tmp_path / "poor.vtkhdf"
+    with Recorder.start(path, {}, columns) as recorder:
+        recorder.topology(np.array([[0, 1, 2]]))
+        for i in range(frames):
+            row = {"index": i, "refused": refused, "level": 0, "ms": 0.0}
+            data = ({"displacement": np.zeros((3, 2))}, {"von_mises": np.full(1, np.nan)}) if fields else ({}, {})
+            recorder.frame(0.0, CORNERS, *data, {name: row[name] for name in row if name in columns})
+    assert report(path) == 0
+    assert sorted(p.name for p in (tmp_path / "poor-report").iterdir()) == [
+        "animation.gif",
+        "frames.png",
+        "levels.png",
+        "timeline.png",
+    ]
+
+
+def test_an_empty_recording_and_bad_words_are_bad_input(tmp_path, capsys, plate):
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, {}):
+        pass
+    assert report(tmp_path / "a.vtkhdf") == 2
+    assert report(tmp_path / "none.vtkhdf") == 2
+    assert report(plate[0], "--frames", "0") == 2
+    (tmp_path / "file").write_text("")
+    assert report(plate[0], "--out", str(tmp_path / "file" / "x")) == 2
+    printed = capsys.readouterr().err
+    for message in ("holds no frames", "no such recording", "at least one frame", "cannot be written"):
+        assert message in printed
+
+
+def test_mp4_without_ffmpeg_says_so(plate, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    assert report(plate[0], "--out", str(tmp_path), "--animation", "mp4") == 2
+    assert "needs ffmpeg" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_shapes_in_space_are_not_drawn(tmp_path):
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, {}) as recorder:
+        recorder.topology(np.array([[0, 1, 2, 3]]))
+        recorder.frame(0.0, np.vstack([np.zeros(3), np.eye(3)]), {}, {}, {})
+    with Recording(tmp_path / "a.vtkhdf") as recording, pytest.raises(UserError, match="in the plane only"):
+        scenery(recording, np.arange(1))
+    assert report(tmp_path / "a.vtkhdf") == 0
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (2.1e-4, "m", "210 µm"),
+        (210e9, "Pa", "210 GPa"),
+        (0.0, "N", "0 N"),
+        (-1234.0, "N", "-1.23 kN"),
+        (1.5e-5, "m²", "1.5e-05 m²"),
+        (999.7, "", "1000"),
+        (float("nan"), "m", "–"),
+    ],
+)
+def test_numbers_carry_si_prefixes(value, unit, text):
+    assert si(value, unit) == text
+
+
+def test_lengths_on_axes_suit_the_part():
+    assert [length_unit(size)[1] for size in (12.0, 1.2, 0.3, 2e-4)] == ["m", "m", "mm", "µm"]
+
+
+def test_thesis_tables_are_markdown():
+    rows = [
+        {"table": "4.2", "row": "level 1", "quantity": "frames", "thesis": 117, "ours": 120, "unit": ""},
+        {"table": "4.2", "row": "level 3", "quantity": "frames", "thesis": 3, "ours": None, "unit": ""},
+        {"table": "4.3", "row": "a|b", "quantity": "rate", "thesis": 105.0, "ours": 2345.678, "unit": "1/s"},
+    ]
+    assert thesis_table(rows) == (
+        "## Table 4.2\n\n"
+        "| row | quantity | thesis | ours | unit |\n| --- | --- | ---: | ---: | --- |\n"
+        "| level 1 | frames | 117 | 120 |  |\n| level 3 | frames | 3 |  |  |\n\n"
+        "## Table 4.3\n\n"
+        "| row | quantity | thesis | ours | unit |\n| --- | --- | ---: | ---: | --- |\n"
+        "| a\\|b | rate | 105 | 2346 | 1/s |\n"
+    )

@@ -1,0 +1,188 @@
+"""Sessions: what frames events give, undo and redo, refusals, and shapes that are valid between all events."""
+
+import re
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from plain_check import fault
+from shape_scenes import plate, scene_and_script, square
+
+from restshape.scene.script import EVENTS
+from restshape.shape import gesture as gestures
+from restshape.shape.session import EditSession
+from restshape.shape.validity import MotionCheck, problem
+
+
+def frames_of(folder, *events):
+    return list(EditSession(*scene_and_script(folder, list(events))).frames())
+
+
+PRESS = {"do": "press", "on": "window", "at": [0.5, 0.5]}
+RELEASE = {"do": "release"}
+
+
+def test_a_drag_moves_the_hole_with_the_cursor(tmp_path):
+    frames = frames_of(tmp_path, PRESS, {"do": "drag", "path": [[0.6, 0.5], [0.7, 0.55]]}, RELEASE)
+    assert [(f.do, f.change) for f in frames] == [
+        ("start", "start"),
+        ("press", "none"),
+        ("drag", "move"),
+        ("drag", "move"),
+        ("release", "none"),
+    ]
+    assert frames[1].gesture is frames[3].gesture
+    centre = frames[3].outline.centroid(frames[3].outline.entity("window"))
+    np.testing.assert_allclose(centre, [0.7, 0.55], atol=1e-15)
+    np.testing.assert_array_equal(frames[3].outline.points[:4], frames[0].outline.points[:4])
+    assert [f.t for f in frames[1:3]] == [0.0, 0.02]
+    assert all(earlier.t <= later.t for earlier, later in pairwise(frames))
+
+
+def test_gestures_are_what_they_say():
+    outline = plate()
+    turn = gestures.rotate(outline, outline.entity("window"), np.array([0.1, 0.2]))
+    angle = 0.7
+    moved = turn.points((np.cos(angle) - 1.0, np.sin(angle)))
+    own = outline.control_points(outline.entity("window"))
+    matrix = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    np.testing.assert_allclose(moved[own], (outline.points[own] - [0.1, 0.2]) @ matrix.T + [0.1, 0.2], atol=1e-15)
+    grown = gestures.scale(outline, outline.entity("window"), np.array([0.5, 0.5])).points((0.5, 0.0))
+    assert outline.moved(grown).area() == pytest.approx(outline.area() - np.pi * 0.04 * 1.25, rel=1e-12)
+
+
+def test_inner_points_follow_one_end_along_the_chord():
+    outline = plate()
+    moved = gestures.drag(outline, outline.entity("c")).points((0.3, 0.0))
+    edge = outline.edges[2]
+    for p, t in zip(edge.inner, edge.knots[1:-1]):
+        np.testing.assert_allclose(moved[p] - outline.points[p], [0.3 * (1.0 - t), 0.0], atol=1e-15)
+
+
+def test_undo_and_redo_restore_bit_for_bit(tmp_path):
+    edits = [
+        PRESS,
+        {"do": "drag", "path": [[0.6, 0.5], [0.7, 0.5]]},
+        RELEASE,
+        {"do": "insert", "on": "bottom", "name": "q", "s": 0.3},
+        {"do": "rotate", "on": "window", "by": "20 deg", "frames": 2},
+        {"do": "set", "key": "material.steel.nu", "value": 0.2},
+        {"do": "arc", "on": "left", "bulge": 0.1, "frames": 2},
+        {"do": "hole", "name": "new", "center": [1.5, 0.5], "radius": 0.1},
+        {"do": "delete", "on": "q"},
+    ]
+    back = [{"do": "undo"}] * 8 + [{"do": "redo"}] * 8
+    frames = frames_of(tmp_path, *edits, *back)
+    undone, redone = frames[-17:-8], frames[-8:]
+    assert [f.change for f in frames[-16:-8]] == ["shape", "shape", "shape", "values", "move", "shape", "move", "none"]
+    assert undone[-1].refused == "there is nothing to undo"
+    start, end = frames[0], frames[-17]
+    for one, other in ((start, undone[-2]), (end, redone[-2])):
+        assert one.outline.points.tobytes() == other.outline.points.tobytes()
+        assert one.outline.bulges.tobytes() == other.outline.bulges.tobytes()
+        assert one.outline.topology == other.outline.topology
+        assert one.scene is other.scene
+    assert redone[-1].refused == "there is nothing to redo"
+
+
+@pytest.mark.parametrize(
+    ("event", "why"),
+    [
+        ({"do": "hole", "name": "h", "center": [0.5, 0.6], "radius": 0.2}, "cross"),
+        ({"do": "hole", "name": "h", "center": [0.5, 0.5], "radius": 0.1}, "inside hole window"),
+        ({"do": "hole", "name": "window", "center": [1.5, 0.5], "radius": 0.1}, "in use"),
+        ({"do": "hole", "name": "h", "center": [3, 3], "radius": 0.1}, "outside the outline"),
+        ({"do": "hole", "name": "h", "center": [1.5, 0.5], "radius": 1e-5}, "collapse"),
+        ({"do": "scale", "on": "window", "factor": 4}, "cross"),
+        ({"do": "rotate", "on": "window", "by": "180 deg", "about": [0, 0]}, "outside the outline"),
+        ({"do": "arc", "on": "bottom", "bulge": -0.6}, "cross"),
+        ({"do": "arc", "on": "top", "bulge": 0.1}, "spline"),
+        ({"do": "delete", "on": "d"}, "left is needed by supports.left"),
+        ({"do": "insert", "on": "window", "name": "q", "s": 0.5}, "not an edge"),
+        ({"do": "insert", "on": "bottom", "name": "q", "at": [-1, 0]}, "end of edge"),
+        ({"do": "insert", "on": "bottom", "name": "a", "s": 0.5}, "in use"),
+        ({"do": "set", "key": "shape.vertices.a", "value": [0, 0]}, "cannot be set"),
+        ({"do": "set", "key": "mesh.sizee", "value": 1}, "sizee"),
+        ({"do": "press", "on": "windw"}, "windw"),
+    ],
+)
+def test_refused_edits_leave_shape_and_scene(tmp_path, event, why):
+    frames = frames_of(tmp_path, event)
+    assert frames[-1].change == "none"
+    assert frames[-1].refused is not None and re.search(why, frames[-1].refused)
+    assert frames[-1].outline is frames[0].outline
+    assert frames[-1].scene is frames[0].scene
+
+
+def test_a_refused_frame_of_a_path_keeps_the_last_valid_shape(tmp_path):
+    path = [[0.6, 0.5], [0.6, 1.0], [9.0, 9.0], [0.7, 0.5]]
+    frames = frames_of(tmp_path, PRESS, {"do": "drag", "path": path}, RELEASE)[2:6]
+    assert [f.change for f in frames] == ["move", "none", "none", "move"]
+    assert frames[1].outline is frames[0].outline and frames[2].outline is frames[0].outline
+    assert "cross" in frames[1].refused and "outside" in frames[2].refused
+
+
+def test_setting_mesh_keys_asks_for_a_new_mesh(tmp_path):
+    sets = {"mesh.size": 0.05, "material.steel.nu": 0.25, "effects.gravity.g": [0, -1]}
+    frames = frames_of(tmp_path, *({"do": "set", "key": key, "value": value} for key, value in sets.items()))
+    assert [f.change for f in frames[1:]] == ["mesh", "values", "mesh"]
+    assert frames[2].scene.material["steel"].nu == 0.25
+
+
+def test_one_drag_in_many_steps_ends_where_one_jump_ends(tmp_path):
+    path = [[0.5 + 0.1 * np.sin(0.3 * i), 0.5 + 0.05 * np.cos(0.2 * i)] for i in range(100)]
+    frames = frames_of(tmp_path, PRESS, {"do": "drag", "path": path}, RELEASE)
+    jump = frames_of(tmp_path, PRESS, {"do": "drag", "to": path[-1]}, RELEASE)
+    assert frames[-1].outline.points.tobytes() == jump[-1].outline.points.tobytes()
+
+
+def test_pieces_are_made_finer_when_a_curve_grows():
+    tables = {"window": {"circle": {"center": [0.5, 0.5], "radius": 0.004}}}
+    outline = square(holes=tables)
+    grow = gestures.scale(outline, outline.entity("window"), np.array([0.5, 0.5]))
+    check = MotionCheck(outline, grow)
+    # Eight pieces of the small circle would leave 0.001 between themselves and a circle of radius 0.4985.
+    assert check.problem((0.499 / 0.004 - 1.0, 0.0)) is None
+    assert check.problem((0.5005 / 0.004 - 1.0, 0.0)) is not None
+
+
+coordinate = st.floats(-0.4, 2.4, allow_nan=False).map(lambda v: round(v, 3))
+place = st.tuples(coordinate, coordinate).map(list)
+entity = st.sampled_from(["a", "b", "c", "d", "window", "window.v1", "window.2", "top", "bottom", "left", "q", "h1"])
+gesture = st.tuples(entity, st.lists(st.tuples(entity, place), min_size=1, max_size=4)).map(
+    lambda found: [
+        {"do": "press", "on": found[0]},
+        {"do": "drag", "path": [p for _, p in found[1]]},
+        {"do": "release"},
+    ]
+)
+single = st.one_of(
+    st.builds(lambda on, by: {"do": "rotate", "on": on, "by": by, "frames": 3}, entity, st.floats(-4, 4)),
+    st.builds(lambda on, by: {"do": "scale", "on": on, "factor": by, "frames": 3}, entity, st.floats(0.2, 4)),
+    st.builds(lambda on, by: {"do": "arc", "on": on, "bulge": by, "frames": 3}, entity, st.floats(-2, 2)),
+    st.builds(lambda on, at, n: {"do": "insert", "on": on, "at": at, "name": n}, entity, place, st.just("q")),
+    st.builds(lambda on: {"do": "delete", "on": on}, entity),
+    st.builds(
+        lambda n, at, r: {"do": "hole", "name": n, "center": at, "radius": r},
+        st.sampled_from(["h1", "h2"]),
+        place,
+        st.floats(0.01, 0.3),
+    ),
+    st.sampled_from([{"do": "undo"}, {"do": "redo"}]),
+).map(lambda event: [event])
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(st.one_of(gesture, single), min_size=1, max_size=8))
+def test_no_edit_leaves_an_invalid_shape(tmp_path, edits):
+    events = [event for part in edits for event in part]
+    scene, script = scene_and_script(tmp_path, [])
+    session = EditSession(scene, script)
+    for event in events:
+        for step in session.steps(EVENTS[event["do"]].model_validate({"t": 0, **event})):
+            assert step.refused is None or step.change == "none"
+            if step.change in ("move", "shape"):
+                assert fault(session.outline) is None
+    assert problem(session.outline) is None
