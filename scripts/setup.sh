@@ -69,7 +69,7 @@ make_venv() {
 }
 
 pip_install() {
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --retries 2 \
+    "$venv/bin/python" -m pip install --quiet --no-compile --disable-pip-version-check --retries 2 \
         --constraint "$venv/constraints.txt" "$@" ||
         fail "pip could not install: $*" \
             "read pip's message above. Is there a network? Without one put the wheels into a folder and set PIP_FIND_LINKS

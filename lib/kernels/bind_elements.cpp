@@ -39,8 +39,9 @@ struct Loop {
     }
 
     void require_output(const Output& out, py::ssize_t rows, py::ssize_t columns) const {
-        require(out.size() == rows * columns && out.writeable(),
-                "out must be a writeable array of shape (" + std::to_string(rows) + ", " + std::to_string(columns) + ")");
+        require(
+            out.size() == rows * columns && out.writeable(),
+            "out must be a writeable array of shape (" + std::to_string(rows) + ", " + std::to_string(columns) + ")");
     }
 
     const int32_t* gather(py::ssize_t e) {
@@ -73,8 +74,8 @@ struct Loop {
     alignas(64) double xe[restshape::max_unknowns];
 };
 
-void residual(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params, Output out,
-              const std::optional<Cells>& subset) {
+void residual(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params,
+              Output out, const std::optional<Cells>& subset) {
     Loop loop(e, X, x, cells, params);
     loop.require_output(out, loop.nodes, e.fields);
     double* target = out.mutable_data();
@@ -117,7 +118,8 @@ py::array_t<double> energy(const Element& e, const Doubles& X, const Doubles& x,
     return out;
 }
 
-void stress(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params, Output out) {
+void stress(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params,
+            Output out) {
     Loop loop(e, X, x, cells, params);
     require(e.stress != nullptr, e.name + " has no stress");
     loop.require_output(out, loop.count, e.stress_components);
@@ -129,10 +131,11 @@ void stress(const Element& e, const Doubles& X, const Doubles& x, const Cells& c
 
 py::array_t<double> tangent_block(const Element& e, const Doubles& X, const Doubles& x, const Doubles& params) {
     const int n = e.unknowns();
-    require(X.size() == e.nodes * e.dim && x.size() == n && params.size() == static_cast<py::ssize_t>(e.parameters.size()),
-            e.name + " needs X (" + std::to_string(e.nodes) + ", " + std::to_string(e.dim) + "), x (" +
-                std::to_string(e.nodes) + ", " + std::to_string(e.fields) + ") and " +
-                std::to_string(e.parameters.size()) + " params");
+    require(
+        X.size() == e.nodes * e.dim && x.size() == n && params.size() == static_cast<py::ssize_t>(e.parameters.size()),
+        e.name + " needs X (" + std::to_string(e.nodes) + ", " + std::to_string(e.dim) + "), x (" +
+            std::to_string(e.nodes) + ", " + std::to_string(e.fields) + ") and " + std::to_string(e.parameters.size()) +
+            " params");
     py::array_t<double> out({n, n});
     std::fill(out.mutable_data(), out.mutable_data() + n * n, 0.0);
     if (!e.residual_tangent) return out;

@@ -125,9 +125,9 @@ class BoundTriangulation {
           triangulation_(checked(fixed), cell_edges_.mutable_data(), cells_.shape(0), edge_nodes_.mutable_data(),
                          edge_nodes_.shape(0), fixed.data()) {}
 
-    py::tuple flip_delaunay(const Doubles& X, int max_passes) {
+    py::tuple flip_delaunay(const Doubles& X, int max_passes, double quality_floor) {
         require_rows(X, 2, "X");
-        const auto flips = triangulation_.flip_delaunay(X.data(), max_passes);
+        const auto flips = triangulation_.flip_delaunay(X.data(), max_passes, quality_floor);
         const auto& changed = triangulation_.changed_cells();
         return py::make_tuple(flips, Indices(static_cast<py::ssize_t>(changed.size()), changed.data()));
     }
@@ -184,6 +184,7 @@ void bind_mesh(py::module_& m) {
         .def(py::init<Indices, Indices, Indices, const Flags&>(), py::arg("cells").noconvert(),
              py::arg("cell_edges").noconvert(), py::arg("edge_nodes").noconvert(), py::arg("fixed").noconvert())
         .def("flip_delaunay", &BoundTriangulation::flip_delaunay, py::arg("X").noconvert(), "max_passes"_a,
+             "quality_floor"_a = 1.0,
              "Number of flips and the triangles they changed, ascending.")
         .def_property_readonly("edge_cells", &BoundTriangulation::edge_cells,
                                "The two triangles (n_edges, 2) of every edge, -1 where there is none; a live view.");

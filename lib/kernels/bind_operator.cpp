@@ -56,7 +56,8 @@ void add(Operator& op, int block, const Element& e, const Doubles& X, const Doub
          double coef, std::optional<Output> rhs, std::optional<double> residual_coef) {
     const Block& b = op.block(block);
     const py::ssize_t n = op.nodes(), np = static_cast<py::ssize_t>(e.parameters.size());
-    require(X.size() == n * e.dim, e.name + " needs X of shape (" + std::to_string(n) + ", " + std::to_string(e.dim) + ")");
+    require(X.size() == n * e.dim,
+            e.name + " needs X of shape (" + std::to_string(n) + ", " + std::to_string(e.dim) + ")");
     require(x.size() == n * e.fields,
             e.name + " needs x of shape (" + std::to_string(n) + ", " + std::to_string(e.fields) + ")");
     const bool each = params.ndim() == 2 && params.shape(0) == b.count && params.shape(1) == np;
@@ -89,7 +90,8 @@ py::object petsc4py_mat(const Operator& op) {
     return py::reinterpret_steal<py::object>(wrapped);
 }
 
-constexpr const char* operator_doc = R"(A sparse matrix assembled from elements, with supports eliminated inside the elements.
+constexpr const char* operator_doc =
+    R"(A sparse matrix assembled from elements, with supports eliminated inside the elements.
 
 Args:
   world: on PETSC_COMM_WORLD; otherwise on PETSC_COMM_SELF.
@@ -124,8 +126,9 @@ void bind_operator(py::module_& m) {
              "diagonal gets the sum of |coef * K_ii|, their rhs nothing.")
         .def("end", &Operator::end, "Hands the values to PETSc.")
         .def_property_readonly("mat", &petsc4py_mat, "The matrix as a petsc4py Mat with a reference of its own.")
-        .def_property_readonly("handle", [](const Operator& op) { return reinterpret_cast<intptr_t>(op.mat()); },
-                               "PETSc's Mat as an integer (borrowed).")
+        .def_property_readonly(
+            "handle", [](const Operator& op) { return reinterpret_cast<intptr_t>(op.mat()); },
+            "PETSc's Mat as an integer (borrowed).")
         .def_property_readonly("generation", &Operator::generation, "Counts the matrices: it grows with each new one.")
         .def_property_readonly("nnz", &Operator::nonzeros, "Stored entries of this rank's rows.");
 }

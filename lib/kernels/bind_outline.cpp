@@ -32,23 +32,28 @@ OutlineCheck make_check(const Indices& first, const Indices& ends, const Loops& 
 }
 
 const char* name_of(Fault fault) {
-    static const char* names[] = {"none",   "resample", "cross",      "touch",         "fold",         "short", "turned",
-                                  "outside", "nested",   "point_near", "point_outside", "point_in_hole"};
+    static const char* names[] = {"none",   "resample", "cross",  "touch",      "fold",          "short",
+                                  "turned", "outside",  "nested", "point_near", "point_outside", "point_in_hole"};
     return names[static_cast<int>(fault)];
 }
 
 }  // namespace
 
 void bind_outline(py::module_& m) {
-    py::class_<OutlineCheck>(m, "OutlineCheck", "Validity of a sampled outline along a motion that is linear in two numbers.")
-        .def(py::init(&make_check), py::arg("first"), py::arg("ends"), py::arg("loops"), py::arg("gap"), py::arg("sharpest"))
+    py::class_<OutlineCheck>(m, "OutlineCheck",
+                             "Validity of a sampled outline along a motion that is linear in two numbers.")
+        .def(py::init(&make_check), py::arg("first"), py::arg("ends"), py::arg("loops"), py::arg("gap"),
+             py::arg("sharpest"))
         .def(
             "set_motion",
-            [](OutlineCheck& self, const Coordinates& p0, const Coordinates& p1, const Coordinates& p2, const Coordinates& e0,
-               const Coordinates& e1, const Coordinates& e2, const py::array_t<std::uint8_t, py::array::c_style>& state, bool rigid) {
-                if (p1.size() != p0.size() || p2.size() != p0.size() || e1.size() != e0.size() || e2.size() != e0.size())
+            [](OutlineCheck& self, const Coordinates& p0, const Coordinates& p1, const Coordinates& p2,
+               const Coordinates& e0, const Coordinates& e1, const Coordinates& e2,
+               const py::array_t<std::uint8_t, py::array::c_style>& state, bool rigid) {
+                if (p1.size() != p0.size() || p2.size() != p0.size() || e1.size() != e0.size() ||
+                    e2.size() != e0.size())
                     throw py::value_error("positions and displacements must have the same shape");
-                self.set_motion({points_of(p0), points_of(p1), points_of(p2)}, {points_of(e0), points_of(e1), points_of(e2)},
+                self.set_motion({points_of(p0), points_of(p1), points_of(p2)},
+                                {points_of(e0), points_of(e1), points_of(e2)},
                                 std::vector<std::uint8_t>(state.data(), state.data() + state.size()), rigid);
             },
             py::arg("p0"), py::arg("p1"), py::arg("p2"), py::arg("e0"), py::arg("e1"), py::arg("e2"), py::arg("state"),

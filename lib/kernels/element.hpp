@@ -34,7 +34,7 @@ struct Element {
 
 constexpr int max_unknowns = 64, max_coordinates = 64, max_tangent = max_unknowns * max_unknowns;
 
-const std::vector<Element>& elements();          // all that are registered
+const std::vector<Element>& elements();           // all that are registered
 const Element& element(const std::string& name);  // throws std::invalid_argument with the names that exist
 
 namespace detail {
@@ -72,8 +72,18 @@ template <class E>
 Element element_of(const char* name) {
     constexpr int n = E::nodes * E::fields;
     static_assert(n <= max_unknowns && E::nodes * E::dim <= max_coordinates, "raise the limits of the element loop");
-    Element e{name, E::nodes, E::dim, E::fields, Dual<n>::lanes, E::symmetric, E::stress_components, E::parameters(),
-              E::template residual<double, double, double>, nullptr, detail::design<E>, E::template energy<double, double>,
+    Element e{name,
+              E::nodes,
+              E::dim,
+              E::fields,
+              Dual<n>::lanes,
+              E::symmetric,
+              E::stress_components,
+              E::parameters(),
+              E::template residual<double, double, double>,
+              nullptr,
+              detail::design<E>,
+              E::template energy<double, double>,
               nullptr};
     if constexpr (E::has_tangent) e.residual_tangent = detail::tangent<E>;
     if constexpr (E::stress_components > 0) e.stress = E::stress;

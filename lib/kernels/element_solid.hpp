@@ -165,7 +165,7 @@ struct SolidElement {
         }
     }
 
-  private:
+ private:
     template <class SX, class Sx, class R>
     static void displacement_gradient(const SX (&G)[nodes][dim], const Sx* x, R (&H)[dim][dim]) {
         for (int a = 0; a < dim; ++a)

@@ -44,7 +44,7 @@ struct TractionElement {
         return total;
     }
 
-  private:
+ private:
     template <class S>
     static S sqrt_of(const S& s) {
         using std::sqrt;

@@ -36,12 +36,15 @@ class Triangulation {
         }
     }
 
-    // Flips edges whose two opposite angles sum to more than pi until none is left; returns how many flips.
+    // Flips edges whose two opposite angles sum to more than pi, and then those around them, until none is left; returns
+    // how many flips. It begins at the edges of triangles whose quality is below `quality_floor`: at 1 or more, at all.
     // Every flip enlarges the smallest of six angles, so it ends; `max_passes` x edges bounds it under rounding.
-    std::ptrdiff_t flip_delaunay(const double* X, int max_passes) {
+    std::ptrdiff_t flip_delaunay(const double* X, int max_passes, double quality_floor) {
         changed_.clear();
         queue_.clear();
-        for (std::int32_t edge = 0; edge < static_cast<std::int32_t>(edge_cells_.size()); ++edge) push(edge);
+        for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(touched_.size()); ++cell)
+            if (quality_floor >= 1.0 || quality(X, cells_ + 3 * cell) < quality_floor)
+                for (int i = 0; i < 3; ++i) push(cell_edges_[3 * cell + i]);
         const auto limit = static_cast<std::ptrdiff_t>(max_passes) * static_cast<std::ptrdiff_t>(edge_cells_.size());
         std::ptrdiff_t flips = 0;
         for (std::size_t next = 0; next < queue_.size(); ++next) {
@@ -80,6 +83,15 @@ class Triangulation {
     void hand_over(std::int32_t edge, std::int32_t from, std::int32_t to) {
         auto& sides = edge_cells_[edge];
         sides[sides[0] == from ? 0 : 1] = to;
+    }
+
+    // Inscribed radius over longest edge, 1 for equilateral (THEORY.md section 1).
+    static double quality(const double* X, const std::int32_t* cell) {
+        const double *a = X + 2 * cell[0], *b = X + 2 * cell[1], *c = X + 2 * cell[2];
+        const double twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+        const double ab = std::hypot(b[0] - a[0], b[1] - a[1]), bc = std::hypot(c[0] - b[0], c[1] - b[1]);
+        const double ca = std::hypot(a[0] - c[0], a[1] - c[1]);
+        return 2.0 * std::sqrt(3.0) * twice_area / ((ab + bc + ca) * std::max({ab, bc, ca}));
     }
 
     // Opposite angles alpha, delta of the quadrilateral a b d c with diagonal b c: flip when sin(alpha + delta) < 0 by

@@ -26,11 +26,11 @@ const Events& events() {
 }
 
 class Logged {
-  public:
+ public:
     explicit Logged(PetscLogEvent event) : event_(event) { (void)PetscLogEventBegin(event_, 0, 0, 0, 0); }
     ~Logged() { (void)PetscLogEventEnd(event_, 0, 0, 0, 0); }
 
-  private:
+ private:
     PetscLogEvent event_;
 };
 
@@ -203,7 +203,8 @@ void Operator::replace_matrix(Mat mat) {
     ++generation_;
 }
 
-// petsc4py only queues an object whose last reference it drops (PetscObjectDelayedDestroy), so the last one must be ours.
+// petsc4py only queues an object whose last reference it drops (PetscObjectDelayedDestroy), so the last one must be
+// ours.
 void Operator::release_retired() {
     size_t kept = 0;
     for (Mat mat : retired_) {

@@ -26,7 +26,7 @@ struct Terms {
 };
 
 class Operator {
-  public:
+ public:
     static std::unique_ptr<Operator> create(bool world, int fields, std::vector<int32_t> node_offsets, int rank,
                                             const std::string& backend);
     virtual ~Operator();
@@ -48,7 +48,7 @@ class Operator {
     int block_count() const { return static_cast<int>(blocks_.size()); }
     const Block& block(int k) const;
 
-  protected:
+ protected:
     Operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
 
     virtual void new_pattern() = 0;
@@ -65,15 +65,15 @@ class Operator {
 
     // Calls scatter(k, e, cell, K) with the constrained tangent of each element e = list[k] (all if list is null).
     template <class Sizes, class Scatter>
-    void element_loop(Sizes sizes, int block, const Element& element, const Terms& terms, const int32_t* list, int count,
-                      Scatter scatter);
+    void element_loop(Sizes sizes, int block, const Element& element, const Terms& terms, const int32_t* list,
+                      int count, Scatter scatter);
 
     MPI_Comm comm_;
     int fields_, rank_;
     std::vector<int32_t> node_offsets_;
     std::vector<Block> blocks_;
 
-  private:
+ private:
     void check_cells(const Block& block, const int32_t* list, int count) const;
     void flag_constrained(int block, const int32_t* list, int count);
     void release_retired();

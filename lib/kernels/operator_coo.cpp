@@ -6,7 +6,7 @@
 namespace restshape {
 
 class CooOperator final : public Operator {
-  public:
+ public:
     CooOperator(bool world, int fields, std::vector<int32_t> node_offsets, int rank)
         : Operator(world, fields, std::move(node_offsets), rank) {}
 
@@ -16,7 +16,7 @@ class CooOperator final : public Operator {
         return static_cast<int64_t>(info.nz_used);
     }
 
-  protected:
+ protected:
     void new_pattern() override {
         touching_.assign(blocks_.size(), {});
         first_.assign(blocks_.size(), 0);
@@ -59,7 +59,7 @@ class CooOperator final : public Operator {
 
     void finish() override { check(MatSetValuesCOO(mat(), value_.data(), INSERT_VALUES), "MatSetValuesCOO"); }
 
-  private:
+ private:
     void preallocate() {
         std::vector<PetscInt> rows, columns;
         rows.reserve(value_.size());
@@ -71,7 +71,8 @@ class CooOperator final : public Operator {
             rows.push_back(i);
             columns.push_back(i);
         }
-        const PetscInt own = static_cast<PetscInt>(own_nodes()) * fields_, all = static_cast<PetscInt>(nodes()) * fields_;
+        const PetscInt own = static_cast<PetscInt>(own_nodes()) * fields_,
+                       all = static_cast<PetscInt>(nodes()) * fields_;
         Mat mat = nullptr;
         check(MatCreate(comm_, &mat), "MatCreate");
         check(MatSetSizes(mat, own, own, all, all), "MatSetSizes");

@@ -23,7 +23,7 @@ PetscErrorCode release_arrays(void* context) {
 }  // namespace
 
 class CsrOperator final : public Operator {
-  public:
+ public:
     CsrOperator(bool world, int fields, std::vector<int32_t> node_offsets, int rank)
         : Operator(world, fields, std::move(node_offsets), rank) {
         if (node_offsets_.size() != 2) throw std::invalid_argument("backend csr is for one rank; use coo");
@@ -31,7 +31,7 @@ class CsrOperator final : public Operator {
 
     int64_t nonzeros() const override { return arrays_ ? static_cast<int64_t>(arrays_->column.size()) : 0; }
 
-  protected:
+ protected:
     void new_pattern() override {
         graph_.build(nodes(), blocks_);
         auto fresh = idle_arrays();
@@ -73,7 +73,7 @@ class CsrOperator final : public Operator {
         check(MatSeqAIJRestoreArrayWrite(mat(), &values), "MatSeqAIJRestoreArrayWrite");
     }
 
-  private:
+ private:
     template <class Sizes>
     void assemble(Sizes sizes, int block, const Element& element, const Terms& terms) {
         const int stride = element.tangent_stride;

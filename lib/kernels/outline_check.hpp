@@ -54,7 +54,20 @@ inline Point meeting_point(Point a, Point b, Point c, Point d) {
     return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
 }
 
-enum class Fault { none, resample, cross, touch, fold, shorter, turned, outside, nested, point_near, point_outside, point_in_hole };
+enum class Fault {
+    none,
+    resample,
+    cross,
+    touch,
+    fold,
+    shorter,
+    turned,
+    outside,
+    nested,
+    point_near,
+    point_outside,
+    point_in_hole
+};
 
 struct Finding {
     Fault fault = Fault::none;
@@ -69,12 +82,15 @@ struct SampledLoop {
 };
 
 class OutlineCheck {
-public:
+ public:
     // first: samples of edge e are first[e] .. first[e + 1] - 1; ends: vertices at its ends;
     // gap: clearance; sharpest: smallest angle between edges at a vertex.
-    OutlineCheck(std::vector<int> first, std::vector<std::array<int, 2>> ends, std::vector<SampledLoop> loops, double gap,
-                 double sharpest)
-        : first_(std::move(first)), ends_(std::move(ends)), loops_(std::move(loops)), gap_(gap),
+    OutlineCheck(std::vector<int> first, std::vector<std::array<int, 2>> ends, std::vector<SampledLoop> loops,
+                 double gap, double sharpest)
+        : first_(std::move(first)),
+          ends_(std::move(ends)),
+          loops_(std::move(loops)),
+          gap_(gap),
           sharpest_(std::tan(sharpest)) {
         find_probes();
     }
@@ -93,7 +109,8 @@ public:
         reference_length_.resize(state_.size());
         loop_state_.assign(loops_.size(), 0);
         for (std::size_t l = 0; l < loops_.size(); ++l)
-            for (int e : loops_[l].edges) loop_state_[l] = std::max<int>(loop_state_[l], state_[e] ? (fixed_form(e) ? 2 : 3) : 0);
+            for (int e : loops_[l].edges)
+                loop_state_[l] = std::max<int>(loop_state_[l], state_[e] ? (fixed_form(e) ? 2 : 3) : 0);
         for (std::size_t l = 0; l < loops_.size(); ++l)
             for (int e : loops_[l].edges)
                 if (loop_state_[l] == 2 && !state_[e]) loop_state_[l] = 3;
@@ -116,10 +133,11 @@ public:
         return found;
     }
 
-private:
+ private:
     bool fixed_form(int e) const { return state_[e] == 2 && rigid_; }
     bool joined(int e, int f) const {
-        return ends_[e][0] == ends_[f][0] || ends_[e][0] == ends_[f][1] || ends_[e][1] == ends_[f][0] || ends_[e][1] == ends_[f][1];
+        return ends_[e][0] == ends_[f][0] || ends_[e][0] == ends_[f][1] || ends_[e][1] == ends_[f][0] ||
+               ends_[e][1] == ends_[f][1];
     }
 
     Box edge_box(int e) const {
@@ -133,7 +151,8 @@ private:
 
     double edge_length(int e) const {
         double sum = 0;
-        for (int k = first_[e]; k + 1 < first_[e + 1]; ++k) sum += std::sqrt(dot(now_[k + 1] - now_[k], now_[k + 1] - now_[k]));
+        for (int k = first_[e]; k + 1 < first_[e + 1]; ++k)
+            sum += std::sqrt(dot(now_[k + 1] - now_[k], now_[k + 1] - now_[k]));
         return sum;
     }
 
@@ -201,7 +220,8 @@ private:
 
     Fault check_apart(Point a, Point b, Point c, Point d) const {
         if (segments_meet(a, b, c, d)) return Fault::cross;
-        const double nearest = std::min(std::min(distance2(a, c, d), distance2(b, c, d)), std::min(distance2(c, a, b), distance2(d, a, b)));
+        const double nearest = std::min(std::min(distance2(a, c, d), distance2(b, c, d)),
+                                        std::min(distance2(c, a, b), distance2(d, a, b)));
         return nearest < gap_ * gap_ ? Fault::touch : Fault::none;
     }
 

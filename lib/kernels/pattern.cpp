@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 namespace restshape {
 
@@ -137,8 +138,11 @@ void NodeGraph::mend_offsets(Block& block, int e, bool all_rows) {
     uint16_t* offset = block.offsets(e);
     for (int i = 0; i < block.nodes; ++i) {
         if (!all_rows && !has_grown_[cell[i]]) continue;
-        for (int j = 0; j < block.nodes; ++j)
-            offset[i * block.nodes + j] = static_cast<uint16_t>(place(cell[i], cell[j]));
+        for (int j = 0; j < block.nodes; ++j) {
+            const int k = place(cell[i], cell[j]);
+            if (k < 0) throw std::runtime_error("cell " + std::to_string(e) + " changed, but no patch has named it");
+            offset[i * block.nodes + j] = static_cast<uint16_t>(k);
+        }
     }
 }
 

@@ -1,4 +1,5 @@
-// The nonzero pattern by nodes: which nodes share an element, and where in its row each pair of an element's nodes lies.
+// The nonzero pattern by nodes: which nodes share an element, and where in its row each pair of an element's nodes
+// lies.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@ struct Block {
 
 // Neighbours of each node, itself included, sorted: row i is adjacent[start[i]:start[i + 1]].
 class NodeGraph {
-  public:
+ public:
     std::vector<int32_t> start, adjacent;
 
     int nodes() const { return static_cast<int>(start.size()) - 1; }
@@ -36,7 +37,7 @@ class NodeGraph {
     const std::vector<int32_t>& patch(std::vector<Block>& blocks, int block, const int32_t* changed, int count,
                                       std::vector<int32_t>& old_start);
 
-  private:
+ private:
     struct Incidence {
         int32_t block, slot;  // slot = element * nodes + local node
     };

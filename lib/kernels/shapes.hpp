@@ -51,7 +51,8 @@ struct LineRule3 {
     static constexpr double weight[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
 };
 
-// Lagrange bases on simplices: corners first, then mid-sides in `sides` order (VTK's; Gmsh swaps the last two of tet10).
+// Lagrange bases on simplices: corners first, then mid-sides in `sides` order (VTK's; Gmsh swaps the last two of
+// tet10).
 template <int D>
 struct Linear {
     static constexpr int dim = D, nodes = D + 1, order = 1;
@@ -150,7 +151,7 @@ struct Solid {
         return gradients(slope, 1.0, X, G);
     }
 
-  private:
+ private:
     template <class S>
     static S gradients(const double (&slope)[nodes][dim], double weight, const S* X, S (&G)[nodes][dim]) {
         S J[dim][dim], C[dim][dim];

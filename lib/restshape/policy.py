@@ -18,6 +18,7 @@ class Policy:
         extrapolate: guess along the last two solutions of a drag.
         relocation: relocation of nodes in place of the scene's.
         criterion: distortion criterion in place of the scene's.
+        flip_everywhere: level 2 makes the whole mesh Delaunay, not only around distorted triangles.
         backend: assembly backend, None for the default.
     """
 
@@ -29,6 +30,7 @@ class Policy:
     extrapolate: bool = True
     relocation: str | None = None
     criterion: str | None = None
+    flip_everywhere: bool = False
     backend: str | None = None
 
 
@@ -45,6 +47,7 @@ POLICIES = {
             extrapolate=False,
             relocation="laplacian",
             criterion="author",
+            flip_everywhere=True,
         ),
         Policy("auto", "an old complete factor, refreshed when counted work says that it pays"),
     )

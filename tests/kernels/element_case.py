@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from restshape import _kernels as k
 
 LAMBDA, MU = 1.3, 0.7

@@ -1,13 +1,10 @@
 """Run by mpiexec: the operator on several ranks, before and after flips, against one rank's; prints the largest gap."""
 
 import numpy as np
-import petsc4py
-
-petsc4py.init([])
-
 from petsc4py import PETSc
-from restshape import _kernels as k
 from sample_meshes import flip_edges, unit_box
+
+from restshape import _kernels as k
 
 HOOKE = np.array([1.3, 0.7, 0.8, 0.3, -0.9])
 
@@ -48,7 +45,7 @@ def main() -> None:
         changed = flip_edges(X, cells, 4, np.random.default_rng(repeat))
         shared.patch(0, changed)
         alone.patch(0, changed)
-    print(f"rank {world.rank} of {world.size} gap {gap:.3e}", flush=True)
+    PETSc.Sys.syncPrint(f"rank {world.rank} of {world.size} gap {gap:.3e}", flush=True)
 
 
 main()

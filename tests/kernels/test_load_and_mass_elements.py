@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from element_case import TRI3, ElementCase
-from restshape import _kernels as k
 from sample_meshes import unit_box
+
+from restshape import _kernels as k
 
 AREA = np.linalg.det(np.column_stack([np.ones(3), TRI3])) / 2
 
@@ -49,9 +50,7 @@ class TestTractionEdge2(TractionCase):
         outward = np.array([along[1], -along[0]])
         t, p = np.array([[1.0, -2.0], [0.5, 3.0]]).mean(axis=0), (0.7 - 0.4) / 2
         total = (np.linalg.norm(along) * t - outward * p) * 0.8
-        np.testing.assert_allclose(
-            self.residual(element, self.X, np.zeros((2, 2))).sum(axis=0), -total, rtol=1e-13
-        )
+        np.testing.assert_allclose(self.residual(element, self.X, np.zeros((2, 2))).sum(axis=0), -total, rtol=1e-13)
 
     def test_uniform_pressure_pushes_inward(self, element):
         """Material on the left of a side that runs in +x lies above: pressure pushes up."""
@@ -65,7 +64,7 @@ class TestTractionEdge3(TractionCase):
     name, X = "traction_edge3", np.array([[0.1, 0.2], [1.3, -0.4], [0.75, -0.05]])
 
     def test_uniform_traction_on_a_parabola(self, element):
-        """y = x^2/4 on [-1, 1] is this side exactly; its length is sqrt(5)/2 + 2 asinh(1/2). Three points are near enough."""
+        """y = x^2/4 on [-1, 1] is this side exactly; its length is sqrt(5)/2 + 2 asinh(1/2)."""
         X = np.array([[-1.0, 0.25], [1, 0.25], [0, 0]])
         out = np.zeros((3, 2))
         element.residual(X, out * 0, self.cells, np.array([1.0, 0, 1, 0, 0, 0, 1]), out)

@@ -1,14 +1,11 @@
 """The operator against a dense assembly, cold topologies after random flips, and PETSc's own event counts."""
 
 import numpy as np
-import petsc4py
-
-petsc4py.init([])
-
 import pytest
 from petsc4py import PETSc
-from restshape import _kernels as k
 from sample_meshes import flip_edges, second_order, unit_box
+
+from restshape import _kernels as k
 
 HOOKE = np.array([1.3, 0.7, 0.8, 0.3, -0.9])
 HOOKE_3D = np.array([1.3, 0.7, 0.3, -0.9, 0.2])
@@ -260,3 +257,16 @@ def test_bad_use_is_refused():
         op.add(0, k.Element("traction_edge2"), X, 0 * X, np.zeros(7))
     with pytest.raises(ValueError, match="not in the topology"):
         op.add(1, k.Element("linear_elastic_tri3"), X, 0 * X, HOOKE)
+
+
+def test_flips_that_no_patch_names_are_noticed():
+    X, cells, _ = unit_box(2, 4)
+    op = operator(len(X), 2)
+    op.set_topology([cells])
+    changed = flip_edges(X, cells, 8, np.random.default_rng(0))
+    with pytest.raises(RuntimeError, match="no patch has named it"):
+        op.patch(0, changed[:2])
+    op.set_topology([cells])
+    filled(op, "linear_elastic_tri3", X, np.zeros_like(X), HOOKE)
+    K, _ = reference("linear_elastic_tri3", X, np.zeros_like(X), cells, HOOKE, np.zeros(2 * len(X)))
+    np.testing.assert_allclose(entries(op), K, rtol=0, atol=1e-14)

@@ -21,5 +21,5 @@ def test_two_ranks_give_the_rows_of_one():
         timeout=120,
     )
     assert done.returncode == 0, done.stderr
-    gaps = [float(g) for g in re.findall(r"rank \d of 2 gap (\S+)", done.stdout)]
+    gaps = [float(g) for g in re.findall(r"rank \d of 2 gap (\d\.\d+e[+-]\d+)", done.stdout)]
     assert len(gaps) == 2 and max(gaps) < 1e-14

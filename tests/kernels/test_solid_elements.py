@@ -2,8 +2,9 @@
 
 import numpy as np
 from element_case import LAMBDA, MU, TET4, TRI3, SolidCase, curved
-from restshape import _kernels as k
 from sample_meshes import second_order, unit_box
+
+from restshape import _kernels as k
 
 
 class TestLinearElasticTri3(SolidCase):

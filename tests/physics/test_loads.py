@@ -81,3 +81,13 @@ def test_two_loads_add_up(tmp_path):
     loads = '[loads.f]\non = "top"\nforce = [1, 2]\n[loads.g]\non = "right"\nforce = [10, 20]\n[effects.gravity]\n'
     weight = RHO * WIDTH * HEIGHT * THICKNESS * 9.81
     np.testing.assert_allclose(reactions(tmp_path, loads), [-11, weight - 22], atol=1e-6 * weight)
+
+
+def test_area_and_energy_of_a_region(tmp_path):
+    region = "[shape.regions]\nheavy = { polygon = [[0.4, 0.3], [0.8, 0.3], [0.8, 0.7], [0.4, 0.7]] }\n"
+    stretched = '[supports.round]\non = "outline"\nfix = { x = "x*1e-3", y = 0 }\n'
+    material = '[material.m]\nE = 1e9\nnu = 0\nthickness = 0.01\n[effects.solid]\nmodel = "plane_stress"\n'
+    asked = '[quantities]\narea = { area = true, at = "heavy" }\nenergy = { energy = "strain", at = "heavy" }\n'
+    row = row_of(tmp_path, HEAD + block() + region + material + stretched + meshed(0.13) + asked)
+    assert row["q_area"] == pytest.approx(0.16, rel=1e-12)
+    assert row["q_energy"] == pytest.approx(0.5 * 1e9 * 1e-6 * 0.16 * 0.01, rel=1e-5)

@@ -174,7 +174,7 @@ single = st.one_of(
 ).map(lambda event: [event])
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.one_of(gesture, single), min_size=1, max_size=8))
 def test_no_edit_leaves_an_invalid_shape(tmp_path, edits):
     events = [event for part in edits for event in part]

@@ -69,13 +69,17 @@ class LinearSolver:
             else:
                 pc.setFactorOrdering("amd")
             return
-        pc.setType("bjacobi")
+        # Block Jacobi as additive Schwarz without overlap: the petsc4py of 3.18 gives the blocks' solvers for that only.
+        pc.setType("asm")
+        pc.setASMOverlap(0)
         options = PETSc.Options(self.ksp.getOptionsPrefix() or "")
         for key, value in {"sub_ksp_type": "preonly", "sub_pc_type": kind, "sub_pc_factor_levels": 3}.items():
             if not options.hasName(key) and not (kind == "cholesky" and key.endswith("levels")):
                 options.setValue(key, value)
 
-    def solve(self, mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, new_system: bool) -> LinearReport:
+    def solve(
+        self, mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, new_system: bool, same_matrix: bool = False
+    ) -> LinearReport:
         """Solve mat x = b from the guess in x.
 
         Args:
@@ -83,6 +87,7 @@ class LinearSolver:
             b: right side.
             x: guess on entry (but for `direct`), solution on return.
             new_system: the mesh is another one, so that no old preconditioner fits.
+            same_matrix: mat is what it was in the last solve, so that `direct` has its factor.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
@@ -90,7 +95,7 @@ class LinearSolver:
         refreshed = False
         if new_system:
             self.ksp.reset()
-        if new_system or self.age < 0 or self.method == "direct" or self._worth_refreshing():
+        if new_system or self.age < 0 or (self.method == "direct" and not same_matrix) or self._worth_refreshing():
             self._factor(mat)
             refreshed = True
         else:
@@ -140,16 +145,19 @@ class LinearSolver:
 
     def _set_budget(self, mat: PETSc.Mat) -> None:
         """Iterations that cost as much as a refresh, from counted work on all ranks and the calibration."""
-        factor = self.ksp.getPC()
         nnz = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
         size = mat.getSize()[0]
-        if self.comm.size == 1:
-            filled = factor.getFactorMatrix().getInfo()["nz_used"]
-        else:
-            filled = sum(ksp.getPC().getFactorMatrix().getInfo()["nz_used"] for ksp in factor.getBJacobiSubKSP())
-            filled = self.comm.tompi4py().allreduce(filled)
+        filled = self._filled() or nnz
         refresh = self.calibration.refresh_seconds(size, nnz, filled)
         self.budget = max(1, math.ceil(refresh / self.calibration.iteration_seconds(size, nnz, filled)))
+
+    def _filled(self) -> float:
+        """Nonzeros of the factors of all ranks; 0 when PETSc's options ask for a preconditioner that is no factor."""
+        pc = self.ksp.getPC()
+        parts = [ksp.getPC() for ksp in pc.getASMSubKSP()] if pc.getType() == "asm" else [pc]
+        factors = [part.getFactorMatrix() for part in parts if part.getType() in ("cholesky", "lu", "icc", "ilu")]
+        filled = sum(factor.getInfo()["nz_used"] for factor in factors)
+        return filled if self.comm.size == 1 else self.comm.tompi4py().allreduce(filled)
 
     def _worth_refreshing(self) -> bool:
         return self.method == "stale" and self.excess >= self.budget

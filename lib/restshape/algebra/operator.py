@@ -35,11 +35,14 @@ class Operator:
         """Add to the pattern what the flipped cells `changed` of a block need; nothing else is set up anew."""
         self.core.patch(block, changed)
 
-    def assemble(self, terms: list[tuple], rhs: np.ndarray) -> PETSc.Mat:
-        """The matrix of a sum of terms (block, element, X, x, params, coefficient); rhs (n * f,) loses their residuals."""
+    def assemble(self, terms: list[tuple], rhs: np.ndarray | None) -> PETSc.Mat:
+        """The matrix of a sum of terms (block, element, X, x, params, coefficient[, factor]).
+
+        rhs (n * f,), where given, loses the terms' residuals at x, times the factor, which is the coefficient by default.
+        """
         self.core.begin()
-        for block, element, X, x, params, coefficient in terms:
-            self.core.add(block, element, X, x, params, coefficient, rhs)
+        for block, element, X, x, params, coefficient, *factor in terms:
+            self.core.add(block, element, X, x, params, coefficient, rhs, *factor)
         self.core.end()
         if self.core.generation != self._generation:
             self._generation = self.core.generation

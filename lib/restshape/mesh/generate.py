@@ -8,11 +8,12 @@ import numpy as np
 
 from restshape.errors import ReplayProblem
 from restshape.mesh.boundary import Boundary, discretise
+from restshape.mesh.crossing import first_crossing
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.mesher import triangulate
 from restshape.mesh.numbering import cell_order, node_order
 from restshape.mesh.partition import node_owners
-from restshape.mesh.regions import cell_regions, signed_area
+from restshape.mesh.regions import cell_regions, contains, signed_area
 from restshape.mesh.sizing import GRADING, sizing_of
 from restshape.shape.outline import Outline
 
@@ -38,6 +39,8 @@ def generate(outline: Outline, spec: Any, ranks: int = 1) -> Mesh:
     sizing = sizing_of(outline, spec.size, spec.near)
     boundary = discretise(outline, sizing)
     runs, runs_of = _runs(boundary)
+    facets, facet_edge = _facets(outline, boundary)
+    _refuse_crossing(outline, boundary, facets, facet_edge)
     inside = [i for i, around in enumerate(_on_border(outline)) if not around]
     X, cells = triangulate(
         boundary.points,
@@ -163,6 +166,28 @@ def _areas(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Twice the signed areas (ne,) of triangles [m^2]."""
     x, y = X[:, 0][cells].T, X[:, 1][cells].T
     return (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+
+
+def _refuse_crossing(outline: Outline, boundary: Boundary, facets: np.ndarray, facet_edge: np.ndarray) -> None:
+    """Refuse a boundary that crosses or touches itself, and holes and points outside the material.
+
+    Raises:
+        ReplayProblem: with the edges that meet, or with what lies outside.
+    """
+    single = np.repeat(np.array(outline.embedded, dtype=np.int64), 2).reshape(-1, 2)
+    met = first_crossing(boundary.points, np.concatenate([facets, single]))
+    if met is not None:
+        names = [outline.edges[facet_edge[i]].name if i < len(facets) else "an embedded point" for i in met]
+        raise ReplayProblem(f"the shape cannot be meshed: {' and '.join(names)} meet at this mesh size")
+    outer, *holes = [boundary.points[_loop_nodes(loop.edges, boundary)] for loop in _border_loops(outline)]
+    probes = np.concatenate([boundary.points[single[:, 0]], *(hole[:1] for hole in holes)])
+    outside = ~contains(outer, probes)
+    for i, hole in enumerate(holes):
+        own = len(single) + i
+        outside |= contains(hole, probes) & (np.arange(len(probes)) != own)
+    if outside.any():
+        x, y = probes[np.argmax(outside)]
+        raise ReplayProblem(f"the shape cannot be meshed: the point ({x:.6g}, {y:.6g}) lies outside the material")
 
 
 def _refuse_broken(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndarray) -> None:

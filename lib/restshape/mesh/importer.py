@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import struct
 from pathlib import Path
 from xml.etree.ElementTree import ParseError
@@ -21,8 +23,11 @@ from restshape.shape.outline import Outline
 FORMATS = {".inp": "abaqus", ".bdf": "nastran", ".nas": "nastran", ".dat": "nastran", ".msh": "gmsh", ".vtu": "vtu"}
 """File name endings that are read, and meshio's name of their format."""
 
-PLANE_TRIANGLES = ("CPE3", "CPEG3", "M3D3", "CPE3H")
-"""Abaqus names of first-order triangles that meshio does not list."""
+PLANE_ELEMENTS = {
+    **dict.fromkeys(("CPE3", "CPE3H", "CPEG3", "M3D3"), "triangle"),
+    **dict.fromkeys(("CPE4", "CPE4H", "CPE4I", "CPE4R", "CPEG4", "CPS4I", "M3D4", "M3D4R"), "quad"),
+}
+"""Abaqus names of plane first-order elements that meshio does not know."""
 
 UNREADABLE = (
     meshio.ReadError,
@@ -86,17 +91,17 @@ def _read(path: Path) -> meshio.Mesh:
     # meshio waits for ever for the first card of a deck without any.
     if kind == "nastran" and not has_grid(path):
         raise UserError("there is no GRID card after BEGIN BULK", str(path), "export the nodes too")
-    for name in PLANE_TRIANGLES:
-        abaqus_to_meshio_type.setdefault(name, "triangle")
+    for name, shape in PLANE_ELEMENTS.items():
+        abaqus_to_meshio_type.setdefault(name, shape)
+    # meshio prints why it fails before it leaves.
+    printed = io.StringIO()
     try:
-        return meshio.read(path, file_format=kind)
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
+            return meshio.read(path, file_format=kind)
     except UNREADABLE as failure:
-        reason = str(failure).strip().split("\n")[0]
-        raise UserError(
-            f"this is no {kind} mesh that can be read" + (f" ({reason})" if reason else ""),
-            str(path),
-            "export it again",
-        ) from None
+        reason = printed.getvalue() if isinstance(failure, SystemExit) else str(failure)
+        why = f" ({reason.strip().splitlines()[0]})" if reason.strip() else ""
+        raise UserError(f"this is no {kind} mesh that can be read{why}", str(path), "export it again") from None
 
 
 def _triangles(read: meshio.Mesh, path: Path, unit: float) -> Triangles:
@@ -107,9 +112,6 @@ def _triangles(read: meshio.Mesh, path: Path, unit: float) -> Triangles:
     points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))]) * unit
     if not np.isfinite(points).all():
         raise UserError(f"node {int(np.argmin(np.isfinite(points).all(axis=1))) + 1} has no finite place", str(path))
-    extent = float(np.ptp(points, axis=0).max())
-    if np.abs(points[:, 2]).max() > FLAT * extent:
-        raise UserError("the mesh is not in the plane z = 0", str(path), "only plane meshes are read: project it")
     cells, lines, row_of_cell, row_of_line = [], [], [], []
     row = 0
     for block in read.cells:
@@ -128,6 +130,9 @@ def _triangles(read: meshio.Mesh, path: Path, unit: float) -> Triangles:
         elif block.type != "vertex":
             what = f"the mesh has elements of type {block.type!r}"
             raise UserError(what, str(path), "only triangles and quadrilaterals of first order are read")
+    extent = float(np.ptp(points, axis=0).max())
+    if np.abs(points[:, 2]).max() > FLAT * extent:
+        raise UserError("the mesh is not in the plane z = 0", str(path), "only plane meshes are read: project it")
     if not cells:
         raise UserError("the mesh has no triangles", str(path), "export the elements too")
     found = Triangles(

@@ -73,6 +73,8 @@ class MovingMesh:
         regenerate: a new mesh in every frame that moves.
         broadcast: calls a function on rank 0 and returns its result, or raises its error, on every rank.
         relocation, criterion: instead of the spec's.
+        flip_everywhere: level 2 makes the whole mesh Delaunay, as in the thesis; otherwise it begins at distorted
+            triangles, so that an old factor still fits.
         imported: a mesh of the first shape, used instead of generating one.
 
     Source: THEORY.md section 1.
@@ -90,6 +92,7 @@ class MovingMesh:
         broadcast: Callable[[Callable[[], Any]], Any] | None = None,
         relocation: str | None = None,
         criterion: str | None = None,
+        flip_everywhere: bool = False,
         imported: Mesh | None = None,
     ) -> None:
         self.outline, self.spec, self.ranks, self.regenerate = outline, spec, ranks, regenerate
@@ -205,7 +208,7 @@ class MovingMesh:
         for _ in range(ROUNDS):
             if verdict[1] or not verdict[2]:
                 break
-            more, cells = self._reconnection.flip(X)
+            more, cells = self._reconnection.flip(X, self._flip_floor)
             if not more:
                 break
             verdict = self._place(frame)
@@ -248,6 +251,7 @@ class MovingMesh:
             raise ReplayProblem(f"no valid mesh of the shape: {inverted} of {len(mesh.cells)} triangles have no area")
         self._adopt(mesh)
         self._area_floor, self._quality_floor = area_floor, min(quality_floor, FRESH_SHARE * quality)
+        self._flip_floor = 1.0 if self._flip_everywhere else self._quality_floor
         self._set_reference(self._c)
         self.min_quality, self._stale = quality, False
         stages["mesh"] = perf_counter() - start

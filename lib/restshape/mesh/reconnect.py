@@ -29,13 +29,14 @@ class Reconnection:
         # A flip replaces a triangle in its place, so that each side of a facet stays in its column.
         self._facet_sides = (sides[:, 0] != mesh.facet_cell).astype(np.intp)
 
-    def flip(self, X: np.ndarray) -> tuple[int, np.ndarray]:
+    def flip(self, X: np.ndarray, quality_floor: float = 1.0) -> tuple[int, np.ndarray]:
         """Number of flips, and the changed cells (int32, ascending).
 
         Args:
             X: (n, 2) node positions with no inverted triangle [m].
+            quality_floor: begin at triangles of less quality, and go on from there only; 1 begins everywhere.
         """
-        flips, changed = self._triangulation.flip_delaunay(X, PASSES)
+        flips, changed = self._triangulation.flip_delaunay(X, PASSES, quality_floor)
         if flips:
             self.mesh.facet_cell[:] = self._triangulation.edge_cells[self._facet_edges, self._facet_sides]
         return flips, changed

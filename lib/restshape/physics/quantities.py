@@ -9,7 +9,13 @@ from restshape.errors import UserError
 from restshape.physics.solid import LinearSolid
 from restshape.scene.model import Quantity
 
-TAKES = {"max": np.max, "min": np.min, "mean": np.mean, "sum": np.sum, "absmax": lambda v: np.max(np.abs(v))}
+def largest(values: np.ndarray) -> float:
+    """The largest size among values."""
+    return np.max(np.abs(values))
+
+
+# Of a single solution the peak over a frame's time steps is its largest size.
+TAKES = {"max": np.max, "min": np.min, "mean": np.mean, "sum": np.sum, "absmax": largest, "peak": largest}
 
 
 def von_mises(s: np.ndarray) -> np.ndarray:
@@ -83,6 +89,12 @@ class Observer:
             return lambda x: take(np.hypot(x[nodes, 0], x[nodes, 1]))
         column = "xy".index(quantity.displacement)
         return lambda x: take(x[nodes, column])
+
+    def _energy(self, name: str, kind: str) -> Callable[[np.ndarray], float]:
+        """The energy of that kind; a solid at rest has one only."""
+        if kind != "strain":
+            raise UserError(f"a solid at rest has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"')
+        return self.physics.energy
 
     def _around(self, name: str, nodes: np.ndarray) -> np.ndarray:
         """The cells around the nodes of a quantity, found once a topology."""

@@ -65,6 +65,7 @@ class Replay:
             broadcast=self._from_first_rank if comm.size > 1 else None,
             relocation=policy.relocation,
             criterion=policy.criterion,
+            flip_everywhere=policy.flip_everywhere,
             imported=imported,
         )
         self.recorded_topology: tuple[int, int] | None = None

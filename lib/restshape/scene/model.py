@@ -255,7 +255,12 @@ class SolveSpec(Strict):
 
 
 class Quantity(Strict):
-    """``[quantities.NAME]``: one number a frame; ``take`` says how many values become one."""
+    """``[quantities.NAME]``: one number a frame; ``take`` says how many values become one.
+
+    "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
+    Energies: "strain", "kinetic" (relative to the ground), "total" of both, "edit" (work of all edits so far) and "remesh"
+    (what carrying the motion to new meshes has added so far); all but the first are for what moves.
+    """
 
     kinds: ClassVar[tuple[str, ...]] = ("displacement", "reaction", "stress", "energy", "area")
     usual: ClassVar[dict[str, str]] = {
@@ -269,10 +274,10 @@ class Quantity(Strict):
     displacement: Literal["x", "y", "magnitude"] | None = None
     reaction: Literal["x", "y"] | None = None
     stress: Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"] | None = None
-    energy: Literal["strain"] | None = None
+    energy: Literal["strain", "kinetic", "total", "edit", "remesh"] | None = None
     area: Literal[True] | None = None
     at: str | None = None
-    take: Literal["max", "min", "mean", "sum", "absmax"] | None = None
+    take: Literal["max", "min", "mean", "sum", "absmax", "peak"] | None = None
 
     @property
     def kind(self) -> str:

@@ -1,0 +1,50 @@
+"""The lowest eigenfrequencies of a structure that is held."""
+
+import numpy as np
+import scipy.sparse as sp
+from petsc4py import PETSc
+
+TOLERANCE = 1e-12
+
+
+def lowest_modes(stiffness: sp.spmatrix, mass: sp.spmatrix, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Angular frequencies (count,) [rad/s], ascending, and modes (n, count) with phi^T M phi = 1.
+
+    K phi = omega^2 M phi by SLEPc's Krylov-Schur method with shift-and-invert at 0, on each rank by itself.
+
+    Args:
+        stiffness, mass: (n, n) of the free unknowns, symmetric positive definite.
+        count: how many.
+
+    Source: THEORY.md section 5.
+    """
+    # SLEPc finds PETSc's arguments already taken in; imported here, so that PETSc comes first.
+    from slepc4py import SLEPc
+
+    def matrix(csr: sp.spmatrix) -> PETSc.Mat:
+        csr = csr.tocsr()
+        return PETSc.Mat().createAIJ(csr.shape, csr=(csr.indptr, csr.indices, csr.data), comm=PETSc.COMM_SELF)
+
+    eps = SLEPc.EPS().create(PETSc.COMM_SELF)
+    eps.setOperators(matrix(stiffness), matrix(mass))
+    eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
+    eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
+    eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
+    eps.setTarget(0.0)
+    transform = eps.getST()
+    transform.setType(SLEPc.ST.Type.SINVERT)
+    transform.getKSP().setType("preonly")
+    transform.getKSP().getPC().setType("cholesky")
+    eps.setDimensions(count)
+    eps.setTolerances(TOLERANCE, 200)
+    eps.solve()
+    if eps.getConverged() < count:
+        raise ArithmeticError(f"{eps.getConverged()} of {count} eigenvalues converged")
+    pairs = []
+    vector = eps.getOperators()[0].createVecRight()
+    for k in range(count):
+        value = eps.getEigenpair(k, vector).real
+        phi = vector.getArray().copy()
+        pairs.append((np.sqrt(value), phi / np.sqrt(phi @ (mass @ phi))))
+    pairs.sort(key=lambda pair: pair[0])
+    return np.array([omega for omega, _ in pairs]), np.column_stack([phi for _, phi in pairs])

@@ -1,0 +1,78 @@
+"""Quantities of interest of a solid that moves: beside those at rest its energies, and peaks over time steps."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.physics.dynamics import Inertia
+from restshape.physics.quantities import Observer
+from restshape.physics.solid import LinearSolid
+from restshape.scene.model import Quantity
+
+
+@dataclass
+class Motion:
+    """What moves, kept by reference.
+
+    Args:
+        v: (n, 2) velocities relative to the ground [m/s].
+        edit: work of all edits so far [J].
+        remesh: energy that carrying the motion to new meshes has added so far [J].
+    """
+
+    v: np.ndarray
+    edit: float = 0.0
+    remesh: float = 0.0
+
+
+class MotionObserver(Observer):
+    """Evaluates the quantities of a scene in which a solid moves.
+
+    Args:
+        physics: the solid, on the mesh whose nodes are looked at.
+        inertia: its mass.
+        motion: the velocities, and what the edits did.
+        quantities: by name, as in the scene.
+
+    Raises:
+        UserError: a quantity names a place where it has no meaning.
+    """
+
+    def __init__(
+        self, physics: LinearSolid, inertia: Inertia, motion: Motion, quantities: dict[str, Quantity]
+    ) -> None:
+        self.inertia, self.motion = inertia, motion
+        super().__init__(physics, quantities)
+        self.watched = {name: self.functions[name] for name, q in quantities.items() if q.take == "peak"}
+        self.peaks: dict[str, float] = {}
+        for name in self.watched:
+            self.functions[name] = self._peak(name)
+
+    def begin(self) -> None:
+        """Forget the peaks: a new frame begins."""
+        self.peaks.clear()
+
+    def step(self, x: np.ndarray) -> None:
+        """Take in the displacement x (n, 2) [m] after a time step."""
+        self._nodal = None
+        for name, function in self.watched.items():
+            self.peaks[name] = max(self.peaks.get(name, 0.0), abs(float(function(x))))
+
+    def _peak(self, name: str) -> Callable[[np.ndarray], float]:
+        def value(x: np.ndarray) -> float:
+            if name not in self.peaks:
+                self.peaks[name] = abs(float(self.watched[name](x)))
+            return self.peaks[name]
+
+        return value
+
+    def _energy(self, name: str, kind: str) -> Callable[[np.ndarray], float]:
+        motion, strain, kinetic = self.motion, self.physics.energy, self.inertia.energy
+        return {
+            "strain": strain,
+            "kinetic": lambda x: kinetic(motion.v),
+            "total": lambda x: strain(x) + kinetic(motion.v),
+            "edit": lambda x: motion.edit,
+            "remesh": lambda x: motion.remesh,
+        }[kind]

@@ -1,0 +1,105 @@
+"""Reuse equals rebuild: every frame of every scene against a cold solve on the same mesh."""
+
+import json
+
+import numpy as np
+import pytest
+from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
+
+from restshape import _kernels
+from restshape.application import applications
+from restshape.replay.parity import ENTRIES, Parity
+
+SCENES = [scene for app in applications().values() for scene in app.scenes()]
+LONG = 24
+FLIPPING = {"relocation": "laplacian", "criterion": "author"}
+
+
+def shortened(folder, scene):
+    """The scene's own script, or none: its first events, and paths of fewer points."""
+    edits = scene.parents[1] / "edits" / f"{scene.stem}.jsonl"
+    if not edits.exists():
+        return None
+    header, *lines = map(json.loads, edits.read_text().splitlines())
+    drags = [k for k, line in enumerate(lines) if line["do"] == "drag"]
+    # Every tenth of many drags: steps that are ten times longer.
+    left_out = {k for i, k in enumerate(drags) if len(drags) > LONG and i % 10}
+    lines = [line for k, line in enumerate(lines) if k not in left_out]
+    path = folder / edits.name
+    path.write_text("".join(json.dumps(line) + "\n" for line in (header, *lines)))
+    return path
+
+
+def parity(made):
+    """The summary of a replay's parity, and its rows."""
+    check = Parity(made)
+    rows = rows_of(made, lambda row: row.update(check()))
+    return check.summary(), rows
+
+
+@pytest.mark.parametrize("name", ["auto", "thesis", "refactor"])
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.stem)
+def test_every_scene_under_every_policy(tmp_path, scene, name):
+    found, rows = parity(make_replay(scene, shortened(tmp_path, scene), name))
+    assert found["holds"], found
+    assert found["entries"] <= ENTRIES == 1e-13
+    assert not any(row["refused"] for row in rows)
+
+
+EVENTS = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.5, 0.5), 40))
+
+
+def test_backends_agree(tmp_path):
+    scene, script = write_scene(tmp_path, plate()), write_script(tmp_path, EVENTS)
+    replays = [make_replay(scene, script, backend=backend, **FLIPPING) for backend in ("csr", "coo")]
+    levels = set()
+    for rows in zip(*(made.frames() for made in replays), strict=True):
+        a, b = (made.analysis.system() for made in replays)
+        scale = abs(b.matrix).max()
+        assert abs(a.matrix - b.matrix).max() <= 1e-13 * scale
+        np.testing.assert_allclose(a.solution, b.solution, atol=2e-6 * np.abs(b.solution).max())
+        levels.add(rows[0]["level"])
+        assert rows[0]["level"] == rows[1]["level"]
+    assert levels == {0, 1, 2, 3}
+
+
+class LosesCells:
+    """An operator that is not told of one of the flipped cells."""
+
+    def __init__(self, core):
+        self.core = core
+
+    def __getattr__(self, name):
+        return getattr(self.core, name)
+
+    def patch(self, block, changed):
+        self.core.patch(block, changed[1:])
+
+
+def test_a_pattern_that_misses_flips_is_noticed(tmp_path, monkeypatch):
+    whole = _kernels.Operator
+    monkeypatch.setattr(
+        "restshape.algebra.operator._kernels.Operator",
+        lambda *words: LosesCells(whole(*words)) if words[-1] == "csr" else whole(*words),
+    )
+    found, rows = parity(make_replay(write_scene(tmp_path, plate()), write_script(tmp_path, EVENTS), **FLIPPING))
+    assert any(row["level"] == 2 for row in rows)
+    assert not found["holds"] and found["entries"] > 1e-6
+
+
+def test_values_that_stay_behind_are_noticed(tmp_path):
+    made = make_replay(write_scene(tmp_path, plate()), write_script(tmp_path, EVENTS[:2]))
+    check = Parity(made)
+    for row in made.frames():
+        if row["index"] == 5:
+            made.analysis.mesh.X[len(made.analysis.mesh.X) // 2] += 1e-6
+        check()
+    assert not check.summary()["holds"]
+
+
+def test_a_solve_that_stops_early_is_noticed(tmp_path):
+    made = make_replay(write_scene(tmp_path, plate()), write_script(tmp_path, EVENTS))
+    made.analysis.solver.tolerance = 1e-2
+    made.analysis.solver.ksp.setTolerances(rtol=1e-2)
+    found, _ = parity(made)
+    assert not found["holds"] and found["entries"] <= ENTRIES

@@ -1,0 +1,56 @@
+"""Two ranks give what one rank gives."""
+
+import json
+
+import numpy as np
+import pytest
+from small_scenes import across, drag, plate, write_scene, write_script
+
+pytestmark = pytest.mark.mpi
+
+EVENTS = [
+    *drag("window", (0.5, 0.5), across((0.5, 0.5), (1.3, 0.5), 40)),
+    {"do": "undo"},
+    {"do": "delete", "on": "left"},
+    {"do": "idle", "frames": 2},
+]
+
+
+@pytest.mark.parametrize("name", ["auto", "thesis", "refactor"])
+def test_replay(tmp_path, restshape, name):
+    scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
+    found = []
+    for ranks in (1, 2):
+        words = ("--edits", script, "--policy", name, "--json", f"{ranks}.json", "--set", "solve.tolerance=1e-9")
+        done = restshape("replay", scene, *words, "--parity", ranks=ranks)
+        assert done.returncode == 0, done.stdout + done.stderr
+        found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
+    one, two = found
+    assert (one["ranks"], two["ranks"]) == (1, 2)
+    for key in ("frames", "refused", "levels", "unknowns", "elements"):
+        assert one[key] == two[key], key
+    assert one["refused"] == 1 and one["parity"]["holds"] and two["parity"]["holds"]
+    for quantity, values in one["quantities"].items():
+        np.testing.assert_allclose(two["quantities"][quantity], values, rtol=1e-5, err_msg=quantity)
+
+
+def test_validation(tmp_path, restshape):
+    cases = ("solid.patch", "solid.manufactured")
+    done = restshape("validate", *(w for case in cases for w in ("--case", case)), "--json", "v.json", ranks=2)
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = json.loads((tmp_path / "v.json").read_text())
+    assert {row["case"] for row in rows} == set(cases) and all(row["passed"] for row in rows)
+
+
+def test_a_scene_that_cannot_be_simulated_ends_all_ranks(tmp_path, restshape):
+    scene = write_scene(tmp_path, plate().replace('fix = ["x", "y"]', 'fix = ["x"]'))
+    done = restshape("replay", scene, ranks=2)
+    assert done.returncode == 2 and "free to move" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_one_recording_is_written(tmp_path, restshape):
+    scene, script = write_scene(tmp_path, plate()), write_script(tmp_path, EVENTS)
+    done = restshape("replay", scene, "--edits", script, "--out", "a.vtkhdf", "--csv", "a.csv", ranks=2)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count(" frames, ") == 1
+    assert len((tmp_path / "a.csv").read_text().splitlines()) == 1 + 47
