@@ -98,6 +98,7 @@ class MovingMesh:
         self.outline, self.spec, self.ranks, self.regenerate = outline, spec, ranks, regenerate
         self._broadcast = broadcast or (lambda make: make())
         self._chosen_relocation, self._chosen_criterion, self._imported = relocation, criterion, imported
+        self._flip_everywhere = flip_everywhere
         self._gesture: Gesture | None = None
         self._carry: Extension | None = None
         self._c = (0.0, 0.0)
