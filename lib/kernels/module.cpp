@@ -7,6 +7,7 @@ void bind_build(py::module_&);
 void bind_elements(py::module_&);
 void bind_operator(py::module_&);
 void bind_mesh(py::module_&);
+void bind_mesher(py::module_&);
 void bind_outline(py::module_&);
 void bind_fields(py::module_&);
 
@@ -16,6 +17,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_elements(m);
     bind_operator(m);
     bind_mesh(m);
+    bind_mesher(m);
     bind_outline(m);
     bind_fields(m);
 }

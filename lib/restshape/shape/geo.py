@@ -32,7 +32,7 @@ def read_geo(path: Path) -> dict[str, Any]:
     if ours:
         gmsh.initialize(["-noenv"], readConfigFiles=False, interruptible=False)
     quiet = gmsh.option.getNumber("General.Terminal")
-    former = "" if ours else gmsh.model.getCurrent()
+    gmsh.model.add(f"restshape: {path.name}")
     gmsh.option.setNumber("General.Terminal", 0)
     try:
         _open(gmsh, path)
@@ -41,15 +41,14 @@ def read_geo(path: Path) -> dict[str, Any]:
         gmsh.option.setNumber("General.Terminal", quiet)
         if ours:
             gmsh.finalize()
-        elif former:
+        else:
             gmsh.model.remove()
-            gmsh.model.setCurrent(former)
     return shape_data(soup, path.name)
 
 
 def _open(gmsh: Any, path: Path) -> None:
     try:
-        gmsh.open(str(path))
+        gmsh.merge(str(path))
     # gmsh reports every failure as a bare Exception, so nothing narrower can be caught.
     except Exception as error:
         raise UserError(f"gmsh cannot read it: {error}", path.name, "try it with gmsh itself") from error

@@ -1,0 +1,125 @@
+"""However a replay ends, it says so, and its recording opens with the frames so far."""
+
+import os
+import resource
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_scenes import drag, plate, write_scene, write_script
+
+from restshape.replay.recording import Recording
+
+FRAMES = 40_000
+
+
+@pytest.fixture
+def words(tmp_path):
+    """The words of a replay that takes far longer than any test waits."""
+    path = [(0.5 + 0.1 * np.sin(0.01 * k), 0.5) for k in range(FRAMES)]
+    scene, script = write_scene(tmp_path, plate(0.1)), write_script(tmp_path, drag("window", (0.5, 0.5), path))
+    return ("replay", scene, "--edits", script, "--out", "a.vtkhdf")
+
+
+def wait_for_frames(process):
+    """Returns after a hundred frames."""
+    line = process.stderr.readline()
+    assert line == "100 frames\n", line + process.stderr.read()
+
+
+def children(parent):
+    """The process numbers of a process's children."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = entry.read_text().rpartition(")")[2].split()
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        if int(fields[1]) == parent:
+            found.append(int(entry.parent.name))
+    return found
+
+
+def opened(path):
+    """The recording, once its writer has let go of it."""
+    deadline = time.monotonic() + 10
+    while True:
+        with Recording(path) as recording:
+            if recording.status != "killed" or time.monotonic() > deadline:
+                assert recording.verify() == []
+                assert recording.table["index"].tolist() == list(range(recording.n))
+                return recording
+        time.sleep(0.05)
+
+
+def test_ctrl_c(tmp_path, start_restshape, words):
+    process = start_restshape(*words)
+    wait_for_frames(process)
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert told.endswith("restshape replay: interrupted\n") and "Traceback" not in told
+    recording = opened(tmp_path / "a.vtkhdf")
+    assert recording.status == "interrupted" and 100 <= recording.n < FRAMES
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_the_solver_is_killed(tmp_path, start_restshape, words, number):
+    process = start_restshape(*words)
+    wait_for_frames(process)
+    process.send_signal(number)
+    process.communicate(timeout=20)
+    assert process.returncode != 0
+    recording = opened(tmp_path / "a.vtkhdf")
+    assert recording.status == "interrupted" and 100 <= recording.n < FRAMES
+
+
+def test_everything_is_killed(tmp_path, start_restshape, words):
+    process = start_restshape(*words)
+    wait_for_frames(process)
+    time.sleep(0.6)
+    recorders = children(process.pid)
+    for number in (*recorders, process.pid):
+        os.kill(number, signal.SIGKILL)
+    process.communicate(timeout=20)
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        assert recording.status == "killed" and recording.n >= 100
+        assert recording.verify() == []
+
+
+def test_a_full_disk(tmp_path, start_restshape, words):
+    process = start_restshape(*words)
+    wait_for_frames(process)
+    (recorder,) = children(process.pid)
+    resource.prlimit(recorder, resource.RLIMIT_FSIZE, (20 << 20, 20 << 20))
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 2 and "the disk is full" in told and "Traceback" not in told
+    recording = opened(tmp_path / "a.vtkhdf")
+    assert recording.status == "disk full" and f"the first {recording.n} frames" in told
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_one_of_two_ranks_ends(tmp_path, start_restshape, words, number):
+    process = start_restshape(*words, ranks=2)
+    wait_for_frames(process)
+    ranks = children(process.pid)
+    assert len(ranks) == 2
+    os.kill(ranks[-1], number)
+    process.communicate(timeout=30)
+    assert process.returncode != 0
+    recording = opened(tmp_path / "a.vtkhdf")
+    assert recording.status == "interrupted" and 100 <= recording.n < FRAMES
+
+
+@pytest.mark.mpi
+def test_ctrl_c_to_two_ranks(tmp_path, start_restshape, words):
+    process = start_restshape(*words, ranks=2)
+    wait_for_frames(process)
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=30)
+    assert process.returncode != 0 and "Traceback" not in told
+    recording = opened(tmp_path / "a.vtkhdf")
+    assert recording.status == "interrupted" and 100 <= recording.n < FRAMES
