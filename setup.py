@@ -3,6 +3,8 @@
 Environment:
   PETSC_DIR, PETSC_ARCH   use that PETSc instead of the one petsc4py was built with
   EIGEN3_INCLUDE_DIR      folder that holds Eigen/ (default: /usr/include/eigen3)
+  CGAL_INCLUDE_DIR        folder that holds CGAL/ (default: /usr/include)
+  RESTSHAPE_CGAL=0        build without CGAL's mesher: gmsh makes all meshes
   MPICXX                  MPI's C++ compiler wrapper (default: mpicxx)
   RESTSHAPE_PORTABLE=1    no -march=native: the binary runs on any CPU of the architecture
   RESTSHAPE_BUILD_JOBS    files compiled at once (default: 2)
@@ -102,9 +104,23 @@ def eigen_folder() -> str:
     return folder
 
 
+def cgal_folder() -> str | None:
+    """The folder that holds CGAL's headers; None without them, or where they are not wanted."""
+    if os.environ.get("RESTSHAPE_CGAL", "1") in ("", "0"):
+        return None
+    folder = os.environ.get("CGAL_INCLUDE_DIR", "/usr/include")
+    if os.path.isfile(os.path.join(folder, "CGAL", "Delaunay_mesher_2.h")):
+        return folder
+    if "CGAL_INCLUDE_DIR" in os.environ:
+        raise SystemExit(f"no CGAL in {folder}: set CGAL_INCLUDE_DIR to the folder that holds CGAL/, or RESTSHAPE_CGAL=0")
+    print("no CGAL in /usr/include: gmsh makes all meshes; install libcgal-dev, or set CGAL_INCLUDE_DIR", file=sys.stderr)
+    return None
+
+
 def kernels_extension() -> Pybind11Extension:
     """The extension module, with PETSc's library found at run time where it was found now."""
     includes, library_dirs, library = petsc_paths()
+    cgal = cgal_folder()
     portable = os.environ.get("RESTSHAPE_PORTABLE", "0") not in ("", "0")
     flags = [
         "-O3",
@@ -122,8 +138,15 @@ def kernels_extension() -> Pybind11Extension:
         runtime_library_dirs=library_dirs,
         libraries=[library],
         depends=[*sorted(str(path) for path in KERNELS.rglob("*.hpp")), str(OPTIONS)],
-        define_macros=[("RESTSHAPE_FLAGS", f'"{" ".join(flags)}"')],
-        extra_compile_args=[*flags, "-isystem", eigen_folder(), *mpi_flags("compile", "-I|-D|-pthread")],
+        define_macros=[("RESTSHAPE_FLAGS", f'"{" ".join(flags)}"'), ("RESTSHAPE_CGAL", "1" if cgal else "0")],
+        extra_compile_args=[
+            *flags,
+            "-isystem",
+            eigen_folder(),
+            # The default folder must not come before those of the compiler itself.
+            *(["-isystem", cgal] if cgal not in (None, "/usr/include") else []),
+            *mpi_flags("compile", "-I|-D|-pthread"),
+        ],
         extra_link_args=mpi_flags("link", "-L|-l|-Wl|-pthread"),
         cxx_std=17,
     )

@@ -4,7 +4,7 @@ distribution_packages=(
     # solvers, and MPI with its compiler wrappers
     petsc-dev slepc-dev python3-petsc4py python3-slepc4py python3-mpi4py python3-numpy openmpi-bin libopenmpi-dev
     # building the extension
-    python3-venv python3-dev g++ make libeigen3-dev ca-certificates
+    python3-venv python3-dev g++ make libeigen3-dev libcgal-dev ca-certificates
     # shared libraries that the gmsh and vtk wheels load
     libglu1-mesa libgl1 libgomp1 libx11-6 libxext6 libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1
 )

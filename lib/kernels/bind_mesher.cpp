@@ -1,18 +1,23 @@
 // Binding of the Delaunay mesher; without CGAL's headers only the news that there is none.
+
+// CGAL's intervals change the rounding mode; before all headers, so that their functions can still be inlined.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("rounding-math")
+#endif
+
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <string>
 
-#if !defined(RESTSHAPE_NO_CGAL) && __has_include(<CGAL/Delaunay_mesher_2.h>)
+#if RESTSHAPE_CGAL
 #include "mesher_cgal.hpp"
-#define RESTSHAPE_HAS_CGAL 1
 #endif
 
 namespace py = pybind11;
 using namespace pybind11::literals;
 
-#ifdef RESTSHAPE_HAS_CGAL
+#if RESTSHAPE_CGAL
 namespace {
 
 using Doubles = py::array_t<double, py::array::c_style>;

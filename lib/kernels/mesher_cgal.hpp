@@ -5,6 +5,8 @@
 #pragma once
 
 #define CGAL_NDEBUG 1
+// Exact arithmetic decides few predicates: Boost's is fast enough, and no library has to be linked.
+#define CGAL_DISABLE_GMP 1
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_mesh_face_base_2.h>
 #include <CGAL/Delaunay_mesh_vertex_base_2.h>

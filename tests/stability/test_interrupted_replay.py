@@ -42,6 +42,12 @@ def children(parent):
     return found
 
 
+def recorders(parent):
+    """The recorder processes that a process has started."""
+    named = b"restshape.replay.recorder_process"
+    return [child for child in children(parent) if named in Path(f"/proc/{child}/cmdline").read_bytes()]
+
+
 def opened(path):
     """The recording, once its writer has let go of it."""
     deadline = time.monotonic() + 10
@@ -80,8 +86,7 @@ def test_everything_is_killed(tmp_path, start_restshape, words):
     process = start_restshape(*words)
     wait_for_frames(process)
     time.sleep(0.6)
-    recorders = children(process.pid)
-    for number in (*recorders, process.pid):
+    for number in (*recorders(process.pid), process.pid):
         os.kill(number, signal.SIGKILL)
     process.communicate(timeout=20)
     with Recording(tmp_path / "a.vtkhdf") as recording:
@@ -92,10 +97,11 @@ def test_everything_is_killed(tmp_path, start_restshape, words):
 def test_a_full_disk(tmp_path, start_restshape, words):
     process = start_restshape(*words)
     wait_for_frames(process)
-    (recorder,) = children(process.pid)
+    (recorder,) = recorders(process.pid)
     resource.prlimit(recorder, resource.RLIMIT_FSIZE, (20 << 20, 20 << 20))
     _, told = process.communicate(timeout=60)
-    assert process.returncode == 2 and "the disk is full" in told and "Traceback" not in told
+    assert process.returncode == 2
+    assert "the disk is full" in told and "Traceback" not in told
     recording = opened(tmp_path / "a.vtkhdf")
     assert recording.status == "disk full" and f"the first {recording.n} frames" in told
 
@@ -112,6 +118,18 @@ def test_one_of_two_ranks_ends(tmp_path, start_restshape, words, number):
     assert process.returncode != 0
     recording = opened(tmp_path / "a.vtkhdf")
     assert recording.status == "interrupted" and 100 <= recording.n < FRAMES
+
+
+@pytest.mark.mpi
+def test_a_full_disk_ends_all_ranks(tmp_path, start_restshape, words):
+    process = start_restshape(*words, ranks=2)
+    wait_for_frames(process)
+    (recorder,) = [found for rank in children(process.pid) for found in recorders(rank)]
+    resource.prlimit(recorder, resource.RLIMIT_FSIZE, (10 << 20, 10 << 20))
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 2, told
+    assert "the disk is full" in told and "Traceback" not in told
+    assert opened(tmp_path / "a.vtkhdf").status == "disk full"
 
 
 @pytest.mark.mpi

@@ -2,49 +2,47 @@
 
 import numpy as np
 
-TERMS = 4
-EQUATIONS = 3
+KEPT = 4
 RIDGE = 1e-10
 
 
 class Prediction:
-    """The next increment of a motion as the linear combination that would have predicted the last ones best.
+    """The next increment of a motion as the combination of the last two that would have predicted the last two best.
 
-    Sums of few harmonics, damped or growing, obey such a recurrence exactly (Prony 1795): two terms a frequency.
+    One harmonic, damped or growing, obeys such a recurrence exactly (Prony 1795).
 
     Args:
         size: unknowns.
     """
 
     def __init__(self, size: int) -> None:
-        self.kept = TERMS + EQUATIONS
-        self.steps = np.zeros((self.kept, size))
-        self.products = np.zeros((self.kept, self.kept))
+        self.steps = np.zeros((KEPT, size))
+        self.products = np.zeros((KEPT, KEPT))
         self.count = 0
 
     def keep(self, step: np.ndarray) -> None:
         """Remember the increment (size,) that has just been made."""
-        place = self.count % self.kept
+        place = self.count % KEPT
         self.steps[place] = step
         self.products[place] = self.products[:, place] = self.steps @ step
         self.count += 1
 
     def __call__(self) -> np.ndarray:
         """The guess (size,) of the next increment: 0 at first, then the last one, then their combination."""
-        last = (self.count - 1) % self.kept
-        if self.count < self.kept:
+        last, before, third, fourth = ((self.count - k) % KEPT for k in range(1, KEPT + 1))
+        if self.count < KEPT:
             return self.steps[last]
-        order = (last - np.arange(self.kept)) % self.kept
-        gram = self.products[np.ix_(order, order)]
-        normal, right = np.zeros((TERMS, TERMS)), np.zeros(TERMS)
-        for late in range(EQUATIONS):
-            early = slice(late + 1, late + 1 + TERMS)
-            normal += gram[early, early]
-            right += gram[early, late]
-        shift = RIDGE * np.trace(normal)
-        if shift == 0.0:
+        g = self.products.tolist()
+        # Least squares of last = p before + q third and before = p third + q fourth.
+        a, b = g[before][before] + g[third][third], g[third][before] + g[fourth][third]
+        c, f, h = g[third][third] + g[fourth][fourth], g[before][last] + g[third][before], g[third][last]
+        h += g[fourth][before]
+        shift = RIDGE * (a + c)
+        a, c = a + shift, c + shift
+        determinant = a * c - b * b
+        if determinant <= 0.0:
             return self.steps[last]
-        normal.flat[:: TERMS + 1] += shift
-        weights = np.zeros(self.kept)
-        weights[order[:TERMS]] = np.linalg.solve(normal, right)
-        return weights @ self.steps
+        p, q = (c * f - b * h) / determinant, (a * h - b * f) / determinant
+        guess = self.steps[last] * p
+        guess += q * self.steps[before]
+        return guess

@@ -2,7 +2,9 @@
 
 import argparse
 import os
+import signal
 import sys
+import traceback
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,7 @@ from restshape.cli.progress import progress
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
 
-LEVELS = {1: "relocation", 2: "reconnection", 3: "reconstruction"}
+LEVELS = {"1": "relocation", "2": "reconnection", "3": "reconstruction"}
 SUMMARY = "replay an edit script against a scene: result, cost and error of every frame"
 
 
@@ -52,9 +54,11 @@ def run(args: argparse.Namespace) -> int:
     recorder = _start_recorder(args.out, request) if args.out and first else None
     try:
         summary = _run(args, request, recorder)
-    except BaseException:
+    except BaseException as error:
         if recorder:
             recorder.close("interrupted")
+        if not isinstance(error, UserError) or (recorder and error.where == str(recorder.path)):
+            _stop_other_ranks(error)
         raise
     if recorder:
         summary["recording"] = recorder.close()
@@ -76,8 +80,28 @@ def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any
     petsc4py.init(["restshape", *args.petsc])
     from restshape.replay.run import run_replay
 
+    # MPI makes a broken pipe deadly; the recorder's pipe breaks when its disk is full, and that is told.
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     with progress(quiet=not first_rank()) as on_frame:
         return run_replay(request, recorder, args.parity, args.csv, on_frame)
+
+
+def _stop_other_ranks(error: BaseException) -> None:
+    """End all ranks, which would wait for this one for ever; returns when there is no other."""
+    if "petsc4py.PETSc" not in sys.modules:
+        return
+    from petsc4py import PETSc
+
+    if PETSc.COMM_WORLD.size == 1:
+        return
+    if isinstance(error, UserError):
+        print(f"restshape replay: {error}", file=sys.stderr, flush=True)
+    elif isinstance(error, KeyboardInterrupt):
+        print("restshape replay: interrupted", file=sys.stderr, flush=True)
+    else:
+        traceback.print_exception(error)
+    codes = {UserError: 2, KeyboardInterrupt: 130}
+    PETSc.COMM_WORLD.tompi4py().Abort(codes.get(type(error), 1))
 
 
 def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> int:
@@ -96,29 +120,37 @@ def print_summary(summary: dict[str, Any]) -> None:
         f"{summary['frames']} frames, {summary['refused']} refused, {summary['unknowns']} unknowns, "
         f"{summary['elements']} elements, policy {summary['policy']}, {summary['ranks']} rank(s)"
     )
-    print_table(
-        "time a frame",
-        ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]"),
-        [
-            (f"{k} {LEVELS[k]}", summary["levels"][str(k)], *(f"{v:.3f}" for v in summary["ms"][str(k)].values()))
-            for k in (1, 2, 3)
-        ],
-    )
+    _print_refusals(summary["rows"])
+    heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]")
+    counts, times = summary["levels"], summary["ms"]
+    rows = [(f"{k} {name}", counts[k], *(f"{v:.3f}" for v in times[k].values())) for k, name in LEVELS.items()]
+    print_table("time a frame", heads, rows, right=heads[1:])
     print(
         f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); "
-        f"{summary['iterations']} iterations, {summary['refreshes']} factorizations"
+        f"{summary['iterations']} iterations, {summary['refreshes']} factorizations, "
+        f"largest true residual {max(row['residual'] for row in summary['rows']):.1e}"
     )
-    print_table(
-        "quantities",
-        ("name", "first", "last", "least", "largest"),
-        [
-            (name, *(f"{value:.6g}" for value in (values[0], values[-1], min(values), max(values))))
-            for name, values in summary["quantities"].items()
-        ],
-    )
+    heads = ("quantity", "first", "last", "least", "largest")
+    values = [
+        (name, *(f"{value:.6g}" for value in (v[0], v[-1], min(v), max(v))))
+        for name, v in summary["quantities"].items()
+    ]
+    print_table("quantities (SI units)", heads, values, right=heads[1:])
     if "parity" in summary:
         parity = summary["parity"]
         print(
             f"parity with cold solves: {'holds' if parity['holds'] else 'FAILS'}; entries differ by at most "
             f"{parity['entries']:.1e} relative, solutions by {parity['solution']:.1e} in the energy norm"
         )
+
+
+def _print_refusals(rows: list[dict[str, Any]], most: int = 5) -> None:
+    """Print why frames were refused, each reason once with its first line and frame."""
+    reasons: dict[str, tuple[int, int]] = {}
+    for row in rows:
+        if row["refused"]:
+            reasons.setdefault(row["refused"], (row["line"], row["index"]))
+    for reason, (line, frame) in list(reasons.items())[:most]:
+        print(f"  refused, line {line}, frame {frame}: {reason}")
+    if len(reasons) > most:
+        print(f"  ... and {len(reasons) - most} more reasons: see the recording or --csv")

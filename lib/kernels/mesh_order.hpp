@@ -1,0 +1,131 @@
+// Orders of nodes, triangles and edges that keep neighbours close in memory, and the edges of triangles.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace restshape {
+
+// Place of a square of a grid of 2^bits x 2^bits along the Hilbert curve that fills it.
+inline std::int64_t hilbert_key(std::uint32_t x, std::uint32_t y, int bits) {
+    std::int64_t key = 0;
+    for (int bit = bits - 1; bit >= 0; --bit) {
+        const std::uint32_t rx = (x >> bit) & 1, ry = (y >> bit) & 1;
+        key += static_cast<std::int64_t>((3 * rx) ^ ry) << (2 * bit);
+        if (ry) continue;
+        // The quadrant's own curve is a turned one: reflect and swap so that the next bit reads like the first.
+        if (rx) x ^= (1u << bit) - 1, y ^= (1u << bit) - 1;
+        std::swap(x, y);
+    }
+    return key;
+}
+
+// Keys of points (n, 2) in the box around all of them; a grid of 16 squares a point tells all but the closest apart.
+inline std::vector<std::int64_t> hilbert_keys(const double* X, std::int32_t nodes) {
+    std::vector<std::int64_t> keys(nodes);
+    double low[2], extent = 0.0;
+    for (int k = 0; k < 2; ++k) {
+        double high = -std::numeric_limits<double>::infinity();
+        low[k] = -high;
+        for (std::int32_t i = 0; i < nodes; ++i) low[k] = std::min(low[k], X[2 * i + k]), high = std::max(high, X[2 * i + k]);
+        extent = std::max(extent, high - low[k]);
+    }
+    const int bits = static_cast<int>(std::ceil(0.5 * std::log2(std::max(1, nodes)))) + 2;
+    const double scale = extent > 0.0 ? (std::ldexp(1.0, bits) - 1.0) / extent : 0.0;
+    for (std::int32_t i = 0; i < nodes; ++i)
+        keys[i] = hilbert_key(static_cast<std::uint32_t>((X[2 * i] - low[0]) * scale),
+                              static_cast<std::uint32_t>((X[2 * i + 1] - low[1]) * scale), bits);
+    return keys;
+}
+
+// Nodes in their new order: by owner (may be null), then along a Hilbert curve.
+inline void node_order(const double* X, const std::int32_t* owner, std::int32_t nodes, std::int32_t* order) {
+    const auto keys = hilbert_keys(X, nodes);
+    std::iota(order, order + nodes, 0);
+    std::sort(order, order + nodes, [&](std::int32_t a, std::int32_t b) {
+        if (owner && owner[a] != owner[b]) return owner[a] < owner[b];
+        return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
+    });
+}
+
+// First place of each bucket when `count` things are put in order of their bucket.
+template <class Bucket>
+std::vector<std::int32_t> bucket_starts(std::int32_t buckets, std::int32_t count, Bucket bucket) {
+    std::vector<std::int32_t> first(buckets + 1, 0);
+    for (std::int32_t i = 0; i < count; ++i) ++first[bucket(i) + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    return first;
+}
+
+// Triangles in their new order: by the smallest node, then by the others.
+inline void cell_order(const std::int32_t* cells, std::int32_t count, std::int32_t nodes, std::int32_t* order) {
+    std::vector<std::array<std::int32_t, 3>> sorted(count);
+    for (std::int32_t i = 0; i < count; ++i) {
+        const std::int32_t a = cells[3 * i], b = cells[3 * i + 1], c = cells[3 * i + 2];
+        const std::int32_t low = std::min({a, b, c}), high = std::max({a, b, c});
+        sorted[i] = {low, a ^ b ^ c ^ low ^ high, high};
+    }
+    auto next = bucket_starts(nodes, count, [&](std::int32_t i) { return sorted[i][0]; });
+    const auto first = next;
+    for (std::int32_t i = 0; i < count; ++i) order[next[sorted[i][0]]++] = i;
+    for (std::int32_t node = 0; node < nodes; ++node)
+        std::sort(order + first[node], order + first[node + 1], [&](std::int32_t a, std::int32_t b) {
+            return sorted[a] != sorted[b] ? sorted[a] < sorted[b] : a < b;
+        });
+}
+
+// Edges of triangles, sorted by their smaller, then their larger node; cell_edges names those opposite to each corner.
+inline std::vector<std::int32_t> edges_of_cells(const std::int32_t* cells, std::int32_t count, std::int32_t nodes,
+                                                std::int32_t* cell_edges) {
+    const auto low = [&](std::int32_t side) {
+        const std::int32_t* cell = cells + side - side % 3;
+        return std::min(cell[(side + 1) % 3], cell[(side + 2) % 3]);
+    };
+    auto next = bucket_starts(nodes, 3 * count, low);
+    const auto first = next;
+    std::vector<std::pair<std::int32_t, std::int32_t>> sides(3 * static_cast<std::size_t>(count));
+    for (std::int32_t i = 0; i < count; ++i) {
+        const std::int32_t* cell = cells + 3 * i;
+        for (int j = 0; j < 3; ++j) {
+            const auto [a, b] = std::minmax(cell[(j + 1) % 3], cell[(j + 2) % 3]);
+            sides[next[a]++] = {b, 3 * i + j};
+        }
+    }
+    std::vector<std::int32_t> edges;
+    edges.reserve(3 * static_cast<std::size_t>(count) + 3);
+    for (std::int32_t node = 0; node < nodes; ++node) {
+        std::sort(sides.begin() + first[node], sides.begin() + first[node + 1]);
+        for (std::int32_t k = first[node]; k < first[node + 1]; ++k) {
+            if (k == first[node] || sides[k].first != sides[k - 1].first) {
+                edges.push_back(node);
+                edges.push_back(sides[k].first);
+            }
+            cell_edges[sides[k].second] = static_cast<std::int32_t>(edges.size() / 2 - 1);
+        }
+    }
+    return edges;
+}
+
+// The triangle to the left of each directed pair of nodes, -1 where there is none.
+inline void cells_left_of(const std::int32_t* facets, std::int32_t facet_count, const std::int32_t* cells,
+                          std::int32_t count, std::int32_t nodes, std::int32_t* left) {
+    auto next = bucket_starts(nodes, facet_count, [&](std::int32_t i) { return facets[2 * i]; });
+    const auto first = next;
+    std::vector<std::int32_t> of_node(facet_count);
+    for (std::int32_t i = 0; i < facet_count; ++i) of_node[next[facets[2 * i]]++] = i;
+    std::fill(left, left + facet_count, -1);
+    for (std::int32_t i = 0; i < 3 * count; ++i) {
+        const std::int32_t a = cells[i], b = cells[i % 3 == 2 ? i - 2 : i + 1];
+        for (std::int32_t k = first[a]; k < first[a + 1]; ++k)
+            if (facets[2 * of_node[k] + 1] == b) left[of_node[k]] = i / 3;
+    }
+}
+
+}  // namespace restshape

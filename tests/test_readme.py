@@ -1,0 +1,49 @@
+"""The README's example is what a reader can type in and run."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from restshape.cli.main import COMMANDS, main
+
+README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+
+
+def block(language: str) -> str:
+    """The README's only code block in that language."""
+    (found,) = re.findall(rf"```{language}\n(.*?)```", README, re.S)
+    return found
+
+
+@pytest.fixture
+def example(tmp_path, monkeypatch):
+    (tmp_path / "bracket.toml").write_text(block("toml"))
+    (tmp_path / "bracket.jsonl").write_text(block("json"))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_commands_of_the_example_run(example, capsys):
+    lines = [line for line in README.splitlines() if line.startswith("restshape ")]
+    assert [shlex.split(line)[1] for line in lines] == ["check", "replay", "report", "script"]
+    for line in lines:
+        assert main(shlex.split(line)[1:]) == 0, line
+    assert "0 refused" in capsys.readouterr().out
+    assert (example / "bracket-report" / "frames.png").stat().st_size > 10_000
+
+
+def test_the_example_carries_its_load(example, capsys):
+    assert main(["replay", "bracket.toml", "--json", "summary.json"]) == 0
+    import json
+
+    force = json.loads((example / "summary.json").read_text())["quantities"]["wall_force"][0]
+    arm = 0.3 * 0.12 - 0.5 * 0.3 * 0.06  # hull of the four corners, less what the arc and the hole take away
+    weight = (force - 2000.0) / (7850 * 9.81 * 0.008)
+    assert 0.8 * arm < weight < 1.2 * arm
+
+
+def test_every_command_named_exists():
+    named = set(re.findall(r"^\| `restshape (\w+)", README, re.M))
+    assert named <= set(COMMANDS)
