@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
+from restshape_apps.solid import Solid
 
 from restshape.application import Application, Effect
 from restshape.scene.units import UnitError
 from restshape.scene.values import Length, Strict, number_of
-from restshape_apps.solid import Solid
 
 Frequency = Annotated[number_of("frequency"), Field(gt=0)]
 

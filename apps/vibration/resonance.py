@@ -1,6 +1,6 @@
 """The building's resonance: amplitude of its motion, harmonic response and eigenfrequency by the place of the window.
 
-    python -m restshape_apps.vibration.resonance [--picture FILE] [--csv FILE]
+python -m restshape_apps.vibration.resonance [--picture FILE] [--csv FILE]
 """
 
 import argparse
@@ -63,7 +63,7 @@ class Resonance:
 
 
 def summit(x: np.ndarray, y: np.ndarray) -> float:
-    """Where y (n,) over x (n,), ascending, is largest: the top of the parabola through what exceeds 9/10 of the peak."""
+    """Where y (n,) over x (n,) is largest: the top of the parabola through what exceeds 9/10 of the peak."""
     near = y > 0.9 * y.max()
     middle = x[near].mean()
     square, slope, _ = np.polyfit(x[near] - middle, y[near], 2)
@@ -93,7 +93,9 @@ def study(comm: PETSc.Comm = PETSc.COMM_WORLD, overrides: Sequence[str] = (), na
         if len(path) % EVERY == 1:
             slow.append((path[-1], *steady(replay.analysis, replay.moving.mesh.outline)))
     places, harmonic, frequency = np.array(slow).T
-    return Resonance(scene.effects["ground"]["frequency"], *map(np.array, (path, amplitude)), places, harmonic, frequency)
+    return Resonance(
+        scene.effects["ground"]["frequency"], *map(np.array, (path, amplitude)), places, harmonic, frequency
+    )
 
 
 def steady(analysis: TransientAnalysis, outline: object) -> tuple[float, float]:

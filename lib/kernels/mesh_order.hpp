@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <stdexcept>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -45,14 +45,13 @@ inline std::vector<std::int64_t> hilbert_keys(const double* X, std::int32_t node
     return keys;
 }
 
-// Nodes in their new order: by owner (may be null), then along a Hilbert curve.
+// Nodes in their new order: by owner, then along a Hilbert curve.
 inline void node_order(const double* X, const std::int32_t* owner, std::int32_t nodes, std::int32_t* order) {
     const auto keys = hilbert_keys(X, nodes);
-    std::iota(order, order + nodes, 0);
-    std::sort(order, order + nodes, [&](std::int32_t a, std::int32_t b) {
-        if (owner && owner[a] != owner[b]) return owner[a] < owner[b];
-        return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
-    });
+    std::vector<std::tuple<std::int32_t, std::int64_t, std::int32_t>> sorted(nodes);
+    for (std::int32_t i = 0; i < nodes; ++i) sorted[i] = {owner[i], keys[i], i};
+    std::sort(sorted.begin(), sorted.end());
+    for (std::int32_t i = 0; i < nodes; ++i) order[i] = std::get<2>(sorted[i]);
 }
 
 // First place of each bucket when `count` things are put in order of their bucket.

@@ -12,6 +12,7 @@
 #include <CGAL/Delaunay_mesh_vertex_base_2.h>
 #include <CGAL/Delaunay_mesher_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <algorithm>
@@ -54,23 +55,91 @@ struct Number {
     std::int32_t value = -1;
 };
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<Number, Kernel, CGAL::Delaunay_mesh_vertex_base_2<Kernel>>;
-using Structure = CGAL::Triangulation_data_structure_2<VertexBase, CGAL::Delaunay_mesh_face_base_2<Kernel>>;
+using FaceBase = CGAL::Delaunay_mesh_face_base_2<
+    Kernel, CGAL::Constrained_Delaunay_triangulation_face_base_2<
+                Kernel, CGAL::Constrained_triangulation_face_base_2<
+                            Kernel, CGAL::Triangulation_face_base_with_info_2<Number, Kernel>>>>;
+using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
 using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure>;
 using Vertex = Triangulation::Vertex_handle;
 using Face = Triangulation::Face_handle;
 using Point = Kernel::Point_2;
 
-// Triangles are bad if their longest edge exceeds `stretch` x the size at their centre, or their least angle is below
-// asin(sqrt(sine_bound)); too large ones go first.
-class Criteria {
- public:
-    struct Quality {
-        double size = 0.0, sine = 1.0;
-        bool operator<(const Quality& other) const {
-            if (size > 1.0 || other.size > 1.0) return size > other.size;
-            return sine < other.sine;
+// How urgently a triangle is refined: too large ones first, then the sharpest.
+struct Quality {
+    double size = 0.0, sine = 1.0;
+    bool operator<(const Quality& other) const {
+        if (size > 1.0 || other.size > 1.0) return size > other.size;
+        return sine < other.sine;
+    }
+};
+
+}  // namespace cgal
+}  // namespace restshape
+
+// CGAL's queue of bad triangles is a pair of search trees, half of the mesher's time. A heap gives the same order, the
+// oldest first among equals: entries that were erased stay in it until they come to the top.
+template <class Compare, class Reverse>
+class CGAL::Double_map<restshape::cgal::Face, restshape::cgal::Quality, Compare, Reverse> {
+    using Face = restshape::cgal::Face;
+    using Quality = restshape::cgal::Quality;
+    struct Entry {
+        Quality first;
+        std::int32_t ticket;
+        Face second;
+        bool operator<(const Entry& other) const {
+            if (first < other.first) return false;
+            return other.first < first || ticket > other.ticket;
         }
     };
+
+ public:
+    using Direct_entry = std::pair<Face, Quality>;
+    using const_iterator = const Direct_entry*;
+
+    void clear() { heap_.clear(), waits_.clear(), count_ = 0; }
+    bool empty() const { return count_ == 0; }
+
+    bool insert(const Face& face, const Quality& quality) {
+        if (face->info().value >= 0) return false;
+        face->info().value = static_cast<std::int32_t>(waits_.size());
+        heap_.push_back({quality, face->info().value, face});
+        std::push_heap(heap_.begin(), heap_.end());
+        waits_.push_back(1), ++count_;
+        return true;
+    }
+
+    bool erase(const Face& face) {
+        if (face->info().value < 0) return false;
+        waits_[face->info().value] = 0, --count_;
+        face->info().value = -1;
+        return true;
+    }
+
+    const Entry* front() {
+        while (!waits_[heap_.front().ticket]) {
+            std::pop_heap(heap_.begin(), heap_.end());
+            heap_.pop_back();
+        }
+        return heap_.data();
+    }
+
+    void pop_front() { erase(front()->second); }
+
+ private:
+    std::vector<Entry> heap_;
+    std::vector<std::uint8_t> waits_;
+    std::size_t count_ = 0;
+};
+
+namespace restshape {
+namespace cgal {
+
+// Triangles are bad if their longest edge exceeds `stretch` x the size at their centre, or their least angle is below
+// asin(sqrt(sine_bound)).
+class Criteria {
+ public:
+    using Quality = cgal::Quality;
 
     // `patience`: triangles that may be judged before the refinement counts as endless.
     Criteria(const SizeField& field, double stretch, double sine_bound, std::size_t patience)

@@ -110,7 +110,7 @@ def test_two_materials_in_series(tmp_path):
 
 
 def test_prescribed_stretch(tmp_path):
-    pulled = ROLLERS + "[supports.right]\non = \"right\"\nfix = { x = 0.002 }\n"
+    pulled = ROLLERS + '[supports.right]\non = "right"\nfix = { x = 0.002 }\n'
     row = bar(tmp_path, loads="", supports=pulled)
     assert row["q_stretch"] == pytest.approx(0.002, rel=1e-12)
     assert row["q_xx"] == pytest.approx(E * 0.001, rel=1e-9)

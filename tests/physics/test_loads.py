@@ -31,21 +31,29 @@ def test_the_wall_carries_the_weight(tmp_path):
 
 
 def test_weight_with_a_hole(tmp_path):
-    row = row_of(tmp_path, HEAD + block() + HOLE + STEEL + CLAMPED + "[effects.gravity]\ng = [2, 0]\n" + meshed(0.05) + REACTIONS)
+    row = row_of(
+        tmp_path, HEAD + block() + HOLE + STEEL + CLAMPED + "[effects.gravity]\ng = [2, 0]\n" + meshed(0.05) + REACTIONS
+    )
     assert row["q_x"] == pytest.approx(-2 * RHO * THICKNESS * row["q_area"], rel=1e-6)
     assert row["q_area"] == pytest.approx(1 - np.pi * 0.15**2, rel=5e-3)
 
 
 def test_force_on_an_edge_is_its_total(tmp_path):
-    np.testing.assert_allclose(reactions(tmp_path, '[loads.f]\non = "top"\nforce = [300, -700]\n'), [-300, 700], rtol=1e-5)
+    np.testing.assert_allclose(
+        reactions(tmp_path, '[loads.f]\non = "top"\nforce = [300, -700]\n'), [-300, 700], rtol=1e-5
+    )
 
 
 def test_force_on_a_point(tmp_path):
-    np.testing.assert_allclose(reactions(tmp_path, '[loads.f]\non = "c"\nforce = [300, -700]\n'), [-300, 700], rtol=1e-5)
+    np.testing.assert_allclose(
+        reactions(tmp_path, '[loads.f]\non = "c"\nforce = [300, -700]\n'), [-300, 700], rtol=1e-5
+    )
 
 
 def test_force_on_a_point_that_is_held(tmp_path):
-    np.testing.assert_allclose(reactions(tmp_path, '[loads.f]\non = "d"\nforce = [300, -700]\n'), [-300, 700], rtol=1e-5)
+    np.testing.assert_allclose(
+        reactions(tmp_path, '[loads.f]\non = "d"\nforce = [300, -700]\n'), [-300, 700], rtol=1e-5
+    )
 
 
 def test_traction_acts_on_length_times_thickness(tmp_path):
@@ -71,7 +79,7 @@ def test_pressure_all_round_has_no_resultant(tmp_path, place):
 
 
 def test_body_force_on_a_region(tmp_path):
-    region = '[shape.regions]\nheavy = { polygon = [[0.4, 0.3], [0.8, 0.3], [0.8, 0.7], [0.4, 0.7]] }\n'
+    region = "[shape.regions]\nheavy = { polygon = [[0.4, 0.3], [0.8, 0.3], [0.8, 0.7], [0.4, 0.7]] }\n"
     load = '[loads.f]\non = "heavy"\nbody = [0, -5e4]\n'
     row = row_of(tmp_path, HEAD + block() + region + STEEL + CLAMPED + load + meshed(0.13) + REACTIONS)
     np.testing.assert_allclose([row["q_x"], row["q_y"]], [0, 5e4 * 0.16 * THICKNESS], atol=1e-4)

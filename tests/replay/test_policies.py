@@ -69,7 +69,10 @@ def test_other_meshes_differ_by_discretisation_only(rows):
 def test_guesses_along_the_drag_save_iterations(tmp_path):
     scene, script = write_scene(tmp_path, plate(0.08)), write_script(tmp_path, EVENTS)
     spent = [
-        sum(row["iterations"] for row in rows_of(make_replay(scene, script, "thesis", extrapolate=guess, relocation="harmonic")))
+        sum(
+            row["iterations"]
+            for row in rows_of(make_replay(scene, script, "thesis", extrapolate=guess, relocation="harmonic"))
+        )
         for guess in (False, True)
     ]
     assert spent[1] < 0.9 * spent[0]

@@ -1,10 +1,19 @@
-"""Whole matrices and vectors from the ranks' rows of them."""
+"""Whole matrices and vectors from the ranks' rows of them, and the end of those that nobody needs."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
+
+
+def bury(comm: PETSc.Comm) -> None:
+    """Free the matrices, vectors and solvers that Python has let go of; collective.
+
+    petsc4py only collects them, for Python does not let go at the same moment on all ranks.
+    """
+    PETSc.garbage_cleanup(comm)
+    PETSc.garbage_cleanup(PETSc.COMM_SELF)
 
 
 @dataclass

@@ -9,9 +9,9 @@ from restshape.physics.dynamics import Inertia
 def project_velocity(old: Inertia, new: Inertia, v: np.ndarray) -> np.ndarray:
     """Velocities (n_new, 2) [m/s] on a new mesh: the projection of v with the mass matrix, with v's momentum.
 
-    M_new v_new = integral of N_new rho v, by the rule of the three edge midpoints on the new mesh. What that leaves of the
-    momentum (its error, and what lies between two outlines) is made up for by the smallest change in the
-    norm of the mass matrix: a multiple of the projection of a uniform velocity, one factor a direction. Held nodes rest.
+    M_new v_new = integral of N_new rho v, by the rule of the three edge midpoints on the new mesh. What is then missing
+    of the momentum (the rule's error, and what lies between two outlines) is made up for by the smallest change in the
+    norm of the mass matrix: multiples of the projections of uniform velocities along x and y. Held nodes rest.
 
     Args:
         old, new: on the mesh before and on the new one.

@@ -54,6 +54,8 @@ class EffectiveSystem:
         self.rhs, self.full, self.stiff, self.inert = np.zeros(shape), np.zeros(n), np.zeros(shape), np.zeros(shape)
         self.b, self.solution = vector(self.rhs), vector(self.full)
         self._stiff, self._inert = vector(self.stiff), vector(self.inert)
+        self.own_b, self.own_force = self.rhs.ravel()[self.rows], np.zeros(size[0])
+        self._force = PETSc.Vec().createWithArray(self.own_force, size=size, comm=comm)
         self.bind(body, newmark)
 
     def bind(self, body: VibratingSolid, newmark: Newmark) -> None:
@@ -110,6 +112,11 @@ class EffectiveSystem:
         if shaking.any():
             self.rhs -= self.uniform * shaking
         self.b.stateIncrease()
+
+    def force(self) -> np.ndarray:
+        """This rank's rows of b - A `full`: the force of the increment that is sought; valid until the next call."""
+        self.mat.mult(self.solution, self._force)
+        return np.subtract(self.own_b, self.own_force, out=self.own_force)
 
     def _weigh(self, state: State) -> None:
         """Combine the state to what K and M are applied to."""

@@ -1,48 +1,67 @@
 """Guesses of the next step of a motion from the steps before."""
 
 import numpy as np
+from petsc4py import PETSc
 
-KEPT = 4
+KEPT = 3
 RIDGE = 1e-10
 
 
 class Prediction:
-    """The next increment of a motion as the combination of the last two that would have predicted the last two best.
+    """The combination of the last increments whose forces come closest to the force of the next.
 
-    One harmonic, damped or growing, obeys such a recurrence exactly (Prony 1795).
+    An increment d is what the system A d = g of a step is solved for. Where A stays, this is the projection of Fischer
+    (Comput. Methods Appl. Mech. Engrg. 163, 1998); where it changes a little, the kept forces are still nearly A d.
 
     Args:
-        size: unknowns.
+        size: unknowns of an increment.
+        rows: how many of them this rank has the forces of.
+        comm: PETSc communicator.
     """
 
-    def __init__(self, size: int) -> None:
-        self.steps = np.zeros((KEPT, size))
-        self.products = np.zeros((KEPT, KEPT))
+    def __init__(self, size: int, rows: int, comm: PETSc.Comm) -> None:
+        self.world = comm.tompi4py() if comm.size > 1 else None
+        self.steps, self.forces = np.zeros((KEPT, size)), np.zeros((KEPT + 1, rows))
+        self.gram = np.zeros((KEPT, KEPT))
         self.count = 0
 
+    def __call__(self, force: np.ndarray) -> np.ndarray:
+        """The guess (size,) for this rank's rows of a force g; collective."""
+        self.forces[KEPT] = force
+        products = self.forces @ force
+        self.products = products if self.world is None else self.world.allreduce(products)
+        weights = combined(self.gram.tolist(), self.products[:KEPT].tolist())
+        return np.array(weights) @ self.steps
+
     def keep(self, step: np.ndarray) -> None:
-        """Remember the increment (size,) that has just been made."""
+        """Remember the increment (size,) that the last force led to."""
         place = self.count % KEPT
-        self.steps[place] = step
-        self.products[place] = self.products[:, place] = self.steps @ step
+        self.steps[place], self.forces[place] = step, self.forces[KEPT]
+        self.gram[place] = self.gram[:, place] = self.products[:KEPT]
+        self.gram[place, place] = self.products[KEPT]
         self.count += 1
 
-    def __call__(self) -> np.ndarray:
-        """The guess (size,) of the next increment: 0 at first, then the last one, then their combination."""
-        last, before, third, fourth = ((self.count - k) % KEPT for k in range(1, KEPT + 1))
-        if self.count < KEPT:
-            return self.steps[last]
-        g = self.products.tolist()
-        # Least squares of last = p before + q third and before = p third + q fourth.
-        a, b = g[before][before] + g[third][third], g[third][before] + g[fourth][third]
-        c, f, h = g[third][third] + g[fourth][fourth], g[before][last] + g[third][before], g[third][last]
-        h += g[fourth][before]
-        shift = RIDGE * (a + c)
-        a, c = a + shift, c + shift
-        determinant = a * c - b * b
-        if determinant <= 0.0:
-            return self.steps[last]
-        p, q = (c * f - b * h) / determinant, (a * h - b * f) / determinant
-        guess = self.steps[last] * p
-        guess += q * self.steps[before]
-        return guess
+
+def combined(gram: list[list[float]], products: list[float]) -> list[float]:
+    """The weights w of gram w = products, slightly regularised; 0 without any history.
+
+    Args:
+        gram: KEPT rows, symmetric, positive semidefinite; plain numbers, for so small a system costs numpy more.
+        products: right side.
+    """
+    shift = RIDGE * sum(gram[i][i] for i in range(KEPT))
+    if shift == 0.0:
+        return [0.0] * KEPT
+    rows = [[*gram[i], products[i]] for i in range(KEPT)]
+    for i in range(KEPT):
+        rows[i][i] += shift
+    for i in range(KEPT):
+        for k in range(i + 1, KEPT):
+            factor = rows[k][i] / rows[i][i]
+            for j in range(i + 1, KEPT + 1):
+                rows[k][j] -= factor * rows[i][j]
+    weights = [0.0] * KEPT
+    for i in reversed(range(KEPT)):
+        rest = sum(rows[i][j] * weights[j] for j in range(i + 1, KEPT))
+        weights[i] = (rows[i][KEPT] - rest) / rows[i][i]
+    return weights

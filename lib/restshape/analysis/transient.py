@@ -34,8 +34,8 @@ NO_SHAKING = np.zeros(2)
 class TransientAnalysis:
     """The motion of a linear elastic solid relative to the ground, frame after frame.
 
-    A frame takes the time steps that ``[effects.dynamics]`` asks for, on one matrix; the first frame takes none. When the
-    rest shape changes, displacement and velocity stay with the nodes, the acceleration never: equilibrium on the
+    A frame takes the time steps that ``[effects.dynamics]`` asks for, on one matrix; the first frame takes none. When
+    the rest shape changes, displacement and velocity stay with the nodes, the acceleration never: equilibrium on the
     new shape gives it anew. What is stale is read from the versions of mesh topology, node places and scene.
 
     Args:
@@ -62,7 +62,7 @@ class TransientAnalysis:
         self.state = self.previous = State(np.zeros((0, 2)), np.zeros((0, 2)), None, 0.0)
         self.motion = Motion(self.state.v)
         self.energy_before = 0.0
-        self.unsolved = True
+        self.unsolved, self.exact = True, False
         self.observed: dict[str, float] | None = None
         self.solver = LinearSolver(comm, "motion_", policy.solver, scene.solve.tolerance, calibration, stages)
 
@@ -88,9 +88,8 @@ class TransientAnalysis:
 
     def begin(self, u: np.ndarray, v: np.ndarray, time: float = 0.0) -> None:
         """Let the motion go on from displacements u (n, 2) [m] and velocities v (n, 2) [m/s] at a time [s]."""
-        self.prediction = Prediction(u.size)
+        self.prediction = self._no_prediction()
         self._enter(u - self.body.solid.prescribed, v, time)
-        self.previous = self.state
         self.energy_before = self.energy() if self.tracked else 0.0
 
     @property
@@ -125,7 +124,7 @@ class TransientAnalysis:
 
     def energy(self) -> float:
         """Strain energy and kinetic energy relative to the ground [J]."""
-        return self.body.solid.energy(self.x) + self.body.inertia.energy(self.v)
+        return self.body.energy(self.state.y, self.state.v)
 
     def residual(self) -> float:
         """The true residual of the last step's solve, relative to its right side."""
@@ -134,7 +133,7 @@ class TransientAnalysis:
     # --- a new frame ----------------------------------------------------------------------------------------------
 
     def _follow(self, frame: Frame) -> tuple[bool, bool]:
-        """Take up the frame's mesh and scene; tells whether the matrix is stale, and whether the mesh is another one."""
+        """Take up the frame's mesh and scene; tells whether the matrix is stale, and the mesh another one."""
         mesh = frame.mesh
         new_mesh, new_scene = mesh is not self.mesh, frame.scene is not self.scene
         flipped = mesh.topology != self.topology
@@ -174,7 +173,7 @@ class TransientAnalysis:
             self.body = VibratingSolid(scene, self.plan, mesh)
             if new_mesh:
                 self.system_now = EffectiveSystem(self.comm, self.body, self.newmark, self.policy.backend)
-                self.prediction = Prediction(mesh.X.size)
+                self.prediction = self._no_prediction()
             else:
                 self.system_now.bind(self.body, self.newmark)
         if before is None:
@@ -191,7 +190,7 @@ class TransientAnalysis:
         x, v = self.state.y + before.solid.prescribed, self.state.v
         if self.tracked:
             # The nodes of the mesh before already lie on the new shape, wherever they could follow it.
-            energy = before.solid.energy(x) + before.inertia.energy(v)
+            energy = before.energy(self.state.y, v)
             self.motion.edit += energy - self.energy_before
         y = transfer(before.mesh, self.body.mesh, x) - self.body.solid.prescribed
         self._enter(y, project_velocity(before.inertia, self.body.inertia, v), self.time)
@@ -203,7 +202,7 @@ class TransientAnalysis:
         """Make y and v the state, at rest where the body is held, with the acceleration that equilibrium asks for."""
         y, v = (np.where(self.body.held, 0.0, values) for values in (y, v))
         a = self.body.acceleration(y, v, self._shaking(time)) if self.newmark.a5 else None
-        self.state = State(y, v, a, time)
+        self.state = self.previous = State(y, v, a, time)
         self.motion.v, self.observed = v, None
 
     # --- time steps -----------------------------------------------------------------------------------------------
@@ -236,11 +235,18 @@ class TransientAnalysis:
         with self.stages("values"):
             shaking = self._shaking(time) + step.a3 * self._shaking(state.time)
             (system.assemble if stale else system.right_side)(state, shaking)
-        system.full[:] = state.y.ravel()
-        if self.policy.extrapolate:
-            system.full += self.prediction()
-        system.solution.stateIncrease()
-        report = self.solver.solve(system.mat, system.b, system.solution, new_mesh, not stale)
+        if stale:
+            self.exact = self.solver.prepare(system.mat, new_mesh, self.steps)
+        guessed = self.policy.extrapolate and not self.exact
+        if self.exact:
+            report = self.solver.apply(system.b, system.solution)
+        else:
+            system.full[:] = state.y.ravel()
+            system.solution.stateIncrease()
+            if guessed:
+                system.full += self.prediction(system.force())
+                system.solution.stateIncrease()
+            report = self.solver.solve(system.mat, system.b, system.solution, new_mesh, not stale)
         whole_vector(system.full, system.rows, self.comm)
         y = system.full.reshape(-1, 2).copy()
         moved = y - state.y
@@ -249,7 +255,7 @@ class TransientAnalysis:
         if state.a is not None:
             v -= step.a5 * state.a
             a = step.a0 * moved - step.a2 * state.v - step.a3 * state.a
-        if self.policy.extrapolate:
+        if guessed:
             self.prediction.keep(moved.ravel())
         self.previous, self.state = state, State(y, v, a, time)
         self.motion.v, self.unsolved = v, False
@@ -257,13 +263,17 @@ class TransientAnalysis:
             self.observer.step(self.x)
         return report
 
+    def _no_prediction(self) -> Prediction:
+        rows = self.system_now.rows
+        return Prediction(self.body.mesh.X.size, rows.stop - rows.start, self.comm)
+
     def _shaking(self, time: float) -> np.ndarray:
         return NO_SHAKING if self.ground is None else self.ground.acceleration(time)
 
     # --- for comparison with other solves -------------------------------------------------------------------------
 
     def matrices(self) -> tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]:
-        """Stiffness, mass and damping of the free unknowns (ascending; unknown a of node i is 2 i + a), on each rank."""
+        """Stiffness, mass and damping of the free unknowns (ascending; 2 i + a at node i), whole on each rank."""
         solid, inertia, X = self.body.solid, self.body.inertia, self.body.mesh.X
         free = np.flatnonzero(~self.body.held.ravel())
         found = []

@@ -7,7 +7,7 @@ from importlib import import_module
 from restshape import __version__
 from restshape.errors import UserError
 
-COMMANDS = ("new", "script", "check", "list", "schema", "info", "replay", "report", "validate", "tables")
+COMMANDS = ("new", "script", "check", "list", "schema", "info", "replay", "report", "validate", "bench", "tables")
 EXIT_CODES = "exit codes: 0 success, 1 a check failed, 2 bad input, 130 interrupted"
 
 

@@ -2,7 +2,6 @@
 
 import argparse
 import os
-import signal
 import sys
 import traceback
 from pathlib import Path
@@ -20,7 +19,9 @@ SUMMARY = "replay an edit script against a scene: result, cost and error of ever
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_scene(parser)
-    parser.add_argument("--edits", type=Path, metavar="FILE", help="edit script (.jsonl); default: the first shape only")
+    parser.add_argument(
+        "--edits", type=Path, metavar="FILE", help="edit script (.jsonl); default: the first shape only"
+    )
     parser.add_argument("--policy", choices=list(POLICIES), help="what is reused (default: the scene's)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="recording (.vtkhdf)")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="a row of numbers a frame")
@@ -80,8 +81,6 @@ def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any
     petsc4py.init(["restshape", *args.petsc])
     from restshape.replay.run import run_replay
 
-    # MPI makes a broken pipe deadly; the recorder's pipe breaks when its disk is full, and that is told.
-    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     with progress(quiet=not first_rank()) as on_frame:
         return run_replay(request, recorder, args.parity, args.csv, on_frame)
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
+import functools
+import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from restshape import _kernels
 from restshape.mesh.sizing import GRADING, Sizing
 from restshape.shape.outline import Outline
 
@@ -63,7 +64,7 @@ class Samples:
 def discretise(outline: Outline, sizing: Sizing) -> Boundary:
     """Nodes on all edges of an outline, at equal steps of length over local size."""
     samples = [_sample(outline, i, sizing) for i in range(len(outline.edges))]
-    _grade(samples, _narrow(outline, samples, sizing.size), sizing.size)
+    _grade(outline, samples, sizing.size)
     count = len(outline.vertex_names)
     edge, param = np.full(count, -1, dtype=np.int32), np.zeros(count)
     points, edges, params, chains = [outline.points[:count]], [edge], [param], []
@@ -71,8 +72,12 @@ def discretise(outline: Outline, sizing: Sizing) -> Boundary:
         for vertex, s in ((found.start, 0.0), (found.end, 1.0)):
             if edge[vertex] < 0:
                 edge[vertex], param[vertex] = i, s
-        s = _parameters(outline, i, sample)
-        chains.append(np.concatenate([[found.start], np.arange(count, count + len(s)), [found.end]]).astype(np.int32))
+        fewest = 1 if found.kind in ("line", "polyline") else 2
+        stops = np.array([0.0, *_corners(outline, i), 1.0])
+        s = _kernels.edge_parameters(sample.s, sample.arc, sample.size, stops, fewest)
+        chain = np.arange(count - 1, count + len(s) + 1, dtype=np.int32)
+        chain[0], chain[-1] = found.start, found.end
+        chains.append(chain)
         points.append(outline.point(i, s))
         edges.append(np.full(len(s), i, dtype=np.int32))
         params.append(s)
@@ -85,24 +90,38 @@ def _sample(outline: Outline, index: int, sizing: Sizing) -> Samples:
     edge, length = outline.edges[index], outline.length(index)
     finest = min([sizing.size, *(attractor.size for attractor in sizing.attractors)])
     fewest = {"line": 2, "arc": 16, "spline": 24 * len(edge.knots)}.get(edge.kind, 2)
-    count = int(np.clip(np.ceil(2.0 * length / finest), fewest, MOST_SAMPLES))
-    s = np.linspace(0.0, 1.0, count + 1)
+    s = _equal_steps(max(fewest, min(math.ceil(2.0 * length / finest), MOST_SAMPLES)))
     if edge.kind == "polyline":
         s = np.union1d(s, edge.knots)
     points = outline.point(index, s)
-    steps = np.hypot(*np.diff(points, axis=0).T)
-    arc = np.concatenate([[0.0], np.cumsum(steps)])
-    arc *= length / arc[-1] if arc[-1] > 0.0 else 1.0
     size = sizing.at(points) if sizing.attractors else np.full(len(s), sizing.size)
-    if edge.kind in ("arc", "spline"):
+    if edge.kind in ("line", "arc"):
+        turn = 4.0 * abs(math.atan(outline.bulges[index]))
+        if turn > 0.0:
+            np.minimum(size, _size_in_bend(length / turn, sizing), out=size)
+        return Samples(s, points, s * length, size)
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    arc *= length / arc[-1] if arc[-1] > 0.0 else 1.0
+    if edge.kind == "spline":
         tangent = outline.tangent(index, s)
-        turn = np.abs(_angle(tangent[:-1], tangent[1:]))
-        radius = np.diff(arc) / np.maximum(turn, 1e-12)
-        bend = np.maximum(LARGEST_TURN * radius, FINEST * sizing.size)
-        # An edge within one bend is cut in pieces by its angle alone, however small it is.
+        turns = np.abs(_angle(tangent[:-1], tangent[1:]))
+        bend = _size_in_bend(np.diff(arc) / np.maximum(turns, 1e-12), sizing)
         np.minimum(size[:-1], bend, out=size[:-1])
         np.minimum(size[1:], bend, out=size[1:])
     return Samples(s, points, arc, size)
+
+
+@functools.lru_cache(maxsize=256)
+def _equal_steps(count: int) -> np.ndarray:
+    """Parameters of the ends of equal steps; not to be written to."""
+    s = np.linspace(0.0, 1.0, count + 1)
+    s.setflags(write=False)
+    return s
+
+
+def _size_in_bend(radius: np.ndarray | float, sizing: Sizing) -> np.ndarray | float:
+    """Size [m] in a bend; an edge within one bend is cut in pieces by its angle alone, however small it is."""
+    return np.maximum(LARGEST_TURN * radius, FINEST * sizing.size)
 
 
 def _angle(u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -120,77 +139,25 @@ def _sides(outline: Outline) -> np.ndarray:
     return side
 
 
-def _narrow(outline: Outline, samples: list[Samples], reach: float) -> np.ndarray:
-    """For each sample of all edges the width (m,) of the material there [m], infinite where wider than `reach`."""
-    owner = np.repeat(np.arange(len(samples)), [len(sample.s) for sample in samples])
-    points = np.concatenate([sample.points for sample in samples])
-    width = np.full(len(points), np.inf)
-    pairs = cKDTree(points).query_pairs(reach, output_type="ndarray")
-    # Neighbours on one straight edge never face each other.
-    bent = np.array([edge.kind != "line" for edge in outline.edges])
-    pairs = pairs[(owner[pairs[:, 0]] != owner[pairs[:, 1]]) | bent[owner[pairs[:, 0]]]]
-    if not len(pairs):
-        return width
-    tangents = np.concatenate([np.gradient(sample.points, axis=0) for sample in samples])
-    spacing = np.hypot(*tangents.T)
-    tangents /= np.maximum(spacing, 1e-300)[:, None]
-    side = _sides(outline)[owner]
-    i, j = np.concatenate([pairs, pairs[:, ::-1]]).T
-    across = points[j] - points[i]
-    apart = np.hypot(*across.T)
-    inward = tangents[i, 0] * across[:, 1] - tangents[i, 1] * across[:, 0]
-    faces = (side[i] == 0.0) | (side[i] * inward > 0.0)
-    faces &= np.concatenate([faces[len(pairs) :], faces[: len(pairs)]])
-    faces &= _way(outline, samples, owner, i, j) > FOLD * apart
-    i, j, across = i[faces], j[faces], across[faces]
-    along = np.abs(np.sum(across * tangents[j], axis=1))
-    away = np.abs(across[:, 0] * tangents[j, 1] - across[:, 1] * tangents[j, 0])
-    np.minimum.at(width, i, np.hypot(away, np.maximum(along - 0.5 * spacing[j], 0.0)))
-    return width
-
-
-def _way(outline: Outline, samples: list[Samples], owner: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Length of the way from sample i to sample j along their edges; infinite if these share no vertex."""
-    arc = np.concatenate([sample.arc for sample in samples])
-    rest = np.concatenate([sample.arc[-1] - sample.arc for sample in samples])
-    start = np.array([edge.start for edge in outline.edges])[owner]
-    end = np.array([edge.end for edge in outline.edges])[owner]
-    way = np.where(owner[i] == owner[j], np.abs(arc[i] - arc[j]), np.inf)
-    for from_i, at_i in ((arc, start), (rest, end)):
-        for from_j, at_j in ((arc, start), (rest, end)):
-            meets = (at_i[i] == at_j[j]) & (owner[i] != owner[j])
-            np.minimum(way, np.where(meets, from_i[i] + from_j[j], np.inf), out=way)
-    return way
-
-
-def _grade(samples: list[Samples], width: np.ndarray, coarsest: float) -> None:
+def _grade(outline: Outline, samples: list[Samples], coarsest: float) -> None:
     """Shorten the sizes in narrow places, and around all places with short sizes by the grading."""
-    size = np.concatenate([sample.size for sample in samples])
-    np.minimum(size, np.maximum(ACROSS * width, FINEST * coarsest), out=size)
+    first = np.cumsum([0, *(len(sample.s) for sample in samples)], dtype=np.int32)
     points = np.concatenate([sample.points for sample in samples])
-    short = np.flatnonzero(size < (1.0 - 1e-9) * coarsest)
-    for i in short[np.argsort(size[short], kind="stable")]:
-        # A place that a shorter one has already reached adds nothing.
-        distance = np.hypot(points[:, 0] - points[i, 0], points[:, 1] - points[i, 1])
-        np.minimum(size, size[i] + GRADING * distance, out=size)
-    for sample, own in zip(samples, np.split(size, np.cumsum([len(sample.s) for sample in samples])[:-1])):
-        sample.size[:] = own
-
-
-def _parameters(outline: Outline, index: int, sample: Samples) -> np.ndarray:
-    """Parameters of the nodes inside an edge."""
-    edge = outline.edges[index]
-    fewest = 1 if edge.kind in ("line", "polyline") else 2
-    stops = [0.0, *_corners(outline, index), 1.0]
-    steps = np.diff(sample.arc) * 0.5 * (1.0 / sample.size[1:] + 1.0 / sample.size[:-1])
-    total = np.concatenate([[0.0], np.cumsum(steps)])
-    found = []
-    for a, b in itertools.pairwise(stops):
-        low, high = np.interp([a, b], sample.s, total)
-        count = max(round(float(high - low)), fewest)
-        inner = np.interp(np.linspace(low, high, count + 1)[1:-1], total, sample.s)
-        found += [inner, [b]]
-    return np.concatenate(found)[:-1]
+    size = np.concatenate([sample.size for sample in samples])
+    width = _kernels.narrow_widths(
+        points,
+        np.concatenate([sample.arc for sample in samples]),
+        first,
+        np.array([(edge.start, edge.end) for edge in outline.edges], dtype=np.int32),
+        np.array([edge.kind == "line" for edge in outline.edges], dtype=np.uint8),
+        _sides(outline),
+        coarsest,
+        FOLD,
+    )
+    np.minimum(size, np.maximum(ACROSS * width, FINEST * coarsest), out=size)
+    _kernels.grade_sizes(points, size, GRADING, coarsest)
+    for sample, low, high in zip(samples, first[:-1].tolist(), first[1:].tolist()):
+        sample.size[:] = size[low:high]
 
 
 def _corners(outline: Outline, index: int) -> list[float]:

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.errors import ReplayProblem
 from restshape.mesh.boundary import Boundary, discretise
 from restshape.mesh.crossing import first_crossing
+from restshape.mesh.delaunay import refine, uses_cgal
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.mesher import triangulate
 from restshape.mesh.numbering import cell_order, node_order
@@ -29,7 +31,7 @@ def generate(outline: Outline, spec: Any, ranks: int = 1) -> Mesh:
 
     Args:
         outline: a valid shape.
-        spec: the scene's ``MeshSpec``: `size` [m] and `near`, smaller sizes [m] at entities.
+        spec: the scene's ``MeshSpec``: `size` [m], `near`, smaller sizes [m] at entities, and `mesher`.
         ranks: number of ranks; nodes are grouped by the rank that owns them.
 
     Raises:
@@ -38,9 +40,16 @@ def generate(outline: Outline, spec: Any, ranks: int = 1) -> Mesh:
     """
     sizing = sizing_of(outline, spec.size, spec.near)
     boundary = discretise(outline, sizing)
-    runs, runs_of = _runs(boundary)
     facets, facet_edge = _facets(outline, boundary)
+    if uses_cgal(spec.mesher):
+        border = np.array(_on_border(outline), dtype=np.uint8)[facet_edge]
+        refined = refine(outline, boundary, facets, facet_edge, border, sizing)
+        if refined is not None:
+            _kernels.smooth_fresh(*refined[1:], len(refined[0].points), SWEEPS)
+            return assemble(outline, *refined, ranks)
+    # Also where CGAL fails: gmsh tells why, or finds a way.
     _refuse_crossing(outline, boundary, facets, facet_edge)
+    runs, runs_of = _runs(boundary)
     inside = [i for i, around in enumerate(_on_border(outline)) if not around]
     X, cells = triangulate(
         boundary.points,
@@ -52,7 +61,7 @@ def generate(outline: Outline, spec: Any, ranks: int = 1) -> Mesh:
         [(attractor.points, attractor.size, GRADING) for attractor in sizing.attractors],
     )
     _refuse_broken(outline, boundary, X, cells)
-    _smooth(X, cells, len(boundary.points))
+    _kernels.smooth_fresh(X, cells, len(boundary.points), SWEEPS)
     return assemble(outline, boundary, X, cells, ranks)
 
 
@@ -71,7 +80,7 @@ def assemble(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndar
     number = np.empty(len(X), dtype=np.int32)
     number[order] = np.arange(len(X), dtype=np.int32)
     X, cells = X[order], number[cells]
-    cells = cells[cell_order(cells)]
+    cells = cells[cell_order(cells, len(X))]
     facets, facet_edge = _facets(outline, boundary)
     facets = number[facets]
     node_edge, node_param = np.full(len(X), -1, dtype=np.int32), np.zeros(len(X))
@@ -210,33 +219,3 @@ def _refuse_broken(outline: Outline, boundary: Boundary, X: np.ndarray, cells: n
     if not used.all():
         x, y = X[np.argmin(used)]
         raise ReplayProblem(f"the shape cannot be meshed: the point ({x:.6g}, {y:.6g}) lies outside the material")
-
-
-def _smooth(X: np.ndarray, cells: np.ndarray, fixed: int) -> None:
-    """Move each inner node to the mean of its neighbours a few times; the worst triangle never gets worse.
-
-    Args:
-        X: (n, 2) [m], changed; cells: (ne, 3); fixed: number of nodes, the first ones, that stay.
-    """
-    corners, count = cells.ravel(), len(X)
-    weight = 0.5 / np.bincount(corners, minlength=count)[fixed:]
-    worst = _shape_factors(X, cells).min()
-    for _ in range(SWEEPS):
-        former = X.copy()
-        for axis in (0, 1):
-            own = X[:, axis][cells]
-            # Around an inner node each neighbour is met in two triangles.
-            others = own.sum(axis=1, keepdims=True) - own
-            X[fixed:, axis] = np.bincount(corners, weights=others.ravel(), minlength=count)[fixed:] * weight
-        bad = cells[_shape_factors(X, cells) < worst]
-        while len(bad):
-            X[bad] = former[bad]
-            again = cells[_shape_factors(X, cells) < worst]
-            bad = again[np.any(X[again] != former[again], axis=(1, 2))]
-
-
-def _shape_factors(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Area over the sum of squared sides (ne,) of triangles: a cheap measure of quality, negative if inverted."""
-    x, y = X[:, 0][cells].T, X[:, 1][cells].T
-    squares = sum((x[i] - x[i - 1]) ** 2 + (y[i] - y[i - 1]) ** 2 for i in range(3))
-    return ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / squares

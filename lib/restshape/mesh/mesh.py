@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.shape.outline import Entity, Outline
 
 _topologies = itertools.count(1)
@@ -172,23 +173,7 @@ def edges_of_cells(cells: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndar
         cells: (ne, 3) nodes.
         n_nodes: number of nodes.
     """
-    a, b = cells[:, (1, 2, 0)].ravel().astype(np.int64), cells[:, (2, 0, 1)].ravel()
-    key = np.minimum(a, b) * n_nodes + np.maximum(a, b)
-    # One sort of key and place packed into a word is three times as fast as an argsort.
-    bits = int(key.size).bit_length()
-    if n_nodes**2 >> (62 - bits):
-        order = np.argsort(key, kind="stable")
-        ordered = key[order]
-    else:
-        packed = np.sort((key << bits) | np.arange(key.size))
-        order, ordered = packed & ((1 << bits) - 1), packed >> bits
-    first = np.empty(key.size, dtype=bool)
-    first[:1] = True
-    np.not_equal(ordered[1:], ordered[:-1], out=first[1:])
-    cell_edges = np.empty(key.size, dtype=np.int32)
-    cell_edges[order] = np.cumsum(first, dtype=np.int32) - 1
-    low, high = np.divmod(ordered[first], n_nodes)
-    return np.stack([low, high], axis=1).astype(np.int32), cell_edges.reshape(-1, 3)
+    return _kernels.edges_of_cells(np.ascontiguousarray(cells, dtype=np.int32), n_nodes)
 
 
 def cells_left_of(facets: np.ndarray, cells: np.ndarray, n_nodes: int) -> np.ndarray:
@@ -197,13 +182,5 @@ def cells_left_of(facets: np.ndarray, cells: np.ndarray, n_nodes: int) -> np.nda
     Args:
         facets: (nf, 2) directed node pairs; cells: (ne, 3) counter-clockwise; n_nodes: number of nodes.
     """
-    on_facet = np.zeros(n_nodes, dtype=bool)
-    on_facet[facets] = True
-    cell, corner = np.nonzero(on_facet[cells] & on_facet[cells[:, (1, 2, 0)]])
-    sides = cells[cell, corner].astype(np.int64) * n_nodes + cells[cell, (corner + 1) % 3]
-    wanted = facets[:, 0].astype(np.int64) * n_nodes + facets[:, 1]
-    if not len(sides):
-        return np.full(len(facets), -1, dtype=np.int32)
-    order = np.argsort(sides)
-    place = np.minimum(np.searchsorted(sides, wanted, sorter=order), len(sides) - 1)
-    return np.where(sides[order[place]] == wanted, cell[order[place]], -1).astype(np.int32)
+    facets, cells = (np.ascontiguousarray(pairs, dtype=np.int32) for pairs in (facets, cells))
+    return _kernels.cells_left_of(facets, cells, n_nodes)

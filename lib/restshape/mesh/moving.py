@@ -129,6 +129,13 @@ class MovingMesh:
                 self._Psi = motion(self.mesh, basis, self.relocation)
         return self._Psi
 
+    @property
+    def _reconnection(self) -> Reconnection:
+        """What flips edges of the mesh; made at the first flip, for many meshes never see one."""
+        if self._flipper is None:
+            self._flipper = Reconnection(self.mesh)
+        return self._flipper
+
     def advance(self, frame: EditFrame) -> Advance:
         """What the frame did to the mesh, which now lies on the frame's outline.
 
@@ -261,7 +268,7 @@ class MovingMesh:
     def _adopt(self, mesh: Mesh) -> None:
         self.mesh = mesh
         self._boundary = Boundary(mesh)
-        self._reconnection = Reconnection(mesh)
+        self._flipper: Reconnection | None = None
         self._fixed = np.zeros(len(mesh.X), dtype=np.uint8)
         self._fixed[self._boundary.nodes] = 1
         self._before = np.empty_like(mesh.X)

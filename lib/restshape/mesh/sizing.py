@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,11 @@ class Attractor:
     points: np.ndarray
     size: float
 
+    @functools.cached_property
+    def tree(self) -> cKDTree:
+        """Search tree of the points."""
+        return cKDTree(self.points)
+
 
 @dataclass(frozen=True)
 class Sizing:
@@ -40,7 +46,7 @@ class Sizing:
         """Size (m,) wanted at points (m, 2)."""
         wanted = np.full(len(points), self.size)
         for attractor in self.attractors:
-            distance, _ = cKDTree(attractor.points).query(points)
+            distance, _ = attractor.tree.query(points)
             # The attractor's points stand at most one size apart.
             np.minimum(wanted, attractor.size + GRADING * np.maximum(distance - attractor.size, 0.0), out=wanted)
         return wanted

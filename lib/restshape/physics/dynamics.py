@@ -138,9 +138,9 @@ class Inertia:
         """M v (n, 2) of nodal values v (n, 2)."""
         return self._product(self.element, v)
 
-    def energy(self, v: np.ndarray) -> float:
-        """Kinetic energy [J] of the velocities v (n, 2) [m/s]."""
-        return float(self.element.energy(self.mesh.X, v, self.mesh.cells, self.params).sum())
+    def energies(self, v: np.ndarray) -> np.ndarray:
+        """Kinetic energies (ne,) [J] of the cells at the velocities v (n, 2) [m/s]; they sum to half of v . M v."""
+        return self.element.energy(self.mesh.X, v, self.mesh.cells, self.params)
 
     def momentum(self, v: np.ndarray) -> np.ndarray:
         """Linear momentum (2,) [kg m/s] of the velocities v (n, 2) [m/s]; the same for both kinds of mass."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.errors import UserError
 from restshape.physics.dynamics import Inertia
 from restshape.physics.quantities import Observer
 from restshape.physics.solid import LinearSolid
@@ -39,9 +40,7 @@ class MotionObserver(Observer):
         UserError: a quantity names a place where it has no meaning.
     """
 
-    def __init__(
-        self, physics: LinearSolid, inertia: Inertia, motion: Motion, quantities: dict[str, Quantity]
-    ) -> None:
+    def __init__(self, physics: LinearSolid, inertia: Inertia, motion: Motion, quantities: dict[str, Quantity]) -> None:
         self.inertia, self.motion = inertia, motion
         super().__init__(physics, quantities)
         self.watched = {name: self.functions[name] for name, q in quantities.items() if q.take == "peak"}
@@ -67,12 +66,15 @@ class MotionObserver(Observer):
 
         return value
 
-    def _energy(self, name: str, kind: str) -> Callable[[np.ndarray], float]:
-        motion, strain, kinetic = self.motion, self.physics.energy, self.inertia.energy
+    def _energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Callable[[np.ndarray], float]:
+        """The energy of that kind in the cells; what edits and new meshes did is known of the whole body only."""
+        motion, strain, kinetic = self.motion, self.physics.energies, self.inertia.energies
+        if kind in ("edit", "remesh") and not isinstance(cells, slice):
+            raise UserError(f"{kind!r} energy is that of the whole body", f"quantities.{name}.at", "leave `at` out")
         return {
-            "strain": strain,
-            "kinetic": lambda x: kinetic(motion.v),
-            "total": lambda x: strain(x) + kinetic(motion.v),
+            "strain": lambda x: strain(x)[cells].sum(),
+            "kinetic": lambda x: kinetic(motion.v)[cells].sum(),
+            "total": lambda x: strain(x)[cells].sum() + kinetic(motion.v)[cells].sum(),
             "edit": lambda x: motion.edit,
             "remesh": lambda x: motion.remesh,
         }[kind]

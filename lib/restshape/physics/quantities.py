@@ -9,6 +9,7 @@ from restshape.errors import UserError
 from restshape.physics.solid import LinearSolid
 from restshape.scene.model import Quantity
 
+
 def largest(values: np.ndarray) -> float:
     """The largest size among values."""
     return np.max(np.abs(values))
@@ -76,7 +77,7 @@ class Observer:
             cells = self._region(name, quantity)
             if quantity.area:
                 return lambda x: _kernels.total_area(self.mesh.X, self.mesh.cells[cells])
-            return lambda x: self.physics.energies(x)[cells].sum()
+            return self._energy(name, quantity.energy, cells)
         nodes = self._nodes(name, quantity)
         take = TAKES[quantity.take]
         if quantity.reaction:
@@ -90,11 +91,11 @@ class Observer:
         column = "xy".index(quantity.displacement)
         return lambda x: take(x[nodes, column])
 
-    def _energy(self, name: str, kind: str) -> Callable[[np.ndarray], float]:
-        """The energy of that kind; a solid at rest has one only."""
+    def _energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Callable[[np.ndarray], float]:
+        """The energy of that kind in the cells; a solid at rest has one kind only."""
         if kind != "strain":
             raise UserError(f"a solid at rest has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"')
-        return self.physics.energy
+        return lambda x: self.physics.energies(x)[cells].sum()
 
     def _around(self, name: str, nodes: np.ndarray) -> np.ndarray:
         """The cells around the nodes of a quantity, found once a topology."""

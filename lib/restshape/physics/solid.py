@@ -82,8 +82,8 @@ class LinearSolid:
         return out
 
     def cells_around(self, nodes: np.ndarray) -> np.ndarray:
-        """Cells (int32) of which a corner is one of `nodes` (k,)."""
-        return np.flatnonzero(np.isin(self.mesh.cells, nodes).any(axis=1)).astype(np.int32)
+        """Cells (int32) of which a corner is one of `nodes` (k,) int32."""
+        return _kernels.cells_around(self.mesh.cells, nodes, len(self.mesh.X))
 
     def reaction(self, x: np.ndarray, nodes: np.ndarray, around: np.ndarray) -> np.ndarray:
         """Forces (k, 2) [N] of supports on the body at `nodes` (k,) with the cells `around` them, at x (n, 2) [m]."""
@@ -122,16 +122,17 @@ class LinearSolid:
         """Parameters lambda, mu, thickness, bx, by: one row where all cells agree, else one row a cell."""
         table = np.zeros((len(self.materials), 5))
         table[:, :3] = self.materials[:, :3]
+        stiffness = table.copy()
         if self.gravity is not None:
             table[:, 3:] = self.materials[:, 3:4] * self.gravity
-        self.stiffness_table = table
         bodies = [(name, load) for name, load in self.scene.loads.items() if load.body is not None]
         region = self.mesh.cell_region
         if not bodies and not np.any(region):
-            self.stiffness_params = np.ascontiguousarray(table[0])
-            return self.stiffness_params
+            self.stiffness_params = np.ascontiguousarray(stiffness[0])
+            return np.ascontiguousarray(table[0])
+        # Apart from the loads, whose potential is no strain energy.
+        self.stiffness_params = np.ascontiguousarray(stiffness[region])
         params = np.ascontiguousarray(table[region])
-        self.stiffness_params = params
         for name, load in bodies:
             cells = cells_on(self.mesh, load.on)
             centres = self.mesh.X[self.mesh.cells[cells]].mean(axis=1)

@@ -56,3 +56,8 @@ class VibratingSolid:
         damping = self.rayleigh
         force = self.static - self.stiffness(y + damping.beta * v) - self.inertia.apply(damping.alpha * v + ground)
         return self.inertia.solve(force)
+
+    def energy(self, y: np.ndarray, v: np.ndarray) -> float:
+        """Strain energy and kinetic energy relative to the ground [J]; arguments as in `acceleration`."""
+        strain = self.solid.energies(y + self.solid.prescribed).sum()
+        return float(strain + self.inertia.energies(v).sum())

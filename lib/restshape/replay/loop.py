@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.gather import bury
 from restshape.algebra.linear import LinearReport
 from restshape.algebra.stages import NAMES, Stages
 from restshape.analysis.frame import Frame
@@ -157,6 +158,8 @@ class Replay:
                 edit.t, mesh.X, {"displacement": self.analysis.x}, {"von_mises": self.analysis.von_mises()}, row
             )
         row["ms_record"] = (perf_counter() - end) * 1e3
+        if row["level"] > 1 or edit.change not in ("none", "move"):
+            bury(self.comm)
 
     def _imported(self, scene: Scene) -> tuple[Mesh | None, Outline | None]:
         """The mesh that the scene imports, if it does, and the outline of its boundary."""

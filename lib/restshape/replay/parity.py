@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from restshape.algebra.gather import bury
 from restshape.replay.loop import Replay
 
 ENTRIES = 1e-13
@@ -30,6 +31,7 @@ class Parity:
         if not self.replay.solved:
             return {}
         hot, cold = self.replay.analysis.system(), self.replay.analysis.cold_system()
+        bury(self.replay.comm)
         entries = matrix_difference(hot.matrix, cold.matrix)
         solution = energy_distance(cold.matrix, hot.solution, cold.solution)
         self.entries, self.solution = max(self.entries, entries), max(self.solution, solution)

@@ -238,6 +238,7 @@ class MeshSpec(Strict):
     relocation: Literal["harmonic", "mvc", "laplacian"] = "harmonic"
     criterion: Literal["quality", "author"] = "quality"
     min_quality: Annotated[float, Field(gt=0, lt=1)] = 0.3
+    mesher: Literal["auto", "cgal", "gmsh"] = "auto"
     file: str | None = None
     unit: Annotated[float, BeforeValidator(lambda raw: _read_scale(raw)), Field(gt=0)] = 1.0
 

@@ -1,0 +1,1 @@
+"""Benchmarks: the same edits under several policies, and the same frame at several sizes."""

@@ -1,0 +1,36 @@
+"""How often PETSc did what: counts of its logged events."""
+
+from petsc4py import PETSc
+
+NAMES = (
+    "MatCholFctrSym",
+    "MatCholFctrNum",
+    "MatICCFactorSym",
+    "MatILUFactorSym",
+    "MatLUFactorNum",
+    "PCSetUp",
+    "KSPSolve",
+    "PCApply",
+    "MatMult",
+    "RestshapePattern",
+    "RestshapePatch",
+    "RestshapeValues",
+)
+
+
+class EventCounts:
+    """Counts over all log stages that exist when this is made; PETSc's log must have begun."""
+
+    def __init__(self) -> None:
+        self._events = {name: PETSc.Log.Event(name) for name in NAMES}
+        self._stages = range(PETSc.Log.Stage("restshape bench").id + 1)
+        self._last = dict.fromkeys(NAMES, 0)
+
+    def since_last(self) -> dict[str, int]:
+        """Counts by event since the last call, or since the log began."""
+        now = {
+            name: sum(event.getPerfInfo(stage)["count"] for stage in self._stages)
+            for name, event in self._events.items()
+        }
+        before, self._last = self._last, now
+        return {name: now[name] - before[name] for name in NAMES}

@@ -1,0 +1,279 @@
+"""`restshape bench`: what reuse gains, and how time grows with size."""
+
+import argparse
+import sys
+import tempfile
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from restshape.application import applications
+from restshape.cli.list import scene_of
+from restshape.cli.options import add_json, add_set, open_json, print_table, write_json
+from restshape.errors import UserError
+from restshape.policy import POLICIES
+
+SUMMARY = "measure what reuse gains (reuse), and how the time of a frame grows with size (size)"
+PICTURES = Path("results")
+SIZE_SCENE = "plate"
+EVENTS = (
+    "MatCholFctrSym",
+    "MatCholFctrNum",
+    "KSPSolve",
+    "PCApply",
+    *(f"Restshape{n}" for n in ("Pattern", "Patch", "Values")),
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    studies = parser.add_subparsers(dest="study", metavar="STUDY", required=True)
+    reuse = studies.add_parser("reuse", help="policies side by side on the same edits")
+    reuse.add_argument("scenes", metavar="SCENE", nargs="*", type=Path, help="scene files (default: all installed)")
+    reuse.add_argument("--policies", default=",".join(POLICIES), metavar="A,B", help="default: %(default)s")
+    reuse.add_argument("--edits", type=Path, metavar="FILE", help="edit script (default: the one that names the scene)")
+    reuse.add_argument("--frames", type=int, metavar="N", help="replay only the first N frames of a script")
+    reuse.add_argument("--repeat", type=int, default=3, metavar="R", help="timed runs a policy (default: %(default)s)")
+    reuse.add_argument("--regret", action="store_true", help="measure the regret of auto's refreshes in hindsight")
+    size = studies.add_parser("size", help="time of a frame of each level against the number of unknowns")
+    size.add_argument("--from", dest="least", type=float, default=1e3, metavar="N", help="unknowns (default: 1e3)")
+    size.add_argument("--to", dest="most", type=float, default=1e6, metavar="N", help="unknowns (default: 1e6)")
+    size.add_argument("--points", type=int, default=7, metavar="K", help="sizes (default: %(default)s)")
+    size.add_argument("--policy", choices=list(POLICIES), default="auto", help="default: %(default)s")
+    size.add_argument(
+        "--seconds", type=float, default=330.0, metavar="S", help="for all sizes together (default: %(default)g)"
+    )
+    for study in (reuse, size):
+        add_set(study)
+        add_json(study)
+        study.add_argument(
+            "--out", type=Path, default=PICTURES, metavar="DIR", help="of the picture (default: %(default)s)"
+        )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Measure; 0 when it is done, 2 on bad input."""
+    open_json(args)
+    return _reuse(args) if args.study == "reuse" else _size(args)
+
+
+def _reuse(args: argparse.Namespace) -> int:
+    """Compare policies, and tell of each scene as soon as it is done."""
+    from restshape.bench.reuse import Plan, compare
+    from restshape.report.policies import draw_policies
+
+    for option in ("repeat", "frames"):
+        if getattr(args, option) is not None and getattr(args, option) < (2 if option == "frames" else 1):
+            raise UserError(f"{getattr(args, option)} is too few", f"--{option}", "leave it out")
+    names = tuple(dict.fromkeys(name.strip() for name in args.policies.split(",")))
+    for name in names:
+        if name not in POLICIES:
+            raise UserError(f"no policy is named {name!r}", "--policies", f"choose from {','.join(POLICIES)}")
+    cases = _cases(args)
+    picture = _picture(args.out, "bench-reuse.png")
+    plan = Plan(names, args.repeat, args.frames, tuple(args.set), tuple(args.petsc), args.regret)
+    found = {}
+    for case in cases:
+        found[case.name] = compare(case, plan, announce)
+        print_reuse(case.name, found[case.name])
+    _draw(picture, lambda: draw_policies(found, picture))
+    write_json(args, found)
+    return 0
+
+
+def _cases(args: argparse.Namespace) -> list[Any]:
+    """The scenes to replay, each with its script, all checked before the first run.
+
+    Raises:
+        UserError: a bad scene or script, or a scene without a script.
+    """
+    from restshape.bench.reuse import Case
+    from restshape.scene.load import load_scene
+    from restshape.scene.script import load_script
+
+    if args.edits and len(args.scenes) != 1:
+        raise UserError("a script belongs to one scene", "--edits", "name one scene")
+    installed = [path for app in applications().values() for path in app.scenes() if script_of(path)]
+    paths = args.scenes or installed
+    stems = [path.stem for path in paths]
+    cases = []
+    for path in paths:
+        scene = load_scene(path, args.set)
+        edits = args.edits or script_of(path)
+        if edits is None:
+            raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")
+        load_script(edits, scene)
+        name = path.stem if stems.count(path.stem) == 1 else f"{scene.app}/{path.stem}"
+        cases.append(Case(name, path, edits))
+    return cases
+
+
+def script_of(scene: Path) -> Path | None:
+    """The edit script in `../edits`, or beside it, whose header names the scene; of several the scene's namesake."""
+    folders = (scene.parent.parent / "edits", scene.parent)
+    found = [path for folder in folders for path in sorted(folder.glob("*.jsonl")) if scene_of(path) == scene.name]
+    return next((path for path in found if path.stem == scene.stem), found[0] if found else None)
+
+
+def print_reuse(name: str, found: dict[str, dict[str, Any]]) -> None:
+    """Print the tables of one scene."""
+    one = next(iter(found.values()))
+    loads = [run["load"] for entry in found.values() for run in entry["runs"]]
+    title = (
+        f"{name}: {one['frames']} frames, about {one['unknowns']} unknowns, {one['elements']} elements, one core; "
+        f"median of {len(one['runs'])} runs; load of the machine {min(loads):.1f} to {max(loads):.1f}"
+    )
+    heads = ("policy", "frames/s", "p50, ms", "p95, ms", "p99, ms", "x rebuild", "x refactor", "Python, ms")
+    heads += ("iterations", "refreshes", "refused")
+    print_table(title, heads, [_policy_row(key, entry) for key, entry in found.items()], heads[1:])
+    heads = ("frames: p50, ms", "1 relocation", "2 reconnection", "3 reconstruction", "idle")
+    print_table("", heads, [_levels_row(key, entry) for key, entry in found.items()], heads[1:])
+    stages = [stage for stage in one["stages"] if any(entry["stages"][stage] >= 0.05 for entry in found.values())]
+    rows = [[key, *(f"{entry['stages'][stage]:.1f}" for stage in stages)] for key, entry in found.items()]
+    print_table("", ("stages in all, ms", *stages), rows, stages)
+    events = [event for event in one["events"] if event in EVENTS or any(e["events"][event] for e in found.values())]
+    rows = [[event, *(str(entry["events"][event]) for entry in found.values())] for event in events]
+    print_table("", ("PETSc events", *found), rows, list(found))
+    regret = found.get("auto", {}).get("regret")
+    if regret:
+        told = ", ".join(f"{key} {_number(value)}" for key, value in regret.items() if isinstance(value, int | float))
+        print(f"regret of auto's refreshes: {told}")
+    print()
+
+
+def _policy_row(name: str, entry: dict[str, Any]) -> list[str]:
+    ms, ratios = entry["ms"], entry["ratios"]
+    times = [_ratio(ratios[base]["fps"]) if base in ratios else "" for base in ("rebuild", "refactor")]
+    counts = [str(entry[key]) for key in ("iterations", "refreshes", "refused")]
+    python = f"{entry['python_ms']['p50']:.3f}"
+    return [name, f"{entry['fps']:.4g}", *(f"{ms[key]:.3f}" for key in ("p50", "p95", "p99")), *times, python, *counts]
+
+
+def _ratio(value: float | None) -> str:
+    return "" if value is None else f"{value:.2f}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}"
+
+
+def _levels_row(name: str, entry: dict[str, Any]) -> list[str]:
+    levels = [
+        f"{entry['levels'][k]}: {entry['ms_by_level'][k]['p50']:.3f}" if entry["levels"][k] else "0"
+        for k in ("1", "2", "3")
+    ]
+    return [name, *levels, str(entry["idle"])]
+
+
+def _size(args: argparse.Namespace) -> int:
+    """Measure growing sizes, and tell what was not reached."""
+    from restshape.bench.size import exponents, measure, sizes
+    from restshape.report.scaling import draw_scaling
+
+    if not 100 <= args.least <= args.most:
+        raise UserError(
+            f"{args.least:g} to {args.most:g} is no range of unknowns", "--from, --to", "--from 1e3 --to 1e6"
+        )
+    if args.points < 1 or args.seconds <= 0:
+        raise UserError("there must be a size and time for it", "--points, --seconds", "leave them out")
+    scene = installed_scene(SIZE_SCENE)
+    picture = _picture(args.out, "bench-size.png")
+    start = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="restshape-bench-") as folder:
+        wanted = sizes(args.least, args.most, args.points if args.most > args.least else 1)
+        given = (args.seconds, args.policy, tuple(args.set), tuple(args.petsc), announce)
+        records = measure(scene, wanted, Path(folder), *given)
+    fits = exponents(records)
+    print_size(records, fits, args.policy)
+    print(f"took {time.monotonic() - start:.0f} s")
+    _draw(picture, lambda: draw_scaling(records, fits, args.policy, picture))
+    write_json(args, {"policy": args.policy, "sizes": records, "exponents": fits})
+    return 0
+
+
+def installed_scene(stem: str) -> Path:
+    """The installed scene of that name.
+
+    Raises:
+        UserError: there is none.
+    """
+    paths = [path for app in applications().values() for path in app.scenes() if path.stem == stem]
+    if not paths:
+        raise UserError(f"no installed application has a scene {stem!r}", "bench size", "restshape list shows all")
+    return paths[0]
+
+
+def print_size(records: Iterable[dict[str, Any]], fits: dict[str, Any], name: str) -> None:
+    """Print the tables of all sizes."""
+    heads = (
+        "unknowns",
+        "triangles",
+        "level 1",
+        "iterations",
+        "level 1, old factor",
+        "iterations",
+        "level 2",
+        "iterations",
+    )
+    heads += ("2 / 1", "level 3", "memory, MB", "what is missing, and why")
+    rows = [_size_row(record) for record in records]
+    powers = ["fitted power", "", *("" for _ in heads[2:])]
+    for level, place in (("1", 2), ("2", 6), ("3", 9)):
+        powers[place] = f"n^{fits[level]['exponent']:.2f}" if fits[level] else ""
+    print_table(f"time a frame, p50 in ms, one core, policy {name}", heads, [*rows, powers], heads[:-1])
+    if any(record["first_frame_serves_as_level_3"] for record in records):
+        print("* the first frame of the replay: a new mesh, pattern and factor, without the way from an old mesh")
+    stages = ("edit", "relocate", "flip", "pattern", "values", "factor", "krylov", "observe", "python")
+    shown = [(record, level) for level in ("1", "2") for record in records if record["levels"][level]]
+    rows = [
+        [level, f"{record['unknowns']}", *(f"{record['levels'][level]['stages'][stage]:.3f}" for stage in stages)]
+        for record, level in shown
+    ]
+    print_table("stages of a frame, p50 in ms", ("level", "unknowns", *stages), rows, ("unknowns", *stages))
+
+
+def _size_row(record: dict[str, Any]) -> list[str]:
+    levels = record["levels"]
+    cells = [str(record["unknowns"] or f"about {record['wanted']:.0f}"), str(record["elements"] or "")]
+    for level in ("1", "1_old", "2"):
+        found = levels[level]
+        cells += [f"{found['ms']['p50']:.3f}", f"{found['iterations']:.1f}"] if found else ["", ""]
+    beside = levels["1_old"] or levels["1"]
+    cells.append(f"{levels['2']['ms']['p50'] / beside['ms']['p50']:.2f}" if levels["2"] and beside else "")
+    star = " *" if record["first_frame_serves_as_level_3"] else ""
+    cells.append(f"{levels['3']['ms']['p50']:.1f}{star}" if levels["3"] else "")
+    cells.append(f"{record['memory_mb']:.0f}" if record["memory_mb"] else "")
+    return [*cells, record["problem"]]
+
+
+def _picture(folder: Path, name: str) -> Path:
+    """The path of a picture in a folder, which is made, before any work.
+
+    Raises:
+        UserError: it cannot be written there.
+    """
+    path = folder / name
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        existed = path.exists()
+        path.open("ab").close()
+        if not existed:
+            path.unlink()
+    except OSError as error:
+        raise UserError(f"{path} cannot be written: {error.strerror}", "--out", "choose another folder") from error
+    return path
+
+
+def announce(words: str) -> None:
+    """Tells what comes next, where it does not mix with tables."""
+    print(words, file=sys.stderr, flush=True)
+
+
+def _draw(path: Path, draw: Any) -> None:
+    """Draw, and tell where."""
+    try:
+        draw()
+    except OSError as error:
+        raise UserError(f"{path} cannot be written: {error.strerror}", "--out", "choose another folder") from error
+    print(f"wrote {path}")

@@ -1,0 +1,67 @@
+"""Time a frame by policy and scene: bars of medians."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from textwrap import shorten
+from typing import Any
+
+from matplotlib.axes import Axes
+
+from restshape.report.style import FAINT, INK, new_figure
+
+COLOURS = {"rebuild": "#999933", "refactor": "#88ccee", "thesis": "#cc6677", "auto": "#332288"}
+OTHERS = ("#44aa99", "#ddcc77", "#117733", "#aa4499")
+
+
+def draw_policies(found: Mapping[str, Mapping[str, Mapping[str, Any]]], path: Path) -> None:
+    """Writes the picture as a PNG: a group of bars a scene, each bar's median with a whisker to the 95th percentile.
+
+    Args:
+        found: scene -> policy -> record with ms (p50, p95) [ms] and fps, as `bench reuse --json` writes it.
+        path: of the picture.
+    """
+    policies = list(dict.fromkeys(name for scene in found.values() for name in scene))
+    colours = {name: COLOURS.get(name, OTHERS[k % len(OTHERS)]) for k, name in enumerate(policies)}
+    figure = new_figure(8.0, 1.5 + 0.34 * sum(len(scene) + 1 for scene in found.values()))
+    axes = figure.subplots()
+    place, ticks, handles = 0.0, [], {}
+    for name, scene in found.items():
+        first = place
+        for policy, entry in scene.items():
+            handles[policy] = _bar(axes, place, entry, colours[policy])
+            place += 1
+        ticks.append(((first + place - 1) / 2, name))
+        place += 0.8
+    _scale(axes, [v for scene in found.values() for entry in scene.values() for v in entry["ms"].values() if v > 0])
+    axes.set(yticks=[at for at, _ in ticks], yticklabels=[shorten(name, 30, placeholder=" …") for _, name in ticks])
+    axes.set_ylim(place - 1.1, -0.7)
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlabel("time a moved frame [ms]: p50 (bar), p95 (whisker)")
+    figure.suptitle("The same edits under several policies of reuse", x=0.01, ha="left", color=INK)
+    figure.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
+    figure.savefig(path)
+
+
+def _bar(axes: Axes, place: float, entry: Mapping[str, Any], colour: str) -> Any:
+    """A bar with its whisker and words; an empty place where nothing moved."""
+    p50, p95 = entry["ms"]["p50"], entry["ms"]["p95"]
+    if p50 <= 0:
+        axes.text(0.01, place, "no moved frames", transform=axes.get_yaxis_transform(), va="center", color=FAINT)
+        return axes.barh([place], [0], color=colour, label="_")
+    bar = axes.barh(place, p50, height=0.78, color=colour, linewidth=0)
+    axes.plot([p50, p95], [place, place], color=INK, linewidth=1.1, marker="|", markersize=6)
+    axes.text(max(p50, p95) * 1.12, place, f"{p50:.3g} ms, {entry['fps']:.3g} frames/s", va="center", fontsize=8)
+    return bar
+
+
+def _scale(axes: Axes, times: list[float]) -> None:
+    """A logarithmic axis with room for the words right of the longest bar."""
+    if not times:
+        return
+    axes.set_xscale("log")
+    least, most = min(times) / 3, max(times)
+    axes.set_xlim(least, most * (most / least) ** 0.42)
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axes.xaxis.set_minor_formatter(lambda value, _: "")
+    axes.grid(True, axis="x", color="#e6e6e6", linewidth=0.6)
+    axes.set_axisbelow(True)

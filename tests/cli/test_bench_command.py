@@ -1,0 +1,93 @@
+"""`restshape bench` as people and programs call it; no time is asserted."""
+
+import json
+
+import pytest
+from small_scenes import across, drag, plate, write_scene, write_script
+
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = write_scene(tmp_path, plate(0.2), "small.toml")
+    edits = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.53, 0.5), 3)), "small.jsonl")
+    first, *others = edits.read_text().splitlines()
+    edits.write_text("\n".join([json.dumps({**json.loads(first), "scene": "small.toml"}), *others, ""]))
+    return path
+
+
+def test_reuse_for_programs_and_people(tmp_path, restshape, scene):
+    done = restshape("bench", "reuse", scene, "--policies", "rebuild,auto", "--repeat", 1, "--json", "a.json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert set(found) == {"small"} and list(found["small"]) == ["rebuild", "auto"]
+    for entry in found["small"].values():
+        assert entry["fps"] > 0 and 0 < entry["ms"]["p50"] <= entry["ms"]["p95"] <= entry["ms"]["p99"]
+        assert (entry["frames"], entry["idle"], entry["refused"]) == (6, 2, 0)
+        assert entry["events"]["RestshapeValues"] == 4 and len(entry["runs"]) == 1
+        assert {"ms_by_level", "python_ms", "stages", "iterations", "refreshes", "ratios"} <= set(entry)
+    assert found["small"]["rebuild"]["levels"] == {"1": 0, "2": 0, "3": 3}
+    assert found["small"]["auto"]["levels"] == {"1": 3, "2": 0, "3": 0}
+    assert set(found["small"]["auto"]["ratios"]) == {"rebuild"}
+    for words in ("small: 6 frames", "frames/s", "p99, ms", "x rebuild", "MatCholFctrNum", "stages in all", "results"):
+        assert words in done.stdout
+    assert (tmp_path / "results/bench-reuse.png").read_bytes().startswith(PNG)
+
+
+def test_set_frames_and_edits(tmp_path, restshape, scene):
+    (tmp_path / "small.jsonl").rename(tmp_path / "other.jsonl")
+    words = ("--policies", "auto", "--repeat", 1, "--frames", 3, "--set", "mesh.size=0.3", "--json", "a.json")
+    done = restshape("bench", "reuse", scene, "--edits", "other.jsonl", *words, "--out", "pictures")
+    assert done.returncode == 0, done.stderr
+    entry = json.loads((tmp_path / "a.json").read_text())["small"]["auto"]
+    assert entry["frames"] == 3 and entry["levels"]["1"] == 1
+    assert (tmp_path / "pictures/bench-reuse.png").is_file() and not (tmp_path / "results").exists()
+
+
+def test_size_for_programs_and_people(tmp_path, restshape):
+    done = restshape("bench", "size", "--from", 300, "--to", 600, "--points", 2, "--json", "a.json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert found["policy"] == "auto" and set(found["exponents"]) == {"1", "2", "3"}
+    first, second = found["sizes"]
+    assert first["unknowns"] < second["unknowns"] and first["levels"]["1"]["ms"]["p50"] > 0
+    for words in ("time a frame", "old factor", "memory", "fitted power", "krylov"):
+        assert words in done.stdout
+    assert (tmp_path / "results/bench-size.png").read_bytes().startswith(PNG)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("reuse", "--policies", "auto,fast"), ("fast", "rebuild")),
+        (("reuse", "nowhere.toml"), ("nowhere.toml",)),
+        (("reuse", "small.toml", "--out", "small.toml"), ("--out", "cannot be written")),
+        (("reuse", "small.toml", "--json", "nowhere/a.json"), ("--json", "cannot be written")),
+        (("reuse", "small.toml", "--edits", "nowhere.jsonl"), ("nowhere.jsonl",)),
+        (("reuse", "small.toml", "--set", "mesh.sice=1"), ("mesh.sice",)),
+        (("reuse", "small.toml", "--repeat", 0), ("--repeat",)),
+        (("reuse", "small.toml", "--frames", 1), ("--frames",)),
+        (("reuse", "--edits", "small.jsonl"), ("--edits", "one scene")),
+        (("size", "--from", 1e6, "--to", 1e3), ("--from",)),
+        (("size", "--points", 0), ("--points",)),
+        (("size", "--to", 2e3, "--out", "small.toml"), ("--out", "cannot be written")),
+    ],
+)
+def test_bad_input(restshape, scene, words, told):
+    done = restshape("bench", *words)
+    assert done.returncode == 2 and done.stdout == "" and "Traceback" not in done.stderr
+    assert " try: " in done.stderr
+    for word in told:
+        assert word in done.stderr
+
+
+def test_a_scene_without_a_script(tmp_path, restshape, scene):
+    (tmp_path / "small.jsonl").unlink()
+    done = restshape("bench", "reuse", scene)
+    assert done.returncode == 2 and "--edits" in done.stderr
+
+
+def test_the_help_names_both_studies(restshape):
+    told = restshape("bench", "--help").stdout
+    assert "reuse" in told and "size" in told
