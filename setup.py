@@ -112,8 +112,8 @@ def cgal_folder() -> str | None:
     if os.path.isfile(os.path.join(folder, "CGAL", "Delaunay_mesher_2.h")):
         return folder
     if "CGAL_INCLUDE_DIR" in os.environ:
-        raise SystemExit(f"no CGAL in {folder}: set CGAL_INCLUDE_DIR to the folder that holds CGAL/, or RESTSHAPE_CGAL=0")
-    print("no CGAL in /usr/include: gmsh makes all meshes; install libcgal-dev, or set CGAL_INCLUDE_DIR", file=sys.stderr)
+        raise SystemExit(f"no CGAL in {folder}: set CGAL_INCLUDE_DIR to the folder that holds CGAL/")
+    print("no CGAL in /usr/include, so gmsh makes all meshes: install libcgal-dev for faster ones", file=sys.stderr)
     return None
 
 

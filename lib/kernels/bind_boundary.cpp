@@ -40,7 +40,8 @@ Doubles narrow_widths(const Doubles& points, const Doubles& arc, const Indices& 
 
 void grade_sizes(const Doubles& points, Doubles& size, double growth, double coarsest) {
     require(points.size() == 2 * size.size(), "points and size must have a row a sample");
-    restshape::grade_sizes(points.data(), size.mutable_data(), static_cast<std::int32_t>(size.size()), growth, coarsest);
+    const auto count = static_cast<std::int32_t>(size.size());
+    restshape::grade_sizes(points.data(), size.mutable_data(), count, growth, coarsest);
 }
 
 Doubles edge_parameters(const Doubles& s, const Doubles& arc, const Doubles& size, const Doubles& stops, int fewest) {

@@ -60,7 +60,8 @@ py::tuple edges_of_cells(const Indices& cells, std::int32_t nodes) {
     require_nodes(cells, nodes, "cells");
     Indices cell_edges({static_cast<py::ssize_t>(count), py::ssize_t{3}});
     const auto edges = restshape::edges_of_cells(cells.data(), count, nodes, cell_edges.mutable_data());
-    return py::make_tuple(Indices({static_cast<py::ssize_t>(edges.size() / 2), py::ssize_t{2}}, edges.data()), cell_edges);
+    const auto edge_count = static_cast<py::ssize_t>(edges.size() / 2);
+    return py::make_tuple(Indices({edge_count, py::ssize_t{2}}, edges.data()), cell_edges);
 }
 
 Indices cells_left_of(const Indices& facets, const Indices& cells, std::int32_t nodes) {

@@ -34,7 +34,10 @@ inline std::vector<std::int64_t> hilbert_keys(const double* X, std::int32_t node
     for (int k = 0; k < 2; ++k) {
         double high = -std::numeric_limits<double>::infinity();
         low[k] = -high;
-        for (std::int32_t i = 0; i < nodes; ++i) low[k] = std::min(low[k], X[2 * i + k]), high = std::max(high, X[2 * i + k]);
+        for (std::int32_t i = 0; i < nodes; ++i) {
+            low[k] = std::min(low[k], X[2 * i + k]);
+            high = std::max(high, X[2 * i + k]);
+        }
         extent = std::max(extent, high - low[k]);
     }
     const int bits = static_cast<int>(std::ceil(0.5 * std::log2(std::max(1, nodes)))) + 2;

@@ -1,7 +1,7 @@
 // Delaunay refinement of a polygonal region by CGAL's Delaunay_mesher_2, with a size field.
 //
-// Nothing here is random, and no order depends on addresses: CGAL keeps equally bad triangles in the order in which they
-// were found, and its containers are walked in the order in which they were filled.
+// Nothing here is random, and no order depends on addresses: equally bad triangles are refined in the order in which
+// they were found, and CGAL's containers are walked in the order in which they were filled.
 #pragma once
 
 #define CGAL_NDEBUG 1
@@ -54,7 +54,8 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 struct Number {
     std::int32_t value = -1;
 };
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<Number, Kernel, CGAL::Delaunay_mesh_vertex_base_2<Kernel>>;
+using VertexBase =
+    CGAL::Triangulation_vertex_base_with_info_2<Number, Kernel, CGAL::Delaunay_mesh_vertex_base_2<Kernel>>;
 using FaceBase = CGAL::Delaunay_mesh_face_base_2<
     Kernel, CGAL::Constrained_Delaunay_triangulation_face_base_2<
                 Kernel, CGAL::Constrained_triangulation_face_base_2<

@@ -29,6 +29,9 @@ class Calibration:
         vector_unknown: the vector updates and products of one iteration of conjugate gradients, an unknown.
         iteration: what an iteration costs besides.
         element: residual, tangent and insertion of a first-order triangle.
+        gamg_setup_nonzero: algebraic multigrid from nothing, a nonzero of the matrices of all its grids.
+        gamg_refresh_nonzero: the same with the interpolation kept.
+        gamg_solve_nonzero: one cycle, a nonzero of the matrices of all its grids.
     """
 
     machine: str
@@ -42,6 +45,9 @@ class Calibration:
     vector_unknown: float
     iteration: float
     element: float
+    gamg_setup_nonzero: float
+    gamg_refresh_nonzero: float
+    gamg_solve_nonzero: float
 
     def pass_seconds(self, unknowns: int, nonzeros: float) -> float:
         """Seconds of one pass over the matrix and the vectors: an iteration without its preconditioner.

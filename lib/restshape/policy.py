@@ -16,6 +16,7 @@ class Policy:
         solver: method of `algebra.linear.LinearSolver`.
         transfer: carry the solution to a new mesh as a guess.
         extrapolate: guess along the last two solutions of a drag.
+        directions: last increments of the solution along which guesses are improved (`algebra.projection`).
         relocation: relocation of nodes in place of the scene's.
         criterion: distortion criterion in place of the scene's.
         flip_everywhere: level 2 makes the whole mesh Delaunay, not only around distorted triangles.
@@ -28,6 +29,7 @@ class Policy:
     solver: str = "stale"
     transfer: bool = True
     extrapolate: bool = True
+    directions: int = 0
     relocation: str | None = None
     criterion: str | None = None
     flip_everywhere: bool = False
@@ -49,7 +51,12 @@ POLICIES = {
             criterion="author",
             flip_everywhere=True,
         ),
-        Policy("auto", "an old complete factor, refreshed when counted work says that it pays"),
+        Policy(
+            "auto",
+            "an old preconditioner, chosen and refreshed as counted work says that it pays",
+            solver="auto",
+            directions=5,
+        ),
     )
 }
 

@@ -51,7 +51,7 @@ def test_rebuild_makes_all_anew_in_each_frame_that_moves(counted):
     for row in moved:
         events = row["events"]
         assert (events["RestshapePattern"], events["RestshapePatch"], events["RestshapeValues"]) == (1, 0, 1)
-        assert (events["MatCholFctrSym"], events["MatCholFctrNum"], events["KSPSolve"]) == (1, 1, 1)
+        assert (events["MatCholFctrSym"], events["MatCholFctrNum"], events["PCApply"]) == (1, 1, 1)
 
 
 def test_refactor_makes_one_numeric_factor_a_frame(counted):
@@ -60,8 +60,8 @@ def test_refactor_makes_one_numeric_factor_a_frame(counted):
     for row in counted["refactor"]:
         events, moved = row["events"], row["level"] > 0
         assert events["MatCholFctrNum"] == events["RestshapeValues"] == moved
-        assert events["MatCholFctrSym"] == events["RestshapePattern"] == (row["level"] == 3)
-        assert events["KSPSolve"] == moved
+        assert events["RestshapePattern"] == (row["level"] == 3) and events["RestshapePatch"] == (row["level"] == 2)
+        assert events["PCApply"] == moved
 
 
 def test_thesis_factors_at_level_3_only(counted):

@@ -1,15 +1,24 @@
 """Linear solves with a preconditioner that is kept for as long as it is worth it."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.choice import ILU, MEMORY, Candidate, Choice, Size, prices
+from restshape.algebra.preconditioner import kind_of, nonzeros, set_preconditioner, set_rigid_motions
+from restshape.algebra.projection import Projection
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 
-METHODS = ("direct", "stale", "ilu")
+METHODS = ("direct", "stale", "auto", "ilu")
+MOST_ITERATIONS = 10_000
+"""An iteration that has not ended by then never will: the preconditioner is made anew, or the frame given up."""
+NO_FACTOR = "the stiffness matrix has no factor: part of the body is not held, or has no stiffness"
+Reason = PETSc.KSP.ConvergedReason
 
 
 @dataclass
@@ -19,6 +28,7 @@ class LinearReport:
     iterations: int
     refreshed: bool
     age: int
+    preconditioner: str = ""
 
 
 class LinearSolver:
@@ -28,29 +38,59 @@ class LinearSolver:
         comm: PETSc communicator.
         prefix: of its options in PETSc's database.
         method: `direct` (a complete Cholesky factor anew for each matrix, no Krylov iteration), `stale` (CG with an old
-            complete factor, refreshed when that pays), `ilu` (CG with ILU(3), kept until the mesh is another one).
+            complete factor, refreshed when that pays), `auto` (the same with the preconditioner that each new system's
+            `Choice` prefers, or that PETSc's options name), `ilu` (CG with ILU(3), kept until the mesh is another one).
         tolerance: of the true residual, relative to the right side.
-        calibration: seconds a unit of counted work, for the refresh of `stale`.
+        calibration: seconds a unit of counted work, for the choice and the refresh.
         stages: takes the time of factorizations and of Krylov iterations.
+        memory: bytes that a complete factor may take under `auto`.
+        directions: increments of the solution along which guesses are improved; 0 for none.
 
     On several ranks the factors are those of the ranks' own rows (block Jacobi), so that the bits repeat.
+    An idle frame solves nothing and refreshes nothing, for a frame with nothing to do does nothing.
 
     Source: THEORY.md section 1 (rent or buy).
     """
 
     def __init__(
-        self, comm: PETSc.Comm, prefix: str, method: str, tolerance: float, calibration: Calibration, stages: Stages
+        self,
+        comm: PETSc.Comm,
+        prefix: str,
+        method: str,
+        tolerance: float,
+        calibration: Calibration,
+        stages: Stages,
+        memory: float = MEMORY,
+        directions: int = 0,
     ):
         self.method, self.tolerance, self.calibration, self.stages = method, tolerance, calibration, stages
         self.comm = comm
         self.ksp = PETSc.KSP().create(comm)
         self.ksp.setOptionsPrefix(prefix)
+        self.choice = Choice(calibration, memory)
+        self.candidate: Candidate | None = None
+        self.projection = Projection(comm, directions) if directions else None
+        self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool], None] | None = None
         self._set_types()
-        self.ksp.setFromOptions()
-        self.age = -1
-        self.excess = 0
+        # Solves since the preconditioner was made; callers add frames that solve nothing to the age.
+        self.age = self.uses = -1
+        self.ready = False
+        self.excess = self.last_excess = 0
         self.fresh_iterations = 1
         self.budget = 0
+        self.patched = self.pattern_changed = False
+        self._handle, self.size = 0, Size(0, 0.0)
+        self._begun = False
+
+    @property
+    def name(self) -> str:
+        """The preconditioner in use, as in tables."""
+        return self.candidate.name if self.candidate else self.kind
+
+    @property
+    def keeps(self) -> bool:
+        """Tell whether an old preconditioner serves until a new one pays."""
+        return self.method in ("stale", "auto")
 
     def _set_types(self) -> None:
         direct = self.method == "direct" and self.comm.size == 1
@@ -58,31 +98,37 @@ class LinearSolver:
         if not direct:
             self.ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
             self.ksp.setInitialGuessNonzero(True)
-        self.ksp.setTolerances(rtol=self.tolerance, atol=0.0, divtol=1e30, max_it=10_000)
-        pc = self.ksp.getPC()
-        kind = "ilu" if self.method == "ilu" else "cholesky"
-        if self.comm.size == 1:
-            pc.setType(kind)
-            if kind == "ilu":
-                pc.setFactorLevels(3)
-                # Slender parts make incomplete factors indefinite, for which CG has no use.
-                pc.setFactorShift(PETSc.Mat.FactorShiftType.POSITIVE_DEFINITE)
-            else:
-                pc.setFactorOrdering("amd")
-            return
-        # Block Jacobi as additive Schwarz without overlap: the petsc4py of 3.18 gives the blocks' solvers for that only.
-        pc.setType("asm")
-        pc.setASMOverlap(0)
+        self.ksp.setTolerances(rtol=self.tolerance, atol=0.0, divtol=1e30, max_it=MOST_ITERATIONS)
         options = PETSc.Options(self.ksp.getOptionsPrefix() or "")
-        wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind}
-        if kind == "ilu":
-            wanted |= {"sub_pc_factor_levels": 3, "sub_pc_factor_shift_type": "positive_definite"}
-        for key, value in wanted.items():
-            if not options.hasName(key):
-                options.setValue(key, value)
+        named = next((options.getString(key) for key in ("pc_type", "sub_pc_type") if options.hasName(key)), None)
+        self.kind = named or ("ilu" if self.method == "ilu" else "cholesky")
+        self.chooses = self.method == "auto" and named is None
+        self._given: list[str] = []
+        if self.method == "ilu" and named is None:
+            self.candidate = ILU
+        self._set_preconditioner(ILU.levels)
+        self.ksp.setFromOptions()
+
+    def _set_preconditioner(self, levels: int) -> None:
+        self._forget_options()
+        self._given = set_preconditioner(self.ksp, self.kind, levels)
+
+    def _forget_options(self) -> None:
+        """Take out of PETSc's database what was put there for a set-up: it is not what the user said."""
+        options = PETSc.Options(self.ksp.getOptionsPrefix() or "")
+        for key in self._given:
+            options.delValue(key)
+        self._given = []
 
     def solve(
-        self, mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, new_system: bool, same_matrix: bool = False
+        self,
+        mat: PETSc.Mat,
+        b: PETSc.Vec,
+        x: PETSc.Vec,
+        new_system: bool,
+        same_matrix: bool = False,
+        patched: bool = False,
+        places: np.ndarray | None = None,
     ) -> LinearReport:
         """Solve mat x = b from the guess in x.
 
@@ -92,35 +138,42 @@ class LinearSolver:
             x: guess on entry (but for `direct`), solution on return.
             new_system: the mesh is another one, so that no old preconditioner fits.
             same_matrix: mat is what it was in the last solve, so that `direct` has its factor.
+            patched: flips have changed the pattern: level 2, which never factors ahead of the iteration.
+            places: (n, d) nodes of this rank [m], whose rigid motions algebraic multigrid interpolates.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
         """
-        refreshed = False
-        if new_system:
-            self.ksp.reset()
-        if new_system or self.age < 0 or (self.method == "direct" and not same_matrix) or self._worth_refreshing():
-            self._factor(mat)
-            refreshed = True
-        else:
+        if not self._begun:
+            self._begin(mat, new_system, same_matrix, patched)
+        self._begun = False
+        if self.projection and not new_system:
+            with self.stages("krylov"):
+                self.projection(mat, b, x)
+        if self.on_solve:
+            self.on_solve(mat, b, x, new_system)
+        stale = self.ready and not ((self.method == "direct" and not same_matrix) or self._worth_refreshing())
+        if stale:
             self.ksp.setOperators(mat)
-        self.age += 1
-        iterations = self._iterate(b, x, limited=self.method == "stale" and not refreshed)
-        if (
-            self.ksp.getConvergedReason() == PETSc.KSP.ConvergedReason.DIVERGED_MAX_IT
-            and not refreshed
-            and self.method == "stale"
-        ):
-            self._factor(mat)
-            self.age = 0
-            refreshed = True
-            iterations += self._iterate(b, x, limited=False)
+        else:
+            self._factor(mat, places)
+        self.age, self.uses = self.age + 1, self.uses + 1
+        iterations = last = self._iterate(b, x, limited=stale and self.keeps)
+        while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
+            self._clean(x)
+            stale = False
+            self._factor(mat, places)
+            self.age = self.uses = 0
+            last = self._iterate(b, x, limited=False)
+            iterations += last
         self._check()
-        if self.method == "stale":
-            self._count(iterations, refreshed)
-        return LinearReport(iterations, refreshed, self.age)
+        if self.keeps:
+            self._count(last, not stale, new_system)
+        if self.projection:
+            self.projection.keep(mat, x)
+        return LinearReport(iterations, not stale, self.age, self.name)
 
-    def prepare(self, mat: PETSc.Mat, new_system: bool, uses: int) -> bool:
+    def prepare(self, mat: PETSc.Mat, new_system: bool, uses: int, patched: bool = False) -> bool:
         """Whether this matrix now has a complete factor of its own, for `apply`; made if its uses are worth it.
 
         A solve with an old factor takes at least one iteration more than `apply`: as many uses as there are iterations in
@@ -130,83 +183,169 @@ class LinearSolver:
             mat: symmetric positive definite.
             new_system: the mesh is another one, so that no old preconditioner fits.
             uses: solves with this matrix that are known to come.
+            patched: flips have changed the pattern, so that nothing is factored ahead.
 
         Raises:
             ReplayProblem: no factor.
         """
-        if self.comm.size > 1 or self.method not in ("direct", "stale"):
+        if self.comm.size > 1 or self.method == "ilu":
             return False
-        if new_system:
-            self.ksp.reset()
-        if not (new_system or self.method == "direct" or self.age < 0 or uses >= self.budget):
+        self._begin(mat, new_system, False, patched)
+        self._begun = True
+        if self.kind != "cholesky":
             return False
-        self._factor(mat)
+        if not (self.method == "direct" or not self.ready or (uses >= self.budget and not self.patched)):
+            return False
+        self._factor(mat, None)
         return True
 
     def apply(self, b: PETSc.Vec, x: PETSc.Vec) -> LinearReport:
         """Solve with the factor that `prepare` has made: no guess, no iteration."""
+        self._begun = False
         with self.stages("krylov"):
             self.ksp.getPC().apply(b, x)
-        self.age += 1
-        return LinearReport(1, self.age == 0, self.age)
+        if not math.isfinite(x.norm()):
+            self.ready = False
+            raise ReplayProblem(NO_FACTOR)
+        self.age, self.uses = self.age + 1, self.uses + 1
+        return LinearReport(1, self.age == 0, self.age, self.name)
 
-    def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, limited: bool) -> int:
-        """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper."""
-        if self.method == "stale":
-            left = max(self.fresh_iterations + 1, self.fresh_iterations + self.budget - self.excess)
-            self.ksp.setTolerances(max_it=left if limited else 10_000)
-        with self.stages("krylov"):
-            self.ksp.solve(b, x)
-        return self.ksp.getIterationNumber()
+    # --- a new system, a new pattern ------------------------------------------------------------------------------
 
-    def _factor(self, mat: PETSc.Mat) -> None:
+    def _begin(self, mat: PETSc.Mat, new_system: bool, same_matrix: bool, patched: bool) -> None:
+        """See what is new about a matrix, and choose its preconditioner where the system is another one."""
+        # A patch that adds to the pattern makes another matrix object, beside the one that the KSP still holds.
+        other = mat.handle != self._handle
+        if other or new_system:
+            self._handle, self.size = mat.handle, self._size(mat)
+        if new_system or (self.chooses and not self.candidate):
+            self.ksp.reset()
+            self.ready = self.pattern_changed = self.patched = False
+            if self.projection:
+                self.projection.restart()
+            if self.chooses:
+                self._choose()
+            return
+        self.patched = patched or other or (same_matrix and self.patched)
+        if other and self.ready and not self.pattern_changed:
+            self.pattern_changed = True
+            if self.keeps:
+                self._set_budget()
+
+    def _choose(self) -> None:
+        chosen = self.choice(self.size)
+        if chosen is not self.candidate:
+            self.candidate, self.kind = chosen, chosen.kind
+            self._set_preconditioner(chosen.levels)
+
+    def _size(self, mat: PETSc.Mat) -> Size:
+        nonzeros = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
+        return Size(mat.getSize()[0], nonzeros, 3 if mat.getBlockSize() == 3 else 2, self.comm.size)
+
+    def _factor(self, mat: PETSc.Mat, places: np.ndarray | None) -> None:
         """Make the preconditioner from `mat`, then keep it."""
         pc = self.ksp.getPC()
         with self.stages("factor"):
+            if places is not None and self.kind == "gamg":
+                set_rigid_motions(mat, places)
             pc.setReusePreconditioner(False)
             self.ksp.setOperators(mat)
             self.ksp.setUp()
             if self.comm.size > 1:
                 self.ksp.setUpOnBlocks()
             pc.setReusePreconditioner(True)
-        failed = pc.getFailedReason() if hasattr(pc, "getFailedReason") else 0
-        if failed:
-            raise ReplayProblem("the stiffness matrix has no factor: part of the body is not held, or has no stiffness")
-        self.age = -1
-        self.excess = 0
-        if self.method == "stale":
-            self._set_budget(mat)
+        self._forget_options()
+        self.age = self.uses = -1
+        self.ready = True
+        self.excess = self.last_excess = 0
+        self.pattern_changed = False
+        self.kind = kind_of(pc)
+        if self.keeps:
+            self._set_budget()
 
-    def _set_budget(self, mat: PETSc.Mat) -> None:
+    # --- refreshes ------------------------------------------------------------------------------------------------
+
+    def _set_budget(self) -> None:
         """Iterations that cost as much as a refresh, from counted work on all ranks and the calibration."""
-        nnz = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
-        size = mat.getSize()[0]
-        filled = self._filled() or nnz
-        refresh = self.calibration.refresh_seconds(size, nnz, filled)
-        self.budget = max(1, math.ceil(refresh / self.calibration.iteration_seconds(size, nnz, filled)))
-
-    def _filled(self) -> float:
-        """Nonzeros of the factors of all ranks; 0 when PETSc's options ask for a preconditioner that is no factor."""
-        pc = self.ksp.getPC()
-        parts = [ksp.getPC() for ksp in pc.getASMSubKSP()] if pc.getType() == "asm" else [pc]
-        factors = [part.getFactorMatrix() for part in parts if part.getType() in ("cholesky", "lu", "icc", "ilu")]
-        filled = sum(factor.getInfo()["nz_used"] for factor in factors)
-        return filled if self.comm.size == 1 else self.comm.tompi4py().allreduce(filled)
+        size = self.size
+        counted = nonzeros(self.ksp.getPC())
+        if self.candidate and counted:
+            self.choice.count_fill(self.candidate, size, counted)
+        price = prices(self.kind, size, counted or size.nonzeros, self.calibration)
+        refresh = price.setup if self.pattern_changed else price.refresh
+        self.budget = max(1, math.ceil(refresh / price.iteration))
 
     def _worth_refreshing(self) -> bool:
-        return self.method == "stale" and self.excess >= self.budget
+        """Tell whether the excess, with another frame like the last one, outweighs a refresh."""
+        return self.keeps and not self.patched and self.excess + self.last_excess >= self.budget
 
-    def _count(self, iterations: int, refreshed: bool) -> None:
-        if refreshed and self.comm.size > 1:
-            self.fresh_iterations = max(1, iterations)
-        self.excess += 0 if refreshed else max(0, iterations - self.fresh_iterations)
+    def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, limited: bool) -> int:
+        """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper."""
+        if self.keeps:
+            most = self._limit() if limited else MOST_ITERATIONS
+            self.ksp.setTolerances(max_it=most)
+        with self.stages("krylov"):
+            self.ksp.solve(b, x)
+        return self.ksp.getIterationNumber()
+
+    def _limit(self) -> int:
+        """Iterations after which a solve with an old preconditioner is better given up for a new one."""
+        # An iteration that is cut short has to begin anew: where a fresh one is long too, that must be paid twice.
+        fresh = self.fresh_iterations if self.kind == "cholesky" else 2 * self.fresh_iterations
+        budget = 2 * self.budget if self.patched else self.budget
+        return min(MOST_ITERATIONS, max(fresh + 1, fresh + budget - self.excess))
+
+    def _try_again(self, stale: bool) -> bool:
+        """After a failure, tell whether another preconditioner is left: a fresh one, or one of another kind."""
+        if not self.keeps:
+            return False
+        if stale:
+            return True
+        if not self.chooses or self.candidate is None or self.candidate.kind == "cholesky":
+            return False
+        self.choice.exclude(self.candidate)
+        left = self.choice.open(self.size)
+        if left[0] is self.candidate or left[0].name in self.choice.excluded:
+            return False
+        self.ksp.reset()
+        self.candidate, self.kind = left[0], left[0].kind
+        self._set_preconditioner(self.candidate.levels)
+        return True
+
+    def _clean(self, x: PETSc.Vec) -> None:
+        """Leave a guess that is a number everywhere."""
+        if not math.isfinite(x.norm()):
+            x.set(0.0)
+
+    def _count(self, iterations: int, refreshed: bool, new_system: bool) -> None:
+        """Take in the iterations of a solve, all of them with the preconditioner as it is now."""
+        complete = self.kind == "cholesky" and self.comm.size == 1
+        if self.candidate and not new_system:
+            self.choice.count(self.candidate, self.size, self.uses, iterations)
+        if refreshed:
+            self.fresh_iterations = 1 if complete else max(1, iterations)
+            return
+        if self.uses == 1 and not complete:
+            # The guess on a new mesh is worse than those that follow it.
+            self.fresh_iterations = max(1, min(self.fresh_iterations, iterations))
+        self.last_excess = max(0, iterations - self.fresh_iterations)
+        self.excess += self.last_excess
 
     def _check(self) -> None:
         reason = self.ksp.getConvergedReason()
-        if reason < 0:
-            names = {v: k for k, v in vars(PETSc.KSP.ConvergedReason).items() if isinstance(v, int)}
-            done = self.ksp.getIterationNumber()
-            raise ReplayProblem(f"the linear solve did not converge ({names.get(reason, reason)}, {done} iterations)")
+        if reason >= 0:
+            return
+        self.ready = False
+        if reason == Reason.DIVERGED_PCSETUP_FAILED:
+            raise ReplayProblem(NO_FACTOR)
+        names = {v: k for k, v in vars(Reason).items() if isinstance(v, int)}
+        done = self.ksp.getIterationNumber()
+        raise ReplayProblem(
+            f"the linear solve did not converge, with a new preconditioner ({self.name}) either "
+            f"({names.get(reason, reason)}, {done} iterations)"
+            if self.keeps
+            else f"the linear solve did not converge ({names.get(reason, reason)}, {done} iterations)"
+        )
 
 
 def true_residual(mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec) -> float:

@@ -50,7 +50,17 @@ class StaticAnalysis:
         self.x = np.zeros((0, 2))
         self.observed: dict[str, float] | None = None
         self.guess = Guess(policy.extrapolate)
-        self.solver = LinearSolver(comm, "solid_", policy.solver, scene.solve.tolerance, calibration, stages)
+        solve = scene.solve
+        self.solver = LinearSolver(
+            comm,
+            "solid_",
+            policy.solver,
+            solve.tolerance,
+            calibration,
+            stages,
+            memory=solve.factor_memory,
+            directions=policy.directions,
+        )
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the displacement `x` (n, 2) [m] up to date with a frame.
@@ -63,7 +73,7 @@ class StaticAnalysis:
         new_mesh, new_scene = mesh is not self.mesh, frame.scene is not self.scene
         if not (new_mesh or new_scene or mesh.topology != self.topology or mesh.geometry != self.geometry):
             self.solver.age += 1
-            return LinearReport(0, False, self.solver.age)
+            return LinearReport(0, False, self.solver.age, self.solver.name)
         kept = self.__dict__.copy()
         try:
             if new_mesh or new_scene:
@@ -136,7 +146,15 @@ class StaticAnalysis:
             self.mat = self.operator.assemble(self.terms, self.rhs.ravel())
         np.subtract(self.guess(self.x, frame.hand), physics.prescribed, out=self.full.reshape(-1, 2))
         self.full[physics.constrained] = 0.0
-        report = self.solver.solve(self.mat, self.b, self.solution, new_mesh)
+        rows = self.operator.rows
+        report = self.solver.solve(
+            self.mat,
+            self.b,
+            self.solution,
+            new_mesh,
+            patched=not new_mesh and mesh.topology != self.topology,
+            places=mesh.X[rows.start // 2 : rows.stop // 2],
+        )
         whole_vector(self.full, self.operator.rows, self.comm)
         x = self.full.reshape(-1, 2) + physics.prescribed
         self.guess.keep(x, frame.hand)

@@ -64,7 +64,10 @@ class TransientAnalysis:
         self.energy_before = 0.0
         self.unsolved, self.exact = True, False
         self.observed: dict[str, float] | None = None
-        self.solver = LinearSolver(comm, "motion_", policy.solver, scene.solve.tolerance, calibration, stages)
+        solve = scene.solve
+        self.solver = LinearSolver(
+            comm, "motion_", policy.solver, solve.tolerance, calibration, stages, memory=solve.factor_memory
+        )
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the displacement `x` (n, 2) [m] and the velocity `v` (n, 2) [m/s] up to date with a frame.
@@ -215,7 +218,7 @@ class TransientAnalysis:
             self.system_now.rhs[:] = 0.0
         self.age += 1
         if not steps:
-            return LinearReport(0, False, 0)
+            return LinearReport(0, False, 0, self.solver.name)
         iterations, refreshed = 0, False
         if self.observer.watched:
             self.observer.begin()
@@ -226,7 +229,7 @@ class TransientAnalysis:
         if self.tracked:
             self.energy_before = self.energy()
         self.observed = None
-        return LinearReport(iterations, refreshed, self.age)
+        return LinearReport(iterations, refreshed, self.age, self.solver.name)
 
     def _step(self, stale: bool, new_mesh: bool) -> LinearReport:
         """One time step."""

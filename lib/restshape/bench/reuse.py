@@ -9,6 +9,7 @@ from typing import Any
 
 from restshape.bench.job import Job, Outcome, Row, run
 from restshape.errors import UserError
+from restshape.replay.columns import STAGES
 from restshape.replay.summary import summarise
 
 BASES = ("rebuild", "refactor")
@@ -107,7 +108,15 @@ def frames_a_second(rows: Sequence[Row]) -> float:
 def timed(summary: Row) -> Row:
     """What the clock told of one run."""
     keys = ("ms", "python_ms", "stages")
-    return {"fps": frames_a_second(summary["rows"]), **{key: summary[key] for key in keys}}
+    by_level = {str(level): stage_medians(summary["rows"], level) for level in (1, 2, 3)}
+    fps = frames_a_second(summary["rows"])
+    return {"fps": fps, **{key: summary[key] for key in keys}, "stages_by_level": by_level}
+
+
+def stage_medians(rows: Sequence[Row], level: int) -> dict[str, float]:
+    """The median time [ms] of each stage over the frames of a level, the first frame left out; zeros without frames."""
+    chosen = [row for row in rows[1:] if row["level"] == level]
+    return {name: median(row[f"ms_{name}"] for row in chosen) if chosen else 0.0 for name in (*STAGES, "python")}
 
 
 def record(counted: list[Row], policy: str, runs: Sequence[Row]) -> Row:
@@ -119,6 +128,9 @@ def record(counted: list[Row], policy: str, runs: Sequence[Row]) -> Row:
         "ms_by_level": {level: medians([run["ms"][level] for run in runs]) for level in ("1", "2", "3")},
         "python_ms": medians([run["python_ms"] for run in runs]),
         "stages": medians([run["stages"] for run in runs]),
+        "stages_by_level": {
+            level: medians([run["stages_by_level"][level] for run in runs]) for level in ("1", "2", "3")
+        },
     }
     counts = {
         key: summary[key]

@@ -33,7 +33,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     reuse.add_argument("scenes", metavar="SCENE", nargs="*", type=Path, help="scene files (default: all installed)")
     reuse.add_argument("--policies", default=",".join(POLICIES), metavar="A,B", help="default: %(default)s")
     reuse.add_argument("--edits", type=Path, metavar="FILE", help="edit script (default: the one that names the scene)")
-    reuse.add_argument("--frames", type=int, metavar="N", help="replay only the first N frames of a script")
+    reuse.add_argument(
+        "--frames",
+        type=int,
+        default=200,
+        metavar="N",
+        help="first N frames of a script, 0 for all (default: %(default)s)",
+    )
     reuse.add_argument("--repeat", type=int, default=3, metavar="R", help="timed runs a policy (default: %(default)s)")
     reuse.add_argument("--regret", action="store_true", help="measure the regret of auto's refreshes in hindsight")
     size = studies.add_parser("size", help="time of a frame of each level against the number of unknowns")
@@ -63,16 +69,16 @@ def _reuse(args: argparse.Namespace) -> int:
     from restshape.bench.reuse import Plan, compare
     from restshape.report.policies import draw_policies
 
-    for option in ("repeat", "frames"):
-        if getattr(args, option) is not None and getattr(args, option) < (2 if option == "frames" else 1):
-            raise UserError(f"{getattr(args, option)} is too few", f"--{option}", "leave it out")
+    if args.repeat < 1 or args.frames < 0 or args.frames == 1:
+        what = f"{args.repeat} runs of {args.frames} frames measure nothing"
+        raise UserError(what, "--repeat, --frames", "at least 1 run, at least 2 frames")
     names = tuple(dict.fromkeys(name.strip() for name in args.policies.split(",")))
     for name in names:
         if name not in POLICIES:
             raise UserError(f"no policy is named {name!r}", "--policies", f"choose from {','.join(POLICIES)}")
     cases = _cases(args)
     picture = _picture(args.out, "bench-reuse.png")
-    plan = Plan(names, args.repeat, args.frames, tuple(args.set), tuple(args.petsc), args.regret)
+    plan = Plan(names, args.repeat, args.frames or None, tuple(args.set), tuple(args.petsc), args.regret)
     found = {}
     for case in cases:
         found[case.name] = compare(case, plan, announce)
@@ -239,8 +245,9 @@ def _size_row(record: dict[str, Any]) -> list[str]:
     for level in ("1", "1_old", "2"):
         found = levels[level]
         cells += [f"{found['ms']['p50']:.3f}", f"{found['iterations']:.1f}"] if found else ["", ""]
-    beside = levels["1_old"] or levels["1"]
-    cells.append(f"{levels['2']['ms']['p50'] / beside['ms']['p50']:.2f}" if levels["2"] and beside else "")
+    # Of frames with the same old factor: a fresh one takes fewer iterations.
+    both = levels["2"] and levels["1_old"]
+    cells.append(f"{levels['2']['ms']['p50'] / levels['1_old']['ms']['p50']:.2f}" if both else "")
     star = " *" if record["first_frame_serves_as_level_3"] else ""
     cells.append(f"{levels['3']['ms']['p50']:.1f}{star}" if levels["3"] else "")
     cells.append(f"{record['memory_mb']:.0f}" if record["memory_mb"] else "")

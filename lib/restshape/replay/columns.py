@@ -16,5 +16,6 @@ def columns(quantities: list[str]) -> dict[str, Any]:
         **dict.fromkeys(reals, np.float64),
         **{f"q_{name}": np.float64 for name in quantities},
         "do": str,
+        "preconditioner": "S24",
         "refused": str,
     }

@@ -112,7 +112,7 @@ class Replay:
                     str(problem), str(edit.scene.path), "mend the scene: its first shape has no solution"
                 ) from problem
             refused = str(problem).replace("\n  try:", "; try:")
-            advance, report = Advance.nothing(), LinearReport(0, False, self.row["age"])
+            advance, report = Advance.nothing(), LinearReport(0, False, self.row["age"], self.row["preconditioner"])
         with self.stages("observe"):
             quantities = self.analysis.observe()
         for stage, seconds in advance.stages.items():
@@ -128,6 +128,7 @@ class Replay:
             "age": report.age,
             "refreshed": int(report.refreshed),
             "iterations": report.iterations,
+            "preconditioner": report.preconditioner,
             "unknowns": self.analysis.unknowns,
             "elements": len(self.analysis.mesh.cells),
             "refused": refused,

@@ -1,5 +1,6 @@
 """What a replay was, summed up for programs."""
 
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ def summarise(rows: list[dict[str, Any]], policy: str, ranks: int) -> dict[str, 
         "stages": {name: float(sum(row[f"ms_{name}"] for row in rows)) for name in STAGES},
         "iterations": int(sum(row["iterations"] for row in rows)),
         "refreshes": int(sum(row["refreshed"] for row in rows)),
+        "preconditioners": dict(Counter(row["preconditioner"] for row in rows if row["level"])),
         "unknowns": rows[-1]["unknowns"] if rows else 0,
         "elements": rows[-1]["elements"] if rows else 0,
         "quantities": {

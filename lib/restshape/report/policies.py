@@ -6,6 +6,7 @@ from textwrap import shorten
 from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator
 
 from restshape.report.style import FAINT, INK, new_figure
 
@@ -50,7 +51,8 @@ def _bar(axes: Axes, place: float, entry: Mapping[str, Any], colour: str) -> Any
         return axes.barh([place], [0], color=colour, label="_")
     bar = axes.barh(place, p50, height=0.78, color=colour, linewidth=0)
     axes.plot([p50, p95], [place, place], color=INK, linewidth=1.1, marker="|", markersize=6)
-    axes.text(max(p50, p95) * 1.12, place, f"{p50:.3g} ms, {entry['fps']:.3g} frames/s", va="center", fontsize=8)
+    rate = f"{entry['fps']:,.0f}" if entry["fps"] >= 100 else f"{entry['fps']:.3g}"
+    axes.text(max(p50, p95) * 1.12, place, f"{p50:.3g} ms, {rate} frames/s", va="center", fontsize=8)
     return bar
 
 
@@ -61,6 +63,7 @@ def _scale(axes: Axes, times: list[float]) -> None:
     axes.set_xscale("log")
     least, most = min(times) / 3, max(times)
     axes.set_xlim(least, most * (most / least) ** 0.42)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1,) if most > 1e3 * least else (1, 2, 5)))
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.xaxis.set_minor_formatter(lambda value, _: "")
     axes.grid(True, axis="x", color="#e6e6e6", linewidth=0.6)

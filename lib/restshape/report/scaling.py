@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator
 
 from restshape.report.style import FAINT, INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, new_figure
 
@@ -34,8 +35,10 @@ def draw_scaling(records: Sequence[Mapping[str, Any]], fits: Mapping[str, Any], 
         axes.grid(True, color="#e6e6e6", linewidth=0.6)
         axes.yaxis.set_major_formatter(lambda value, _: f"{value:,.10g}")
         axes.yaxis.set_minor_formatter(lambda value, _: "")
+    memory.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     _tell_missing(times, records)
-    times.legend(loc="upper left")
+    if times.get_legend_handles_labels()[0]:
+        times.legend(loc="upper left")
     figure.suptitle(f"A frame of each level at growing size, one core, policy {policy}", x=0.01, ha="left", color=INK)
     figure.align_ylabels()
     figure.savefig(path)

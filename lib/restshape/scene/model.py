@@ -249,10 +249,11 @@ def _read_scale(raw: Any) -> float:
 
 
 class SolveSpec(Strict):
-    """``[solve]``: the relative residual to reach, and the policy of reuse."""
+    """``[solve]``: the relative residual to reach, the policy of reuse, the bytes that a complete factor may take."""
 
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-6
     policy: Literal["auto", "thesis", "refactor", "rebuild"] = "auto"
+    factor_memory: Annotated[float, Field(gt=0)] = 4e9
 
 
 class Quantity(Strict):

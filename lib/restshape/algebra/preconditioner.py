@@ -1,0 +1,78 @@
+"""PETSc's preconditioners: set up on one rank or several, and the nonzeros in them counted."""
+
+import numpy as np
+from petsc4py import PETSc
+
+FACTORS = ("cholesky", "lu", "icc", "ilu")
+
+
+def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int) -> list[str]:
+    """Give a solver a preconditioner; what PETSc's options say of it goes first.
+
+    On several ranks a factor is that of the ranks' own rows (block Jacobi), so that the bits repeat.
+
+    Args:
+        ksp: without a set-up, or just reset.
+        kind: PETSc's type.
+        levels: of fill, where incomplete.
+
+    Returns: names of options that were put into PETSc's database, to be taken out after the set-up.
+    """
+    pc = ksp.getPC()
+    wanted: dict[str, object] = {}
+    if kind in FACTORS and ksp.getComm().size > 1:
+        # Block Jacobi as additive Schwarz without overlap: the petsc4py of 3.18 gives the blocks' solvers for that only.
+        pc.setType("asm")
+        pc.setASMOverlap(0)
+        wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels)}
+    else:
+        pc.setType(kind)
+        if kind == "gamg":
+            wanted = {"pc_gamg_reuse_interpolation": True}
+        elif kind in ("cholesky", "lu"):
+            pc.setFactorOrdering("amd")
+        elif kind in FACTORS:
+            pc.setFactorLevels(levels)
+            # Slender parts make incomplete factors indefinite, for which CG has no use.
+            pc.setFactorShift(PETSc.Mat.FactorShiftType.POSITIVE_DEFINITE)
+    options = PETSc.Options(ksp.getOptionsPrefix() or "")
+    given = [key for key in wanted if not options.hasName(key)]
+    for key in given:
+        options.setValue(key, wanted[key])
+    pc.setFromOptions()
+    return given
+
+
+def _factor_options(kind: str, levels: int) -> dict[str, object]:
+    if kind in ("cholesky", "lu"):
+        return {"sub_pc_factor_mat_ordering_type": "amd"}
+    return {"sub_pc_factor_levels": levels, "sub_pc_factor_shift_type": "positive_definite"}
+
+
+def set_rigid_motions(mat: PETSc.Mat, X: np.ndarray) -> None:
+    """Tell a matrix the rigid motions of the body, which algebraic multigrid must interpolate well.
+
+    Args:
+        mat: of as many unknowns a node as X has columns.
+        X: (n, d) places of this rank's nodes [m].
+    """
+    places = PETSc.Vec().createWithArray(np.ascontiguousarray(X).ravel().copy(), comm=mat.getComm())
+    places.setBlockSize(X.shape[1])
+    mat.setNearNullSpace(PETSc.NullSpace().createRigidBody(places))
+
+
+def kind_of(pc: PETSc.PC) -> str:
+    """PETSc's type of a preconditioner, or of the ranks' own ones that it consists of."""
+    return pc.getASMSubKSP()[0].getPC().getType() if pc.getType() == "asm" else pc.getType()
+
+
+def nonzeros(pc: PETSc.PC) -> float:
+    """Nonzeros of the factors, or of the matrices of all grids, on all ranks; 0 for other preconditioners."""
+    comm = pc.getComm()
+    if pc.getType() == "gamg":
+        grids = (pc.getMGSmoother(k).getOperators()[0] for k in range(pc.getMGLevels()))
+        return sum(grid.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"] for grid in grids)
+    parts = [ksp.getPC() for ksp in pc.getASMSubKSP()] if pc.getType() == "asm" else [pc]
+    factors = [part.getFactorMatrix() for part in parts if part.getType() in FACTORS]
+    filled = sum(factor.getInfo()["nz_used"] for factor in factors)
+    return filled if comm.size == 1 else comm.tompi4py().allreduce(filled)

@@ -1,0 +1,50 @@
+"""The best schedule of refreshes in hindsight."""
+
+import numpy as np
+
+
+def best_schedule(refresh_costs: np.ndarray, frame_costs: np.ndarray) -> tuple[float, list[int]]:
+    """The least cost of all schedules, and the frames in which it refreshes; frame 0 always does.
+
+    Dynamic programming over the last refresh.
+
+    Args:
+        refresh_costs: (n,) of a refresh at frame j, or (n, n) where it depends on the refresh i before it (row i).
+        frame_costs: (n, n) of frame j with the preconditioner of frame i <= j (row i); inf where it is not to be used.
+
+    Source: THEORY.md section 1.
+    """
+    n = len(frame_costs)
+    refresh = np.broadcast_to(refresh_costs, (n, n))
+    # spent[i, j]: frames i..j with the preconditioner of frame i.
+    spent = np.cumsum(np.triu(frame_costs), axis=1)
+    best, before = np.full(n, np.inf), np.full(n, -1)
+    first = np.diagonal(refresh)
+    for j in range(n):
+        if j == 0:
+            best[0] = first[0]
+            continue
+        costs = best[:j] + spent[:j, j - 1] + refresh[:j, j]
+        before[j] = int(np.argmin(costs))
+        best[j] = costs[before[j]]
+    if n == 0:
+        return 0.0, []
+    whole = best + spent[:, -1]
+    at = int(np.argmin(whole))
+    refreshes = []
+    while at >= 0:
+        refreshes.append(at)
+        at = int(before[at])
+    return float(whole.min()), refreshes[::-1]
+
+
+def schedule_cost(refreshes: list[int], refresh_costs: np.ndarray, frame_costs: np.ndarray) -> float:
+    """The cost of refreshing in these frames, the first of which is 0; arguments as in `best_schedule`."""
+    n = len(frame_costs)
+    refresh = np.broadcast_to(refresh_costs, (n, n))
+    cost, last = 0.0, 0
+    for j in range(n):
+        if j in refreshes:
+            cost, last = cost + refresh[last, j], j
+        cost += frame_costs[last, j]
+    return float(cost)
