@@ -8,7 +8,7 @@
 
 namespace restshape {
 
-// Small strains: psi = lambda/2 tr(eps)^2 + mu eps:eps (THEORY.md section 2).
+// Small strains: psi = lambda/2 tr(eps)^2 + mu eps:eps (docs/theory.md, section 2).
 template <int D>
 struct LinearElastic {
     template <class R>
@@ -43,7 +43,7 @@ struct LinearElastic {
     }
 };
 
-// St. Venant-Kirchhoff: S = lambda tr(E) I + 2 mu E, E = (F^T F - I)/2, P = F S (THEORY.md section 2).
+// St. Venant-Kirchhoff: S = lambda tr(E) I + 2 mu E, E = (F^T F - I)/2, P = F S (docs/theory.md, section 2).
 template <int D>
 struct StVenantKirchhoff {
     template <class R>

@@ -13,9 +13,9 @@ struct Verdict {
     int distorted = 0;
 };
 
-// Checks triangles against the two thresholds of a criterion (THEORY.md section 1). The quality is inscribed radius
-// over longest edge, scaled to 1 for the equilateral triangle and signed like the area; the author's ratio longest edge
-// x half perimeter / area is 2 sqrt(3) over it, so that one number serves both criteria.
+// Checks triangles against the two thresholds of a criterion (docs/theory.md, section 1). The quality is inscribed
+// radius over longest edge, scaled to 1 for the equilateral triangle and signed like the area; the author's ratio
+// longest edge x half perimeter / area is 2 sqrt(3) over it, so that one number serves both criteria.
 inline Verdict check_cells(const double* X, const std::int32_t* cells, std::ptrdiff_t count, double area_floor,
                            double quality_floor) {
     constexpr int lanes = 64;  // blocks that stay in the first-level cache and fill the vector registers
@@ -51,7 +51,7 @@ inline Verdict check_cells(const double* X, const std::int32_t* cells, std::ptrd
     return verdict;
 }
 
-// X = X_reference + c0 Psi[0] + c1 Psi[1] (THEORY.md section 8).
+// X = X_reference + c0 Psi[0] + c1 Psi[1] (docs/theory.md, section 3).
 inline void move_nodes(const double* X_reference, const double* Psi, double c0, double c1, double* X,
                        std::ptrdiff_t size) {
     for (std::ptrdiff_t i = 0; i < size; ++i) {

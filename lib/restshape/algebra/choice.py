@@ -174,7 +174,7 @@ class Choice:
         calibration: seconds a unit of counted work.
         memory: bytes that a complete factor may take; a larger one is never chosen.
 
-    Source: THEORY.md section 1.
+    Source: docs/theory.md, section 1.
     """
 
     def __init__(self, calibration: Calibration, memory: float = MEMORY) -> None:

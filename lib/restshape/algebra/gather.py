@@ -18,10 +18,15 @@ def bury(comm: PETSc.Comm) -> None:
 
 @dataclass
 class System:
-    """A whole linear system's matrix (n, n) and solution (n,)."""
+    """A whole linear system's matrix (n, n) and solution (n,).
+
+    Args:
+        energy: strain energy [J] of the displacement that the solution is part of; None: that of the solution alone.
+    """
 
     matrix: sp.csr_matrix
     solution: np.ndarray
+    energy: float | None = None
 
 
 def whole_vector(full: np.ndarray, rows: slice, comm: PETSc.Comm) -> np.ndarray:

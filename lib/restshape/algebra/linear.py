@@ -17,6 +17,8 @@ from restshape.errors import ReplayProblem
 METHODS = ("direct", "stale", "auto", "ilu")
 MOST_ITERATIONS = 10_000
 """An iteration that has not ended by then never will: the preconditioner is made anew, or the frame given up."""
+PROJECTED = 0.2
+"""Part of the iterations of a solve that projection of the guess saves, one at least: measured on the dragged plate."""
 NO_FACTOR = "the stiffness matrix has no factor: part of the body is not held, or has no stiffness"
 Reason = PETSc.KSP.ConvergedReason
 
@@ -29,6 +31,12 @@ class LinearReport:
     refreshed: bool
     age: int
     preconditioner: str = ""
+
+    def followed_by(self, other: "LinearReport") -> "LinearReport":
+        """This solve and another one that went on from it, as one."""
+        return LinearReport(
+            self.iterations + other.iterations, self.refreshed or other.refreshed, other.age, other.preconditioner
+        )
 
 
 class LinearSolver:
@@ -49,7 +57,7 @@ class LinearSolver:
     On several ranks the factors are those of the ranks' own rows (block Jacobi), so that the bits repeat.
     An idle frame solves nothing and refreshes nothing, for a frame with nothing to do does nothing.
 
-    Source: THEORY.md section 1 (rent or buy).
+    Source: docs/theory.md, section 1 (rent or buy).
     """
 
     def __init__(
@@ -70,6 +78,7 @@ class LinearSolver:
         self.choice = Choice(calibration, memory)
         self.candidate: Candidate | None = None
         self.projection = Projection(comm, directions) if directions else None
+        self.projection_pays = False
         self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool], None] | None = None
         self._set_types()
         # Solves since the preconditioner was made; callers add frames that solve nothing to the age.
@@ -80,7 +89,7 @@ class LinearSolver:
         self.budget = 0
         self.patched = self.pattern_changed = False
         self._handle, self.size = 0, Size(0, 0.0)
-        self._begun = False
+        self._begun = self._scaled = False
 
     @property
     def name(self) -> str:
@@ -129,6 +138,7 @@ class LinearSolver:
         same_matrix: bool = False,
         patched: bool = False,
         places: np.ndarray | None = None,
+        scale: float | None = None,
     ) -> LinearReport:
         """Solve mat x = b from the guess in x.
 
@@ -140,14 +150,16 @@ class LinearSolver:
             same_matrix: mat is what it was in the last solve, so that `direct` has its factor.
             patched: flips have changed the pattern: level 2, which never factors ahead of the iteration.
             places: (n, d) nodes of this rank [m], whose rigid motions algebraic multigrid interpolates.
+            scale: what the residual is measured against, in place of the norm of b.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
         """
+        self._aim(scale)
         if not self._begun:
             self._begin(mat, new_system, same_matrix, patched)
         self._begun = False
-        if self.projection and not new_system:
+        if self.projection and self.projection_pays:
             with self.stages("krylov"):
                 self.projection(mat, b, x)
         if self.on_solve:
@@ -169,8 +181,8 @@ class LinearSolver:
         self._check()
         if self.keeps:
             self._count(last, not stale, new_system)
-        if self.projection:
-            self.projection.keep(mat, x)
+        if self.projection and self.projection_pays:
+            self.projection.keep(x)
         return LinearReport(iterations, not stale, self.age, self.name)
 
     def prepare(self, mat: PETSc.Mat, new_system: bool, uses: int, patched: bool = False) -> bool:
@@ -210,14 +222,23 @@ class LinearSolver:
         self.age, self.uses = self.age + 1, self.uses + 1
         return LinearReport(1, self.age == 0, self.age, self.name)
 
+    def _aim(self, scale: float | None) -> None:
+        """Set what ends the iteration."""
+        if scale is not None:
+            self.ksp.setTolerances(rtol=1e-300, atol=self.tolerance * scale)
+        elif self._scaled:
+            self.ksp.setTolerances(rtol=self.tolerance, atol=0.0)
+        self._scaled = scale is not None
+
     # --- a new system, a new pattern ------------------------------------------------------------------------------
 
     def _begin(self, mat: PETSc.Mat, new_system: bool, same_matrix: bool, patched: bool) -> None:
         """See what is new about a matrix, and choose its preconditioner where the system is another one."""
         # A patch that adds to the pattern makes another matrix object, beside the one that the KSP still holds.
-        other = mat.handle != self._handle
-        if other or new_system:
+        grown, before = mat.handle != self._handle, self.size
+        if grown or new_system:
             self._handle, self.size = mat.handle, self._size(mat)
+            grown = patched or self.size != before
         if new_system or (self.chooses and not self.candidate):
             self.ksp.reset()
             self.ready = self.pattern_changed = self.patched = False
@@ -226,8 +247,8 @@ class LinearSolver:
             if self.chooses:
                 self._choose()
             return
-        self.patched = patched or other or (same_matrix and self.patched)
-        if other and self.ready and not self.pattern_changed:
+        self.patched = patched or grown or (same_matrix and self.patched)
+        if grown and self.ready and not self.pattern_changed:
             self.pattern_changed = True
             if self.keeps:
                 self._set_budget()
@@ -272,6 +293,10 @@ class LinearSolver:
         if self.candidate and counted:
             self.choice.count_fill(self.candidate, size, counted)
         price = prices(self.kind, size, counted or size.nonzeros, self.calibration)
+        if self.projection:
+            spent = (self.projection.directions + 1) * self.calibration.pass_seconds(size.unknowns, size.nonzeros)
+            saved = max(1.0, PROJECTED * self.fresh_iterations) * size.ranks * price.iteration
+            self.projection_pays = spent < saved
         refresh = price.setup if self.pattern_changed else price.refresh
         self.budget = max(1, math.ceil(refresh / price.iteration))
 
@@ -348,11 +373,11 @@ class LinearSolver:
         )
 
 
-def true_residual(mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec) -> float:
-    """The norm of b - mat x over that of b (0 when b is 0)."""
+def true_residual(mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, scale: float | None = None) -> float:
+    """The norm of b - mat x over `scale`, by default the norm of b; as it is where that is 0."""
     r = b.duplicate()
     mat.mult(x, r)
     r.aypx(-1.0, b)
-    scale, error = b.norm(), r.norm()
+    scale, error = b.norm() if scale is None else scale, r.norm()
     r.destroy()
     return error / scale if scale > 0 else error

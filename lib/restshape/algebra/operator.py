@@ -29,6 +29,10 @@ class Operator:
     def set_topology(self, blocks: list[np.ndarray], mask: np.ndarray) -> None:
         """Make a new pattern for blocks of cells (ne, nn) int32; `mask` (n * f,) uint8 marks constrained unknowns."""
         self.core.set_topology(blocks)
+        self.set_constraints(mask)
+
+    def set_constraints(self, mask: np.ndarray) -> None:
+        """Mark constrained unknowns (n * f,) uint8; the pattern stays."""
         self.core.set_constraints(np.ascontiguousarray(mask, dtype=np.uint8).ravel())
 
     def patch(self, block: int, changed: np.ndarray) -> None:

@@ -1,4 +1,4 @@
-"""Guesses made better by the solutions before: the nearest point, in energy, along their differences."""
+"""Guesses made better by the solutions before: the nearest point, in energy, along their last increments."""
 
 import numpy as np
 from petsc4py import PETSc
@@ -13,13 +13,12 @@ class Projection:
         comm: PETSc communicator.
         directions: how many increments are kept.
 
-    Source: P. F. Fischer, Projection techniques for iterative solution of A x = b with successive right-hand sides, 1998;
-        here A changes too, so that the products with it are made anew, all in one pass over A.
+    Source: P. F. Fischer, Projection techniques for iterative solution of A x = b with successive right-hand sides,
+        1998; here A changes too, so that the products with it are made anew.
     """
 
     def __init__(self, comm: PETSc.Comm, directions: int) -> None:
         self.comm, self.directions = comm, directions
-        self.steps: np.ndarray | None = None
         self.last: np.ndarray | None = None
         self.count = 0
 
@@ -29,18 +28,18 @@ class Projection:
 
     def __call__(self, mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Move the guess x to where its error is least in the energy norm of `mat` along the increments."""
-        if self.count == 0:
+        used = min(self.count, self.directions)
+        if used == 0:
             return
         mat.mult(x, self.residual)
         self.residual.aypx(-1.0, b)
-        mat.matMult(self.block, self.products)
-        used = min(self.count, self.directions)
+        for step, product in zip(self.step_vectors[:used], self.product_vectors):
+            mat.mult(step, product)
         steps = self.steps[:used]
-        product = self.products.getDenseArray(readonly=True).T[:used]
-        system = np.column_stack([steps @ product.T, steps @ self.residual.getArray(readonly=True)])
+        gram, right = steps @ self.products[:used].T, steps @ self.residual.getArray(readonly=True)
         if self.comm.size > 1:
-            system = self.comm.tompi4py().allreduce(system)
-        gram, right = system[:, :used], system[:, used]
+            whole = self.comm.tompi4py().allreduce(np.column_stack([gram, right]))
+            gram, right = whole[:, :used], whole[:, used]
         scale = np.sqrt(np.abs(np.diagonal(gram)))
         if not scale.all():
             return
@@ -51,29 +50,25 @@ class Projection:
             x.getArray()[:] += weights @ steps
             x.stateIncrease()
 
-    def keep(self, mat: PETSc.Mat, x: PETSc.Vec) -> None:
-        """Remember the solution x of a system with the matrix `mat`."""
+    def keep(self, x: PETSc.Vec) -> None:
+        """Remember the solution x."""
         now = x.getArray(readonly=True)
         if self.last is None:
-            if self.steps is None or self.steps.shape[1] != len(now):
-                self._allocate(mat, x)
-            self.steps[:] = 0.0
+            self._allocate(x)
             self.last = now.copy()
             return
-        step = self.steps[self.count % self.directions]
-        np.subtract(now, self.last, out=step)
+        place = self.count % self.directions
+        np.subtract(now, self.last, out=self.steps[place])
         self.last[:] = now
-        moved = step.any()
-        if self.comm.size > 1:
-            moved = self.comm.tompi4py().allreduce(int(moved)) > 0
-        self.count += bool(moved)
+        self.step_vectors[place].stateIncrease()
+        # Where nothing has moved, the place serves the next increment.
+        self.count += self.step_vectors[place].norm() > 0.0
 
-    def _allocate(self, mat: PETSc.Mat, x: PETSc.Vec) -> None:
-        (rows, whole), m = x.getSizes(), self.directions
-        self.steps = np.zeros((m, rows))
+    def _allocate(self, x: PETSc.Vec) -> None:
+        size, m = x.getSizes(), self.directions
+        self.steps, self.products = np.zeros((m, size[0])), np.zeros((m, size[0]))
+        self.step_vectors, self.product_vectors = (
+            [PETSc.Vec().createWithArray(row, size=size, comm=self.comm) for row in rows]
+            for rows in (self.steps, self.products)
+        )
         self.residual = x.duplicate()
-        own = m if self.comm.rank == 0 else 0
-        size = ((rows, whole), (own, m))
-        self.block = PETSc.Mat().createDense(size, array=self.steps.ravel(), comm=self.comm)
-        self.block.assemble()
-        self.products = mat.matMult(self.block)

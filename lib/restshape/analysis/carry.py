@@ -17,7 +17,7 @@ def project_velocity(old: Inertia, new: Inertia, v: np.ndarray) -> np.ndarray:
         old, new: on the mesh before and on the new one.
         v: (n_old, 2) velocities [m/s].
 
-    Source: THEORY.md section 2.
+    Source: docs/theory.md, section 2.
     """
     mesh = new.mesh
     middle = Transfer(old.mesh, mesh.X[mesh.edge_nodes].mean(axis=1))(v)[mesh.cell_edges]

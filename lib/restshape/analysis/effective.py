@@ -38,7 +38,7 @@ class EffectiveSystem:
         newmark: the step.
         backend: of the operators.
 
-    Source: THEORY.md section 2.
+    Source: docs/theory.md, section 2.
     """
 
     def __init__(self, comm: PETSc.Comm, body: VibratingSolid, newmark: Newmark, backend: str | None) -> None:

@@ -46,7 +46,7 @@ class TransientAnalysis:
         calibration: seconds a unit of counted work.
         stages: takes the time of each stage.
 
-    Source: THEORY.md sections 1 and 2.
+    Source: docs/theory.md, sections 1 and 2.
     """
 
     def __init__(

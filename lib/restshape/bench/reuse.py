@@ -134,7 +134,17 @@ def record(counted: list[Row], policy: str, runs: Sequence[Row]) -> Row:
     }
     counts = {
         key: summary[key]
-        for key in ("frames", "refused", "levels", "idle", "iterations", "refreshes", "unknowns", "elements")
+        for key in (
+            "frames",
+            "refused",
+            "levels",
+            "idle",
+            "iterations",
+            "refreshes",
+            "unknowns",
+            "elements",
+            "preconditioners",
+        )
     }
     spread = [{"load": run["load"], "fps": run["fps"], "p50": run["ms"]["all"]["p50"]} for run in runs]
     return {**middle, **counts, **event_totals(counted), "runs": spread}

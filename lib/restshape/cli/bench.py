@@ -131,8 +131,8 @@ def print_reuse(name: str, found: dict[str, dict[str, Any]]) -> None:
         f"median of {len(one['runs'])} runs; load of the machine {min(loads):.1f} to {max(loads):.1f}"
     )
     heads = ("policy", "frames/s", "p50, ms", "p95, ms", "p99, ms", "x rebuild", "x refactor", "Python, ms")
-    heads += ("iterations", "refreshes", "refused")
-    print_table(title, heads, [_policy_row(key, entry) for key, entry in found.items()], heads[1:])
+    heads += ("iterations", "refreshes", "refused", "preconditioners")
+    print_table(title, heads, [_policy_row(key, entry) for key, entry in found.items()], heads[1:-1])
     heads = ("frames: p50, ms", "1 relocation", "2 reconnection", "3 reconstruction", "idle")
     print_table("", heads, [_levels_row(key, entry) for key, entry in found.items()], heads[1:])
     stages = [stage for stage in one["stages"] if any(entry["stages"][stage] >= 0.05 for entry in found.values())]
@@ -153,7 +153,9 @@ def _policy_row(name: str, entry: dict[str, Any]) -> list[str]:
     times = [_ratio(ratios[base]["fps"]) if base in ratios else "" for base in ("rebuild", "refactor")]
     counts = [str(entry[key]) for key in ("iterations", "refreshes", "refused")]
     python = f"{entry['python_ms']['p50']:.3f}"
-    return [name, f"{entry['fps']:.4g}", *(f"{ms[key]:.3f}" for key in ("p50", "p95", "p99")), *times, python, *counts]
+    used = ", ".join(f"{kind} {frames}" for kind, frames in entry["preconditioners"].items() if kind)
+    middle = [f"{ms[key]:.3f}" for key in ("p50", "p95", "p99")]
+    return [name, f"{entry['fps']:.4g}", *middle, *times, python, *counts, used]
 
 
 def _ratio(value: float | None) -> str:

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import signal
 import sys
 import traceback
 from pathlib import Path
@@ -81,6 +82,8 @@ def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any
     petsc4py.init(["restshape", *args.petsc])
     from restshape.replay.run import run_replay
 
+    # PETSc makes a broken pipe deadly; the recorder's pipe breaks when its disk is full, and that is told.
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     with progress(quiet=not first_rank()) as on_frame:
         return run_replay(request, recorder, args.parity, args.csv, on_frame)
 

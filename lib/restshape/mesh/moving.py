@@ -77,7 +77,7 @@ class MovingMesh:
             triangles, so that an old factor still fits.
         imported: a mesh of the first shape, used instead of generating one.
 
-    Source: THEORY.md section 1.
+    Source: docs/theory.md, section 1.
     """
 
     mesh: Mesh
@@ -119,7 +119,7 @@ class MovingMesh:
     def Psi(self) -> np.ndarray:
         """Node displacements (2, n, 2) a unit of the gesture's coefficients; computed when first asked for on a mesh.
 
-        Source: THEORY.md section 8.
+        Source: docs/theory.md, section 3.
         """
         if self._Psi is None:
             if self._gesture is None or self._gesture.basis is None:

@@ -33,7 +33,7 @@ def edge_lengths(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
 def author_ratios(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Longest edge x half perimeter / area (ne,), 3.46 for an equilateral triangle; negative where inverted.
 
-    Source: THEORY.md section 1.
+    Source: docs/theory.md, section 1.
     """
     lengths = edge_lengths(X, cells)
     return lengths.max(axis=1) * 0.5 * lengths.sum(axis=1) / areas(X, cells)
@@ -42,7 +42,7 @@ def author_ratios(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
 def qualities(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Inscribed radius over longest edge (ne,), scaled to 1 for an equilateral triangle; negative where inverted.
 
-    Source: THEORY.md section 1; it equals 2 sqrt(3) over the author's ratio.
+    Source: docs/theory.md, section 1; it equals 2 sqrt(3) over the author's ratio.
     """
     lengths = edge_lengths(X, cells)
     return EQUILATERAL_RATIO * 2.0 * areas(X, cells) / (lengths.sum(axis=1) * lengths.max(axis=1))

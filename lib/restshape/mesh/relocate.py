@@ -97,7 +97,7 @@ class MeanValueExtension:
         mesh: the mesh.
         nodes: (nb,) boundary nodes.
 
-    Source: THEORY.md section 8; Lipman et al. 2007.
+    Source: docs/theory.md, section 3; Lipman et al. 2007.
     """
 
     def __init__(self, mesh: Mesh, nodes: np.ndarray) -> None:
@@ -157,7 +157,7 @@ def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str) -> np.ndarray:
         boundary_basis: (2, nb, 2) displacements of the boundary nodes, in the order of ``Boundary(mesh).nodes``.
         kind: "harmonic", "mvc" or "laplacian" (boundary nodes alone).
 
-    Source: THEORY.md section 8.
+    Source: docs/theory.md, section 3.
     """
     carry = extension(mesh, Boundary(mesh).nodes, kind)
     values = np.concatenate(list(boundary_basis), axis=1)

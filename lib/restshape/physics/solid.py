@@ -14,7 +14,7 @@ SHAPES = {1: ("tri3", "edge2")}
 
 
 def lame(material: Material, model: str) -> tuple[float, float]:
-    """Lame coefficients (lambda, mu) [Pa] for a plane model; plane stress takes lambda* (THEORY.md section 2)."""
+    """Lame coefficients (lambda, mu) [Pa] for a plane model; plane stress takes lambda* (docs/theory.md, section 2)."""
     E, nu = material.E, material.nu
     mu = E / (2 * (1 + nu))
     return (E * nu / (1 - nu**2), mu) if model == "plane_stress" else (E * nu / ((1 + nu) * (1 - 2 * nu)), mu)
@@ -31,7 +31,7 @@ class LinearSolid:
     Raises:
         UserError: the supports leave the body free to move.
 
-    Source: THEORY.md section 2.
+    Source: docs/theory.md, section 2.
     """
 
     fields = 2
@@ -48,6 +48,7 @@ class LinearSolid:
         surface = {name: load for name, load in scene.loads.items() if load.body is None}
         self.tractions = [self._facet_load(name, load) for name, load in surface.items() if self._has_edges(load)]
         self.forces = [(name, load) for name, load in surface.items() if not self._has_edges(load)]
+        self._check_weight()
         self.mask, self.supports = self._supports()
         self.moving = self._moving()
         self.prescribed = np.zeros((len(mesh.X), 2))
@@ -80,6 +81,20 @@ class LinearSolid:
         out = np.zeros_like(self.mesh.X)
         self.element.residual(self.mesh.X, x, self.mesh.cells, self.params, out, subset)
         return out
+
+    @property
+    def displaced(self) -> bool:
+        """Tell whether a support moves what it holds."""
+        return bool(np.any(self.prescribed))
+
+    def internal_force(self, x: np.ndarray) -> float:
+        """Half the norm [N] of the internal forces at all nodes, held ones too, at the displacement x (n, 2) [m].
+
+        Half, for loads and the reactions that balance them are both in it.
+        """
+        out = np.zeros_like(self.mesh.X)
+        self.element.residual(self.mesh.X, x, self.mesh.cells, self.stiffness_params, out)
+        return 0.5 * float(np.linalg.norm(out))
 
     def cells_around(self, nodes: np.ndarray) -> np.ndarray:
         """Cells (int32) of which a corner is one of `nodes` (k,) int32."""
@@ -166,6 +181,16 @@ class LinearSolid:
         self._check_held(mask)
         return mask, supports
 
+    def _check_weight(self) -> None:
+        """Refuse gravity on a material without density."""
+        weightless = [name for name, material in self.scene.material.items() if not material.rho]
+        if self.gravity is not None and np.any(self.gravity) and weightless:
+            raise UserError(
+                "gravity is on, but the material has no density",
+                f"{self.scene.path}: material.{weightless[0]}",
+                'give it one, e.g. rho = "7850 kg/m^3", or leave out [effects.gravity]',
+            )
+
     def _check_held(self, mask: np.ndarray) -> None:
         """Refuse supports that leave a rigid motion free."""
         X = self.mesh.X - self.mesh.X.mean(axis=0)
@@ -182,8 +207,21 @@ class LinearSolid:
             )
 
     def _prescribe(self) -> None:
+        given = np.full_like(self.prescribed, np.nan)
         for where, column, nodes, value in self.supports:
-            self.prescribed[nodes, column] = Nodal(value, self.scene.parameters, where)(self.mesh.X[nodes])
+            values = Nodal(value, self.scene.parameters, where)(self.mesh.X[nodes])
+            before = given[nodes, column]
+            clash = np.flatnonzero(np.abs(values - before) > 1e-9 * np.maximum(np.abs(values), np.abs(before)))
+            if len(clash):
+                x, y = self.mesh.X[nodes[clash[0]]]
+                raise UserError(
+                    f"the support wants another displacement than one before it at ({x:.6g}, {y:.6g}) m: "
+                    f"{values[clash[0]]:.6g} m and {before[clash[0]]:.6g} m",
+                    f"{self.scene.path}: {where}",
+                    "let supports that meet agree where they meet",
+                )
+            given[nodes, column] = values
+        np.copyto(self.prescribed, np.nan_to_num(given))
 
     def _moving(self) -> bool:
         """Tell whether any value changes when nodes move."""
