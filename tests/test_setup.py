@@ -67,11 +67,13 @@ def test_licence_is_the_whole_text_of_gpl_3() -> None:
     assert "END OF TERMS AND CONDITIONS" in text and len(text.splitlines()) > 600
 
 
-def test_no_text_names_a_registry_or_a_path_of_a_machine() -> None:
+def test_no_text_names_a_registry_a_path_of_a_machine_or_a_paper_that_is_not_here() -> None:
     # Put together here, so that this file does not name them either.
     hosts = ["pypi org", "pythonhosted org", "deb debian", "archive ubuntu"]
     folders = ["work main", "work shared", "tmp contract", "root ", "home "]
+    papers = ["THE" + "ORY md", "DESIGN md", "STYLE md", "REFER" + "ENCES", "shared" + "/", "issue" + " #"]
     texts = [host.replace(" ", ".") for host in hosts] + ["/" + folder.replace(" ", "/") for folder in folders]
+    texts += [paper.replace(" md", ".md") for paper in papers]
     forbidden = re.compile("|".join(map(re.escape, texts)))
     wrong = []
     for path in tracked_files():

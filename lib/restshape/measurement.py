@@ -9,6 +9,7 @@ from petsc4py import PETSc
 from scipy.optimize import nnls
 
 from restshape import _kernels
+from restshape.algebra.preconditioner import nonzeros, set_preconditioner
 from restshape.calibration import Calibration
 
 SIDES = (32, 100)
@@ -35,7 +36,8 @@ def measure(machine: str) -> Calibration:
     overhead = measure_iteration(*stiffness(*plate(TINY_SIDE)))
     vectors = fit(np.maximum(0.0, took["iteration"] - took["matvec"] - overhead), count["unknowns"])
     element = fit(took["assembly"], count["elements"])
-    units = [*symbolic, *numeric, *solve, *ilu, *ilu_solve, *matvec, *vectors, overhead, *element]
+    gamg = [fit(took[f"gamg_{part}"], count["gamg"]).item() for part in ("setup", "refresh", "solve")]
+    units = [*symbolic, *numeric, *solve, *ilu, *ilu_solve, *matvec, *vectors, overhead, *element, *gamg]
     # Three digits: more would be noise, and a file that people may read.
     return Calibration(machine, *(float(f"{unit:.3g}") for unit in units))
 
@@ -46,16 +48,18 @@ def measure_size(side: int) -> tuple[dict[str, float], dict[str, float]]:
     mat, x, b = stiffness(X, cells)
     filled, cholesky = measure_factor(mat, x, b, "cholesky")
     ilu_filled, ilu = measure_factor(mat, x, b, "ilu")
+    gamg_filled, gamg = measure_gamg(mat, x, b)
     work = {"unknowns": mat.getSize()[0], "nonzeros": mat.getInfo()["nz_used"], "elements": len(cells)}
     seconds = {
         **cholesky,
+        **gamg,
         "ilu_numeric": ilu["numeric"],
         "ilu_solve": ilu["solve"],
         "matvec": median_seconds(lambda: mat.mult(b, x)),
         "iteration": measure_iteration(mat, x, b),
         "assembly": measure_assembly(X, cells),
     }
-    return {**work, "filled": filled, "ilu": ilu_filled}, seconds
+    return {**work, "filled": filled, "ilu": ilu_filled, "gamg": gamg_filled}, seconds
 
 
 def plate(side: int) -> tuple[np.ndarray, np.ndarray]:
@@ -110,6 +114,34 @@ def measure_factor(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec, kind: str) -> tup
     filled = pc.getFactorMatrix().getInfo()["nz_used"]
     solve = median_seconds(lambda: pc.apply(b, x))
     return filled, {"symbolic": max(0.0, whole - numeric), "numeric": numeric, "solve": solve}
+
+
+def measure_gamg(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> tuple[float, dict[str, float]]:
+    """Nonzeros of all grids of algebraic multigrid; seconds anew, with the interpolation kept, and of a cycle."""
+    made: list[PETSc.KSP] = []
+
+    def make() -> None:
+        ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+        ksp.setOptionsPrefix("calibration_")
+        set_preconditioner(ksp, "gamg", 0)
+        ksp.setOperators(mat)
+        ksp.getPC().setUp()
+        made.append(ksp)
+
+    whole = median_seconds(make, least=3)
+    pc, diagonal = made[-1].getPC(), mat.getValue(0, 0)
+
+    def refresh() -> None:
+        mat.setValue(0, 0, diagonal)
+        mat.assemble()
+        pc.setUp()
+
+    kept = median_seconds(refresh, least=3)
+    cycle = median_seconds(lambda: pc.apply(b, x))
+    filled = nonzeros(pc)
+    for ksp in made:
+        ksp.destroy()
+    return filled, {"gamg_setup": whole, "gamg_refresh": kept, "gamg_solve": cycle}
 
 
 def measure_iteration(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> float:

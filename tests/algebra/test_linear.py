@@ -93,7 +93,7 @@ def run(systems, method="stale", dearer=1.0):
 
 @pytest.mark.parametrize("dearer", [0.3, 1.0, 4.0, 1e6])
 def test_iterations_are_those_of_an_independent_method(systems, table, dearer):
-    reports, made = run(systems, dearer=dearer)
+    reports, _ = run(systems, dearer=dearer)
     factor = 0
     for j, report in enumerate(reports):
         cost = table[factor, j]
@@ -156,7 +156,7 @@ def test_direct_factors_anew_each_time(systems):
 
 
 def test_ilu_is_kept(systems):
-    reports, made = run(systems, "ilu")
+    reports, _ = run(systems, "ilu")
     assert [report.refreshed for report in reports] == [True] + FRAMES * [False]
     assert [report.age for report in reports] == list(range(FRAMES + 1))
     system = systems[0]

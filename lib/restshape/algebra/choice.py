@@ -32,15 +32,15 @@ class Law(NamedTuple):
 class Prior:
     """What is expected of a preconditioner before the replay has counted anything.
 
-    Measured on the plate whose hole is dragged (2,000, 18,000 and 70,000 unknowns; guesses extrapolated, 1e-6) and on boxes
-    of first-order tetrahedra held on one side (2,200, 6,600 and 21,000 unknowns).
+    Measured on the plate whose hole is dragged (2,000, 18,000 and 70,000 unknowns; guesses extrapolated, 1e-6) and on
+    boxes of first-order tetrahedra held on one side (2,200, 6,600 and 21,000 unknowns).
 
     Args:
         filled: nonzeros of the factor, or of the matrices of all grids; of the unknowns (complete) or of the matrix.
         fresh: iterations with a fresh one.
         growth: part of them that each solve of age adds.
-        block: what each doubling of the ranks adds, for factors of the ranks' own rows: iterations of a complete factor,
-            part of the iterations of an incomplete one.
+        block: what each doubling of the ranks adds, for factors of the ranks' own rows: iterations of a complete
+            factor, part of the iterations of an incomplete one.
     """
 
     filled: Law
@@ -201,8 +201,8 @@ class Choice:
     def cost(self, candidate: Candidate, size: Size) -> float:
         """Seconds of a solve: iterations, and a share of refreshes and of the set-up.
 
-        With iterations that grow by g a solve, a refresh every sqrt(2 refresh / (iteration g)) solves costs least, which is
-        where the iterations spent beyond those of a fresh preconditioner have cost as much as the refresh.
+        With iterations that grow by g a solve, a refresh every sqrt(2 refresh / (iteration g)) solves costs least, which
+        is where the iterations spent beyond those of a fresh preconditioner have cost as much as the refresh.
         """
         price = prices(candidate.kind, size, self.filled(candidate, size), self.calibration)
         fresh, growth = self.expected(candidate, size)

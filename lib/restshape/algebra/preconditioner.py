@@ -21,7 +21,7 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int) -> list[str]:
     pc = ksp.getPC()
     wanted: dict[str, object] = {}
     if kind in FACTORS and ksp.getComm().size > 1:
-        # Block Jacobi as additive Schwarz without overlap: the petsc4py of 3.18 gives the blocks' solvers for that only.
+        # Block Jacobi as additive Schwarz without overlap: petsc4py 3.18 gives the blocks' solvers for that only.
         pc.setType("asm")
         pc.setASMOverlap(0)
         wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels)}
@@ -58,7 +58,10 @@ def set_rigid_motions(mat: PETSc.Mat, X: np.ndarray) -> None:
     """
     places = PETSc.Vec().createWithArray(np.ascontiguousarray(X).ravel().copy(), comm=mat.getComm())
     places.setBlockSize(X.shape[1])
-    mat.setNearNullSpace(PETSc.NullSpace().createRigidBody(places))
+    motions = PETSc.NullSpace().createRigidBody(places)
+    mat.setNearNullSpace(motions)
+    for part in (motions, places):
+        part.destroy()
 
 
 def kind_of(pc: PETSc.PC) -> str:

@@ -21,6 +21,7 @@ class Projection:
         self.comm, self.directions = comm, directions
         self.last: np.ndarray | None = None
         self.count = 0
+        self.vectors: list[PETSc.Vec] = []
 
     def restart(self) -> None:
         """Forget the solutions: the unknowns are others now."""
@@ -65,6 +66,8 @@ class Projection:
         self.count += self.step_vectors[place].norm() > 0.0
 
     def _allocate(self, x: PETSc.Vec) -> None:
+        for vector in self.vectors:
+            vector.destroy()
         size, m = x.getSizes(), self.directions
         self.steps, self.products = np.zeros((m, size[0])), np.zeros((m, size[0]))
         self.step_vectors, self.product_vectors = (
@@ -72,3 +75,4 @@ class Projection:
             for rows in (self.steps, self.products)
         )
         self.residual = x.duplicate()
+        self.vectors = [*self.step_vectors, *self.product_vectors, self.residual]

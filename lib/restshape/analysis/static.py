@@ -150,8 +150,11 @@ class StaticAnalysis:
                 self.terms = [(0, physics.element, mesh.X, physics.prescribed, physics.params, 1.0)]
             physics.loads(self.rhs)
             self.mat = self.operator.assemble(self.terms, self.rhs.ravel())
+        # PETSc keeps a vector's norm until it is told that the array behind it has changed.
+        self.b.stateIncrease()
         np.subtract(self.guess(self.x, frame.hand), physics.prescribed, out=self.full.reshape(-1, 2))
         self.full[physics.constrained] = 0.0
+        self.solution.stateIncrease()
         report, x = self._converge(new_mesh, patched=not new_mesh and mesh.topology != self.topology)
         self.guess.keep(x, frame.hand)
         self.x, self.observed = x, None

@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import UserError
+from restshape.physics.recovery import NodalStress
 from restshape.physics.solid import LinearSolid
 from restshape.scene.model import Quantity
 
@@ -44,7 +45,8 @@ COMPONENTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 class Observer:
     """Evaluates the quantities of a scene for a solid on its mesh.
 
-    Stresses are recovered at nodes by superconvergent patch recovery (Zienkiewicz and Zhu 1992).
+    Stresses are recovered at nodes; at a node between materials each side has its own, and a quantity of a region takes
+    that region's.
 
     Args:
         physics: the solid, on the mesh whose nodes are looked at.
@@ -56,6 +58,7 @@ class Observer:
 
     def __init__(self, physics: LinearSolid, quantities: dict[str, Quantity]) -> None:
         self.physics, self.mesh = physics, physics.mesh
+        self.recovery = NodalStress(self.mesh)
         self.functions = {name: self._function(name, quantity) for name, quantity in quantities.items()}
         self._nodal: np.ndarray | None = None
         self._cells: dict[str, tuple[int, np.ndarray]] = {}
@@ -66,10 +69,9 @@ class Observer:
         return {name: float(function(x)) for name, function in self.functions.items()}
 
     def nodal_stress(self, x: np.ndarray) -> np.ndarray:
-        """Recovered stresses (n, 4) [Pa] at the nodes, computed once a frame."""
+        """Recovered stresses [Pa] at the nodes, in the rows of `recovery`, computed once a frame."""
         if self._nodal is None:
-            self._nodal = np.empty((len(self.mesh.X), 4))
-            _kernels.recover(self.mesh.X, self.mesh.cells, self.physics.stress(x), self._nodal)
+            self._nodal = self.recovery(self.physics.stress(x))
         return self._nodal
 
     def _function(self, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
@@ -85,7 +87,9 @@ class Observer:
             return lambda x: self.physics.reaction(x, nodes, self._around(name, nodes))[:, column].sum()
         if quantity.stress:
             component = COMPONENTS[quantity.stress]
-            return lambda x: take(component(self.nodal_stress(x)[nodes]))
+            cells = self.mesh.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
+            rows = self.recovery.rows(nodes, cells)
+            return lambda x: take(component(self.nodal_stress(x)[rows]))
         if quantity.displacement == "magnitude":
             return lambda x: take(np.hypot(x[nodes, 0], x[nodes, 1]))
         column = "xy".index(quantity.displacement)

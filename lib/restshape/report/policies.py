@@ -39,7 +39,7 @@ def draw_policies(found: Mapping[str, Mapping[str, Mapping[str, Any]]], path: Pa
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel("time a moved frame [ms]: p50 (bar), p95 (whisker)")
     figure.suptitle("The same edits under several policies of reuse", x=0.01, ha="left", color=INK)
-    figure.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
+    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=len(handles))
     figure.savefig(path)
 
 

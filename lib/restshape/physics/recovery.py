@@ -1,0 +1,49 @@
+"""Stresses at nodes, recovered from stresses that are constant on cells; at a border of materials one value a side."""
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.mesh.mesh import Mesh
+
+
+class NodalStress:
+    """Superconvergent patch recovery on each region of a mesh by itself, for stresses jump between materials.
+
+    A row is a node as one region sees it: a node between two regions has two rows.
+
+    Args:
+        mesh: its nodes may move and its edges may flip inside regions.
+
+    Source: Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331.
+    """
+
+    def __init__(self, mesh: Mesh) -> None:
+        self.mesh = mesh
+        regions = np.unique(mesh.cell_region)
+        self._cells = [np.flatnonzero(mesh.cell_region == region) for region in regions] if len(regions) > 1 else []
+        parts = [np.unique(mesh.cells[cells]) for cells in self._cells] or [np.arange(len(mesh.X))]
+        self.nodes = np.concatenate(parts)
+        self.region = np.repeat(regions, [len(part) for part in parts])
+        self._parts = parts
+
+    def rows(self, nodes: np.ndarray | slice, cells: np.ndarray) -> np.ndarray | slice:
+        """Rows of these nodes: as the regions of `cells` see them, or, with no cells, as all do."""
+        if not self._cells or isinstance(nodes, slice):
+            return nodes
+        chosen = np.isin(self.nodes, nodes)
+        if len(cells):
+            chosen &= np.isin(self.region, self.mesh.cell_region[cells])
+        return np.flatnonzero(chosen)
+
+    def __call__(self, stress: np.ndarray) -> np.ndarray:
+        """Recovered stresses, one row each (see the class), from the cells' stresses (ne, 4) [Pa]."""
+        X, cells = self.mesh.X, self.mesh.cells
+        out = np.empty((len(X), 4))
+        if not self._cells:
+            _kernels.recover(X, cells, stress, out)
+            return out
+        found = []
+        for chosen, nodes in zip(self._cells, self._parts):
+            _kernels.recover(X, cells[chosen], stress[chosen], out)
+            found.append(out[nodes])
+        return np.concatenate(found)
