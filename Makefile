@@ -28,6 +28,8 @@ test: setup
 
 # What is committed under results/, made anew.
 results: setup
+	$(restshape) replay $(plate) --edits $(plate_edits) --out results/plate.vtkhdf
+	$(restshape) report results/plate.vtkhdf --animation none
 	$(restshape) tables
 
 lint:

@@ -13,6 +13,7 @@ from restshape.bench.process import pin
 from restshape.bench.reuse import Case, Plan, compare, event_totals, frames_a_second, medians, ratios
 from restshape.bench.size import LARGE, exponents, measure, mesh_size, size_record, sizes
 from restshape.bench.size import drag as plate_drag
+from restshape.cli.bench import regret_line
 from restshape.errors import UserError
 from restshape.replay.columns import STAGES
 from restshape.report.policies import draw_policies
@@ -127,6 +128,25 @@ def test_policies_take_turns_and_the_median_is_told(tmp_path):
     assert found["auto"]["ratios"] == {"rebuild": {"fps": pytest.approx(8.0), "p50": pytest.approx(8.0)}}
     assert found["auto"]["levels"] == {"1": 2, "2": 0, "3": 0} and found["auto"]["idle"] == 1
     assert found["auto"]["events"] == {"KSPSolve": 4} and len(found["auto"]["runs"]) == 3
+
+
+def test_regret_is_a_ratio_of_costs_and_never_below_one(tmp_path):
+    scene = write_scene(tmp_path, plate(0.3))
+    script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 6)))
+    found = reuse.hindsight(Job(str(scene), str(script), "auto"), run)
+    assert found["ratio"] == pytest.approx(found["run"] / found["best"]) and found["ratio"] > 1 - 1e-9
+    assert f"{found['ratio']:.3f} times" in regret_line(found)
+
+
+def test_regret_that_cannot_be_measured_loses_nothing(tmp_path):
+    def play(job):
+        if job.regret:
+            raise UserError("a frame has several solves")
+        return Outcome([row(3), row(1)])
+
+    found = compare(Case("a", tmp_path, tmp_path), Plan(("auto",), 1, regret=True), lambda words: None, play)
+    assert found["auto"]["regret"] == {"problem": "a frame has several solves"} and found["auto"]["fps"] > 0
+    assert "several solves" in regret_line(found["auto"]["regret"])
 
 
 def test_a_replay_that_ends_early_is_no_result(tmp_path):

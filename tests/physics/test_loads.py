@@ -50,6 +50,11 @@ def test_force_on_a_point(tmp_path):
     )
 
 
+def test_force_on_two_points_is_their_total(tmp_path):
+    load = '[loads.f]\non = ["b", "c"]\nforce = [300, -700]\n'
+    np.testing.assert_allclose(reactions(tmp_path, load), [-300, 700], rtol=1e-5)
+
+
 def test_force_on_a_point_that_is_held(tmp_path):
     np.testing.assert_allclose(
         reactions(tmp_path, '[loads.f]\non = "d"\nforce = [300, -700]\n'), [-300, 700], rtol=1e-5

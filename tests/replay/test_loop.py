@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
+from small_scenes import PULLED, across, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape.errors import UserError
 from restshape.replay.columns import columns
@@ -64,12 +64,14 @@ def test_first_shape_without_a_solution_stops_the_replay(tmp_path):
         rows_of(make_replay(scene))
 
 
-@pytest.mark.parametrize("text", [plate(), plate(0.05)])
+POINT = plate().replace(PULLED, '[loads.pull]\non = "c"\nforce = ["S*sqrt(limit - x)", 0]\n') + (
+    "[parameters]\nS = 1e6\nlimit = 2.05\n"
+)
+
+
+@pytest.mark.parametrize("text", [FORMULA, POINT], ids=["traction", "force"])
 def test_frames_without_solution_on_new_meshes_are_recorded(tmp_path, text):
     # New holes make new meshes while the load has no number; what is recorded fits together all the same.
-    text = text.replace('traction = ["100 MPa", 0]', 'traction = ["S*sqrt(limit - x)", 0]') + (
-        "[parameters]\nS = 1e8\nlimit = 2.05\n"
-    )
     holes = [{"do": "hole", "name": f"h{k}", "center": [1.0 + 0.3 * k, 0.5], "radius": 0.1} for k in range(3)]
     bad, good = ({"do": "set", "key": "parameters.limit", "value": v} for v in (1.0, 2.05))
     events = [bad, holes[0], {"do": "idle"}, holes[1], good, holes[2], *drag("h1", (1.3, 0.5), [(1.31, 0.5)])]
@@ -110,9 +112,23 @@ def test_flips_of_frames_without_solution_are_not_lost(tmp_path):
     bad = {"do": "set", "key": "parameters.limit", "value": 1.0}
     far = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.75, 0.5), 20))
     events = [*drag("window", (0.5, 0.5), [(0.501, 0.5)]), bad, *far, {"do": "undo"}, {"do": "undo"}]
-    _, rows, parity = replay(tmp_path, events, FORMULA)
+    _, rows, parity = replay(tmp_path, events, FORMULA, relocation="laplacian", criterion="author")
     assert sum(bool(row["refused"]) for row in rows) >= 20
     assert not rows[-1]["refused"] and parity["holds"]
+
+
+def test_supports_of_frames_without_solution_are_forgotten(tmp_path):
+    events = [
+        {"do": "set", "key": "parameters.limit", "value": 1.0},
+        {"do": "set", "key": "supports.wall.on", "value": "bottom"},
+        {"do": "undo"},
+        {"do": "undo"},
+        *drag("window", (0.5, 0.5), [(0.51, 0.5)]),
+    ]
+    _, rows, parity = replay(tmp_path, events, POINT)
+    assert [bool(row["refused"]) for row in rows] == [False, True, True, True, False, False, False, False]
+    assert rows[-1]["q_wall"] == pytest.approx(-1e6 * np.sqrt(0.05), rel=1e-5)
+    assert parity["holds"]
 
 
 def test_values_change_what_they_say(tmp_path):

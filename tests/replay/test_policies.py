@@ -15,7 +15,7 @@ TIGHT = ["solve.tolerance=1e-10"]
 def rows(tmp_path_factory):
     """The rows of the same drag under each policy."""
     folder = tmp_path_factory.mktemp("policies")
-    scene, script = write_scene(folder, plate(0.08)), write_script(folder, EVENTS)
+    scene, script = write_scene(folder, plate(0.06)), write_script(folder, EVENTS)
     return {name: rows_of(make_replay(scene, script, name, TIGHT)) for name in POLICIES}
 
 
@@ -67,7 +67,7 @@ def test_other_meshes_differ_by_discretisation_only(rows):
 
 
 def test_guesses_along_the_drag_save_iterations(tmp_path):
-    scene, script = write_scene(tmp_path, plate(0.08)), write_script(tmp_path, EVENTS)
+    scene, script = write_scene(tmp_path, plate(0.06)), write_script(tmp_path, EVENTS)
     spent = [
         sum(
             row["iterations"]

@@ -10,11 +10,11 @@ MEMORY = 4e9
 """Bytes that a complete factor may take, over all ranks, unless the scene says otherwise (`solve.factor_memory`)."""
 FACTOR_BYTES = 12.0
 """Of a nonzero of a factor: its value and its column."""
-PRIOR_SOLVES = 8.0
+PRIOR_SOLVES = 4
 """Solves that the prior iterations weigh as much as, beside those that this replay has counted."""
 PRIOR_LIFE = 100.0
 """Solves on one mesh before the replay has counted any."""
-PRIOR_AGE = 10.0
+PRIOR_AGE = 5.0
 """Age of a preconditioner up to which the prior growth of iterations was measured."""
 
 
@@ -151,7 +151,7 @@ class Iterations:
 
     def __init__(self, growth: float) -> None:
         self.sums = [0.0] * 5
-        for _ in range(int(PRIOR_SOLVES) // 2):
+        for _ in range(PRIOR_SOLVES // 2):
             self.count(0.0, 1.0)
             self.count(PRIOR_AGE, 1.0 + growth * PRIOR_AGE)
 

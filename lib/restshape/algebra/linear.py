@@ -180,7 +180,7 @@ class LinearSolver:
         while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
             self._clean(x)
             stale = False
-            self._factor(mat, places)
+            self._factor(mat, places, anew=True)
             self.age = self.uses = 0
             last = self._iterate(b, x, limited=False)
             iterations += last
@@ -270,10 +270,14 @@ class LinearSolver:
         nonzeros = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
         return Size(mat.getSize()[0], nonzeros, 3 if mat.getBlockSize() == 3 else 2, self.comm.size)
 
-    def _factor(self, mat: PETSc.Mat, places: np.ndarray | None) -> None:
-        """Make the preconditioner from `mat`, then keep it."""
+    def _factor(self, mat: PETSc.Mat, places: np.ndarray | None, anew: bool = False) -> None:
+        """Make the preconditioner from `mat`, then keep it; `anew` keeps no interpolation of multigrid either."""
         pc = self.ksp.getPC()
         with self.stages("factor"):
+            if self.kind == "gamg" and (anew or self.pattern_changed or not self.ready):
+                # A reset, or a kept interpolation with another pattern, leaves coarse grids of the old sizes.
+                pc.setType("none")
+                self._set_preconditioner(0)
             if places is not None and self.kind == "gamg" and mat.getBlockSize() == places.shape[1]:
                 set_rigid_motions(mat, places)
             pc.setReusePreconditioner(False)

@@ -51,6 +51,7 @@ class StaticAnalysis:
         self.operator: Operator | None = None
         self.topology = self.geometry = -1
         self.scale: float | None = None
+        self.failed = False
         self.x = np.zeros((0, 2))
         self.observed: dict[str, float] | None = None
         self.guess = Guess(policy.extrapolate)
@@ -82,14 +83,15 @@ class StaticAnalysis:
         try:
             if new_mesh or new_scene:
                 self._bind(frame, new_mesh)
-            elif mesh.topology != self.topology:
+            if not new_mesh and mesh.topology != self.topology:
                 with self.stages("pattern"):
                     self.operator.patch(0, frame.changed_cells)
             report = self._solve(frame, new_mesh)
         except (ReplayProblem, UserError):
             # Mesh, solution and observer stay those of the last solution; without a scene the next frame binds anew.
-            self.__dict__.update(kept, scene=None)
+            self.__dict__.update(kept, scene=None, failed=True)
             raise
+        self.failed = False
         self.mesh, self.scene, self.topology, self.geometry = mesh, frame.scene, mesh.topology, mesh.geometry
         return report
 
@@ -124,6 +126,8 @@ class StaticAnalysis:
                 self._allocate(mesh)
             else:
                 self.operator.set_constraints(self.physics.mask)
+                if mesh.topology != self.topology:
+                    self.operator.patch(0, frame.changed_cells)
             self.terms = [(0, self.physics.element, mesh.X, self.physics.prescribed, self.physics.params, 1.0)]
         if new_mesh:
             carried = None
@@ -155,12 +159,13 @@ class StaticAnalysis:
         np.subtract(self.guess(self.x, frame.hand), physics.prescribed, out=self.full.reshape(-1, 2))
         self.full[physics.constrained] = 0.0
         self.solution.stateIncrease()
-        report, x = self._converge(new_mesh, patched=not new_mesh and mesh.topology != self.topology)
+        # The solver may have met the mesh of a frame that failed, which is gone.
+        report, x = self._converge(new_mesh or self.failed, patched=not new_mesh and mesh.topology != self.topology)
         self.guess.keep(x, frame.hand)
         self.x, self.observed = x, None
         return report
 
-    def _converge(self, new_mesh: bool, patched: bool) -> tuple[LinearReport, np.ndarray]:
+    def _converge(self, new_system: bool, patched: bool) -> tuple[LinearReport, np.ndarray]:
         """Solve until the residual is small against the loads, or against internal forces where supports move.
 
         Where they move, the right side is the force of a jump over one layer of elements, which says nothing of the
@@ -171,7 +176,7 @@ class StaticAnalysis:
         while True:
             self.scale = physics.internal_force(self._displacement()) if physics.displaced else None
             report = self.solver.solve(
-                self.mat, self.b, self.solution, new_mesh and total is None, patched=patched, places=places, scale=self.scale
+                self.mat, self.b, self.solution, new_system and total is None, patched=patched, places=places, scale=self.scale
             )
             whole_vector(self.full, rows, self.comm)
             x = self._displacement()

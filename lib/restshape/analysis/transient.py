@@ -62,7 +62,7 @@ class TransientAnalysis:
         self.state = self.previous = State(np.zeros((0, 2)), np.zeros((0, 2)), None, 0.0)
         self.motion = Motion(self.state.v)
         self.energy_before = 0.0
-        self.unsolved, self.exact = True, False
+        self.unsolved, self.exact, self.failed = True, False, False
         self.observed: dict[str, float] | None = None
         solve = scene.solve
         self.solver = LinearSolver(
@@ -79,13 +79,14 @@ class TransientAnalysis:
         kept, motion = self.__dict__.copy(), replace(self.motion)
         try:
             stale, new_mesh = self._follow(frame)
-            report = self._run(stale, new_mesh, 0 if kept["mesh"] is None else self.steps)
+            # The solver may have met the mesh of a frame that failed, which is gone.
+            report = self._run(stale, new_mesh or self.failed, 0 if kept["mesh"] is None else self.steps)
         except (ReplayProblem, UserError):
             # Without a scene the next frame binds anew.
-            self.__dict__.update(kept, scene=None)
+            self.__dict__.update(kept, scene=None, failed=True)
             vars(self.motion).update(vars(motion))
             raise
-        mesh = frame.mesh
+        mesh, self.failed = frame.mesh, False
         self.mesh, self.scene, self.topology, self.geometry = mesh, frame.scene, mesh.topology, mesh.geometry
         return report
 
@@ -210,7 +211,7 @@ class TransientAnalysis:
 
     # --- time steps -----------------------------------------------------------------------------------------------
 
-    def _run(self, stale: bool, new_mesh: bool, steps: int) -> LinearReport:
+    def _run(self, stale: bool, new_system: bool, steps: int) -> LinearReport:
         """Take the time steps of a frame; the matrix of a frame without any is made too."""
         if stale and not steps:
             with self.stages("values"):
@@ -223,7 +224,7 @@ class TransientAnalysis:
         if self.observer.watched:
             self.observer.begin()
         for k in range(steps):
-            report = self._step(stale and k == 0, new_mesh and k == 0)
+            report = self._step(stale and k == 0, new_system and k == 0)
             iterations, refreshed = iterations + report.iterations, refreshed or report.refreshed
         self.age = 0 if refreshed else self.age
         if self.tracked:
@@ -231,7 +232,7 @@ class TransientAnalysis:
         self.observed = None
         return LinearReport(iterations, refreshed, self.age, self.solver.name)
 
-    def _step(self, stale: bool, new_mesh: bool) -> LinearReport:
+    def _step(self, stale: bool, new_system: bool) -> LinearReport:
         """One time step."""
         system, state, step = self.system_now, self.state, self.newmark
         time = state.time + step.dt
@@ -239,7 +240,7 @@ class TransientAnalysis:
             shaking = self._shaking(time) + step.a3 * self._shaking(state.time)
             (system.assemble if stale else system.right_side)(state, shaking)
         if stale:
-            self.exact = self.solver.prepare(system.mat, new_mesh, self.steps)
+            self.exact = self.solver.prepare(system.mat, new_system, self.steps)
         guessed = self.policy.extrapolate and not self.exact
         if self.exact:
             report = self.solver.apply(system.b, system.solution)
@@ -249,7 +250,7 @@ class TransientAnalysis:
             if guessed:
                 system.full += self.prediction(system.force())
                 system.solution.stateIncrease()
-            report = self.solver.solve(system.mat, system.b, system.solution, new_mesh, not stale)
+            report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale)
         whole_vector(system.full, system.rows, self.comm)
         y = system.full.reshape(-1, 2).copy()
         moved = y - state.y

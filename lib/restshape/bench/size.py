@@ -19,7 +19,7 @@ LARGE = 2e5
 """Unknowns above which the first frame serves as the level-3 frame and fewer frames are measured."""
 SMALL_STEP, APPROACH_STEP, FLIP_STEP = 0.002, 0.03, 0.004
 """Steps of the hole [m]: of level 1, on the way to where triangles are distorted, and there."""
-APPROACH_FRAMES, FLIP_FRAMES = 9, 30
+APPROACH_FRAMES, FLIP_FRAMES = 9, 60
 JUMP = 0.8
 """Steps of level 3 [m]: 40 % of the domain, so that triangles are inverted."""
 

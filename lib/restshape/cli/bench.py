@@ -143,9 +143,21 @@ def print_reuse(name: str, found: dict[str, dict[str, Any]]) -> None:
     print_table("", ("PETSc events", *found), rows, list(found))
     regret = found.get("auto", {}).get("regret")
     if regret:
-        told = ", ".join(f"{key} {_number(value)}" for key, value in regret.items() if isinstance(value, int | float))
-        print(f"regret of auto's refreshes: {told}")
+        print(regret_line(regret))
     print()
+
+
+def regret_line(regret: dict[str, Any]) -> str:
+    """The regret in words."""
+    if "problem" in regret:
+        return f"regret of auto's refreshes: not measured, {regret['problem']}"
+    refreshes, iterations = regret["refreshes"], regret["iterations"]
+    spent = {
+        which: f"{1e3 * regret[which]:.4g} ms ({refreshes[which]} refreshes, {iterations[which]} iterations)"
+        for which in ("run", "best")
+    }
+    ratio = f"{regret['ratio']:.3f} times the best schedule in hindsight"
+    return f"regret of auto's refreshes: {ratio}; by the calibration {spent['run']} against {spent['best']}"
 
 
 def _policy_row(name: str, entry: dict[str, Any]) -> list[str]:
@@ -160,10 +172,6 @@ def _policy_row(name: str, entry: dict[str, Any]) -> list[str]:
 
 def _ratio(value: float | None) -> str:
     return "" if value is None else f"{value:.2f}"
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}"
 
 
 def _levels_row(name: str, entry: dict[str, Any]) -> list[str]:

@@ -6,15 +6,23 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from restshape.application import application
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.errors import UserError
-from restshape.scene.model import Scene
+from restshape.mesh.sizing import refuse_endless
+from restshape.physics.held import require_held
+from restshape.scene.expressions import Expression, Value
+from restshape.scene.model import Load, Scene, Support
 from restshape.scene.plan import Plan, plan
 from restshape.scene.script import Script, load_script
 from restshape.shape.outline import Outline
 
 SUMMARY = "check a scene and an edit script without solving anything"
+
+
+LOAD_UNITS = {"force": "N", "traction": "Pa", "pressure": "Pa", "body": "N/m^3"}
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,6 +37,12 @@ def run(args: argparse.Namespace) -> int:
     app = application(scene.app)
     effects = plan(scene, app)
     outline = starting_outline(scene)
+    check_supports(scene, outline)
+    if scene.mesh.size and not scene.mesh.file:
+        try:
+            refuse_endless(outline, scene.mesh.size, scene.mesh.near)
+        except UserError as error:
+            raise scene.located(error) from error
     data = held(scene, effects, outline)
     print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), described(scene, effects, outline))
     refused: list[dict[str, Any]] = []
@@ -64,6 +78,23 @@ def starting_outline(scene: Scene) -> Outline:
         except UserError as error:
             raise scene.located(UserError(error.what, key, error.do)) from error
     return outline
+
+
+def check_supports(scene: Scene, outline: Outline) -> None:
+    """Makes sure that the supports hold the body, as far as the outline shows.
+
+    Raises:
+        UserError: they leave it free to move.
+    """
+    points, masks = [np.zeros((0, 2))], [np.zeros((0, 2))]
+    for support in scene.supports.values():
+        for entity in map(outline.entity, support.on):
+            edges = {*entity.edges, *(edge for loop in entity.loops for edge, _ in outline.loops[loop].edges)}
+            found = np.concatenate([outline.points[list(entity.vertices)], *map(outline.polyline, edges)])
+            points.append(found)
+            masks.append(np.tile([axis in support.fix for axis in "xy"], (len(found), 1)))
+    body = np.concatenate([outline.points, *points])
+    require_held(body, np.concatenate([np.zeros_like(outline.points), *masks]), scene)
 
 
 def used_names(scene: Scene) -> list[tuple[str, str]]:
@@ -109,8 +140,8 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
         for name, m in scene.material.items()
     ]
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
-    rows += [(f"support {n}", f"{' and '.join(s.fix)} on {', '.join(s.on)}") for n, s in scene.supports.items()]
-    rows += [(f"load {name}", f"{load.kind} on {', '.join(load.on)}") for name, load in scene.loads.items()]
+    rows += [(f"support {name}", f"{fixed(s)} on {', '.join(s.on)}") for name, s in scene.supports.items()]
+    rows += [(f"load {name}", f"{loaded(load)} on {', '.join(load.on)}") for name, load in scene.loads.items()]
     for name, q in scene.quantities.items():
         what = f"{q.kind} {getattr(q, q.kind)}" if q.kind != "area" else "area"
         rows.append((f"quantity {name}", f"{q.take} of {what} at {q.at or 'all'}"))
@@ -118,6 +149,24 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))
     return rows
+
+
+def fixed(support: Support) -> str:
+    """What a support prescribes."""
+    parts = [f"{axis} = {said(value)}{'' if value == 0 else ' m'}" for axis, value in support.fix.items()]
+    return " and ".join(parts)
+
+
+def loaded(load: Load) -> str:
+    """Kind and value of a load with its unit."""
+    value = getattr(load, load.kind)
+    text = f"({', '.join(map(said, value))})" if isinstance(value, (list, tuple)) else said(value)
+    return f"{load.kind} {text} {LOAD_UNITS[load.kind]}"
+
+
+def said(value: Value) -> str:
+    """A number, or the text of a formula."""
+    return value.text if isinstance(value, Expression) else f"{value:.6g}"
 
 
 def listed(names: list[str], most: int = 12) -> str:

@@ -2,12 +2,16 @@
 
 import argparse
 import sys
+import time
 from importlib import import_module
 
 from restshape import __version__
+from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
 
 COMMANDS = ("new", "script", "check", "list", "schema", "info", "replay", "report", "validate", "bench", "tables")
+LAST_WORD = 2.0
+"""Seconds that the first rank has for its message."""
 EXIT_CODES = "exit codes: 0 success, 1 a check failed, 2 bad input, 130 interrupted"
 
 
@@ -39,7 +43,11 @@ def main(argv: list[str] | None = None) -> int:
     try:
         return args.run(args)
     except UserError as error:
-        print(f"restshape {args.command}: {error}", file=sys.stderr)
+        if first_rank():
+            print(f"restshape {args.command}: {error}", file=sys.stderr)
+        else:
+            # mpiexec ends all ranks as soon as one has failed: the first one must have said why by then.
+            time.sleep(LAST_WORD)
         return 2
     except KeyboardInterrupt:
         print(f"restshape {args.command}: interrupted", file=sys.stderr)

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
@@ -67,7 +68,7 @@ def check_output(path: Path | None, option: str) -> None:
     Raises:
         UserError: it cannot.
     """
-    if path is None:
+    if path is None or not first_rank():
         return
     existed = path.exists()
     try:
@@ -76,7 +77,7 @@ def check_output(path: Path | None, option: str) -> None:
         do = "make its folder first" if not path.parent.is_dir() else "name another file"
         raise UserError(f"{path} cannot be written: {(error.strerror or str(error)).lower()}", option, do) from error
     if not existed:
-        path.unlink()
+        path.unlink(missing_ok=True)
 
 
 def write_json(args: argparse.Namespace, data: Any) -> None:
@@ -113,7 +114,7 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]
     box = {} if out.is_terminal else {"box": None, "pad_edge": False, "padding": (0, 2, 0, 0)}
     table = Table(header_style="bold", **box)
     for column in columns:
-        table.add_column(column, justify="right" if column in right else "left", overflow="fold")
+        table.add_column(Text(column), justify="right" if column in right else "left", overflow="fold")
     for row in rows:
         table.add_row(*(Text(shown(cell)) for cell in row))
     out.print(Text(title, style="bold"), soft_wrap=True)

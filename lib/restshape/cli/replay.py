@@ -1,7 +1,6 @@
 """`restshape replay`: replays an edit script against a scene."""
 
 import argparse
-import os
 import signal
 import sys
 import traceback
@@ -10,6 +9,7 @@ from typing import Any
 
 from restshape.cli.options import add_scene, check_output, print_table, read_scene, write_json
 from restshape.cli.progress import progress
+from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
 
@@ -30,12 +30,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--calibration", type=Path, metavar="FILE", help="seconds a unit of work (default: nominal)")
 
 
-def first_rank() -> bool:
-    """Tell, before MPI starts, whether this process will be rank 0."""
-    ranks = (os.environ.get(key) for key in ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"))
-    return next((rank for rank in ranks if rank), "0") == "0"
-
-
 def run(args: argparse.Namespace) -> int:
     """Replay; 0 when all frames were replayed, 1 when parity fails, 2 on bad input."""
     from restshape.application import application
@@ -45,6 +39,7 @@ def run(args: argparse.Namespace) -> int:
 
     scene = read_scene(args)
     check_output(args.csv, "--csv")
+    _check_name(args.out)
     app = application(scene.app, f"{args.scene}: app")
     script = load_script(args.edits, scene, keep_good=True) if args.edits else Script.empty(scene)
     chosen = policy(args.policy or scene.solve.policy)
@@ -59,12 +54,24 @@ def run(args: argparse.Namespace) -> int:
     except BaseException as error:
         if recorder:
             recorder.close("interrupted")
-        if not isinstance(error, UserError) or (recorder and error.where == str(recorder.path)):
+        # A file that cannot be written is known to the first rank only.
+        if not isinstance(error, UserError) or error.where in (str(args.out), str(args.csv)):
             _stop_other_ranks(error)
         raise
     if recorder:
-        summary["recording"] = recorder.close()
-    return _tell(args, request, summary) if first else 0
+        summary["recording"] = recorder.close("interrupted" if summary["interrupted"] else "done")
+    if first and args.petsc:
+        _note_unused(args.petsc)
+    code = _tell(args, request, summary) if first else 0
+    if summary["interrupted"]:
+        raise KeyboardInterrupt
+    return code
+
+
+def _check_name(out: Path | None) -> None:
+    """Refuse a recording whose name hides what it is."""
+    if out and out.suffix != ".vtkhdf":
+        raise UserError("a recording's name ends in .vtkhdf", f"--out {out}", f"--out {out.with_suffix('.vtkhdf')}")
 
 
 def _start_recorder(path: Path, request: Any) -> Any:
@@ -86,6 +93,14 @@ def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     with progress(quiet=not first_rank()) as on_frame:
         return run_replay(request, recorder, args.parity, args.csv, on_frame)
+
+
+def _note_unused(words: list[str]) -> None:
+    """Tell which words after -- PETSc has made no use of: misspelt ones, most often."""
+    from restshape.replay.petsc_words import unused
+
+    if left := unused(words):
+        print(f"note: PETSc made no use of these words after --: {' '.join(left)}", file=sys.stderr)
 
 
 def _stop_other_ranks(error: BaseException) -> None:
@@ -125,7 +140,10 @@ def print_summary(summary: dict[str, Any]) -> None:
     _print_refusals(summary["rows"])
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]")
     counts, times = summary["levels"], summary["ms"]
-    rows = [(f"{k} {name}", counts[k], *(f"{v:.3f}" for v in times[k].values())) for k, name in LEVELS.items()]
+    rows = [
+        (f"{k} {name}", counts[k], *(f"{v:.3f}" if counts[k] else "-" for v in times[k].values()))
+        for k, name in LEVELS.items()
+    ]
     print_table("time a frame", heads, rows, right=heads[1:])
     print(
         f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); "

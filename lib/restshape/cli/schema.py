@@ -17,7 +17,7 @@ SUMMARY = "write the JSON schema of a scene or of a line of an edit script"
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
-    parser.add_argument("of", choices=("scene", "script"), help="what to describe")
+    parser.add_argument("of", metavar="scene|script", choices=("scene", "script"), help="what to describe")
     parser.add_argument("--out", metavar="FILE", type=Path, help="write into this file, not to the terminal")
 
 

@@ -11,7 +11,7 @@ SUMMARY = "the thesis's numbers beside ours, measured now"
 HEADER = """# The thesis's numbers beside ours
 
 Written by `restshape tables`; `restshape tables --check` says whether the counts still hold. Rows with a ratio or a
-time were measured on the machine that wrote this file. The thesis used a 2.5 GHz CPU of 2009.
+time were measured on the machine that wrote this file. The thesis used a 2.5 GHz CPU with 2 GB of memory.
 
 """
 

@@ -196,7 +196,7 @@ def _refuse_crossing(outline: Outline, boundary: Boundary, facets: np.ndarray, f
         outside |= contains(hole, probes) & (np.arange(len(probes)) != own)
     if outside.any():
         x, y = probes[np.argmax(outside)]
-        raise ReplayProblem(f"the shape cannot be meshed: the point ({x:.6g}, {y:.6g}) lies outside the material")
+        raise ReplayProblem(f"the shape cannot be meshed: the point ({x:.6g}, {y:.6g}) m lies outside the material")
 
 
 def _refuse_broken(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndarray) -> None:
@@ -218,4 +218,4 @@ def _refuse_broken(outline: Outline, boundary: Boundary, X: np.ndarray, cells: n
     used[cells] = True
     if not used.all():
         x, y = X[np.argmin(used)]
-        raise ReplayProblem(f"the shape cannot be meshed: the point ({x:.6g}, {y:.6g}) lies outside the material")
+        raise ReplayProblem(f"the shape cannot be meshed: the point ({x:.6g}, {y:.6g}) m lies outside the material")

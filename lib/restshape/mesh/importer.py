@@ -230,5 +230,5 @@ def _checked(found: Triangles, path: Path) -> Triangles:
 def _triangle(found: Triangles, chosen: np.ndarray) -> str:
     """Words for the first chosen triangle."""
     row = int(np.argmax(chosen))
-    nodes = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in found.X[found.cells[row]].tolist())
+    nodes = ", ".join(f"({x:.6g}, {y:.6g}) m" for x, y in found.X[found.cells[row]].tolist())
     return f"triangle {row + 1} with corners {nodes} m"

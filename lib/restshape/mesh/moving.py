@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from restshape import _kernels
-from restshape.errors import ReplayProblem
+from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.generate import generate
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.quality import thresholds
@@ -61,6 +61,26 @@ class Advance:
         return cls(0, 0, NO_CELLS, min_quality)
 
 
+CONNECTIVITY = ("cells", "cell_edges", "edge_nodes", "facet_cell")
+"""Arrays of a mesh that flips change."""
+
+
+@dataclass(slots=True)
+class Kept:
+    """What a frame may change, as it was before.
+
+    Args:
+        state: attributes of the moving mesh.
+        versions: outline, geometry and topology of the mesh; None before the first one.
+        X: (n, 2) nodes [m], where they were moved; connectivity: copies of its arrays, where edges were flipped.
+    """
+
+    state: dict[str, Any]
+    versions: tuple[Outline, int, int] | None
+    X: np.ndarray | None = None
+    connectivity: dict[str, np.ndarray] | None = None
+
+
 class MovingMesh:
     """Keeps a mesh on a shape that is being edited, with as little change as its quality allows.
 
@@ -102,7 +122,7 @@ class MovingMesh:
         self._gesture: Gesture | None = None
         self._carry: Extension | None = None
         self._c = (0.0, 0.0)
-        self._stale = True
+        self._kept: Kept | None = None
         self.min_quality = float("nan")
 
     @property
@@ -140,23 +160,57 @@ class MovingMesh:
         """What the frame did to the mesh, which now lies on the frame's outline.
 
         Raises:
-            ReplayProblem: no valid mesh for the frame; the one before is kept.
+            ReplayProblem: no valid mesh for the frame; all is as before it.
+            UserError: mesh sizes at entities that are not there; all is as before it.
         """
+        self._keep()
+        try:
+            return self._advance(frame)
+        except (ReplayProblem, UserError):
+            self.take_back()
+            raise
+
+    def take_back(self) -> None:
+        """Lay the mesh as it was before the last frame, which has no solution."""
+        kept = self._kept
+        if kept is None:
+            return
+        self.__dict__.update(kept.state)
+        if kept.versions is None:
+            return
+        mesh = self.mesh
+        mesh.outline, mesh.geometry, mesh.topology = kept.versions
+        if kept.X is not None:
+            mesh.X[...] = kept.X
+        if kept.connectivity is not None:
+            for name, values in kept.connectivity.items():
+                getattr(mesh, name)[...] = values
+            # Others may have seen the flips; and what flips edges knows them.
+            mesh.topology, self._flipper = next(_reconnections), None
+
+    def _keep(self) -> None:
+        """Note what `take_back` restores; nodes and connectivity are copied when they are about to change."""
+        self._kept = None
+        mesh = self.__dict__.get("mesh")
+        versions = None if mesh is None else (mesh.outline, mesh.geometry, mesh.topology)
+        self._kept = Kept(self.__dict__.copy(), versions)
+
+    def _advance(self, frame: EditFrame) -> Advance:
         if frame.refused is not None or frame.change in ("none", "values"):
             return self._rest(frame)
         if frame.change == "move":
-            if frame.gesture is self._gesture and frame.gesture.linear and frame.c == self._c and not self._stale:
+            if frame.gesture is self._gesture and frame.gesture.linear and frame.c == self._c:
                 return Advance.nothing(self.min_quality)
-            if not (self._stale or self.regenerate):
+            if not self.regenerate:
                 return self._follow(frame)
-        elif frame.change == "mesh":
+        else:
             self.spec = frame.scene.mesh
         return self._reconstruct(frame, {})
 
     def _rest(self, frame: EditFrame) -> Advance:
         """A frame in which the shape stays; pressing makes the map of the gesture that begins."""
         advance = Advance.nothing(self.min_quality)
-        if frame.do == "press" and frame.gesture is not None and not (self._stale or self.regenerate):
+        if frame.do == "press" and frame.gesture is not None and not self.regenerate:
             self._hold(frame, advance.stages)
         return advance
 
@@ -168,6 +222,7 @@ class MovingMesh:
             self._hold(frame, stages)
         start = perf_counter()
         self._before[...] = mesh.X
+        self._kept.X = self._before
         verdict = self._place(frame)
         stages["relocate"] = perf_counter() - start
         flips, changed = 0, NO_CELLS
@@ -208,6 +263,7 @@ class MovingMesh:
         """Flips, the cells they changed, and the verdict afterwards."""
         start = perf_counter()
         X, flips, changed = self.mesh.X, 0, NO_CELLS
+        self._kept.connectivity = {name: getattr(self.mesh, name).copy() for name in CONNECTIVITY}
         if verdict[1]:
             X[...] = self._before
             flips, changed = self._reconnection.flip(X)
@@ -245,7 +301,6 @@ class MovingMesh:
         """Replace the mesh by a new one of the frame's outline."""
         start = perf_counter()
         old = None if frame.change == "start" else self.mesh
-        self._stale = True
         if frame.gesture is not None:
             self._gesture, self._c = frame.gesture, frame.c
         if self._imported is not None and frame.change == "start":
@@ -261,7 +316,7 @@ class MovingMesh:
         self._area_floor, self._quality_floor = area_floor, min(quality_floor, FRESH_SHARE * quality)
         self._flip_floor = 1.0 if self._flip_everywhere else self._quality_floor
         self._set_reference(self._c)
-        self.min_quality, self._stale = quality, False
+        self.min_quality = quality
         stages["mesh"] = perf_counter() - start
         return Advance(3, 0, NO_CELLS, quality, old, stages)
 

@@ -22,6 +22,13 @@ CELLS_PER_SQUARE = 2.6
 """Triangles in a square of one size, as the mesher makes them."""
 
 
+EQUILATERAL = np.sqrt(3.0) / 4.0
+"""Area of a triangle whose sides are 1."""
+
+MOST_CELLS = 4_000_000
+"""Triangles of the largest mesh that is begun: beyond, memory and patience end before the mesher does."""
+
+
 @dataclass(frozen=True)
 class Attractor:
     """Points (m, 2) around which the size is `size` [m]."""
@@ -52,6 +59,34 @@ class Sizing:
         return wanted
 
 
+def refuse_endless(outline: Outline, size: float, near: dict[str, float]) -> None:
+    """Makes sure, before any meshing, that the mesh stays within MOST_CELLS.
+
+    Args:
+        outline: the shape.
+        size: length of mesh edges [m].
+        near: smaller sizes [m] on entities, from which the size grows by GRADING.
+
+    Raises:
+        UserError: naming the key, with the estimate.
+    """
+    expected = {"mesh.size": (outline.area() / (EQUILATERAL * size**2), size)}
+    for name, length in near.items():
+        along = sum(outline.length(edge) for edge in outline.entity(name).edges)
+        # The sum over both sides of dr / (h + GRADING r)^2, h being the size on the entity.
+        expected[f"mesh.near.{name}"] = 2.0 * along / (EQUILATERAL * GRADING * length), length
+    where = max(expected, key=lambda key: expected[key][0])
+    count, length = expected[where]
+    if count > MOST_CELLS:
+        room = count / MOST_CELLS
+        wanted = length * (np.sqrt(room) if where == "mesh.size" else room)
+        raise UserError(
+            f"a size of {length:.3g} m would make about {count:.2g} triangles; at most {MOST_CELLS:.2g} are taken",
+            where,
+            f"a larger size, {float(f'{1.05 * wanted:.2g}'):g} m at least",
+        )
+
+
 def sizing_of(outline: Outline, size: float | None, near: dict[str, float]) -> Sizing:
     """The sizing that a scene's ``[mesh]`` asks for.
 
@@ -65,6 +100,8 @@ def sizing_of(outline: Outline, size: float | None, near: dict[str, float]) -> S
     """
     if size is None:
         size = float(np.sqrt(outline.area() * CELLS_PER_SQUARE / DEFAULT_CELLS))
+    if 0.0 < size < np.inf:
+        refuse_endless(outline, size, {name: h for name, h in near.items() if 0.0 < h < size})
     attractors = []
     for name, length in near.items():
         if not 0.0 < length < np.inf:

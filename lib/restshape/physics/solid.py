@@ -5,6 +5,7 @@ import numpy as np
 from restshape import _kernels
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
+from restshape.physics.held import require_held
 from restshape.physics.places import cells_on, facets_on, nodes_on
 from restshape.physics.values import Nodal, evaluate, varies
 from restshape.scene.model import Load, Material, Scene
@@ -29,7 +30,7 @@ class LinearSolid:
         mesh: kept by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
 
     Raises:
-        UserError: the supports leave the body free to move.
+        UserError: the supports leave the body free to move, or a part of it has no material.
 
     Source: docs/theory.md, section 2.
     """
@@ -131,6 +132,14 @@ class LinearSolid:
         for material in [*rest, *(m for m in self.scene.material.values() if m.region)]:
             rows = [regions.index(name) + 1 for name in material.region] if material.region else slice(None)
             table[rows] = (*lame(material, self.model), material.thickness, material.rho)
+        bare = np.flatnonzero(np.isnan(table[self.mesh.cell_region, 0]))
+        if len(bare):
+            x, y = self.mesh.X[self.mesh.cells[bare[0]]].mean(axis=0)
+            raise UserError(
+                f"{len(bare)} triangles lie outside of the regions that have a material, one at ({x:.4g}, {y:.4g}) m",
+                f"{self.scene.path}: material",
+                "let one material have no region, or name the regions that are missing",
+            )
         return table
 
     def _cell_params(self) -> np.ndarray:
@@ -178,7 +187,7 @@ class LinearSolid:
                 mask[nodes, column] = 1
                 supports.append((f"supports.{name}.fix.{axis}", column, nodes, value))
         self.constrained = np.flatnonzero(mask.ravel())
-        self._check_held(mask)
+        require_held(self.mesh.X, mask, self.scene)
         return mask, supports
 
     def _check_weight(self) -> None:
@@ -189,21 +198,6 @@ class LinearSolid:
                 "gravity is on, but the material has no density",
                 f"{self.scene.path}: material.{weightless[0]}",
                 'give it one, e.g. rho = "7850 kg/m^3", or leave out [effects.gravity]',
-            )
-
-    def _check_held(self, mask: np.ndarray) -> None:
-        """Refuse supports that leave a rigid motion free."""
-        X = self.mesh.X - self.mesh.X.mean(axis=0)
-        size = np.abs(X).max()
-        rigid = np.zeros((len(X), 2, 3))
-        rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
-        rigid[:, 0, 2], rigid[:, 1, 2] = -X[:, 1] / size, X[:, 0] / size
-        held = rigid[mask.astype(bool)]
-        if len(held) == 0 or np.linalg.matrix_rank(held, tol=1e-9 * max(1.0, np.sqrt(len(held)))) < 3:
-            raise UserError(
-                "the supports leave the body free to move as a rigid body",
-                f"{self.scene.path}: supports",
-                'fix both axes on an edge, e.g. wall = { on = "left", fix = ["x", "y"] }',
             )
 
     def _prescribe(self) -> None:
@@ -254,8 +248,10 @@ class FacetLoad:
             elif self.load.pressure is not None:
                 params[:, 4 + end] = Nodal(self.load.pressure, self.parameters, f"{where}.pressure")(ends)
         if self.load.force is not None and len(self.facets):
-            area = (np.linalg.norm(X[self.facets[:, 1]] - X[self.facets[:, 0]], axis=1) * self.thickness).sum()
-            centre = X[self.facets].mean(axis=(0, 1))[None]
+            lengths = np.linalg.norm(X[self.facets[:, 1]] - X[self.facets[:, 0]], axis=1)
+            area = (lengths * self.thickness).sum()
+            # Weighted, for a finer mesh at one end must not draw the centre there.
+            centre = np.average(X[self.facets].mean(axis=1), axis=0, weights=lengths)[None]
             params[:, 0:2] = params[:, 2:4] = (
                 evaluate(self.load.force, centre, self.parameters, f"{where}.force") / area
             )

@@ -94,7 +94,7 @@ class Replay:
             yield row
 
     def _frame(self, edit: EditFrame) -> dict[str, Any]:
-        """Compute one frame; a problem in it is recorded as refused and the last solution is kept."""
+        """Compute one frame; one with a problem is recorded as refused, and all goes on from the last solution."""
         refused = edit.refused or ""
         solved, self.solved = self.solved, False
         try:
@@ -106,12 +106,15 @@ class Replay:
             self.solved = True
         except (ReplayProblem, UserError) as problem:
             if edit.index == 0 and isinstance(problem, UserError):
-                raise
+                raise edit.scene.located(problem) from None
             if edit.index == 0:
                 raise UserError(
                     str(problem), str(edit.scene.path), "mend the scene: its first shape has no solution"
                 ) from problem
             refused = str(problem).replace("\n  try:", "; try:")
+            self.moving.take_back()
+            if edit.change != "none":
+                self.session.take_back()
             advance, report = Advance.nothing(), LinearReport(0, False, self.row["age"], self.row["preconditioner"])
         with self.stages("observe"):
             quantities = self.analysis.observe()

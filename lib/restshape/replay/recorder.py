@@ -58,7 +58,7 @@ class Recorder:
         """A recorder whose process runs and, with ``wait``, has opened the file.
 
         Args:
-            path: of the recording, overwritten if it is one.
+            path: of the recording; one that is there is replaced when the first frames are safe.
             header: JSON-like; more can follow by `add_header`.
             columns: name -> numpy type or ``str`` of the table's columns.
             wait: False returns at once; `ready` waits, as does the first frame.

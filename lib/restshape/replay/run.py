@@ -4,7 +4,7 @@ import csv
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 from petsc4py import PETSc
 
@@ -15,6 +15,7 @@ from restshape.policy import policy
 from restshape.replay.columns import columns
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
+from restshape.replay.petsc_words import refusal
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.summary import summarise
@@ -43,25 +44,60 @@ def run_replay(
     """
     comm = PETSc.COMM_WORLD
     first = comm.rank == 0
-    replay = Replay(
-        request.scene, request.script, request.application, request.policy, comm, request.calibration, recorder
-    )
+    replay = _replay(request, recorder)
     if recorder:
         recorder.add_header({"ranks": comm.size, "petsc": list(PETSc.Sys.getVersion())})
     check = Parity(replay) if parity else None
-    rows = []
+    rows, interrupted = [], False
     with _table(csv if first else None, list(request.scene.quantities)) as table:
-        for row in replay.frames():
-            if check:
-                row |= check()
-            rows.append(row)
-            if table:
-                table(row)
-            on_frame()
-    summary = summarise(rows, request.policy.name, comm.size)
+        try:
+            for row in _frames(replay, request.petsc):
+                if check:
+                    row |= check()
+                rows.append(row)
+                if table:
+                    table(row)
+                on_frame()
+        except KeyboardInterrupt:
+            # The other ranks know nothing of it, and one that waits for this one cannot be told.
+            if comm.size > 1 or not rows:
+                raise
+            interrupted = True
+    summary = summarise(rows, request.policy.name, comm.size) | {"interrupted": interrupted}
     if check:
         summary["parity"] = check.summary()
     return summary
+
+
+def _replay(request: Request, recorder: Recorder | None) -> Replay:
+    """The replay, with its solvers set up."""
+    try:
+        return Replay(
+            request.scene,
+            request.script,
+            request.application,
+            request.policy,
+            PETSc.COMM_WORLD,
+            request.calibration,
+            recorder,
+        )
+    except PETSc.Error as error:
+        if not request.petsc:
+            raise
+        raise refusal(error, request.petsc) from error
+
+
+def _frames(replay: Replay, petsc: Sequence[str]) -> Iterator[dict[str, Any]]:
+    """The rows of all frames; where PETSc fails in the first one, what it says against the user's words."""
+    frames = replay.frames()
+    try:
+        yield next(frames)
+    except PETSc.Error as error:
+        # On several ranks the others may not have failed.
+        if not petsc or replay.comm.size > 1:
+            raise
+        raise refusal(error, petsc) from error
+    yield from frames
 
 
 def replay_files(scene: Path, edits: Path, name: str, overrides: Sequence[str] = ()) -> dict[str, Any]:
@@ -84,13 +120,29 @@ def _table(path: Path | None, quantities: list[str]) -> Iterator[Any]:
     if path is None:
         yield None
         return
+    with _told(path):
+        file = path.open("w", newline="", buffering=1)
+    writer = csv.DictWriter(file, list(columns(quantities)), extrasaction="ignore")
+
+    def write(row: dict[str, Any]) -> None:
+        with _told(path):
+            writer.writerow(row)
+
     try:
-        file: TextIO = path.open("w", newline="", buffering=1)
+        with _told(path):
+            writer.writeheader()
+        yield write
+    finally:
+        with _told(path):
+            file.close()
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Turn a failure to write into a user's error."""
+    try:
+        yield
     except OSError as error:
         raise UserError(
-            f"cannot write: {error.strerror}", str(path), "choose a folder that exists and may be written"
+            f"cannot write: {error.strerror}", str(path), "choose a place with room that may be written"
         ) from error
-    with file:
-        writer = csv.DictWriter(file, list(columns(quantities)), extrasaction="ignore")
-        writer.writeheader()
-        yield writer.writerow

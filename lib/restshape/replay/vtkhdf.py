@@ -8,6 +8,7 @@ The file survives the death of its writer: HDF5's own metadata stay in memory be
 then `NSteps` is raised, and another flush brings that. The older superblock has no mark "open" that would bar the file.
 """
 
+import errno
 import json
 import os
 import zlib
@@ -96,8 +97,10 @@ class Growing:
 class VtkHdfWriter:
     """Writes a recording; `append` then `commit` makes frames safe.
 
+    Until its first frames are safe the file is NAME.part, so that a run without any leaves an earlier recording whole.
+
     Args:
-        path: the file, overwritten.
+        path: the file, replaced by the first commit of frames.
         header: stored as JSON.
         row_dtype: record type of a row; a column ``checksum`` is added.
 
@@ -109,8 +112,11 @@ class VtkHdfWriter:
         self.path = path
         self.frames = 0
         self._header = dict(header)
-        self.file = h5py.File(path, "w", libver=("earliest", "v110"), rdcc_nbytes=0)
-        self._space = os.open(path, os.O_RDWR | os.O_CLOEXEC)
+        if path.exists() and not os.access(path, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+        self._part: Path | None = path.with_name(f"{path.name}.part")
+        self.file = h5py.File(self._part, "w", libver=("earliest", "v110"), rdcc_nbytes=0)
+        self._space = os.open(self._part, os.O_RDWR | os.O_CLOEXEC)
         settings = self.file.id.get_mdc_config()
         settings.incr_mode = settings.flash_incr_mode = settings.decr_mode = 0
         settings.evictions_enabled = False
@@ -257,6 +263,10 @@ class VtkHdfWriter:
         if self.frames:
             self.steps.attrs.modify("NSteps", np.int64(self.frames))
             self.file.flush()
+            if self._part is not None:
+                # Open handles stay with the file, whatever its name.
+                os.replace(self._part, self.path)
+                self._part = None
         self._size = self.file.id.get_filesize()
 
     def _reserve(self, pending: int) -> None:
@@ -274,7 +284,7 @@ class VtkHdfWriter:
                 raise NoRoom(error.errno, error.strerror) from error
 
     def close(self, status: str, written: dict[str, float]) -> int:
-        """The file's size in bytes, closed with this status and what writing it cost."""
+        """The file's size in bytes, closed with this status and what writing it cost; 0, and no file, without frames."""
         self._status[()] = status.encode()[:STATUS_BYTES].ljust(STATUS_BYTES)
         for name, value in written.items():
             self.own.attrs[f"writer_{name}"] = value
@@ -283,12 +293,21 @@ class VtkHdfWriter:
         self.file.close()
         os.ftruncate(self._space, size)
         os.close(self._space)
-        return size
+        return 0 if self._discard() else size
 
     def abandon(self, status: str) -> None:
         """Leaves the file as the last `commit` made it, with this status; the process must end without closing it."""
+        if self._discard():
+            return
         os.ftruncate(self._space, self._size)
         os.pwrite(self._space, status.encode()[:STATUS_BYTES].ljust(STATUS_BYTES), self._status.id.get_offset())
+
+    def _discard(self) -> bool:
+        """Remove the file if no frame was made safe in it; tells whether that was so."""
+        if self._part is None:
+            return False
+        self._part.unlink(missing_ok=True)
+        return True
 
 
 def _padded(values: np.ndarray) -> np.ndarray:

@@ -94,7 +94,8 @@ def _check_materials(scene: Scene, source: Source) -> None:
             f"the materials {rest[0]!r} and {rest[1]!r} both fill the whole shape",
             "give one of them a region",
         )
-    if not rest:
+    # Of a mesh from a file all cells may belong to regions: there the cells themselves are looked at.
+    if not rest and not scene.mesh.file:
         first = next(iter(scene.material))
         raise source.error(
             ("material", first), "outside of the regions there is no material", "let one material have no region"

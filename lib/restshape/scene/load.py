@@ -2,8 +2,7 @@
 
 import tomllib
 from collections.abc import Sequence
-from copy import deepcopy
-from dataclasses import replace
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +45,7 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
 
 
 def revise(scene: Scene, key: str, value: Any) -> Scene:
-    """The scene with one key changed, validated anew.
+    """The scene with one key changed, validated anew; it shares all other tables with the one given.
 
     Args:
         scene: is left as it is.
@@ -56,10 +55,25 @@ def revise(scene: Scene, key: str, value: Any) -> Scene:
     Raises:
         UserError: there is no such key, or the value does not suit it.
     """
-    raw = deepcopy(scene.raw)
     parts = split_key(key)
+    raw = _branched(scene.raw, parts)
     put(raw, parts, value, f"set {key}")
-    return _scene(raw, replace(scene._source, overridden=(*scene._source.overridden, parts)))
+    revised = _scene(raw, scene._source.overriding(parts))
+    return revised.model_copy(update={name: getattr(scene, name) for name in Scene.model_fields if name != parts[0]})
+
+
+def _branched(raw: dict[str, Any], key: tuple[str, ...]) -> dict[str, Any]:
+    """A copy of plain tables that shares with them all that does not lie on the way to the key."""
+    top: dict[str, Any] = dict(raw)
+    here: Any = top
+    for part in key[:-1]:
+        place = int(part) if isinstance(here, list) and part.isdigit() else part
+        known = place in here if isinstance(here, dict) else isinstance(place, int) and place < len(here)
+        if not known or not isinstance(here[place], (dict, list)):
+            break
+        here[place] = copy(here[place])
+        here = here[place]
+    return top
 
 
 def parse_override(text: str) -> tuple[tuple[str, ...], Any]:

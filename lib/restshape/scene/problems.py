@@ -59,6 +59,8 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
     kind, given, context = details["type"], details["input"], details.get("ctx", {})
     shown = f"not {_shown(given)}"
     match kind:
+        case "missing" if isinstance(details["loc"][-1], int):
+            return "two numbers [x, y] are wanted here, and there are fewer", ""
         case "missing":
             return f"the key {str(details['loc'][-1])!r} is missing", "add it"
         case "value_error":

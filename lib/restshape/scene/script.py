@@ -12,7 +12,7 @@ from restshape.errors import UserError
 from restshape.scene.model import Scene, only_one
 from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, suggestion
-from restshape.scene.units import length_unit, quantity
+from restshape.scene.units import article, length_unit, quantity
 from restshape.scene.values import Name, Strict, number_of
 
 FORMAT = "restshape-edits"
@@ -351,9 +351,9 @@ class _Reader:
             self.fail(number, f"time runs backwards: t = {event.t:g} after t = {self.t:g}", "let t never decrease")
         self.t = event.t
         if self.held is None and event.do in ("drag", "release"):
-            self.fail(number, f"there is a {event.do} before a press", 'add {"do": "press", "on": ...} before it')
+            self.fail(number, f"there is {article(event.do)} before a press", 'add {"do": "press", "on": ...} before it')
         if self.held is not None and event.do not in HELD:
-            self.fail(number, f"there is a {event.do} while {self.held!r} is still held", "add a release before it")
+            self.fail(number, f"there is {article(event.do)} while {self.held!r} is still held", "add a release before it")
         if event.do == "press":
             self.held = event.on
         elif event.do == "release":

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
@@ -76,6 +77,13 @@ class Source:
             for inner in INLINE.finditer(line):
                 # inline tables may nest: the last part of the key is enough to find the line
                 self.lines.setdefault((*key, split_key(inner[1])[-1]), number)
+
+    def overriding(self, key: tuple[str, ...]) -> "Source":
+        """The same text, shared, with one more key that stands on no line."""
+        source = copy(self)
+        if key not in self.overridden:
+            source.overridden = (*self.overridden, key)
+        return source
 
     def line(self, key: tuple[str, ...]) -> int | None:
         """The line of a key, or of the nearest table around it that has one."""

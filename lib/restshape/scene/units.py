@@ -104,7 +104,10 @@ def unit(text: str) -> tuple[float, Powers]:
     while position < len(plain):
         match = FACTOR.match(plain, position)
         if match is None or match[2] not in UNITS or match[1].count("/") > 1:
-            raise UnitError(f"{text.strip()!r} is not a known unit")
+            word = match[2] if match else text.strip()
+            alike = [name for name in UNITS if name.lower() == word.lower() and name != word]
+            do = f": did you mean {' or '.join(map(repr, alike))}?" if alike else ""
+            raise UnitError(f"{text.strip()!r} is not a known unit{do}")
         scale, own = UNITS[match[2]]
         # a slash holds for the factor behind it only: "N/m s" is (N/m) s
         sign = -1 if "/" in match[1] else 1

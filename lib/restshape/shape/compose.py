@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from restshape.errors import UserError
 from restshape.scene.load import parse_override
 from restshape.scene.model import Scene
+from restshape.scene.problems import plain
 from restshape.scene.script import EVENTS, FORMAT, VERSION, Script
 from restshape.scene.units import quantity
 from restshape.shape.handpath import cursor_path
@@ -95,7 +96,8 @@ class Composer:
         except ValidationError as error:
             first = error.errors()[0]
             key = ".".join(str(part) for part in first["loc"])
-            raise UserError(f"{key}: {first['msg']}", text.strip(), f"write one of\n{GRAMMAR}") from error
+            what, do = plain(first)
+            raise UserError(f"{key}: {what}", text.strip(), do or f"write one of\n{GRAMMAR}") from error
         steps = list(self._session.steps(found))
         self.result.frames += len(steps)
         self.result.lines.append(json.dumps(stamped, allow_nan=False, default=str))
@@ -108,10 +110,16 @@ class Composer:
         return x, y
 
     def _drag(self, match: re.Match) -> list[dict[str, Any]]:
-        name, frames = match["on"], int(match["frames"] or 1)
+        name, frames = match["on"], _frames(match)
         start = self._place(name)
         step = length(match["dx"]), length(match["dy"])
         style, pause = _style(match["styles"] or "")
+        if pause >= frames:
+            raise UserError(
+                f"a pause of {pause} frames does not fit into {frames}: it is part of them and one must move",
+                match.string,
+                f"say in {pause + max(frames, 2)} frames, or a shorter pause",
+            )
         path = cursor_path(start, step, frames, style, pause, self._seed)
         self._seed += 1
         press = {"do": "press", "on": name, "at": list(start)}
@@ -162,7 +170,19 @@ def _turned(match: re.Match, event: dict[str, Any]) -> dict[str, Any]:
     """The event with centre and number of frames, where the text has them."""
     if match.groupdict().get("ax"):
         event["about"] = [length(match["ax"]), length(match["ay"])]
-    return {**event, "frames": int(match["frames"] or 1)}
+    return {**event, "frames": _frames(match)}
+
+
+def _frames(match: re.Match) -> int:
+    """How many frames the text asks for, one if it does not say.
+
+    Raises:
+        UserError: none.
+    """
+    frames = int(match["frames"] or 1)
+    if frames < 1:
+        raise UserError("an edit takes one frame at least", match.string, "say in 1 frame, or more")
+    return frames
 
 
 def _style(text: str) -> tuple[str, int]:

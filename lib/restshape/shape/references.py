@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from restshape.errors import UserError
+from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 
 
 def uses(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Pairs (key of the scene, entity that it names)."""
+    """Pairs (key of the scene, entity that it cannot do without)."""
     for table in ("supports", "loads"):
         for name, entry in getattr(scene, table).items():
             yield from ((f"{table}.{name}", entity) for entity in entry.on)
@@ -19,7 +20,13 @@ def uses(scene: Scene) -> Iterator[tuple[str, str]]:
             yield f"quantities.{name}", quantity.at
     for name, material in scene.material.items():
         yield from ((f"material.{name}", region) for region in material.region or ())
-    yield from (("mesh.near", entity) for entity in scene.mesh.near)
+
+
+def without_lost_sizes(scene: Scene, outline: Outline, former: Outline) -> Scene:
+    """The scene without the mesh sizes at what is in the shape no more: a hint is no reason to keep it."""
+    there = {*outline.layout.entities, *outline.groups}
+    kept = {name: size for name, size in scene.mesh.near.items() if not members(former, name) - there}
+    return scene if len(kept) == len(scene.mesh.near) else revise(scene, "mesh.near", kept)
 
 
 def members(outline: Outline, name: str) -> set[str]:
@@ -40,7 +47,9 @@ def refuse_lost_names(scene: Scene, outline: Outline, former: Outline | None = N
     """
     there = {*outline.layout.entities, *outline.groups}
     lost: dict[str, list[str]] = {}
-    for key, name in uses(scene):
+    # A cut takes the mesh sizes at what it removes away with it.
+    sizes = [("mesh.near", name) for name in scene.mesh.near] if former is None else []
+    for key, name in [*uses(scene), *sizes]:
         for part in members(former or outline, name) - there:
             lost.setdefault(part, []).append(key)
     if lost:

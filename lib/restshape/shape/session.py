@@ -15,15 +15,22 @@ from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script
+from restshape.scene.source import split_key
 from restshape.shape import gesture as gestures
 from restshape.shape import surgery
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
-from restshape.shape.references import refuse_lost_names
+from restshape.shape.references import refuse_lost_names, without_lost_sizes
 from restshape.shape.validity import MotionCheck, problem
 
 FRAME_TIME = 1.0 / 60.0
 """Edit time of a frame [s] where the script leaves room for it."""
+
+UNDO_STEPS = 100
+"""Edit steps that can be undone; older ones are forgotten, so that memory does not grow with the script."""
+
+FIXED = ("format", "version", "app", "shape", "quantities", "solve")
+"""Tables and keys of a scene that hold for a whole session."""
 
 STILL = (0.0, 0.0)
 State = tuple[Outline, Scene]
@@ -102,8 +109,9 @@ class EditSession:
         self._application = application or application_named(scene.app)
         self._script = script
         self._hold: Hold | None = None
-        self._past: list[State] = []
-        self._future: list[State] = []
+        self._past: tuple[State, ...] = ()
+        self._future: tuple[State, ...] = ()
+        self._mark()
 
     def frames(self) -> Iterator[EditFrame]:
         """All frames, one after the other; the first shows the shape before any event."""
@@ -122,7 +130,27 @@ class EditSession:
 
     def steps(self, event: Any) -> Iterator[Step]:
         """What each frame of one event does; the session's shape and scene follow as the steps are taken."""
-        return getattr(self, f"_do_{event.do}")(event)
+        steps = getattr(self, f"_do_{event.do}")(event)
+        while True:
+            self._mark()
+            step = next(steps, None)
+            if step is None:
+                return
+            yield step
+
+    def take_back(self) -> None:
+        """Restores shape, scene and history as they were before the last step that changed any: it has no solution.
+
+        The hand stays where it is, so that a drag moves on from the cursor.
+        """
+        self.outline, self.scene, c, self._past, self._future = self._before
+        if self._hold is not None:
+            self._hold.c = c
+
+    def _mark(self) -> None:
+        """Notes the state that `take_back` restores."""
+        c = STILL if self._hold is None else self._hold.c
+        self._before = self.outline, self.scene, c, self._past, self._future
 
     @staticmethod
     def _count(event: Any) -> int:
@@ -203,13 +231,14 @@ class EditSession:
         for i in range(1, event.frames + 1):
             c = coefficients(i / event.frames)
             wrong = check.problem(c)
-            if wrong is None:
+            if wrong is not None:
+                yield Step("none", gesture, reached, wrong)
+                continue
+            wanted = self.outline = self.outline.moved(gesture.points(c))
+            yield Step("move", gesture, c)
+            if self.outline is wanted:
                 reached = c
-                self.outline = self.outline.moved(gesture.points(c))
-            last = i == event.frames
-            if last:
-                self._remember(before)
-            yield Step("move" if wrong is None else "none", gesture, reached, wrong)
+        self._remember(before)
 
     def _do_arc(self, event: Any) -> Iterator[Step]:
         before = self.outline, self.scene
@@ -229,9 +258,8 @@ class EditSession:
             if wrong is None:
                 change = "move" if wanted.topology == self.outline.topology else "shape"
                 self.outline = wanted
-            if i == event.frames:
-                self._remember(before)
             yield Step(change, gesture if change == "move" else None, refused=wrong)
+        self._remember(before)
 
     def _arc_goal(self, event: Any) -> tuple[int, float]:
         edges = self.outline.entity(event.on)
@@ -243,9 +271,9 @@ class EditSession:
         return edge, goal
 
     def _do_set(self, event: Any) -> Iterator[Step]:
-        table = event.key.partition(".")[0]
-        if table in ("shape", "format", "version", "app"):
-            yield Step("none", refused=f"{event.key} cannot be set during an edit", **self._held())
+        if split_key(event.key)[:1] and split_key(event.key)[0] in FIXED:
+            why = f"{event.key} cannot be set during an edit (change the scene, or use --set)"
+            yield Step("none", refused=why, **self._held())
             return
         before = self.outline, self.scene
         try:
@@ -280,21 +308,29 @@ class EditSession:
         wrong = problem(wanted)
         if wrong is not None:
             return Step("none", refused=wrong)
+        self.scene = without_lost_sizes(self.scene, wanted, self.outline)
         self.outline = wanted
         self._remember(before)
         return Step("shape")
 
     def _do_undo(self, event: Any) -> Iterator[Step]:
-        yield self._go_back("undo", self._past, self._future)
+        if not self._past:
+            yield Step("none", refused="there is nothing to undo")
+            return
+        *past, then = self._past
+        self._past, self._future = tuple(past), (*self._future, (self.outline, self.scene))
+        yield self._go_to(then, "undo")
 
     def _do_redo(self, event: Any) -> Iterator[Step]:
-        yield self._go_back("redo", self._future, self._past)
+        if not self._future:
+            yield Step("none", refused="there is nothing to redo")
+            return
+        *future, then = self._future
+        self._past, self._future = (*self._past, (self.outline, self.scene)), tuple(future)
+        yield self._go_to(then, "redo")
 
-    def _go_back(self, kind: str, source: list[State], other: list[State]) -> Step:
-        if not source:
-            return Step("none", refused=f"there is nothing to {kind}")
-        now, then = (self.outline, self.scene), source.pop()
-        other.append(now)
+    def _go_to(self, then: State, kind: str) -> Step:
+        now = self.outline, self.scene
         self.outline, self.scene = then
         if now[1] is not then[1] and now[0] is not then[0]:
             # Values were set while the hand held the shape: both come back at once.
@@ -310,8 +346,7 @@ class EditSession:
         """Ends an edit step: it can be undone from now on, if it changed anything."""
         if before[0] is self.outline and before[1] is self.scene:
             return
-        self._past.append(before)
-        self._future.clear()
+        self._past, self._future = (*self._past, before)[-UNDO_STEPS:], ()
 
     def _scene_change(self, old: Scene, new: Scene) -> str:
         """The change "mesh" where mesh settings or the effects that are simulated differ, else "values"."""

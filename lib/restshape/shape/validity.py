@@ -96,7 +96,9 @@ def problem(outline: Outline, moved_points: np.ndarray | None = None) -> str | N
 def describe(outline: Outline, found: tuple) -> str:
     """The sentence for a finding (what, i, j, x, y) of the kernel."""
     what, i, j, x, y = found
-    place = f"near ({x:.4g}, {y:.4g})"
+    # Rounding makes 1e-17 of what is 0.
+    x, y = (0.0 if abs(value) < 1e-9 * outline.size else value for value in (x, y))
+    place = f"near ({x:.4g}, {y:.4g}) m"
     edges, loops = outline.edges, outline.loops
     gap = CLEARANCE * outline.size
     if what == "cross":

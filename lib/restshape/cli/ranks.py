@@ -1,0 +1,11 @@
+"""Which rank a process will be, told before MPI starts."""
+
+import os
+
+RANK_NAMES = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")
+
+
+def first_rank() -> bool:
+    """Tell, before MPI starts, whether this process will be rank 0."""
+    ranks = (os.environ.get(key) for key in RANK_NAMES)
+    return next((rank for rank in ranks if rank), "0") == "0"

@@ -1,0 +1,62 @@
+"""The words that a user gives to PETSc's options database: which it refused, and which it never looked at."""
+
+import ctypes
+import re
+from collections.abc import Sequence
+
+from petsc4py import PETSc
+
+from restshape.errors import UserError
+
+AT_THE_END = ("log_", "malloc", "memory_", "objects_", "options_", "citations", "mpidump", "get_total_flops")
+"""Beginnings of options that PETSc looks at only when it ends."""
+
+
+def options_of(words: Sequence[str]) -> tuple[list[tuple[str, str]], list[str]]:
+    """Pairs (option with its dash, value or ""), and the words that belong to no option."""
+    options: list[tuple[str, str]] = []
+    loose: list[str] = []
+    open_for_value = False
+    for word in words:
+        if re.match(r"-{1,2}[A-Za-z]", word):
+            options.append((word, ""))
+            open_for_value = True
+        elif open_for_value:
+            options[-1] = (options[-1][0], word)
+            open_for_value = False
+        else:
+            loose.append(word)
+    return options, loose
+
+
+def refusal(error: PETSc.Error, words: Sequence[str]) -> UserError:
+    """What PETSc says against the user's words, naming the option where that can be known.
+
+    Args:
+        error: raised while solvers were set up or first used.
+        words: what came after ``--``.
+    """
+    lines = [line for line in str(error).splitlines() if "() at " not in line]
+    said = re.sub(r"^\[\d+\] ", "", [line for line in lines if line.startswith("[")][-1]).strip()
+    options, _ = options_of(words)
+    named = [(option, value) for option, value in options if value and re.search(rf"\b{re.escape(value)}\b", said)]
+    empty = [pair for pair in options if not pair[1]]
+    suspects = named or empty or options
+    where = " ".join(word for pair in suspects for word in pair if word)
+    return UserError(f"PETSc refuses it: {said}", f"-- {where}", "mend the words after --, or leave them out")
+
+
+def unused(words: Sequence[str]) -> list[str]:
+    """Those of the words that PETSc has not looked at so far, and will not look at when it ends."""
+    options, loose = options_of(words)
+    return [option for option, _ in options if not _is_used(option)] + loose
+
+
+def _is_used(option: str) -> bool:
+    name = option.lstrip("-")
+    if name.startswith(AT_THE_END):
+        return True
+    # petsc4py 3.18 has no name for PetscOptionsUsed; its module is linked with the PETSc in use.
+    found = ctypes.c_int(0)
+    code = ctypes.CDLL(PETSc.__file__).PetscOptionsUsed(None, name.encode(), ctypes.byref(found))
+    return code != 0 or bool(found.value)

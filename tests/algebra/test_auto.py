@@ -1,0 +1,334 @@
+"""Policy `auto`: the choice by counted work, refreshes in mid-solve, and the same answer with each preconditioner."""
+
+import itertools
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from petsc4py import PETSc
+from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
+
+from restshape import _kernels
+from restshape.algebra.choice import CHOLESKY, GAMG, ICC, ILU, Choice, Size, prices
+from restshape.algebra.linear import LinearSolver, true_residual
+from restshape.algebra.projection import Projection
+from restshape.algebra.stages import Stages
+from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem
+
+NOMINAL = Calibration.load()
+EVENTS = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.3, 0.5), 40))
+NO_REFRESH = replace(NOMINAL, numeric_nonzero=1e9, ilu_numeric_nonzero=1e9, gamg_refresh_nonzero=1e9)
+
+
+def plane(n: int, ranks: int = 1) -> Size:
+    """A plate of triangles."""
+    return Size(n, 13.8 * n, 2, ranks)
+
+
+def solver(prefix="auto_", method="auto", calibration=NOMINAL, **settings) -> LinearSolver:
+    return LinearSolver(PETSc.COMM_SELF, prefix, method, 1e-6, calibration, Stages(), **settings)
+
+
+# --- the choice ---------------------------------------------------------------------------------------------------
+
+
+def test_in_the_plane_a_complete_factor_is_best_until_it_grows_too_dear():
+    names = [Choice(NOMINAL)(plane(n)).name for n in (500, 2_000, 8_000, 20_000, 40_000, 200_000, 1_000_000)]
+    assert names[:5] == 5 * ["cholesky"] and names[-2:] == ["gamg", "gamg"]
+
+
+def test_a_factor_larger_than_memory_is_never_chosen():
+    # 2,000 unknowns have a factor of about 50,000 nonzeros: 0.6 MB.
+    assert Choice(NOMINAL, memory=2e6)(plane(2_000)) is CHOLESKY
+    assert Choice(NOMINAL, memory=2e5)(plane(2_000)) is not CHOLESKY
+
+
+def test_the_choice_follows_what_is_counted():
+    choice, size = Choice(NOMINAL), plane(20_000)
+    assert choice(size) is CHOLESKY
+    for age in range(60):
+        choice.count(CHOLESKY, size, age % 6, 8 * (age % 6))
+    for age in range(60):
+        choice.count(GAMG, size, age, 3)
+    assert choice(size) is GAMG
+    # Counted were 8 more with each solve of age, less what the prior weighs.
+    assert choice.expected(CHOLESKY, size)[1] == pytest.approx(8, rel=0.25)
+
+
+def test_iterations_of_incomplete_factors_scale_with_the_mesh():
+    choice = Choice(NOMINAL)
+    for _ in range(1000):
+        choice.count(ILU, plane(2_000), 0, 50)
+    # Conjugate gradients with ILU(k) on a second-order problem in the plane: iterations grow like 1/h.
+    assert choice.expected(ILU, plane(8_000))[0] == pytest.approx(100, rel=0.02)
+
+
+def test_the_predicted_life_is_the_cheapest():
+    """The cost of a solve against a sum over lives, with no new meshes in sight."""
+    choice, size = Choice(NOMINAL), plane(2_000)
+    choice.solves = 1e12
+    price = prices("cholesky", size, choice.filled(CHOLESKY, size), NOMINAL)
+    fresh, growth = choice.expected(CHOLESKY, size)
+    lives = [
+        (price.refresh + sum(price.iteration * (fresh + growth * age) for age in range(life))) / life
+        for life in range(1, 200)
+    ]
+    # The sum over whole ages falls short of the integral by half a growth.
+    assert choice.cost(CHOLESKY, size) == pytest.approx(min(lives) + price.iteration * growth / 2, rel=0.02)
+
+
+def test_what_has_failed_is_not_chosen_again():
+    choice, size = Choice(NOMINAL), plane(2_000)
+    for candidate in (CHOLESKY, ICC, ILU):
+        choice.exclude(candidate)
+    assert choice(size) is GAMG
+    choice.exclude(GAMG)
+    assert choice(size) is GAMG
+
+
+# --- a box of tetrahedra ------------------------------------------------------------------------------------------
+
+
+def box(m: int, bend: float = 0.0):
+    """The stiffness of a unit cube of 6 m^3 tetrahedra held at the bottom, its right side, and the nodes."""
+    X = np.stack(np.meshgrid(*3 * [np.linspace(0, 1, m + 1)], indexing="ij"), axis=-1).reshape(-1, 3)
+    corner = np.stack(np.meshgrid(*3 * [np.arange(m)], indexing="ij"), axis=-1).reshape(-1, 3)
+    cells = []
+    for order in itertools.permutations(range(3)):
+        path = np.vstack([np.zeros(3, int), np.cumsum(np.eye(3, dtype=int)[list(order)], axis=0)])
+        nodes = (corner[:, None] + path) @ [(m + 1) ** 2, m + 1, 1]
+        cells.append(nodes if np.linalg.det(path[1:]) > 0 else nodes[:, [0, 2, 1, 3]])
+    cells = np.ascontiguousarray(np.vstack(cells), dtype=np.int32)
+    X[:, 0] += bend * np.sin(np.pi * X[:, 0]) * X[:, 2]
+    element = _kernels.Element("linear_elastic_tet4")
+    values = {"lambda": 1.2, "mu": 0.8, "bz": -1.0}
+    params = np.array([values.get(name, 0.0) for name in element.parameters])
+    operator = _kernels.Operator(False, 3, np.array([0, len(X)], dtype=np.int32), 0, "csr")
+    operator.set_topology([cells])
+    operator.set_constraints(np.repeat(X[:, 2] == 0, 3).astype(np.uint8))
+    rhs = np.zeros(X.size)
+    operator.begin()
+    operator.add(0, element, np.ascontiguousarray(X), np.zeros_like(X), params, 1.0, rhs)
+    operator.end()
+    mat = operator.mat
+    b, x = mat.createVecLeft(), mat.createVecRight()
+    b.setArray(rhs)
+    return operator, mat, b, x, X
+
+
+@pytest.mark.parametrize("memory", [4e9, 1e6])
+def test_in_space_a_complete_factor_loses(memory):
+    _, mat, b, x, X = box(8)
+    made = solver(memory=memory)
+    report = made.solve(mat, b, x, True, places=X)
+    assert report.preconditioner in ("icc(1)", "ilu(1)", "gamg")
+    assert true_residual(mat, b, x) <= 1e-6
+
+
+def test_multigrid_knows_the_rigid_motions():
+    found = {}
+    PETSc.Options()["forced_pc_type"] = "gamg"
+    for m in (4, 12):
+        for known in (False, True):
+            _, mat, b, x, X = box(m)
+            found[m, known] = solver("forced_").solve(mat, b, x, True, places=X if known else None).iterations
+            assert true_residual(mat, b, x) <= 1e-6
+    PETSc.Options().delValue("forced_pc_type")
+    # With them the iterations hardly grow with the mesh, 27 times as large.
+    assert found[12, True] <= 1.6 * found[4, True]
+    assert found[12, True] < 0.8 * found[12, False]
+
+
+@pytest.mark.parametrize("kind", ["cholesky", "icc", "ilu", "gamg"])
+def test_each_preconditioner_solves_when_old(kind):
+    PETSc.Options()["old_pc_type"] = kind
+    made = solver("old_")
+    PETSc.Options().delValue("old_pc_type")
+    assert not made.chooses
+    reports = []
+    kept = []
+    for k, bend in enumerate(np.linspace(0, 0.2, 9)):
+        operator, mat, b, x, X = box(5, bend)
+        kept.append(operator)
+        reports.append(made.solve(mat, b, x, k == 0, places=X))
+        assert true_residual(mat, b, x) <= 1e-6 * (1 + 1e-6)
+    assert {report.preconditioner for report in reports} == {kind}
+    assert not all(report.refreshed for report in reports)
+
+
+# --- refreshes ----------------------------------------------------------------------------------------------------
+
+
+def diagonal(values) -> PETSc.Mat:
+    n = len(values)
+    index = np.arange(n + 1, dtype=PETSc.IntType)
+    mat = PETSc.Mat().createAIJ((n, n), csr=(index, index[:n], np.asarray(values, float)), comm=PETSc.COMM_SELF)
+    mat.setOption(PETSc.Mat.Option.SPD, True)
+    return mat
+
+
+def test_a_factor_that_has_become_indefinite_is_made_anew():
+    """The factor of -A: conjugate gradients break down at once, and once more is enough."""
+    values = np.linspace(1, 5, 60)
+    made, b = solver(method="stale"), PETSc.Vec().createWithArray(np.ones(60), comm=PETSc.COMM_SELF)
+    for k, sign in enumerate((-1.0, 1.0)):
+        mat, x = diagonal(sign * values), PETSc.Vec().createWithArray(np.zeros(60), comm=PETSc.COMM_SELF)
+        report = made.solve(mat, b, x, k == 0)
+        assert report.refreshed and report.age == 0
+    np.testing.assert_allclose(x.getArray(), 1 / values, rtol=1e-5)
+
+
+def test_numbers_that_are_none_do_not_stay():
+    made, b = solver(method="stale"), PETSc.Vec().createWithArray(np.ones(40), comm=PETSc.COMM_SELF)
+    good, bad = np.linspace(1, 2, 40), np.full(40, np.nan)
+    x = PETSc.Vec().createWithArray(np.zeros(40), comm=PETSc.COMM_SELF)
+    made.solve(diagonal(good), b, x, True)
+    with pytest.raises(ReplayProblem):
+        made.solve(diagonal(bad), b, x, False)
+    report = made.solve(diagonal(good), b, x, False)
+    assert report.refreshed and true_residual(diagonal(good), b, x) <= 1e-6
+
+
+def factorizations() -> int:
+    """Numeric Cholesky factorizations so far."""
+    stages = [None, *(PETSc.Log.Stage(f"restshape {name}") for name in ("pattern", "values", "factor", "krylov"))]
+    event = PETSc.Log.Event("MatCholFctrNum")
+    return sum(event.getPerfInfo(stage and stage.id)["count"] for stage in stages)
+
+
+def test_level_2_factors_only_when_the_iteration_was_given_up(tmp_path):
+    """A frame of level 2 has a factorization if and only if an iteration with the old factor came before it."""
+    PETSc.Log.begin()
+    made = make_replay(
+        write_scene(tmp_path, plate(0.07)),
+        write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (1.5, 0.5), 60))),
+        "auto",
+        relocation="laplacian",
+        criterion="author",
+    )
+    before, level2, excess = factorizations(), 0, 0
+    for row in made.frames():
+        now = factorizations()
+        assert now - before == row["refreshed"]
+        if row["level"] == 2:
+            level2 += 1
+            # A fresh factor needs 1 iteration: more means that the old one was tried.
+            assert not row["refreshed"] or row["iterations"] > 2
+            excess = max(excess, made.analysis.solver.excess)
+        before = now
+    assert level2 >= 3
+
+
+def test_after_a_patch_a_refresh_is_dearer(tmp_path):
+    made = make_replay(
+        write_scene(tmp_path, plate(0.07)),
+        write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (1.5, 0.5), 60))),
+        "auto",
+        relocation="laplacian",
+        criterion="author",
+    )
+    seen = set()
+    for row in made.frames():
+        own = made.analysis.solver
+        if row["level"] == 2 and own.pattern_changed:
+            size, filled = own.size, own.filled
+            price = NOMINAL.factor_seconds(size.unknowns, size.nonzeros, filled)
+            one = NOMINAL.iteration_seconds(size.unknowns, size.nonzeros, filled)
+            assert own.budget == pytest.approx(price / one, abs=1.0)
+            seen.add("patched")
+    assert seen
+
+
+def test_a_thousand_frames_without_a_refresh(tmp_path):
+    """The factor of the first frame serves for good, unless the mesh is made anew; each frame is solved or says why."""
+    path = [(0.5 + 0.45 * np.sin(0.05 * k), 0.5 + 0.1 * np.sin(0.13 * k)) for k in range(1, 1001)]
+    script = write_script(tmp_path, drag("window", (0.5, 0.5), path))
+    made = make_replay(
+        write_scene(tmp_path, plate(0.15)), script, "auto", ["mesh.min_quality=0.05"], calibration=NO_REFRESH
+    )
+    rows = []
+    for row in made.frames():
+        rows.append(row)
+        if not row["refused"]:
+            assert made.analysis.residual() <= 1e-6 * (1 + 1e-6)
+    assert len(rows) == 1003
+    moved = [row for row in rows[1:] if row["level"]]
+    assert sum(row["refreshed"] and row["level"] < 3 for row in moved) == 0
+    assert max(row["iterations"] for row in moved) < 1000
+    assert max(row["age"] for row in moved) > 100
+
+
+# --- guesses ------------------------------------------------------------------------------------------------------
+
+
+def test_a_guess_is_the_nearest_point_in_energy():
+    """Against a dense least squares problem with the square root of A."""
+    rng = np.random.default_rng(3)
+    A = np.diag(np.linspace(1, 30, 50))
+    mat = diagonal(np.diagonal(A))
+    right = rng.normal(size=50)
+    solutions = [rng.normal(size=50) for _ in range(4)]
+    made = Projection(PETSc.COMM_SELF, 3)
+
+    def vector(values):
+        return PETSc.Vec().createWithArray(values.copy(), comm=PETSc.COMM_SELF)
+
+    for y in solutions:
+        made.keep(vector(y))
+    x = vector(solutions[-1])
+    made(mat, vector(right), x)
+    steps, root = np.diff(solutions, axis=0).T, np.sqrt(A)
+    error = np.linalg.solve(A, right) - solutions[-1]
+    weights = np.linalg.lstsq(root @ steps, root @ error, rcond=None)[0]
+    np.testing.assert_allclose(x.getArray(), solutions[-1] + steps @ weights, rtol=1e-8)
+
+
+def test_projected_guesses_save_iterations(tmp_path):
+    scene, script = write_scene(tmp_path, plate(0.025)), write_script(tmp_path, EVENTS)
+    spent = []
+    for directions in (0, 5):
+        rows = rows_of(make_replay(scene, script, "auto", ["mesh.min_quality=0.05"], directions=directions))
+        spent.append((sum(row["iterations"] for row in rows), sum(row["refreshed"] for row in rows)))
+    assert spent[1][0] < 0.85 * spent[0][0] and spent[1][1] <= spent[0][1]
+
+
+# --- whole replays ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["icc", "ilu", "gamg"])
+def test_a_forced_preconditioner_has_parity(tmp_path, restshape, kind):
+    scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
+    done = restshape("replay", scene, "--edits", script, "--parity", "--json", "a.json", "--", "-solid_pc_type", kind)
+    assert done.returncode == 0, done.stdout + done.stderr
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert found["parity"]["holds"] and list(found["preconditioners"]) == [kind]
+
+
+@pytest.mark.mpi
+def test_two_ranks_choose_alike_and_twice_the_same(tmp_path, restshape):
+    scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
+    found = []
+    for name in ("a", "b"):
+        words = ("replay", scene, "--edits", script, "--csv", f"{name}.csv", "--parity", "--json", f"{name}.json")
+        done = restshape(*words, ranks=2)
+        assert done.returncode == 0, done.stdout + done.stderr
+        lines = (tmp_path / f"{name}.csv").read_text().splitlines()
+        head = lines[0].split(",")
+        keep = [k for k, column in enumerate(head) if not column.startswith("ms")]
+        found.append([[line.split(",")[k] for k in keep] for line in lines])
+    assert found[0] == found[1]
+    assert json.loads((tmp_path / "a.json").read_text())["parity"]["holds"]
+
+
+def test_the_choice_is_told(tmp_path, restshape):
+    scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
+    told = {}
+    for memory in ("4e9", "1e5"):
+        words = ("replay", scene, "--edits", script, "--json", "a.json", "--set", f"solve.factor_memory={memory}")
+        done = restshape(*words, "--parity")
+        assert done.returncode == 0, done.stdout + done.stderr
+        told[memory] = json.loads((tmp_path / "a.json").read_text())["preconditioners"]
+    assert list(told["4e9"]) == ["cholesky"]
+    assert "cholesky" not in told["1e5"]
