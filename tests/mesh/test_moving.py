@@ -37,22 +37,23 @@ def plate(radius: float = 0.12, x: float = 0.3) -> Outline:
 class Hand:
     """Makes the frames of a drag without a session."""
 
-    def __init__(self, outline: Outline) -> None:
+    def __init__(self, outline: Outline, spec: MeshSpec) -> None:
         self.outline, self.index = outline, 0
+        self.scene = SimpleNamespace(mesh=spec)
 
     def frame(self, do: str, change: str, gesture: Gesture | None = None, c=(0.0, 0.0), scene=None, refused=None):
         outline = self.outline
         if change == "move":
             outline = outline.moved(gesture.points(c))
         self.index += 1
-        return EditFrame(self.index - 1, 0.0, 0, do, change, gesture, c, outline, scene, refused)
+        return EditFrame(self.index - 1, 0.0, 0, do, change, gesture, c, outline, scene or self.scene, refused)
 
 
 def begin(kind: str, size: float = 0.1, **options) -> tuple[MovingMesh, Hand, Gesture]:
     """A meshed plate whose hole the hand holds."""
     outline = plate()
     mesh = MovingMesh(outline, MeshSpec(size=size, relocation=kind), **options)
-    hand = Hand(outline)
+    hand = Hand(outline, mesh.spec)
     assert mesh.advance(hand.frame("start", "start")).level == 3
     gesture = gestures.drag(outline, outline.entity("window"))
     press = mesh.advance(hand.frame("press", "none", gesture))
@@ -142,7 +143,7 @@ def test_flips_alone_can_save_a_sheared_plate():
     cells = np.array([[0, 5, 8], [5, 4, 8], [5, 1, 6], [5, 6, 4], [4, 6, 7], [6, 2, 7], [8, 4, 7], [8, 7, 3]])
     outline = polygon_outline(SQUARE)
     mesh = MovingMesh(outline, MeshSpec(size=0.5), imported=mesh_of(outline, X, cells))
-    hand = Hand(outline)
+    hand = Hand(outline, mesh.spec)
     mesh.advance(hand.frame("start", "start"))
     before = mesh.mesh
     gesture = gestures.drag(outline, outline.entity("e2"))
@@ -245,6 +246,57 @@ def test_a_frame_without_a_mesh_keeps_the_one_before_and_the_next_recovers(monke
     frame = hand.frame("drag", "move", gesture, (1.21, 0.0))
     assert mesh.advance(frame).level == 3
     check(mesh, frame.outline)
+
+
+def state_of(mesh):
+    """Bytes and objects that tell how a mesh lies."""
+    held = mesh.mesh
+    arrays = (held.X, held.cells, held.cell_edges, held.edge_nodes, held.facet_cell)
+    return id(held), held.outline, held.geometry, mesh.min_quality, *(array.tobytes() for array in arrays)
+
+
+def test_a_frame_whose_relocated_mesh_is_poor_and_has_no_other_is_undone(monkeypatch):
+    # Triangles are distorted, not inverted: the mesh before has already followed when the mesher fails.
+    mesh, hand, gesture = begin("harmonic", 0.08)
+    good, calls, tried = moving.generate, [], 0
+
+    def fail_once(*words):
+        calls.append(words)
+        if len(calls) == 1:
+            raise ReplayProblem("no mesh today")
+        return good(*words)
+
+    monkeypatch.setattr(moving, "generate", fail_once)
+    for x in np.linspace(0, 0.6, 241)[1:]:
+        frame = hand.frame("drag", "move", gesture, (float(x), 0.0))
+        before = state_of(mesh)
+        try:
+            mesh.advance(frame)
+        except ReplayProblem:
+            tried += 1
+            assert state_of(mesh) == before
+            assert mesh.advance(frame).level == 3
+        check(mesh, frame.outline)
+    assert tried == 1 and len(calls) > 1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_frame_can_be_taken_back_and_done_again(kind):
+    mesh, hand, gesture = begin(kind, 0.08)
+    other, _, other_gesture = begin(kind, 0.08)
+    levels = set()
+    for x in np.linspace(0, 0.9, 46)[1:]:
+        frame = hand.frame("drag", "move", gesture, (float(x), 0.1 * float(x)))
+        before = state_of(mesh)
+        levels.add(mesh.advance(frame).level)
+        mesh.take_back()
+        assert state_of(mesh) == before
+        mesh.advance(frame)
+        check(mesh, frame.outline)
+        frame.gesture = other_gesture
+        other.advance(frame)
+        assert np.array_equal(mesh.mesh.X, other.mesh.X) and np.array_equal(mesh.mesh.cells, other.mesh.cells)
+    assert {1, 3} <= levels and (kind != "laplacian" or 2 in levels)
 
 
 def test_the_first_rank_alone_generates():

@@ -123,6 +123,20 @@ def test_prescribed_by_a_formula_of_a_parameter(tmp_path):
     assert row["q_stretch"] == pytest.approx(3e-3 * LENGTH, rel=1e-12)
 
 
+def test_a_bar_that_hangs_stores_the_energy_of_its_own_weight(tmp_path):
+    # The potential of the weight is no strain energy: with it the sum would be -1 times this.
+    length, width, rho, g = 2.0, 0.2, 8000.0, 9.81
+    made = f"[material.steel]\nE = {E}\nnu = 0\nrho = {rho}\nthickness = {THICKNESS}\n"
+    effects = f'[effects.solid]\nmodel = "plane_stress"\n[effects.gravity]\ng = [0, {-g}]\n'
+    held = '[supports.top]\non = "top"\nfix = ["x", "y"]\n'
+    asked = '[quantities]\ntip = { displacement = "y", at = "bottom", take = "mean" }\nenergy = { energy = "strain" }\n'
+    text = HEAD + block(width, length) + made + effects + held + meshed(0.05) + TIGHT + asked
+    row = rows_of(make_replay(write_scene(tmp_path, text)))[0]
+    assert row["q_tip"] == pytest.approx(-rho * g * length**2 / (2 * E), rel=1e-3)
+    energy = (rho * g) ** 2 * length**3 * width * THICKNESS / (6 * E)
+    assert row["q_energy"] == pytest.approx(energy, rel=2e-3)
+
+
 @pytest.mark.parametrize(
     "supports",
     [

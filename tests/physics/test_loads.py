@@ -44,6 +44,13 @@ def test_force_on_an_edge_is_its_total(tmp_path):
     )
 
 
+def test_a_force_that_varies_is_that_at_the_middle_of_its_edge(tmp_path):
+    # The mesh is finer at one end, where most facets lie.
+    text = BODY.replace("size = 0.13", "size = 0.13\nnear = { c = 0.01 }")
+    row = row_of(tmp_path, text + '[loads.f]\non = "top"\nforce = ["1000*x", 0]\n' + REACTIONS)
+    assert row["q_x"] == pytest.approx(-1000 * WIDTH / 2, rel=1e-5)
+
+
 def test_force_on_a_point(tmp_path):
     np.testing.assert_allclose(
         reactions(tmp_path, '[loads.f]\non = "c"\nforce = [300, -700]\n'), [-300, 700], rtol=1e-5

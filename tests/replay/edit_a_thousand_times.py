@@ -1,6 +1,6 @@
 """Replays a thousand edits and prints the memory in use [bytes] after each hundred.
 
-usage: edit_a_thousand_times.py FOLDER POLICY HISTORY (states to undo that are kept)
+usage: edit_a_thousand_times.py FOLDER POLICY
 """
 
 import gc
@@ -41,7 +41,7 @@ def in_use() -> int:
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def main(folder: Path, name: str, history: int) -> None:
+def main(folder: Path, name: str) -> None:
     """Prints a number for each hundred edits."""
     rounds = round_of_edits()
     script = write_script(folder, rounds * (EDITS // 10))
@@ -50,7 +50,6 @@ def main(folder: Path, name: str, history: int) -> None:
     for row in made.frames():
         if row["refused"]:
             raise SystemExit(row["refused"])
-        del made.session._past[:-history]
         if row["line"] != line:
             line = row["line"]
             edits += row["do"] not in ("drag", "release")
@@ -60,4 +59,4 @@ def main(folder: Path, name: str, history: int) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]))
+    main(Path(sys.argv[1]), sys.argv[2])

@@ -2,6 +2,7 @@
 
 import os
 import resource
+import signal
 import subprocess
 import sys
 import time
@@ -17,6 +18,14 @@ from restshape.replay.rows import encode_text, row_dtype
 
 CELLS = np.array([[0, 1, 2]], dtype=np.int32)
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+
+
+@pytest.fixture(autouse=True)
+def broken_pipes_are_errors():
+    """PETSc, which other tests of the same process start, makes them deadly."""
+    before = signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    yield
+    signal.signal(signal.SIGPIPE, before)
 
 
 def test_it_imports_neither_mpi_nor_petsc_nor_hdf5():
@@ -146,6 +155,50 @@ def test_a_full_disk_stops_the_replay_and_keeps_what_was_safe(tmp_path):
         assert f"first {recording.n} frame" in str(caught.value)
         assert recording.verify() == []
         assert all(np.array_equal(recording.points(i), points[i % 7]) for i in range(recording.n))
+
+
+@pytest.fixture
+def earlier(tmp_path):
+    """A recording that is there already, and its bytes."""
+    with Recorder.start(tmp_path / "a.vtkhdf", {"made": "earlier"}, {}) as recorder:
+        recorder.topology(CELLS)
+        recorder.frame(0.0, CORNERS, {}, {}, {})
+    return tmp_path / "a.vtkhdf", (tmp_path / "a.vtkhdf").read_bytes()
+
+
+def test_a_run_without_frames_leaves_an_earlier_recording(earlier):
+    path, data = earlier
+    recorder = Recorder.start(path, {}, {})
+    recorder.add_header({"ranks": 1})
+    recorder.topology(CELLS)
+    assert recorder.close("interrupted")["frames"] == 0
+    assert path.read_bytes() == data and [p.name for p in path.parent.iterdir()] == [path.name]
+
+
+def test_a_recorder_killed_before_its_first_frame_leaves_an_earlier_recording(earlier):
+    path, data = earlier
+    recorder = Recorder.start(path, {}, {})
+    os.kill(recorder.process_id, 9)
+    with pytest.raises(UserError, match="ended from outside"):
+        recorder.close()
+    assert path.read_bytes() == data
+    with Recorder.start(path, {"made": "later"}, {}) as recorder:
+        recorder.topology(CELLS)
+        recorder.frame(0.0, CORNERS, {}, {}, {})
+    with Recording(path) as recording:
+        assert recording.header == {"made": "later"} and recording.n == 1
+    assert [p.name for p in path.parent.iterdir()] == [path.name]
+
+
+def test_a_disk_full_before_the_first_frame_leaves_an_earlier_recording(earlier):
+    path, data = earlier
+    recorder = Recorder.start(path, {}, {})
+    resource.prlimit(recorder.process_id, resource.RLIMIT_FSIZE, (3 << 20, 3 << 20))
+    recorder.topology(CELLS)
+    recorder.frame(0.0, np.zeros((300_000, 2)), {}, {}, {})
+    with pytest.raises(UserError, match="the disk is full; the first 0 frames"):
+        recorder.close()
+    assert path.read_bytes() == data and [p.name for p in path.parent.iterdir()] == [path.name]
 
 
 def test_a_killed_recorder_is_told(tmp_path):

@@ -1,6 +1,7 @@
 """A recording holds what was recorded, bit for bit, for us and for VTK."""
 
 import json
+import time
 
 import h5py
 import numpy as np
@@ -102,10 +103,12 @@ def test_header_is_kept_and_grows(tmp_path):
     header = {"scene": 'title = "é"\n' * 100000, "ranks": 1, "calibration": {"spmv": 1e-9}}
     with Recorder.start(tmp_path / "a.vtkhdf", header, {}) as recorder:
         recorder.add_header({"ranks": 2, "versions": {"petsc": [3, 18]}})
+        recorder.topology(np.array([[0, 1, 2]]))
+        recorder.frame(0.0, np.eye(3)[:, :2], {}, {}, {})
     with Recording(tmp_path / "a.vtkhdf") as recording:
         assert recording.header == header | {"ranks": 2, "versions": {"petsc": [3, 18]}}
         assert json.dumps(recording.header)
-        assert recording.n == 0
+        assert recording.n == 1
 
 
 @pytest.mark.parametrize("place", ["VTKHDF/Points", "VTKHDF/PointData/displacement", "VTKHDF/CellData/von_mises"])
@@ -157,5 +160,11 @@ def test_unknown_fields_and_frames_are_refused(plate):
 
 def test_a_recording_that_is_being_written_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr("restshape.replay.recording._PAUSE", 0.0)
-    with Recorder.start(tmp_path / "a.vtkhdf", {}, {}), pytest.raises(UserError, match="still being written"):
-        Recording(tmp_path / "a.vtkhdf")
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, {}) as recorder:
+        recorder.topology(np.array([[0, 1, 2]]))
+        recorder.frame(0.0, np.eye(3)[:, :2], {}, {}, {})
+        deadline = time.monotonic() + 10
+        while not (tmp_path / "a.vtkhdf").exists() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        with pytest.raises(UserError, match="still being written"):
+            Recording(tmp_path / "a.vtkhdf")

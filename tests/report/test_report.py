@@ -14,7 +14,7 @@ from restshape.errors import UserError
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames
-from restshape.report.frames import chosen_frames
+from restshape.report.frames import _caption, chosen_frames, layout
 from restshape.report.levels import stage_shares
 from restshape.report.scenery import boundary, scenery
 from restshape.report.style import length_unit, si
@@ -125,25 +125,54 @@ def test_poor_recordings_still_report(tmp_path, frames, refused, fields, columns
             data = ({"displacement": np.zeros((3, 2))}, {"von_mises": np.full(1, np.nan)}) if fields else ({}, {})
             recorder.frame(0.0, CORNERS, *data, {name: row[name] for name in row if name in columns})
     assert report(path) == 0
-    assert sorted(p.name for p in (tmp_path / "poor-report").iterdir()) == [
-        "animation.gif",
-        "frames.png",
-        "levels.png",
-        "timeline.png",
-    ]
+    # One frame is made from nothing, and no level's.
+    wanted = {"animation.gif", "frames.png", "timeline.png"} | ({"levels.png"} if frames > 1 else set())
+    assert {p.name for p in (tmp_path / "poor-report").iterdir()} == wanted
 
 
 def test_an_empty_recording_and_bad_words_are_bad_input(tmp_path, capsys, plate):
     with Recorder.start(tmp_path / "a.vtkhdf", {}, {}):
-        pass
+        # What a writer leaves that is killed before its first frame.
+        (tmp_path / "a.vtkhdf.part").rename(tmp_path / "a.vtkhdf")
     assert report(tmp_path / "a.vtkhdf") == 2
     assert report(tmp_path / "none.vtkhdf") == 2
     assert report(plate[0], "--frames", "0") == 2
+    assert report(plate[0], "--scale", "0") == 2
+    assert report(tmp_path) == 2
+    assert report(plate[0], "--out", str(plate[0])) == 2
     (tmp_path / "file").write_text("")
     assert report(plate[0], "--out", str(tmp_path / "file" / "x")) == 2
     printed = capsys.readouterr().err
-    for message in ("holds no frames", "no such recording", "at least one frame", "cannot be written"):
+    messages = ("holds no frames", "no such recording", "at least one frame", "cannot be written", "greater than 0")
+    for message in (*messages, "this is a folder", "this is a file"):
         assert message in printed
+
+
+def test_captions_of_narrow_panels_take_lines(plate):
+    with Recording(plate[0]) as recording:
+        whole = _caption(recording, 6, 100)
+        parts = _caption(recording, 6, 20).split("\n")
+    assert "\n" not in whole and ", ".join(parts) == whole
+    assert len(parts) > 1 and max(map(len, parts)) <= 20
+
+
+def test_a_sheet_of_tall_parts_has_room_for_captions():
+    for count in (1, 6, 12, 40):
+        rows, columns, width, _ = layout(count, 0.1)
+        assert rows * columns >= count and width / columns > 1.2
+
+
+def test_frames_that_change_values_are_not_idle(tmp_path):
+    columns = {"level": "i4", "iterations": "i4", "do": str, "ms": "f8"}
+    events = (("press", 0), ("set", 7), ("set", 0), ("undo", 3), ("idle", 9))
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns) as recorder:
+        recorder.topology(np.array([[0, 1, 2]]))
+        for i, (do, iterations) in enumerate(events):
+            row = {"level": 0, "iterations": iterations, "do": do, "ms": 1.0}
+            recorder.frame(float(i), CORNERS, {}, {}, row)
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        frames = {row["level"]: row["frames"] for row in level_table(recording)}
+    assert frames["values"] == 2 and frames["idle"] == 2
 
 
 def test_mp4_without_ffmpeg_says_so(plate, tmp_path, monkeypatch, capsys):

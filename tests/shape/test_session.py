@@ -104,6 +104,10 @@ def test_undo_and_redo_restore_bit_for_bit(tmp_path):
         ({"do": "insert", "on": "bottom", "name": "q", "at": [-1, 0]}, "end of edge"),
         ({"do": "insert", "on": "bottom", "name": "a", "s": 0.5}, "in use"),
         ({"do": "set", "key": "shape.vertices.a", "value": [0, 0]}, "cannot be set"),
+        ({"do": "set", "key": "quantities.more", "value": {"area": True}}, "quantities.more cannot be set"),
+        ({"do": "set", "key": "quantities", "value": {}}, "quantities cannot be set"),
+        ({"do": "set", "key": '"solve".tolerance', "value": 1e-3}, "cannot be set"),
+        ({"do": "set", "key": "solve.policy", "value": "thesis"}, "solve.policy cannot be set"),
         ({"do": "set", "key": "mesh.sizee", "value": 1}, "sizee"),
         ({"do": "press", "on": "windw"}, "windw"),
     ],
@@ -122,6 +126,78 @@ def test_a_refused_frame_of_a_path_keeps_the_last_valid_shape(tmp_path):
     assert [f.change for f in frames] == ["move", "none", "none", "move"]
     assert frames[1].outline is frames[0].outline and frames[2].outline is frames[0].outline
     assert "cross" in frames[1].refused and "outside" in frames[2].refused
+
+
+def steps_of(session, event):
+    """The steps of an event, which is not read from a file."""
+    return session.steps(EVENTS[event["do"]].model_validate({"t": 0, **event}))
+
+
+@pytest.mark.parametrize(
+    "event",
+    [
+        {"do": "set", "key": "material.steel.nu", "value": 0.2},
+        {"do": "insert", "on": "bottom", "name": "q", "s": 0.3},
+        {"do": "hole", "name": "new", "center": [1.5, 0.5], "radius": 0.1},
+        {"do": "undo"},
+        {"do": "redo"},
+    ],
+)
+def test_an_edit_taken_back_leaves_no_trace(tmp_path, event):
+    session = EditSession(*scene_and_script(tmp_path, []))
+    for known in ({"do": "insert", "on": on, "name": name, "s": 0.6} for on, name in (("right", "p1"), ("left", "p2"))):
+        list(steps_of(session, known))
+    list(steps_of(session, {"do": "undo"}))
+    outline, scene = session.outline, session.scene
+    for _ in steps_of(session, event):
+        assert (session.outline, session.scene) != (outline, scene)
+        session.take_back()
+    assert session.outline is outline and session.scene is scene
+    assert [step.refused for step in steps_of(session, {"do": "redo"})] == [None]
+    assert "p2" in session.outline.vertex_names and "p1" in session.outline.vertex_names
+    for left in (None, None, "there is nothing to undo"):
+        assert [step.refused for step in steps_of(session, {"do": "undo"})] == [left]
+
+
+def test_a_drag_moves_on_from_the_cursor_after_a_frame_taken_back(tmp_path):
+    session = EditSession(*scene_and_script(tmp_path, []))
+    list(steps_of(session, PRESS))
+    path, seen = [[0.6, 0.5], [0.7, 0.5], [0.7, 0.5], [0.8, 0.5]], []
+    for i, step in enumerate(steps_of(session, {"do": "drag", "path": path})):
+        if i in (1, 2):
+            session.take_back()
+        seen.append((step.change, *session.outline.centroid(session.outline.entity("window")).tolist()))
+    assert [change for change, *_ in seen] == ["move"] * 4
+    np.testing.assert_allclose([x for _, x, _ in seen], [0.6, 0.6, 0.6, 0.8], atol=1e-15)
+
+
+@pytest.mark.parametrize("lost", [{2}, {3}, {2, 3}])
+@pytest.mark.parametrize(
+    "event", [{"do": "scale", "on": "window", "factor": 1.5}, {"do": "arc", "on": "left", "bulge": 0.1}]
+)
+def test_frames_of_a_turn_taken_back(tmp_path, event, lost):
+    session = EditSession(*scene_and_script(tmp_path, []))
+    first = session.outline
+    shapes = [first]
+    for i, _ in enumerate(steps_of(session, {**event, "frames": 4})):
+        if i in lost:
+            session.take_back()
+        assert (session.outline is shapes[-1]) == (i in lost)
+        shapes.append(session.outline)
+    assert [step.refused for step in steps_of(session, {"do": "undo"})] == [None]
+    assert session.outline is first
+
+
+def test_a_hundred_steps_can_be_undone(tmp_path):
+    session = EditSession(*scene_and_script(tmp_path, []))
+    for k in range(150):
+        list(steps_of(session, {"do": "set", "key": "material.steel.nu", "value": 0.001 * k}))
+    undone = [next(iter(steps_of(session, {"do": "undo"}))).refused for _ in range(101)]
+    assert undone[:100] == [None] * 100 and undone[100] == "there is nothing to undo"
+    assert session.scene.material["steel"].nu == 0.001 * 49
+    redone = [next(iter(steps_of(session, {"do": "redo"}))).refused for _ in range(101)]
+    assert redone[:100] == [None] * 100 and redone[100] == "there is nothing to redo"
+    assert session.scene.material["steel"].nu == 0.001 * 149
 
 
 def test_setting_mesh_keys_asks_for_a_new_mesh(tmp_path):

@@ -64,8 +64,9 @@ def test_ctrl_c(tmp_path, start_restshape, words):
     process = start_restshape(*words)
     wait_for_frames(process)
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=20)
+    printed, told = process.communicate(timeout=20)
     assert process.returncode == 130
+    assert "policy auto" in printed and "time a frame" in printed
     assert told.endswith("restshape replay: interrupted\n") and "Traceback" not in told
     recording = opened(tmp_path / "a.vtkhdf")
     assert recording.status == "interrupted" and 100 <= recording.n < FRAMES

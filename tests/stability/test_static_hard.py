@@ -110,7 +110,7 @@ def test_contrast_of_a_million(tmp_path, name):
 
 
 def test_a_thousand_frames_without_a_refresh(tmp_path):
-    never = replace(Calibration.load(), numeric_nonzero=1.0)
+    never = replace(Calibration.load(), numeric_nonzero=1.0, ilu_numeric_nonzero=1.0, gamg_refresh_nonzero=1.0)
     path = [(0.5 + 0.25 * np.sin(2 * np.pi * k / 200), 0.5 + 0.1 * np.sin(2 * np.pi * k / 160)) for k in range(1, 1001)]
     scene, script = write_scene(tmp_path, plate()), write_script(tmp_path, drag("window", (0.5, 0.5), path))
     rows = rows_of(make_replay(scene, script, overrides=["mesh.min_quality=0.01"], calibration=never))

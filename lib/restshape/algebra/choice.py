@@ -201,8 +201,8 @@ class Choice:
     def cost(self, candidate: Candidate, size: Size) -> float:
         """Seconds of a solve: iterations, and a share of refreshes and of the set-up.
 
-        With iterations that grow by g a solve, a refresh every sqrt(2 refresh / (iteration g)) solves costs least, which
-        is where the iterations spent beyond those of a fresh preconditioner have cost as much as the refresh.
+        With iterations that grow by g a solve, a refresh every sqrt(2 refresh / (iteration g)) solves costs least: by
+        then the iterations spent beyond those of a fresh preconditioner have cost as much as the refresh.
         """
         price = prices(candidate.kind, size, self.filled(candidate, size), self.calibration)
         fresh, growth = self.expected(candidate, size)

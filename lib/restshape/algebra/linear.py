@@ -20,8 +20,8 @@ MOST_ITERATIONS = 10_000
 PROJECTED = 0.2
 """Part of the iterations of a solve that projection of the guess saves, one at least: measured on the dragged plate."""
 INCOMPLETE = 0.25
-"""An incomplete preconditioner leaves smooth errors, whose energy the residual tells too small (by up to 2.2 on the plate):
-its solves end at this share of the tolerance, so that solutions agree within the tolerance in the energy norm."""
+"""An incomplete preconditioner leaves smooth errors, whose energy the residual tells too small (by up to 2.2 on the
+plate): its solves end at this share of the tolerance, so that solutions agree within it in the energy norm."""
 NO_FACTOR = "the stiffness matrix has no factor: part of the body is not held, or has no stiffness"
 Reason = PETSc.KSP.ConvergedReason
 
@@ -83,12 +83,12 @@ class LinearSolver:
         self.projection = Projection(comm, directions) if directions else None
         self.projection_pays = False
         self.filled = 0.0
-        self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool], None] | None = None
+        self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool, np.ndarray | None], None] | None = None
         self._set_types()
         # Solves since the preconditioner was made; callers add frames that solve nothing to the age.
         self.age = self.uses = -1
         self.ready = False
-        self.excess = self.last_excess = 0
+        self.excess = 0
         self.fresh_iterations = 1
         self.budget = 0
         self.patched = self.pattern_changed = False
@@ -169,7 +169,7 @@ class LinearSolver:
             with self.stages("krylov"):
                 self.projection(mat, b, x)
         if self.on_solve:
-            self.on_solve(mat, b, x, new_system)
+            self.on_solve(mat, b, x, new_system, places)
         stale = self.ready and not ((self.method == "direct" and not same_matrix) or self._worth_refreshing())
         if stale:
             self.ksp.setOperators(mat)
@@ -289,7 +289,7 @@ class LinearSolver:
         self._forget_options()
         self.age = self.uses = -1
         self.ready = True
-        self.excess = self.last_excess = 0
+        self.excess = 0
         self.pattern_changed = False
         self.kind = kind_of(pc)
         if self.keeps:
@@ -312,8 +312,8 @@ class LinearSolver:
         self.budget = max(1, math.ceil(refresh / price.iteration))
 
     def _worth_refreshing(self) -> bool:
-        """Tell whether the excess, with another frame like the last one, outweighs a refresh."""
-        return self.keeps and not self.patched and self.excess + self.last_excess >= self.budget
+        """Tell whether the iterations beyond those of a fresh preconditioner have cost as much as a refresh."""
+        return self.keeps and not self.patched and self.excess >= self.budget
 
     def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, limited: bool) -> int:
         """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper."""
@@ -365,8 +365,7 @@ class LinearSolver:
         if self.uses == 1 and not complete:
             # The guess on a new mesh is worse than those that follow it.
             self.fresh_iterations = max(1, min(self.fresh_iterations, iterations))
-        self.last_excess = max(0, iterations - self.fresh_iterations)
-        self.excess += self.last_excess
+        self.excess += max(0, iterations - self.fresh_iterations)
 
     def _check(self) -> None:
         reason = self.ksp.getConvergedReason()

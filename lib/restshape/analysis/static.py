@@ -10,6 +10,7 @@ from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
+from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
@@ -19,6 +20,7 @@ from restshape.physics.solid import LinearSolid
 from restshape.policy import Policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
+from restshape.scene.plan import plan as planned
 
 SCALE_SLACK = 1.1
 """A residual is measured against internal forces that are known up to this factor."""
@@ -118,6 +120,7 @@ class StaticAnalysis:
         """Set up what depends on the mesh topology or on the scene's values."""
         mesh = frame.mesh
         with self.stages("pattern"):
+            self.plan = planned(frame.scene, application(frame.scene.app))
             self.physics = LinearSolid(frame.scene, self.plan, mesh)
             self.observer = Observer(self.physics, frame.scene.quantities)
             if new_mesh:
@@ -126,8 +129,6 @@ class StaticAnalysis:
                 self._allocate(mesh)
             else:
                 self.operator.set_constraints(self.physics.mask)
-                if mesh.topology != self.topology:
-                    self.operator.patch(0, frame.changed_cells)
             self.terms = [(0, self.physics.element, mesh.X, self.physics.prescribed, self.physics.params, 1.0)]
         if new_mesh:
             carried = None
@@ -176,7 +177,13 @@ class StaticAnalysis:
         while True:
             self.scale = physics.internal_force(self._displacement()) if physics.displaced else None
             report = self.solver.solve(
-                self.mat, self.b, self.solution, new_system and total is None, patched=patched, places=places, scale=self.scale
+                self.mat,
+                self.b,
+                self.solution,
+                new_system and total is None,
+                patched=patched,
+                places=places,
+                scale=self.scale,
             )
             whole_vector(self.full, rows, self.comm)
             x = self._displacement()

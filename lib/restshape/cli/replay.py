@@ -69,8 +69,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _check_name(out: Path | None) -> None:
-    """Refuse a recording whose name hides what it is."""
-    if out and out.suffix != ".vtkhdf":
+    """Refuse a file whose name hides what it is; a folder the recorder refuses."""
+    if out and out.suffix != ".vtkhdf" and not out.is_dir():
         raise UserError("a recording's name ends in .vtkhdf", f"--out {out}", f"--out {out.with_suffix('.vtkhdf')}")
 
 

@@ -26,6 +26,10 @@ def run(args: argparse.Namespace) -> int:
     open_json(args)
     if args.frames < 1:
         raise UserError("at least one frame must be shown", "--frames", "--frames 6")
+    if args.scale is not None and not 0.0 < args.scale < float("inf"):
+        raise UserError("the exaggeration must be greater than 0", "--scale", "--scale 1 draws true displacements")
+    if args.recording.is_dir():
+        raise UserError("this is a folder", str(args.recording), "name a recording (.vtkhdf) in it")
     from restshape.replay.recording import Recording
     from restshape.report.animation import require_ffmpeg
 
@@ -35,6 +39,8 @@ def run(args: argparse.Namespace) -> int:
         if not recording.n:
             raise UserError("the recording holds no frames", str(args.recording), "run the replay again")
         folder = args.out or args.recording.with_name(f"{args.recording.stem}-report")
+        if folder.exists() and not folder.is_dir():
+            raise UserError("this is a file, and pictures need a folder", str(folder), "choose another --out")
         data = _tables(recording)
         pictures = _draw(recording, folder, args)
     print()
@@ -95,9 +101,11 @@ def _draw(recording: Any, folder: Path, args: argparse.Namespace) -> list[Path]:
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        pictures = [folder / "levels.png", folder / "timeline.png"]
-        draw_levels(recording, pictures[0])
-        draw_timeline(recording, pictures[1])
+        pictures = [folder / "timeline.png"]
+        draw_timeline(recording, pictures[0])
+        if recording.n > 1:
+            pictures.insert(0, folder / "levels.png")
+            draw_levels(recording, pictures[0])
         if recording.dimension == 2:
             sheet, moving = chosen_frames(recording, args.frames), animated_frames(recording)
             common = scenery(recording, np.union1d(sheet, moving), args.scale)

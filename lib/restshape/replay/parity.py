@@ -50,9 +50,7 @@ def matrix_difference(a: sp.csr_matrix, b: sp.csr_matrix) -> float:
     return float(abs(a - b).max() / scale) if scale else float(abs(a).max())
 
 
-def energy_distance(
-    matrix: sp.csr_matrix, x: np.ndarray, reference: np.ndarray, energy: float | None = None
-) -> float:
+def energy_distance(matrix: sp.csr_matrix, x: np.ndarray, reference: np.ndarray, energy: float | None = None) -> float:
     """The energy norm of x - reference over that of reference, or over that of a displacement of strain energy [J]."""
 
     def norm(v: np.ndarray) -> float:

@@ -162,6 +162,9 @@ class Recorder:
             at += array.nbytes
         self._publish()
         self.frames += 1
+        if self.frames == 1:
+            # Written at once: from then on there is a recording to keep.
+            self._wake()
         if self._ring.counters[rings.FAILED] or self.frames % _CHECK_EVERY == 0:
             self._check_alive()
 

@@ -8,7 +8,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.choice import prices
 from restshape.algebra.linear import MOST_ITERATIONS, LinearSolver
-from restshape.algebra.preconditioner import set_preconditioner
+from restshape.algebra.preconditioner import set_preconditioner, set_rigid_motions
 from restshape.algebra.schedule import best_schedule
 from restshape.errors import UserError
 from restshape.replay.loop import Replay
@@ -25,6 +25,7 @@ class Solve:
     Args:
         matrix, right, guess: copies, from before the solve.
         flipped: the pattern is not that of the frame before.
+        aim: relative and absolute residual at which the solve ended.
         iterations: spent, those before a refresh in mid-solve too.
     """
 
@@ -33,8 +34,9 @@ class Solve:
     right: PETSc.Vec
     guess: PETSc.Vec
     flipped: bool
-    iterations: int = 0
-    refreshed: bool = False
+    aim: tuple[float, float]
+    iterations: int
+    refreshed: bool
 
 
 @dataclass
@@ -73,7 +75,7 @@ def measure(request: Request, window: int = WINDOW) -> dict[str, Any]:
     iterations = {"run": 0, "best": 0}
     for segment in segments:
         solves = segment.solves
-        counts = _table(segment, comm, replay.analysis.solver.tolerance, window)
+        counts = _table(segment, comm, window)
         refresh = _refresh_costs(segment)
         # A schedule that was run may keep a preconditioner for longer than the window.
         cost, spent = _cost_of_run(segment, refresh)
@@ -104,7 +106,14 @@ def _replay(replay: Replay) -> list[Segment]:
     solver: LinearSolver = replay.analysis.solver
     found: list[Segment] = []
     pending: list[tuple[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool]] = []
-    solver.on_solve = lambda mat, b, x, new: pending.append((mat.copy(), b.copy(), x.copy(), new))
+
+    def watch(mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, new: bool, places: np.ndarray | None) -> None:
+        matrix = mat.copy()
+        if places is not None and matrix.getBlockSize() == places.shape[1]:
+            set_rigid_motions(matrix, places)
+        pending.append((matrix, b.copy(), x.copy(), new))
+
+    solver.on_solve = watch
     for row in replay.frames():
         if not pending or row["refused"]:
             pending.clear()
@@ -117,7 +126,8 @@ def _replay(replay: Replay) -> list[Segment]:
         pending.clear()
         if new or not found:
             found.append(_segment(solver))
-        solve = Solve(row["index"], matrix, right, guess, row["level"] == 2, row["iterations"], bool(row["refreshed"]))
+        aim, spent, refreshed = solver.ksp.getTolerances()[:2], row["iterations"], bool(row["refreshed"])
+        solve = Solve(row["index"], matrix, right, guess, row["level"] == 2, aim, spent, refreshed)
         found[-1].solves.append(solve)
     solver.on_solve = None
     return found
@@ -149,7 +159,7 @@ def _cost_of_run(segment: Segment, refresh: np.ndarray) -> tuple[float, int]:
     return float(cost), spent
 
 
-def _table(segment: Segment, comm: PETSc.Comm, tolerance: float, window: int) -> np.ndarray:
+def _table(segment: Segment, comm: PETSc.Comm, window: int) -> np.ndarray:
     """Iterations (n, n) of frame j with the preconditioner of frame i; -1 beyond the window or without convergence."""
     solves = segment.solves
     counts = np.full((len(solves),) * 2, -1)
@@ -159,7 +169,7 @@ def _table(segment: Segment, comm: PETSc.Comm, tolerance: float, window: int) ->
         ksp.setType("cg")
         ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
         ksp.setInitialGuessNonzero(True)
-        ksp.setTolerances(rtol=tolerance, atol=0.0, divtol=1e30, max_it=MOST_ITERATIONS)
+        ksp.setTolerances(divtol=1e30, max_it=MOST_ITERATIONS)
         given = set_preconditioner(ksp, segment.kind, segment.levels)
         ksp.setOperators(made.matrix)
         ksp.setUp()
@@ -172,6 +182,7 @@ def _table(segment: Segment, comm: PETSc.Comm, tolerance: float, window: int) ->
         for j in range(i, min(len(solves), i + window)):
             x = solves[j].guess.copy()
             ksp.setOperators(solves[j].matrix)
+            ksp.setTolerances(*solves[j].aim)
             ksp.solve(solves[j].right, x)
             if ksp.getConvergedReason() > 0:
                 counts[i, j] = ksp.getIterationNumber()

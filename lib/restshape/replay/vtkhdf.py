@@ -284,7 +284,7 @@ class VtkHdfWriter:
                 raise NoRoom(error.errno, error.strerror) from error
 
     def close(self, status: str, written: dict[str, float]) -> int:
-        """The file's size in bytes, closed with this status and what writing it cost; 0, and no file, without frames."""
+        """The file's size in bytes, closed with this status and what writing it cost; 0 and no file without frames."""
         self._status[()] = status.encode()[:STATUS_BYTES].ljust(STATUS_BYTES)
         for name, value in written.items():
             self.own.attrs[f"writer_{name}"] = value

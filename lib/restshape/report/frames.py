@@ -10,9 +10,15 @@ from matplotlib.figure import Figure
 from restshape.replay.recording import Recording
 from restshape.report.scenery import Drawing, Scenery
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
-from restshape.report.tables import refused
+from restshape.report.tables import refused, with_values
 
 WIDTH = 9.5
+NARROWEST = 1.2
+"""Width of a panel [inch] below which not even half a caption fits."""
+LETTER = 0.066
+"""Width of a letter of a caption [inch]."""
+LINE = 0.15
+"""Height of a line of a caption [inch]."""
 
 
 def chosen_frames(recording: Recording, count: int) -> np.ndarray:
@@ -33,7 +39,10 @@ def draw_frames(recording: Recording, chosen: np.ndarray, scenery: Scenery, path
     """
     xmin, xmax, ymin, ymax = scenery.extent
     rows, columns, width, height = layout(len(chosen), (xmax - xmin) / (ymax - ymin))
-    figure = new_figure(width, height)
+    room = int((width - 1.5) / columns / LETTER)
+    captions = [_caption(recording, int(i), room) for i in chosen]
+    lines = max(caption.count("\n") for caption in captions)
+    figure = new_figure(width, height + rows * LINE * lines)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     drawing = None
     for k, axes in enumerate(grid.ravel()):
@@ -42,7 +51,7 @@ def draw_frames(recording: Recording, chosen: np.ndarray, scenery: Scenery, path
             continue
         drawing = Drawing(axes, scenery)
         drawing.show(recording, int(chosen[k]))
-        axes.set_title(_caption(recording, int(chosen[k])), loc="left", pad=3)
+        axes.set_title(captions[k], loc="left", pad=3)
         _label(axes, scenery, bottom=k + columns >= len(chosen), left=k % columns == 0)
     title(figure, recording, scenery)
     if scenery.field and drawing:
@@ -56,7 +65,8 @@ def draw_frames(recording: Recording, chosen: np.ndarray, scenery: Scenery, path
 
 def layout(count: int, aspect: float) -> tuple[int, int, float, float]:
     """Rows, columns, width and height [inch] of a sheet for panels of this aspect ratio (width / height)."""
-    best = min(range(1, count + 1), key=lambda columns: _badness(count, columns, aspect))
+    most = min(count, int((WIDTH - 1.5) / NARROWEST))
+    best = min(range(1, most + 1), key=lambda columns: _badness(count, columns, aspect))
     rows = ceil(count / best)
     width = WIDTH if best > 1 or aspect > 1 else 6.0
     panel = (width - 1.5) / best
@@ -87,12 +97,20 @@ def scene_name(recording: Recording) -> str:
     return str(given or recording.path.stem)
 
 
-def _caption(recording: Recording, i: int) -> str:
+def _caption(recording: Recording, i: int, room: int) -> str:
+    """What a frame is, in lines of at most `room` letters where that can be."""
     table = recording.table
     words = [f"frame {i}", f"t = {recording.times[i]:.2f} s"]
     if "level" in table:
-        words.append(f"level {table['level'][i]}" if table["level"][i] else "idle")
-    return ", ".join(words) + (" (refused)" if refused(recording)[i] else "")
+        still = "values" if with_values(recording)[i] else "idle"
+        words.append(f"level {table['level'][i]}" if table["level"][i] else still)
+    if refused(recording)[i]:
+        words[-1] += " (refused)"
+    text = words[0]
+    for word in words[1:]:
+        whole = len(text) - text.rfind("\n") + len(word) + 1 <= room
+        text += (", " if whole else "\n") + word
+    return text
 
 
 def _label(axes, scenery: Scenery, bottom: bool, left: bool) -> None:

@@ -13,7 +13,7 @@ from restshape.replay.recording import Recording
 from restshape.report.style import BODY, COLOURS, INK, MESH, length_unit, scaled_unit, si
 
 SHARE = 0.08
-FIELD_NAMES = {"von_mises": ("von Mises stress", "Pa")}
+FIELD_NAMES = {"von_mises": ("von Mises stress of the cells", "Pa")}
 
 
 @dataclass(frozen=True)

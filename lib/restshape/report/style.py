@@ -12,9 +12,17 @@ DPI = 150
 COLOURS = "viridis"
 INK, FAINT, REFUSED = "#222222", "#9a9a9a", "#c0392b"
 BODY, MESH = "#c9d3dc", "#ffffff"
-LEVELS = {0: "#b5b5b5", 1: "#0072b2", 2: "#e69f00", 3: "#d55e00"}
-LEVEL_MARKS = {0: "o", 1: "o", 2: "^", 3: "s"}
-LEVEL_NAMES = {0: "idle", 1: "level 1, relocated", 2: "level 2, reconnected", 3: "level 3, rebuilt"}
+VALUES = -1
+"""Stands for level 0 where values were changed and the system was solved."""
+LEVELS = {0: "#b5b5b5", VALUES: "#009e73", 1: "#0072b2", 2: "#e69f00", 3: "#d55e00"}
+LEVEL_MARKS = {0: "o", VALUES: "D", 1: "o", 2: "^", 3: "s"}
+LEVEL_NAMES = {
+    0: "idle",
+    VALUES: "values changed",
+    1: "level 1, relocated",
+    2: "level 2, reconnected",
+    3: "level 3, rebuilt",
+}
 STAGES = {
     "edit": "#332288",
     "relocate": "#88ccee",

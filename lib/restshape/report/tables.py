@@ -24,15 +24,23 @@ def refused(recording: Recording) -> np.ndarray:
     return np.array([bool(reason) for reason in reasons], dtype=bool)
 
 
+def with_values(recording: Recording) -> np.ndarray:
+    """Whether each frame (n,) changed values only, such as a load: the shape rests, and the system was solved."""
+    events = [event in ("set", "undo", "redo") for event in recording.table.get("do", [""] * recording.n)]
+    return np.array(events, dtype=bool) & (column(recording, "level") == 0) & (column(recording, "iterations") > 0)
+
+
 def level_table(recording: Recording) -> list[dict[str, Any]]:
     """A row a level: level, frames, p50, p95, p99 [ms], iterations (mean a frame).
 
-    The first frame is left out, as it is made from nothing; "all" is every later frame whose shape moved.
+    The first frame is left out, as it is made from nothing; "values" are frames that changed values only, "all" is
+    every later frame whose shape moved.
     """
     later = np.arange(recording.n) > 0
     level, ms, iterations = (column(recording, name) for name in ("level", "ms", "iterations"))
-    rows = []
-    for name, chosen in [("idle", level == 0), *((str(k), level == k) for k in (1, 2, 3)), ("all", level > 0)]:
+    valued, rows = with_values(recording), []
+    rests = [("idle", (level == 0) & ~valued), ("values", valued)]
+    for name, chosen in [*rests, *((str(k), level == k) for k in (1, 2, 3)), ("all", level > 0)]:
         chosen = chosen & later
         times, counts = ms[chosen], iterations[chosen]
         known = percentiles(times[np.isfinite(times)]) if len(times) else dict.fromkeys(("p50", "p95", "p99"))

@@ -8,8 +8,11 @@ from matplotlib.axes import Axes
 
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
-from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, new_figure
-from restshape.report.tables import column, refused
+from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, VALUES, new_figure
+from restshape.report.tables import column, refused, with_values
+
+NARROW, WIDE = 5.0, 100.0
+"""Below the first ratio of the times their axis is linear, from the second on decades alone have labels."""
 
 
 def draw_timeline(recording: Recording, path: Path) -> None:
@@ -19,8 +22,9 @@ def draw_timeline(recording: Recording, path: Path) -> None:
     frames = np.arange(recording.n)
     level = np.nan_to_num(column(recording, "level")).astype(int)
     stopped = refused(recording)
-    for k in sorted(set(level) & set(LEVELS)):
-        chosen = level == k
+    kind = np.where(with_values(recording), VALUES, level)
+    for k in (k for k in LEVELS if k in kind):
+        chosen = kind == k
         look = {"linestyle": "none", "marker": LEVEL_MARKS[k], "color": LEVELS[k], "markersize": 3.5}
         levels.plot(frames[chosen], level[chosen], label=LEVEL_NAMES[k], **look)
         times.plot(frames[chosen], column(recording, "ms")[chosen], **look)
@@ -59,10 +63,12 @@ def _scale_times(axes: Axes, ms: np.ndarray) -> None:
     positive = ms[np.isfinite(ms) & (ms > 0)]
     if not len(positive):
         return
+    span = positive.max() / positive.min()
+    if span < NARROW:
+        axes.set_ylim(0.0, 1.15 * positive.max())
+        return
     axes.set_yscale("log")
     axes.set_ylim(positive.min() / 1.5, positive.max() * 1.5)
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    if positive.max() / positive.min() < 20:
-        axes.yaxis.set_minor_formatter(lambda value, _: f"{value:g}")
-    else:
-        axes.yaxis.set_minor_formatter(lambda value, _: "")
+    # More than two labels a decade would run into each other.
+    axes.yaxis.set_minor_formatter(lambda value, _: f"{value:g}" if span < WIDE and f"{value:e}"[0] in "25" else "")

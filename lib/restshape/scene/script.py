@@ -349,11 +349,11 @@ class _Reader:
         """Refuses time that runs backwards, and a hand that drags what it does not hold."""
         if event.t < self.t:
             self.fail(number, f"time runs backwards: t = {event.t:g} after t = {self.t:g}", "let t never decrease")
-        self.t = event.t
+        self.t, what = event.t, article(event.do)
         if self.held is None and event.do in ("drag", "release"):
-            self.fail(number, f"there is {article(event.do)} before a press", 'add {"do": "press", "on": ...} before it')
+            self.fail(number, f"there is {what} before a press", 'add {"do": "press", "on": ...} before it')
         if self.held is not None and event.do not in HELD:
-            self.fail(number, f"there is {article(event.do)} while {self.held!r} is still held", "add a release before it")
+            self.fail(number, f"there is {what} while {self.held!r} is still held", "add a release before it")
         if event.do == "press":
             self.held = event.on
         elif event.do == "release":

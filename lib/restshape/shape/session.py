@@ -271,7 +271,7 @@ class EditSession:
         return edge, goal
 
     def _do_set(self, event: Any) -> Iterator[Step]:
-        if split_key(event.key)[:1] and split_key(event.key)[0] in FIXED:
+        if next(iter(split_key(event.key)), "") in FIXED:
             why = f"{event.key} cannot be set during an edit (change the scene, or use --set)"
             yield Step("none", refused=why, **self._held())
             return

@@ -1,0 +1,203 @@
+"""Mistakes of people at the command line: each is told in words, and what they asked for is not lost."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from restshape.cli.main import main
+from restshape.cli.options import check_output
+from restshape.errors import UserError
+from restshape.replay.recording import Recording
+
+DATA = Path(__file__).parents[1] / "data"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name in ("plate.toml", "plate.jsonl"):
+        (tmp_path / name).write_text((DATA / name).read_text())
+    return tmp_path
+
+
+@pytest.fixture
+def replay(restshape):
+    """Replays plate.toml in a process of its own, for PETSc takes its options once: code, output, messages."""
+
+    def run(*words):
+        done = restshape("replay", "plate.toml", *words)
+        return done.returncode, done.stdout, done.stderr
+
+    return run
+
+
+def change(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (("-solid_ksp_type", "nonsense"), "-solid_ksp_type nonsense"),
+        (("-solid_ksp_type",), "-solid_ksp_type"),
+        (("-solid_ksp_rtol", "abc"), "-solid_ksp_rtol abc"),
+        (("-solid_pc_type", "cholesky", "-solid_ksp_type", "preonly"), "-solid_ksp_type preonly"),
+    ],
+)
+def test_what_petsc_refuses_is_told_with_its_option(folder, replay, words, named):
+    code, _, told = replay("--", *words)
+    assert code == 2
+    assert f"-- {named}: PETSc refuses it" in told
+    assert "Traceback" not in told and "MPI_ABORT" not in told and len(told.splitlines()) <= 3
+
+
+def test_words_that_petsc_never_used_are_named(folder, replay):
+    code, _, told = replay("--", "-solid_ksp_tpye", "cg", "-foo", "3", "nonsense", "-solid_ksp_type", "cg")
+    assert code == 0
+    assert "no use of these words after --: -solid_ksp_tpye -foo nonsense\n" in told
+
+
+def test_words_that_petsc_used_leave_no_note(folder, replay):
+    assert "note" not in replay("--", "-solid_ksp_type", "cg", "-options_left", "no")[2]
+
+
+def test_a_table_that_cannot_be_written(folder, replay):
+    code, _, told = replay("--csv", "/dev/full")
+    assert code == 2 and "/dev/full: cannot write" in told and "Traceback" not in told
+
+
+def test_a_recording_is_named_for_what_it_is(folder, capsys):
+    assert main(["replay", str(folder / "plate.toml"), "--out", str(folder / "x.vtk")]) == 2
+    assert "x.vtkhdf" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("rank", ["0", "1"])
+def test_one_rank_speaks_for_all(folder, rank):
+    environment = {**os.environ, "OMPI_COMM_WORLD_RANK": rank}
+    command = [sys.executable, "-m", "restshape.cli.main", "check", str(folder / "nowhere.toml")]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60)
+    assert done.returncode == 2
+    assert ("no such scene" in done.stderr) == (rank == "0")
+
+
+def test_an_output_is_probed_by_one_rank(tmp_path, monkeypatch):
+    with pytest.raises(UserError):
+        check_output(tmp_path, "--csv")
+    monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "1")
+    check_output(tmp_path, "--csv")
+
+
+@pytest.mark.parametrize("support", ["", '[supports.wall]\non = "left"\nfix = ["y"]\n'])
+def test_a_body_that_nothing_holds(folder, capsys, support):
+    change(folder / "plate.toml", '[supports.wall]\non = "left"\nfix = ["x", "y"]\n', support)
+    assert main(["check", str(folder / "plate.toml")]) == 2
+    assert "free to move as a rigid body" in capsys.readouterr().err
+
+
+def test_two_points_hold_a_body(folder):
+    change(
+        folder / "plate.toml",
+        '[supports.wall]\non = "left"\nfix = ["x", "y"]\n',
+        '[supports]\npin = { on = "a", fix = ["x", "y"] }\nroller = { on = "b", fix = ["y"] }\n',
+    )
+    assert main(["check", str(folder / "plate.toml")]) == 0
+
+
+def test_check_shows_values_of_supports_and_loads(folder, capsys):
+    change(folder / "plate.toml", 'fix = ["x", "y"]', 'fix = { x = 0, y = "0.02 mm" }')
+    change(folder / "plate.toml", 'traction = ["P*(1 + y)", 0]', 'force = [0, "-2 kN"]')
+    assert main(["check", str(folder / "plate.toml")]) == 0
+    printed = capsys.readouterr().out
+    assert "y = 2e-05 m" in printed and "force (0, -2000) N" in printed
+
+
+@pytest.mark.parametrize(("key", "size"), [("mesh.size", "10 um"), ("mesh.near.window", "1 nm")])
+@pytest.mark.parametrize("command", ["check", "replay"])
+def test_a_mesh_without_end_is_not_begun(folder, capsys, command, key, size):
+    assert main([command, str(folder / "plate.toml"), "--set", f"{key}={size}"]) == 2
+    told = capsys.readouterr().err
+    assert f"plate.toml: {key}" in told and "triangles" in told and "a larger size" in told
+
+
+def test_a_hole_goes_with_its_mesh_size_and_comes_back_with_it(folder, replay):
+    lines = [{"do": "delete", "on": "window"}, {"do": "undo"}]
+    header = (folder / "plate.jsonl").read_text().splitlines()[0]
+    events = [json.dumps({"t": t, **line}) for t, line in enumerate(lines)]
+    (folder / "cut.jsonl").write_text("\n".join([header, *events]) + "\n")
+    code, _, told = replay("--edits", "cut.jsonl", "--out", "cut.vtkhdf")
+    assert code == 0, told
+    with Recording(folder / "cut.vtkhdf") as recording:
+        first, without, again = recording.table["elements"].tolist()
+        assert list(recording.table["refused"]) == ["", "", ""]
+    assert without < first == again
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("hole window by 0.01 0 in 0 frames", "one frame at least"),
+        ("hole window by 0.01 0 in 2 frames, hand-like, pause 50", "50 frames does not fit into 2"),
+        ("insert n on top at 2", "it must be less than 1"),
+    ],
+)
+def test_lines_of_a_script_that_cannot_be(folder, capsys, line, says):
+    assert main(["script", str(folder / "plate.toml"), line]) == 2
+    assert says in capsys.readouterr().err
+
+
+def test_a_unit_in_wrong_case(folder, capsys):
+    change(folder / "plate.toml", "210 GPa", "210 GPA")
+    assert main(["check", str(folder / "plate.toml")]) == 2
+    assert "did you mean 'GPa'?" in capsys.readouterr().err
+
+
+SQUARE = """*NODE
+1, 0, 0
+2, 1, 0
+3, 2, 0
+4, 0, 1
+5, 1, 1
+6, 2, 1
+*ELEMENT, TYPE=CPS3, ELSET=LEFT
+1, 1, 2, 5
+2, 1, 5, 4
+*ELEMENT, TYPE=CPS3, ELSET=RIGHT
+3, 2, 3, 6
+4, 2, 6, 5
+*NSET, NSET=WALL
+1, 4
+"""
+PARTS = """format = "restshape-scene"
+version = 1
+app = "solid"
+[material]
+soft = { E = "1 GPa", nu = 0.3, region = ["LEFT"] }
+hard = { E = "2 GPa", nu = 0.3, region = ["RIGHT"] }
+[effects]
+solid = { model = "plane_stress" }
+[supports]
+wall = { on = "WALL", fix = ["x", "y"] }
+[mesh]
+file = "parts.inp"
+size = 1
+"""
+
+
+def test_a_mesh_whose_parts_all_have_materials(tmp_path, replay):
+    (tmp_path / "parts.inp").write_text(SQUARE)
+    (tmp_path / "plate.toml").write_text(PARTS)
+    code, printed, told = replay()
+    assert code == 0, told
+    assert "4 elements" in printed
+
+
+def test_a_part_without_a_material(tmp_path, replay):
+    (tmp_path / "parts.inp").write_text(SQUARE)
+    (tmp_path / "plate.toml").write_text(PARTS.replace('hard = { E = "2 GPa", nu = 0.3, region = ["RIGHT"] }\n', ""))
+    code, _, told = replay()
+    assert code == 2 and "2 triangles lie outside of the regions" in told
