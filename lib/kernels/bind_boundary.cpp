@@ -32,8 +32,12 @@ Doubles narrow_widths(const Doubles& points, const Doubles& arc, const Indices& 
             "points and arc must have a row a sample");
     for (py::ssize_t e = 0; e < edges; ++e)
         require(first.data()[e + 1] >= first.data()[e] + 2, "each edge needs two samples");
-    const restshape::BoundarySamples samples{points.data(),   arc.data(),  first.data(),
-                                             ends.data(),     straight.data(), side.data(),
+    const restshape::BoundarySamples samples{points.data(),
+                                             arc.data(),
+                                             first.data(),
+                                             ends.data(),
+                                             straight.data(),
+                                             side.data(),
                                              static_cast<std::int32_t>(edges)};
     return as_array(restshape::NarrowPlaces(samples, reach, fold).widths());
 }

@@ -33,7 +33,8 @@ py::array_t<int> cells_around(const Ints& cells, const Ints& nodes, int node_cou
     std::vector<int> found;
     for (py::ssize_t e = 0; e < cells.shape(0); ++e) {
         bool touches = false;
-        for (py::ssize_t i = 0; i < cells.shape(1); ++i) touches |= marked.at(cells.data()[cells.shape(1) * e + i]) != 0;
+        for (py::ssize_t i = 0; i < cells.shape(1); ++i)
+            touches |= marked.at(cells.data()[cells.shape(1) * e + i]) != 0;
         if (touches) found.push_back(static_cast<int>(e));
     }
     return py::array_t<int>(static_cast<py::ssize_t>(found.size()), found.data());
@@ -48,11 +49,12 @@ double total_area(const Reals& X, const Ints& cells) {
 }  // namespace
 
 void bind_fields(py::module_& m) {
-    m.def("recover", &recover, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("stress").noconvert(),
-          py::arg("out").noconvert(),
-          "Nodal stresses (n, 4) recovered from cell stresses (ne, 4) by fits over patches (Zienkiewicz and Zhu 1992).");
-    m.def("cells_around", &cells_around, py::arg("cells").noconvert(), py::arg("nodes").noconvert(), py::arg("node_count"),
-          "Cells (k,), ascending, of which a corner is one of the nodes.");
+    m.def(
+        "recover", &recover, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("stress").noconvert(),
+        py::arg("out").noconvert(),
+        "Nodal stresses (n, 4) recovered from cell stresses (ne, 4) by fits over patches (Zienkiewicz and Zhu 1992).");
+    m.def("cells_around", &cells_around, py::arg("cells").noconvert(), py::arg("nodes").noconvert(),
+          py::arg("node_count"), "Cells (k,), ascending, of which a corner is one of the nodes.");
     m.def("total_area", &total_area, py::arg("X").noconvert(), py::arg("cells").noconvert(),
           "Sum of the signed areas of triangles [m^2].");
 }

@@ -184,8 +184,7 @@ void bind_mesh(py::module_& m) {
         .def(py::init<Indices, Indices, Indices, const Flags&>(), py::arg("cells").noconvert(),
              py::arg("cell_edges").noconvert(), py::arg("edge_nodes").noconvert(), py::arg("fixed").noconvert())
         .def("flip_delaunay", &BoundTriangulation::flip_delaunay, py::arg("X").noconvert(), "max_passes"_a,
-             "quality_floor"_a = 1.0,
-             "Number of flips and the triangles they changed, ascending.")
+             "quality_floor"_a = 1.0, "Number of flips and the triangles they changed, ascending.")
         .def_property_readonly("edge_cells", &BoundTriangulation::edge_cells,
                                "The two triangles (n_edges, 2) of every edge, -1 where there is none; a live view.");
 }

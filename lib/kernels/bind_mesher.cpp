@@ -53,10 +53,10 @@ py::tuple refine_delaunay(const Doubles& points, const Indices& segments, const 
     const restshape::SizeField field(size, growth, std::move(around), points.data(), points.shape(0));
     const restshape::MeshInput input{points.data(), points.shape(0), segments.data(), border.data(), segments.shape(0)};
     const auto mesh = restshape::refine_delaunay(input, field, stretch, sine_bound, patience);
-    return py::make_tuple(rows(mesh.X, 2), rows(mesh.cells, 3), py::array_t<std::int32_t>(
-                              static_cast<py::ssize_t>(mesh.split_segment.size()), mesh.split_segment.data()),
-                          py::array_t<double>(static_cast<py::ssize_t>(mesh.split_fraction.size()),
-                                              mesh.split_fraction.data()));
+    return py::make_tuple(
+        rows(mesh.X, 2), rows(mesh.cells, 3),
+        py::array_t<std::int32_t>(static_cast<py::ssize_t>(mesh.split_segment.size()), mesh.split_segment.data()),
+        py::array_t<double>(static_cast<py::ssize_t>(mesh.split_fraction.size()), mesh.split_fraction.data()));
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 // Superconvergent patch recovery: nodal stresses from stresses that are constant on triangles.
 //
 // Around an inner node a linear polynomial is fitted to the values at the triangles' centres; a boundary node takes the
-// mean of the polynomials of the inner nodes next to it. Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331.
+// mean of the polynomials of the inner nodes next to it. Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992)
+// 1331.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +13,7 @@
 namespace restshape {
 
 class PatchRecovery {
-  public:
+ public:
     using Value = Eigen::Array4d;
 
     // X (n, 2), cells (ne, stride) with corners first, values (ne, 4).
@@ -25,7 +26,7 @@ class PatchRecovery {
         spread(out);
     }
 
-  private:
+ private:
     struct Patch {
         Value b[3] = {Value::Zero(), Value::Zero(), Value::Zero()};  // moments of the values, then the polynomial
         Value sum = Value::Zero();                                   // of the neighbours' polynomials here

@@ -12,12 +12,12 @@ namespace restshape {
 
 // Samples of all edges, one edge after the other: edge e has those from first[e] to first[e + 1].
 struct BoundarySamples {
-    const double* points;        // (m, 2)
-    const double* arc;           // (m,) length from the start of the edge
-    const std::int32_t* first;   // (edges + 1,)
-    const std::int32_t* ends;    // (edges, 2) vertices
+    const double* points;          // (m, 2)
+    const double* arc;             // (m,) length from the start of the edge
+    const std::int32_t* first;     // (edges + 1,)
+    const std::int32_t* ends;      // (edges, 2) vertices
     const std::uint8_t* straight;  // (edges,)
-    const double* side;          // (edges,) 1 or -1 if the material is only left or right, 0 if on both sides
+    const double* side;            // (edges,) 1 or -1 if the material is only left or right, 0 if on both sides
     std::int32_t edges;
 };
 

@@ -36,9 +36,10 @@ class Triangulation {
         }
     }
 
-    // Flips edges whose two opposite angles sum to more than pi, and then those around them, until none is left; returns
-    // how many flips. It begins at the edges of triangles whose quality is below `quality_floor`: at 1 or more, at all.
-    // Every flip enlarges the smallest of six angles, so it ends; `max_passes` x edges bounds it under rounding.
+    // Flips edges whose two opposite angles sum to more than pi, and then those around them, until none is left;
+    // returns how many flips. It begins at the edges of triangles whose quality is below `quality_floor`: at 1 or more,
+    // at all. Every flip enlarges the smallest of six angles, so it ends; `max_passes` x edges bounds it under
+    // rounding.
     std::ptrdiff_t flip_delaunay(const double* X, int max_passes, double quality_floor) {
         changed_.clear();
         queue_.clear();

@@ -34,7 +34,7 @@ struct MesherFailure : std::runtime_error {
 };
 
 struct MeshInput {
-    const double* points;          // (point_count, 2), boundary and embedded points
+    const double* points;  // (point_count, 2), boundary and embedded points
     std::ptrdiff_t point_count;
     const std::int32_t* segments;  // (segment_count, 2), material on the left of border segments
     const std::uint8_t* border;    // whether a segment bounds the material, else it lies inside
@@ -163,8 +163,8 @@ class Criteria {
             const double longest = std::max({ab, bc, ca}), shortest = std::min({ab, bc, ca});
             const double middle = std::max(std::min(ab, bc), std::min(std::max(ab, bc), ca));
             const double third = 1.0 / 3.0;
-            const double size = criteria_.stretch_ * criteria_.field_->at((a.x() + b.x() + c.x()) * third,
-                                                                           (a.y() + b.y() + c.y()) * third);
+            const double size = criteria_.stretch_ *
+                                criteria_.field_->at((a.x() + b.x() + c.x()) * third, (a.y() + b.y() + c.y()) * third);
             if (++criteria_.judged_ > criteria_.patience_ || !(shortest > 1e-8 * size * size))
                 throw MesherFailure("the refinement does not end");
             quality.size = longest / (size * size);
@@ -306,8 +306,8 @@ inline void number_splits(Triangulation& mesh, const MeshInput& input, const std
         const double length = std::sqrt(CGAL::squared_distance(vertices[a]->point(), vertices[b]->point()));
         for (const Vertex& vertex : chain->second) {
             output.split_segment.push_back(static_cast<std::int32_t>(i));
-            output.split_fraction.push_back(
-                std::sqrt(CGAL::squared_distance(vertices[a]->point(), vertex->point())) / length);
+            output.split_fraction.push_back(std::sqrt(CGAL::squared_distance(vertices[a]->point(), vertex->point())) /
+                                            length);
         }
     }
     // Numbered last: the chains are told apart from the given points by negative numbers.

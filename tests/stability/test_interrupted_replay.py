@@ -122,7 +122,6 @@ def test_one_of_two_ranks_ends(tmp_path, start_restshape, words, number):
 
 
 @pytest.mark.mpi
-@pytest.mark.xfail(reason="gmsh makes a broken pipe deadly when it starts", strict=False)
 def test_a_full_disk_ends_all_ranks(tmp_path, start_restshape, words):
     process = start_restshape(*words, ranks=2)
     wait_for_frames(process)

@@ -42,7 +42,7 @@ class Operator:
     def assemble(self, terms: list[tuple], rhs: np.ndarray | None) -> PETSc.Mat:
         """The matrix of a sum of terms (block, element, X, x, params, coefficient[, factor]).
 
-        rhs (n * f,), where given, loses the terms' residuals at x, times the factor, which is the coefficient by default.
+        rhs (n * f,), where given, loses the terms' residuals at x times the factor, by default the coefficient.
         """
         self.core.begin()
         for block, element, X, x, params, coefficient, *factor in terms:

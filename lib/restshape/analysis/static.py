@@ -113,7 +113,7 @@ class StaticAnalysis:
         return von_mises(self.physics.stress(self.x))
 
     def residual(self) -> float:
-        """The true residual of the last solve, relative to its right side, or to internal forces where supports move."""
+        """The true residual of the last solve over its right side, or over internal forces where supports move."""
         return true_residual(self.mat, self.b, self.solution, self.scale)
 
     def _bind(self, frame: Frame, new_mesh: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
@@ -37,6 +38,8 @@ def model() -> Iterator[None]:
     """An empty gmsh model, removed at the end; gmsh itself stays, for starting it costs more than a mesh."""
     if not gmsh.isInitialized():
         gmsh.initialize(readConfigFiles=False, interruptible=False)
+        # gmsh lets a broken pipe kill the process, and with it the message of what went wrong.
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     for key, value in OPTIONS.items():
         gmsh.option.setNumber(key, value)
     gmsh.model.add("restshape")

@@ -260,8 +260,8 @@ class Quantity(Strict):
     """``[quantities.NAME]``: one number a frame; ``take`` says how many values become one.
 
     "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
-    Energies: "strain", "kinetic" (relative to the ground), "total" of both, "edit" (work of all edits so far) and "remesh"
-    (what carrying the motion to new meshes has added so far); all but the first are for what moves.
+    Energies: "strain", "kinetic" (relative to the ground), "total" of both, "edit" (work of all edits so far) and
+    "remesh" (what carrying the motion to new meshes has added so far); all but the first are for what moves.
     """
 
     kinds: ClassVar[tuple[str, ...]] = ("displacement", "reaction", "stress", "energy", "area")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,8 @@ def read_geo(path: Path) -> dict[str, Any]:
     ours = not gmsh.isInitialized()
     if ours:
         gmsh.initialize(["-noenv"], readConfigFiles=False, interruptible=False)
+        # gmsh lets a broken pipe kill the process, and with it the message of what went wrong.
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     quiet = gmsh.option.getNumber("General.Terminal")
     gmsh.model.add(f"restshape: {path.name}")
     gmsh.option.setNumber("General.Terminal", 0)
