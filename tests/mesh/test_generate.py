@@ -205,14 +205,6 @@ def test_entities_give_their_nodes_facets_and_cells():
         mesh.nodes_of("hoel")
 
 
-def test_moved_mesh_shares_its_topology():
-    mesh = generate(plate(), MeshSpec(size=0.1))
-    other = mesh.moved(2.0 * mesh.X)
-    assert other.topology == mesh.topology and other.geometry != mesh.geometry and other.cells is mesh.cells
-    flipped = mesh.reconnected(mesh.cells)
-    assert flipped.topology != mesh.topology and np.array_equal(flipped.cell_edges, mesh.cell_edges)
-
-
 def test_same_input_gives_the_same_bits():
     first = generate(plate(), MeshSpec(size=0.06))
     generate(bent(), MeshSpec(size=0.05, near={"b": 0.01}))

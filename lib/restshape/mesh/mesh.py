@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import itertools
 from dataclasses import dataclass
 
@@ -96,32 +95,6 @@ class Mesh:
     def n_cells(self) -> int:
         """Number of triangles."""
         return len(self.cells)
-
-    def moved(self, X: np.ndarray, outline: Outline | None = None) -> Mesh:
-        """The mesh with its nodes at other places (level 1); all other arrays are shared.
-
-        Args:
-            X: (n, 2) rest positions [m].
-            outline: the outline that the boundary nodes now lie on, if it is another one.
-        """
-        other = copy.copy(self)
-        other.X, other.geometry = X, self.geometry + 1
-        if outline is not None:
-            other.outline = outline
-        return other
-
-    def reconnected(self, cells: np.ndarray) -> Mesh:
-        """The mesh with edges flipped (level 2): same nodes and facets, another topology.
-
-        Args:
-            cells: (ne, 3) counter-clockwise; row i lies in the region of the former row i.
-        """
-        other = copy.copy(self)
-        other.cells = np.ascontiguousarray(cells, dtype=np.int32)
-        other.edge_nodes, other.cell_edges = edges_of_cells(other.cells, len(self.X))
-        other.facet_cell = cells_left_of(self.facets, other.cells, len(self.X))
-        other.topology = next(_topologies)
-        return other
 
     def nodes_of(self, name: str) -> np.ndarray:
         """Sorted nodes of an entity: of a vertex, on edges and holes, in and around regions; of all cells for "all".

@@ -9,7 +9,7 @@ from restshape.report.style import FAINT, INK, LEVELS, REFUSED, new_figure, scal
 
 
 class Response(Protocol):
-    """What is drawn: see `restshape_apps.vibration.resonance.Resonance`."""
+    """What is drawn: places (m,), path (n,), amplitudes, peaks and crossing [m], frequencies (m,) [Hz]."""
 
     shaking: float
     path: np.ndarray
