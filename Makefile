@@ -31,6 +31,8 @@ results: setup
 	$(restshape) replay $(plate) --edits $(plate_edits) --out results/plate.vtkhdf
 	$(restshape) report results/plate.vtkhdf --animation none
 	$(restshape) tables
+	$(restshape) bench reuse $(plate) --out results --json results/bench-reuse.json
+	.venv/bin/python -m restshape_apps.vibration.resonance --picture results/vibration-resonance.png
 
 lint:
 	@scripts/setup.sh develop

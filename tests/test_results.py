@@ -1,8 +1,7 @@
 """What is committed under results/ is what its commands print."""
 
+import re
 from pathlib import Path
-
-import pytest
 
 from restshape.cli.main import main
 
@@ -24,6 +23,8 @@ def test_a_changed_count_is_noticed(tmp_path, capsys):
     assert "not there" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("name", ["frames.png", "levels.png", "timeline.png"])
-def test_the_readme_pictures_are_there(name):
-    assert (THESIS.parent / "plate-report" / name).is_file()
+def test_what_the_readme_shows_is_there():
+    readme = (THESIS.parents[1] / "README.md").read_text(encoding="utf-8")
+    named = re.findall(r"\]\(((?:results|docs)/[^)]+)\)", readme)
+    assert len(named) >= 5
+    assert [name for name in named if not (THESIS.parents[1] / name).is_file()] == []
