@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from restshape.cli.ranks import first_rank
+from restshape.cli.ranks import first_rank, launched
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
@@ -96,9 +96,10 @@ def write_json(args: argparse.Namespace, data: Any) -> None:
 
 
 def console() -> Console:
-    """Where tables go: as wide as the terminal, or plain and wide where there is none."""
-    terminal = sys.stdout.isatty()
-    return Console(file=sys.stdout, width=None if terminal else PLAIN_WIDTH, highlight=False, soft_wrap=False)
+    """Where tables go: as wide as the terminal, or plain and wide where there is none, or a launcher's."""
+    terminal = sys.stdout.isatty() and not launched()
+    width = None if terminal else PLAIN_WIDTH
+    return Console(file=sys.stdout, force_terminal=terminal, width=width, highlight=False, soft_wrap=False)
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]], right: Sequence[str] = ()) -> None:
