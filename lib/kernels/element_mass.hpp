@@ -8,8 +8,9 @@
 
 namespace restshape {
 
-template <class Shape, int Fields, bool Lumped>
-struct MassElement {
+// Lumped mass: rows summed onto the diagonal; the basis functions sum to one.
+template <class Shape, int Fields>
+struct LumpedMassElement {
     static constexpr int nodes = Shape::nodes, dim = Shape::dim, fields = Fields;
     static constexpr bool symmetric = true, has_tangent = true;
     static constexpr int stress_components = 0;
@@ -24,17 +25,8 @@ struct MassElement {
             SX G[nodes][dim];
             const SX mass = Shape::gradients(q, X, G) * p[0];
             const auto& N = Shape::table.value[q];
-            for (int a = 0; a < fields; ++a) {
-                Sx at = x[a] * N[0];
-                for (int j = 1; j < nodes; ++j) at += x[j * fields + a] * N[j];
-                for (int i = 0; i < nodes; ++i) {
-                    // Rows summed onto the diagonal: the basis functions sum to one.
-                    if constexpr (Lumped)
-                        r[i * fields + a] += x[i * fields + a] * (mass * N[i]);
-                    else
-                        r[i * fields + a] += at * (mass * N[i]);
-                }
-            }
+            for (int i = 0; i < nodes; ++i)
+                for (int a = 0; a < fields; ++a) r[i * fields + a] += x[i * fields + a] * (mass * N[i]);
         }
     }
 

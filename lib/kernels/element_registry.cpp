@@ -16,7 +16,7 @@ const std::vector<Element>& elements() {
         element_of<SolidElement<Tet10, LinearElastic<3>>>("linear_elastic_tet10"),
         element_of<SolidElement<Tri3, StVenantKirchhoff<2>>>("stvk_plane_tri3"),
         element_of<SimplexMassElement<Tri3, 2>>("mass_tri3"),
-        element_of<MassElement<Tri3, 2, true>>("lumped_mass_tri3"),
+        element_of<LumpedMassElement<Tri3, 2>>("lumped_mass_tri3"),
         element_of<TractionElement<Line2>>("traction_edge2"),
         element_of<TractionElement<Line3>>("traction_edge3"),
     };

@@ -8,17 +8,12 @@
 namespace restshape {
 
 // Quadrature: `at` reference coordinates, `weight` (their sum is the measure of the reference element).
-// Sources: triangle rules of degree 1, 2, 4 by Dunavant (1985), tetrahedron rule of degree 3 by Witherden
+// Sources: triangle rules of degree 1 and 4 by Dunavant (1985), tetrahedron rule of degree 3 by Witherden
 // and Vincent (2015), Gauss-Legendre on [0, 1].
 struct TriRule1 {
     static constexpr int points = 1, dim = 2;
     static constexpr double at[1][2] = {{1.0 / 3, 1.0 / 3}};
     static constexpr double weight[1] = {0.5};
-};
-struct TriRule3 {
-    static constexpr int points = 3, dim = 2;
-    static constexpr double at[3][2] = {{1.0 / 6, 1.0 / 6}, {2.0 / 3, 1.0 / 6}, {1.0 / 6, 2.0 / 3}};
-    static constexpr double weight[3] = {1.0 / 6, 1.0 / 6, 1.0 / 6};
 };
 struct TriRule6 {
     static constexpr int points = 6, dim = 2;
@@ -208,6 +203,5 @@ using Tet4 = Solid<Linear<3>, TetRule1>;
 using Tet10 = Solid<Quadratic<3>, TetRule8>;
 using Line2 = Side<Linear<1>, LineRule2>;
 using Line3 = Side<Quadratic<1>, LineRule3>;
-using Tri3Quadratic = Solid<Linear<2>, TriRule3>;  // exact for products of two linear functions: mass
 
 }  // namespace restshape

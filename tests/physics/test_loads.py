@@ -1,8 +1,12 @@
 """Loads and their reactions: totals that statics alone gives."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from small_scenes import CLAMPED, HEAD, HOLE, STEEL, block, make_replay, meshed, rows_of, write_scene
+
+from restshape.replay.run import replay_files
 
 WIDTH, HEIGHT, THICKNESS, RHO = 1.0, 1.0, 0.01, 8000.0
 BODY = HEAD + block() + STEEL + CLAMPED + meshed(0.13)
@@ -111,3 +115,15 @@ def test_area_and_energy_of_a_region(tmp_path):
     row = row_of(tmp_path, HEAD + block() + region + material + stretched + meshed(0.13) + asked)
     assert row["q_area"] == pytest.approx(0.16, rel=1e-12)
     assert row["q_energy"] == pytest.approx(0.5 * 1e9 * 1e-6 * 0.16 * 0.01, rel=1e-5)
+
+
+@pytest.mark.parametrize("policy", ["auto", "refactor", "thesis"])
+def test_supports_that_only_carry_the_body_elsewhere_leave_it_unstrained(policy):
+    scene = Path(__file__).parents[2] / "apps/solid/scenes/plate.toml"
+    moved = ["supports.wall.fix={x=1,y=0}", "loads.pull.traction=[0,0]", "mesh.size=0.15"]
+    run = replay_files(scene, scene.parents[1] / "edits/plate.jsonl", policy, moved)
+    assert run["refused"] == 0
+    assert max(row["residual"] for row in run["rows"]) <= 1e-6
+    assert max(abs(value - 1.0) for value in run["quantities"]["stretch"]) < 1e-9
+    # Rounding of a displacement of 1 m, and nothing else, strains the steel.
+    assert max(run["quantities"]["peak_stress"]) < 210e9 * 1e-9

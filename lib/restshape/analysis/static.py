@@ -25,6 +25,9 @@ from restshape.scene.plan import plan as planned
 SCALE_SLACK = 1.1
 """A residual is measured against internal forces that are known up to this factor."""
 
+ROUND_OFF = 1e-13
+"""A residual below this share of the right side is rounding, as where supports only carry the body somewhere else."""
+
 
 class StaticAnalysis:
     """The equilibrium of a linear elastic solid, frame after frame.
@@ -175,12 +178,13 @@ class StaticAnalysis:
         physics, rows, total = self.physics, self.operator.rows, None
         places = self.mesh_places
         while True:
-            self.scale = physics.internal_force(self._displacement()) if physics.displaced else None
+            self.scale = self._force_scale(self._displacement()) if physics.displaced else None
             report = self.solver.solve(
                 self.mat,
                 self.b,
                 self.solution,
                 new_system and total is None,
+                same_matrix=total is not None,
                 patched=patched,
                 places=places,
                 scale=self.scale,
@@ -188,8 +192,12 @@ class StaticAnalysis:
             whole_vector(self.full, rows, self.comm)
             x = self._displacement()
             total = report if total is None else total.followed_by(report)
-            if self.scale is None or self.scale <= SCALE_SLACK * physics.internal_force(x) or not report.iterations:
+            if self.scale is None or self.scale <= SCALE_SLACK * self._force_scale(x) or not report.iterations:
                 return total, x
+
+    def _force_scale(self, x: np.ndarray) -> float:
+        """Internal forces [N] at the displacement x (n, 2), but not less than what round-off lets a residual tell."""
+        return max(self.physics.internal_force(x), ROUND_OFF / self.solver.tolerance * self.b.norm())
 
     def _displacement(self) -> np.ndarray:
         return self.full.reshape(-1, 2) + self.physics.prescribed
