@@ -14,7 +14,7 @@ const std::vector<Element>& elements() {
         element_of<SolidElement<Tri6, LinearElastic<2>>>("linear_elastic_tri6"),
         element_of<SolidElement<Tet4, LinearElastic<3>>>("linear_elastic_tet4"),
         element_of<SolidElement<Tet10, LinearElastic<3>>>("linear_elastic_tet10"),
-        element_of<SolidElement<Tri3, StVenantKirchhoff<2>>>("stvk_plane_tri3"),
+        element_of<SolidElement<Tri3, StVenantKirchhoff<2>>>("stvk_tri3"),
         element_of<SimplexMassElement<Tri3, 2>>("mass_tri3"),
         element_of<LumpedMassElement<Tri3, 2>>("lumped_mass_tri3"),
         element_of<TractionElement<Line2>>("traction_edge2"),

@@ -63,7 +63,7 @@ class TestLinearElasticTet10(SolidCase):
 
 
 class TestStVenantKirchhoffTri3(SolidCase):
-    name, params, X = "stvk_plane_tri3", (LAMBDA, MU, 0.8, 0.3, -0.9), TRI3
+    name, params, X = "stvk_tri3", (LAMBDA, MU, 0.8, 0.3, -0.9), TRI3
 
     def patch(self):
         return unit_box(2, 3)

@@ -16,7 +16,7 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
 from restshape.physics.quantities import Observer, von_mises
-from restshape.physics.solid import LinearSolid
+from restshape.physics.solid import PlaneSolid
 from restshape.policy import Policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -52,7 +52,7 @@ class StaticAnalysis:
         self.calibration = calibration
         self.scene: Scene | None = None
         self.mesh: Mesh | None = None
-        self.physics: LinearSolid | None = None
+        self.physics: PlaneSolid | None = None
         self.operator: Operator | None = None
         self.topology = self.geometry = -1
         self.scale: float | None = None
@@ -124,7 +124,7 @@ class StaticAnalysis:
         mesh = frame.mesh
         with self.stages("pattern"):
             self.plan = planned(frame.scene, application(frame.scene.app))
-            self.physics = LinearSolid(frame.scene, self.plan, mesh)
+            self.physics = PlaneSolid(frame.scene, self.plan, mesh)
             self.observer = Observer(self.physics, frame.scene.quantities)
             if new_mesh:
                 self.operator = Operator(self.comm, 2, mesh.node_offsets, self.policy.backend)
@@ -211,7 +211,7 @@ class StaticAnalysis:
 
     def cold_system(self) -> System:
         """Matrix and solution of this frame with new pattern, values and factor, and no guess."""
-        physics = LinearSolid(self.scene, self.plan, self.mesh)
+        physics = PlaneSolid(self.scene, self.plan, self.mesh)
         operator = Operator(self.comm, 2, self.mesh.node_offsets, "coo")
         operator.set_topology([self.mesh.cells], physics.mask)
         rhs = np.zeros_like(self.mesh.X)

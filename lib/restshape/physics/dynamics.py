@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import ReplayProblem, UserError
-from restshape.physics.solid import LinearSolid
+from restshape.physics.solid import PlaneSolid
 
 MASSES = {"consistent": "mass_tri3", "lumped": "lumped_mass_tri3"}
 CONVERGED = 1e-15
@@ -118,7 +118,7 @@ class Inertia:
         UserError: a material has no density.
     """
 
-    def __init__(self, solid: LinearSolid, mass: str) -> None:
+    def __init__(self, solid: PlaneSolid, mass: str) -> None:
         self.solid, self.mesh, self.lumped = solid, solid.mesh, mass == "lumped"
         self.element = _kernels.Element(MASSES[mass])
         self._consistent, self._lumped = (_kernels.Element(name) for name in MASSES.values())

@@ -8,7 +8,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.physics.dynamics import Inertia
 from restshape.physics.quantities import Observer
-from restshape.physics.solid import LinearSolid
+from restshape.physics.solid import PlaneSolid
 from restshape.scene.model import Quantity
 
 
@@ -40,7 +40,7 @@ class MotionObserver(Observer):
         UserError: a quantity names a place where it has no meaning.
     """
 
-    def __init__(self, physics: LinearSolid, inertia: Inertia, motion: Motion, quantities: dict[str, Quantity]) -> None:
+    def __init__(self, physics: PlaneSolid, inertia: Inertia, motion: Motion, quantities: dict[str, Quantity]) -> None:
         self.inertia, self.motion = inertia, motion
         super().__init__(physics, quantities)
         self.watched = {name: self.functions[name] for name, q in quantities.items() if q.take == "peak"}

@@ -7,7 +7,7 @@ import numpy as np
 from restshape import _kernels
 from restshape.errors import UserError
 from restshape.physics.recovery import NodalStress
-from restshape.physics.solid import LinearSolid
+from restshape.physics.solid import PlaneSolid
 from restshape.scene.model import Quantity
 
 
@@ -56,7 +56,7 @@ class Observer:
         UserError: a quantity names a place where it has no meaning.
     """
 
-    def __init__(self, physics: LinearSolid, quantities: dict[str, Quantity]) -> None:
+    def __init__(self, physics: PlaneSolid, quantities: dict[str, Quantity]) -> None:
         self.physics, self.mesh = physics, physics.mesh
         self.recovery = NodalStress(self.mesh)
         self.functions = {name: self._function(name, quantity) for name, quantity in quantities.items()}

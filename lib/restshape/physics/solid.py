@@ -21,7 +21,7 @@ def lame(material: Material, model: str) -> tuple[float, float]:
     return (E * nu / (1 - nu**2), mu) if model == "plane_stress" else (E * nu / ((1 + nu) * (1 - 2 * nu)), mu)
 
 
-class LinearSolid:
+class PlaneSolid:
     """Linear elasticity of one scene on one mesh: what the operator and the right side are made of.
 
     Args:

@@ -4,7 +4,7 @@ import numpy as np
 
 from restshape.mesh.mesh import Mesh
 from restshape.physics.dynamics import Inertia, Rayleigh
-from restshape.physics.solid import LinearSolid
+from restshape.physics.solid import PlaneSolid
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -23,7 +23,7 @@ class VibratingSolid:
 
     def __init__(self, scene: Scene, plan: Plan, mesh: Mesh) -> None:
         self.mesh = mesh
-        self.solid = LinearSolid(scene, plan, mesh)
+        self.solid = PlaneSolid(scene, plan, mesh)
         self.inertia = Inertia(self.solid, plan.settings("dynamics").mass)
         self.rayleigh = Rayleigh.of(plan.settings("damping"))
         self.held = self.solid.mask.astype(bool)
