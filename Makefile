@@ -3,6 +3,7 @@
 
 restshape := .venv/bin/restshape
 plate := apps/solid/scenes/plate.toml
+cantilever := apps/cantilever/scenes/cantilever.toml
 plate_edits := apps/solid/edits/plate.jsonl
 
 # Two cores hold two ranks or two test workers, one thread each; the rest lets mpiexec start as root, in a
@@ -32,6 +33,8 @@ results: setup
 	$(restshape) report results/plate.vtkhdf --animation none
 	$(restshape) tables
 	$(restshape) bench reuse $(plate) --out results --json results/bench-reuse.json
+	$(restshape) bench predict $(cantilever) --out results
+	$(restshape) bench derivative $(cantilever) --out results
 	.venv/bin/python -m restshape_apps.vibration.resonance --picture results/vibration-resonance.png
 
 lint:

@@ -126,6 +126,7 @@ def make_replay(
     overrides: Sequence[str] = (),
     calibration: Calibration | None = None,
     recorder: Any = None,
+    predict: str = "none",
     **changed: Any,
 ) -> Replay:
     """A replay in this process; `changed` replaces fields of the policy."""
@@ -133,7 +134,7 @@ def make_replay(
     edits = load_script(script, read) if script else Script.empty(read)
     chosen: Policy = replace(policy(name), **changed)
     known = calibration or Calibration.load()
-    return Replay(read, edits, application(read.app), chosen, PETSc.COMM_WORLD, known, recorder)
+    return Replay(read, edits, application(read.app), chosen, PETSc.COMM_WORLD, known, recorder, predict)
 
 
 def rows_of(replay: Replay, look: Callable[[dict[str, Any]], None] = lambda row: None) -> list[dict[str, Any]]:

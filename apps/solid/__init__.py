@@ -1,4 +1,4 @@
-"""Linear elastic solids in the plane, at rest: plates, brackets, membranes.
+"""Elastic solids in the plane, at rest, of small or large deformation: plates, brackets, membranes, beams.
 
 Quantities of interest: displacements, reactions, stresses and strain energy, at points, on edges, or as extremes.
 """
@@ -8,14 +8,62 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from restshape.application import Application, Effect
+from restshape.application import Application, Decision, Effect
+from restshape.errors import UserError
+from restshape.scene.model import Scene
+
+NEARLY_INCOMPRESSIBLE = 0.49
+"""Poisson's ratio above which displacement elements lock."""
 
 
 class Solid(BaseModel):
-    """Keys of ``[effects.solid]``."""
+    """Keys of ``[effects.solid]``.
+
+    Args:
+        element: "displacement", or "mean_dilatation" on second-order triangles, which does not lock where a material
+            hardly changes its volume; "auto" takes that one where Poisson's ratio is above 0.49 in plane strain.
+    """
 
     model_config = ConfigDict(extra="forbid")
     model: Literal["plane_stress", "plane_strain"] = "plane_stress"
+    element: Literal["auto", "displacement", "mean_dilatation"] = "auto"
+
+    def decide(self, scene: Scene) -> Decision:
+        """The element for a scene, and its order; why, where the material is nearly incompressible.
+
+        Raises:
+            UserError: the mean dilatation is asked for where it has no element or no use.
+        """
+        order, asked = scene.mesh.order, self.element
+        if asked == "mean_dilatation":
+            self._refuse_senseless(order)
+        name, nu = max(((name, material.nu) for name, material in scene.material.items()), key=lambda pair: pair[1])
+        stiff = self.model == "plane_strain" and nu > NEARLY_INCOMPRESSIBLE
+        mean = asked == "mean_dilatation" or (stiff and asked == "auto" and order != 1)
+        settings = self.model_copy(update={"element": "mean_dilatation" if mean else "displacement"})
+        cause = f"nu = {nu:g} of material.{name} is above {NEARLY_INCOMPRESSIBLE} in plane strain"
+        if mean:
+            why = f"mean dilatation on second-order triangles, for {cause if stiff else 'the scene asks for it'}"
+            return Decision(settings, why, 2)
+        if not stiff:
+            return Decision(settings)
+        if order == 1:
+            return Decision(settings, f"first-order triangles lock, for {cause}: leave out mesh.order, or set it to 2")
+        return Decision(settings, f"displacement elements as the scene asks, slow to converge, for {cause}", 2)
+
+    def _refuse_senseless(self, order: int | None) -> None:
+        if self.model == "plane_stress":
+            raise UserError(
+                "in plane stress nothing locks, for the thickness gives way",
+                "effects.solid.element",
+                'use element = "displacement", or model = "plane_strain"',
+            )
+        if order == 1:
+            raise UserError(
+                "the mean dilatation needs second-order triangles",
+                "effects.solid.element",
+                "leave out mesh.order, or set it to 2",
+            )
 
 
 class Gravity(BaseModel):
@@ -25,15 +73,28 @@ class Gravity(BaseModel):
     g: Annotated[list[float], Field(min_length=2, max_length=2)] = [0.0, -9.81]
 
 
+class LargeDeformation(BaseModel):
+    """Keys of ``[effects.large_deformation]``: the law of St. Venant and Kirchhoff; pressures follow the boundary.
+
+    Args:
+        load_steps: most steps in which the load of a frame is brought up where one is too long.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+    load_steps: Annotated[int, Field(ge=1)] = 60
+
+
 application = Application(
     name="solid",
-    summary="linear elastic solids in the plane, at rest",
+    summary="elastic solids in the plane, at rest",
     effects={
         "solid": Effect(Solid, "linear elasticity", required=True),
         "gravity": Effect(Gravity, "weight of the body"),
+        "large_deformation": Effect(LargeDeformation, "large displacements and rotations, pressures that follow"),
     },
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.static:StaticAnalysis",
+    analysis="restshape.analysis.nonlinear:static_analysis",
     validation="restshape_apps.solid.validation:CASES",
     thesis="restshape_apps.solid.thesis:rows",
+    orders=(1, 2),
 )

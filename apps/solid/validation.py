@@ -1,15 +1,20 @@
 """Validation cases of linear solids: patch test, manufactured solution, hole, membrane, cantilever, reuse."""
 
-from pathlib import Path
-
 import numpy as np
 from petsc4py import PETSc
+from restshape_apps.solid.incompressible import incompressible
+from restshape_apps.solid.large import csm1, elastica, strip, uniaxial
+from restshape_apps.solid.prediction import slender
+from restshape_apps.solid.second_order import (
+    SCENES,
+    cook_quadratic,
+    le1,
+    quadratic_rates,
+    rates,
+)
 
 from restshape.replay.still import still
 from restshape.validation.case import Case, Check
-from restshape.validation.norms import errors
-
-SCENES = Path(__file__).parent / "scenes"
 
 
 def patch(comm: PETSc.Comm) -> list[Check]:
@@ -23,28 +28,9 @@ def patch(comm: PETSc.Comm) -> list[Check]:
 
 def manufactured(comm: PETSc.Comm) -> list[Check]:
     """Rates of convergence to u = (sin pi x sin pi y, x y (1 - x)(1 - y)) / 1000 under its own body force."""
-
-    def exact(X: np.ndarray) -> np.ndarray:
-        x, y = X.T
-        return 1e-3 * np.column_stack([np.sin(np.pi * x) * np.sin(np.pi * y), x * y * (1 - x) * (1 - y)])
-
-    def gradient(X: np.ndarray) -> np.ndarray:
-        x, y = X.T
-        sx, cx, sy, cy = np.sin(np.pi * x), np.cos(np.pi * x), np.sin(np.pi * y), np.cos(np.pi * y)
-        rows = [[np.pi * cx * sy, np.pi * sx * cy], [(1 - 2 * x) * y * (1 - y), x * (1 - x) * (1 - 2 * y)]]
-        return 1e-3 * np.array(rows).transpose(2, 0, 1)
-
-    found = []
-    for size in (0.08, 0.04, 0.02):
-        replay = still(SCENES / "manufactured.toml", [f"mesh.size={size}"], comm)
-        mesh = replay.moving.mesh
-        found.append((np.sqrt(1.0 / len(mesh.cells)), *errors(mesh, replay.analysis.x, exact, gradient)))
-    h, l2, h1 = np.log(np.array(found)).T
+    l2, h1 = rates("manufactured.toml", 1, comm)
     source = "manufactured solution; rates of linear elements"
-    return [
-        Check("L2 slope", float((l2[-1] - l2[0]) / (h[-1] - h[0])), 2.0, 0.05, source),
-        Check("H1 slope", float((h1[-1] - h1[0]) / (h[-1] - h[0])), 1.0, 0.1, source),
-    ]
+    return [Check("L2 slope", l2, 2.0, 0.05, source), Check("H1 slope", h1, 1.0, 0.1, source)]
 
 
 def kirsch(comm: PETSc.Comm) -> list[Check]:
@@ -80,5 +66,14 @@ CASES: dict[str, Case] = {
     "manufactured": manufactured,
     "kirsch": kirsch,
     "cook": cook,
+    "incompressible": incompressible,
     "timoshenko": timoshenko,
+    "slender": slender,
+    "quadratic_rates": quadratic_rates,
+    "cook_quadratic": cook_quadratic,
+    "le1": le1,
+    "uniaxial": uniaxial,
+    "strip": strip,
+    "elastica": elastica,
+    "csm1": csm1,
 }

@@ -1,4 +1,4 @@
-"""Linear elastic solids that vibrate in the plane, on ground that shakes while their shape is edited.
+"""Elastic solids that vibrate in the plane, of small or large deformation, on ground that shakes during an edit.
 
 Every frame of an edit but the first, idle ones too, advances the motion by `steps` time steps of `time_step`; the first
 shows the body at rest at time 0. So simulated time follows from the number of frames; the edit times of a script say
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
-from restshape_apps.solid import Solid
+from restshape_apps.solid import Gravity, LargeDeformation, Solid
 
 from restshape.application import Application, Effect
 from restshape.scene.units import UnitError
@@ -87,14 +87,17 @@ class Damping(Strict):
 
 application = Application(
     name="vibration",
-    summary="linear elastic solids that vibrate, on shaking ground",
+    summary="elastic solids that vibrate, on shaking ground",
     effects={
         "dynamics": Effect(Dynamics, "motion in time by Newmark's method", required=True),
         "solid": Effect(Solid, "linear elasticity", required=True),
         "ground": Effect(Ground, "ground that shakes at one frequency"),
         "damping": Effect(Damping, "Rayleigh damping"),
+        "gravity": Effect(Gravity, "weight of the body, which acts at once"),
+        "large_deformation": Effect(LargeDeformation, "large displacements and rotations, pressures that follow"),
     },
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.transient:TransientAnalysis",
+    analysis="restshape.analysis.swinging:transient_analysis",
     validation="restshape_apps.vibration.validation:CASES",
+    orders=(1, 2),
 )

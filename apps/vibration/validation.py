@@ -6,7 +6,10 @@ from types import SimpleNamespace
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_apps.vibration.large import csm3
 from restshape_apps.vibration.resonance import study
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import lowest_modes
@@ -143,4 +146,47 @@ def resonance(comm: PETSc.Comm) -> list[Check]:
     ]
 
 
-CASES: dict[str, Case] = {"period": period, "energy": energy, "order": order, "resonance": resonance}
+def timoshenko_frequency(length: float, depth: float, E: float, nu: float, rho: float) -> float:
+    """The lowest frequency [Hz] of a clamped beam of rectangular section, with shear and rotary inertia.
+
+    The state (deflection, rotation, moment, shear force) per breadth obeys s' = A s; A(omega) carries the clamped end's
+    two free states to the other end, where moment and shear force vanish at an eigenfrequency. Cowper's shear factor.
+
+    Source: S. P. Timoshenko, Phil. Mag. 43 (1922) 125; G. R. Cowper, J. Appl. Mech. 33 (1966) 335.
+    """
+    area, inertia = depth, depth**3 / 12
+    shear = 10 * (1 + nu) / (12 + 11 * nu) * E / (2 * (1 + nu)) * area
+
+    def end(omega: float) -> float:
+        A = np.zeros((4, 4))
+        A[0, 1], A[0, 3] = 1.0, 1 / shear
+        A[1, 2] = 1 / (E * inertia)
+        A[2, 1], A[2, 3] = -rho * inertia * omega**2, -1.0
+        A[3, 0] = -rho * area * omega**2
+        return float(np.linalg.det(expm(A * length)[2:, 2:]))
+
+    slender = 3.516 / length**2 * np.sqrt(E * inertia / (rho * area))
+    return float(brentq(end, 0.5 * slender, 1.1 * slender)) / (2 * np.pi)
+
+
+def beam(comm: PETSc.Comm) -> list[Check]:
+    """The lowest frequency of the clamped column with second-order triangles, on a coarse mesh and a finer one."""
+    metal = column(comm).session.scene.material["aluminium"]
+    expected = timoshenko_frequency(4.0, 0.5, metal.E, metal.nu, metal.rho)
+    checks = []
+    for size in (0.4, 0.2):
+        for mass in ("consistent", "lumped"):
+            analysis = column(comm, [f"mesh.size={size}", "mesh.order=2", f'effects.dynamics.mass="{mass}"']).analysis
+            what = f"frequency, {mass} mass, {analysis.unknowns} unknowns [Hz]"
+            checks.append(Check(what, first_mode(analysis)[0] / (2 * np.pi), expected, 0.01, "Timoshenko's beam"))
+    return checks
+
+
+CASES: dict[str, Case] = {
+    "period": period,
+    "energy": energy,
+    "order": order,
+    "resonance": resonance,
+    "beam": beam,
+    "csm3": csm3,
+}

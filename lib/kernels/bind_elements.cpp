@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "element.hpp"
+#include "operator.hpp"
 
 namespace py = pybind11;
 using restshape::Element;
@@ -44,12 +45,15 @@ struct Loop {
             "out must be a writeable array of shape (" + std::to_string(rows) + ", " + std::to_string(columns) + ")");
     }
 
+    [[noreturn]] void refuse(py::ssize_t cell, int32_t node) const {
+        throw std::invalid_argument("cell " + std::to_string(cell) + " names node " + std::to_string(node) +
+                                    ", which does not exist");
+    }
+
     const int32_t* gather(py::ssize_t e) {
         const int32_t* cell = cells + e * element.nodes;
         for (int i = 0; i < element.nodes; ++i) {
-            if (cell[i] < 0 || cell[i] >= nodes)
-                throw std::invalid_argument("cell " + std::to_string(e) + " names node " + std::to_string(cell[i]) +
-                                            ", which does not exist");
+            if (cell[i] < 0 || cell[i] >= nodes) refuse(e, cell[i]);
             for (int a = 0; a < element.dim; ++a)
                 Xe[i * element.dim + a] = X[static_cast<size_t>(cell[i]) * element.dim + a];
             for (int a = 0; a < element.fields; ++a)
@@ -74,36 +78,55 @@ struct Loop {
     alignas(64) double xe[restshape::max_unknowns];
 };
 
-void residual(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params,
-              Output out, const std::optional<Cells>& subset) {
-    Loop loop(e, X, x, cells, params);
-    loop.require_output(out, loop.nodes, e.fields);
-    double* target = out.mutable_data();
-    double r[restshape::max_unknowns];
-    const py::ssize_t count = subset ? subset->size() : loop.count;
+// The commonest loop, with its inner counts known to the compiler for the commonest elements.
+template <class Sizes>
+void add_residuals(Sizes sizes, const Loop& loop, const int32_t* subset, py::ssize_t count, double* out) {
+    const Element& e = loop.element;
+    const int nodes = sizes.nodes(), dim = sizes.dim(), fields = sizes.fields();
+    alignas(64) double X[restshape::max_coordinates], x[restshape::max_unknowns], r[restshape::max_unknowns];
     for (py::ssize_t k = 0; k < count; ++k) {
-        const py::ssize_t cell = subset ? subset->data()[k] : k;
+        const py::ssize_t index = subset ? subset[k] : k;
         // No text is made unless it is needed: it would cost more than the element.
-        if (cell < 0 || cell >= loop.count)
-            throw std::invalid_argument("subset names cell " + std::to_string(cell) + ", which does not exist");
-        const int32_t* nodes = loop.gather(cell);
-        e.residual(loop.Xe, loop.xe, loop.p, r);
-        loop.scatter(nodes, r, target);
+        if (index < 0 || index >= loop.count)
+            throw std::invalid_argument("subset names cell " + std::to_string(index) + ", which does not exist");
+        const int32_t* cell = loop.cells + index * nodes;
+        for (int i = 0; i < nodes; ++i) {
+            if (cell[i] < 0 || cell[i] >= loop.nodes) loop.refuse(index, cell[i]);
+            for (int a = 0; a < dim; ++a) X[i * dim + a] = loop.X[static_cast<size_t>(cell[i]) * dim + a];
+            for (int a = 0; a < fields; ++a) x[i * fields + a] = loop.x[static_cast<size_t>(cell[i]) * fields + a];
+        }
+        e.residual(X, x, loop.parameters + index * loop.stride, r);
+        for (int i = 0; i < nodes; ++i)
+            for (int a = 0; a < fields; ++a) out[static_cast<size_t>(cell[i]) * fields + a] += r[i * fields + a];
     }
 }
 
-void design(const Element& e, const Doubles& X, const Doubles& dX, const Doubles& x, const Cells& cells,
-            const Doubles& params, Output out) {
-    Loop loop(e, X, x, cells, params);
-    require(dX.size() == X.size(), "dX must have the shape of X");
+void residual(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params,
+              Output out, const std::optional<Cells>& subset) {
+    const Loop loop(e, X, x, cells, params);
     loop.require_output(out, loop.nodes, e.fields);
     double* target = out.mutable_data();
-    double dXe[restshape::max_coordinates], r[restshape::max_unknowns];
+    const py::ssize_t count = subset ? subset->size() : loop.count;
+    restshape::with_sizes(
+        e, [&](auto sizes) { add_residuals(sizes, loop, subset ? subset->data() : nullptr, count, target); });
+}
+
+void design(const Element& e, const Doubles& X, const Doubles& dX, const Doubles& x, const Cells& cells,
+            const Doubles& params, Output out, const std::optional<Doubles>& dx) {
+    Loop loop(e, X, x, cells, params);
+    require(dX.size() == X.size(), "dX must have the shape of X");
+    require(!dx || dx->size() == x.size(), "dx must have the shape of x");
+    loop.require_output(out, loop.nodes, e.fields);
+    double* target = out.mutable_data();
+    double dXe[restshape::max_coordinates], dxe[restshape::max_unknowns], r[restshape::max_unknowns];
     for (py::ssize_t k = 0; k < loop.count; ++k) {
         const int32_t* cell = loop.gather(k);
         for (int i = 0; i < e.nodes; ++i)
             for (int a = 0; a < e.dim; ++a) dXe[i * e.dim + a] = dX.data()[static_cast<size_t>(cell[i]) * e.dim + a];
-        e.design(loop.Xe, dXe, loop.xe, loop.p, r);
+        for (int i = 0; dx && i < e.nodes; ++i)
+            for (int a = 0; a < e.fields; ++a)
+                dxe[i * e.fields + a] = dx->data()[static_cast<size_t>(cell[i]) * e.fields + a];
+        e.design(loop.Xe, dXe, loop.xe, dx ? dxe : nullptr, loop.p, r);
         loop.scatter(cell, r, target);
     }
 }
@@ -120,14 +143,21 @@ py::array_t<double> energy(const Element& e, const Doubles& X, const Doubles& x,
     return out;
 }
 
-void stress(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params,
-            Output out) {
+void stress(const Element& e, const Doubles& X, const Doubles& x, const Cells& cells, const Doubles& params, Output out,
+            const std::optional<Doubles>& points) {
     Loop loop(e, X, x, cells, params);
     require(e.stress != nullptr, e.name + " has no stress");
-    loop.require_output(out, loop.count, e.stress_components);
+    const double centre[3] = {1.0 / (e.dim + 1), 1.0 / (e.dim + 1), 1.0 / (e.dim + 1)};
+    require(!points || (points->ndim() == 2 && points->shape(1) == e.dim),
+            e.name + " needs points of shape (m, " + std::to_string(e.dim) + ")");
+    const double* at = points ? points->data() : centre;
+    const py::ssize_t count = points ? points->shape(0) : 1;
+    loop.require_output(out, loop.count, count * e.stress_components);
+    double* target = out.mutable_data();
     for (py::ssize_t k = 0; k < loop.count; ++k) {
         loop.gather(k);
-        e.stress(loop.Xe, loop.xe, loop.p, out.mutable_data() + k * e.stress_components);
+        for (py::ssize_t m = 0; m < count; ++m, target += e.stress_components)
+            e.stress(loop.Xe, loop.xe, loop.p, at + m * e.dim, target);
     }
 }
 
@@ -180,11 +210,13 @@ come from dual numbers.)")
         .def("energy", &energy, py::arg("X"), py::arg("x"), py::arg("cells"), py::arg("params"),
              "Energy of each cell (ne,), whose derivative in x is the residual.")
         .def("design", &design, py::arg("X"), py::arg("dX"), py::arg("x"), py::arg("cells"), py::arg("params"),
-             py::arg("out").noconvert(), "Adds (dr/dX) dX at constant x to out (n, fields).")
+             py::arg("out").noconvert(), py::arg("dx") = py::none(),
+             "Adds (dr/dX) dX + (dr/dx) dx to out (n, fields); x is constant without dx.")
         .def("stress", &stress, py::arg("X"), py::arg("x"), py::arg("cells"), py::arg("params"),
-             py::arg("out").noconvert(),
-             "Writes the Cauchy stress at the centroid of each cell to out: xx yy xy zz in 2D (zz of plane strain), "
-             "xx yy xy zz yz xz in 3D [Pa].")
+             py::arg("out").noconvert(), py::arg("points") = py::none(),
+             "Writes Cauchy stresses to out: xx yy xy zz in 2D (zz of plane strain), xx yy xy zz yz xz in 3D [Pa]; at "
+             "the centroids, out (ne, components), or at reference coordinates points (m, dim), out (ne, m, "
+             "components).")
         .def("tangent_block", &tangent_block, py::arg("X"), py::arg("x"), py::arg("params"),
              "Tangent (nodes*fields, nodes*fields) of one cell with nodes X and unknowns x.");
 }

@@ -2,6 +2,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <vector>
 
@@ -40,10 +41,64 @@ py::array_t<int> cells_around(const Ints& cells, const Ints& nodes, int node_cou
     return py::array_t<int>(static_cast<py::ssize_t>(found.size()), found.data());
 }
 
+// Between the chord of a side and the parabola through its middle, to the right of the way from a to b.
+double area_beyond(const double* X, int a, int b, int middle) {
+    const double *p = X + 2 * a, *q = X + 2 * b, *m = X + 2 * middle;
+    return ((m[0] - 0.5 * (p[0] + q[0])) * (q[1] - p[1]) - (m[1] - 0.5 * (p[1] + q[1])) * (q[0] - p[0])) * 2.0 / 3.0;
+}
+
 double total_area(const Reals& X, const Ints& cells) {
     double sum = 0.0;
-    for (py::ssize_t e = 0; e < cells.shape(0); ++e) sum += area(X.data(), cells.data() + cells.shape(1) * e);
+    for (py::ssize_t e = 0; e < cells.shape(0); ++e) {
+        const int* cell = cells.data() + cells.shape(1) * e;
+        sum += area(X.data(), cell);
+        for (int i = 0; i < 3 && cells.shape(1) == 6; ++i)
+            sum += area_beyond(X.data(), cell[i], cell[(i + 1) % 3], cell[3 + i]);
+    }
     return sum;
+}
+
+// Twice the Jacobian of a straight or second-order triangle with these nodes' places at barycentric l.
+double jacobian(const double (*P)[2], int nodes, const double (&l)[3]) {
+    double d[6][2] = {{-1, -1}, {1, 0}, {0, 1}};
+    if (nodes == 6) {
+        const double at[6][2] = {{1 - 4 * l[0], 1 - 4 * l[0]},
+                                 {4 * l[1] - 1, 0},
+                                 {0, 4 * l[2] - 1},
+                                 {4 * (l[0] - l[1]), -4 * l[1]},
+                                 {4 * l[2], 4 * l[1]},
+                                 {-4 * l[2], 4 * (l[0] - l[2])}};
+        std::copy(&at[0][0], &at[0][0] + 12, &d[0][0]);
+    }
+    double F[2][2] = {};
+    for (int i = 0; i < nodes; ++i)
+        for (int a = 0; a < 2; ++a)
+            for (int k = 0; k < 2; ++k) F[a][k] += P[i][a] * d[i][k];
+    return F[0][0] * F[1][1] - F[0][1] * F[1][0];
+}
+
+// A second-order triangle is looked at in its six nodes.
+bool turned_over(const double (*P)[2], int nodes) {
+    constexpr double at[6][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {.5, .5, 0}, {0, .5, .5}, {.5, 0, .5}};
+    for (int k = 0; k < (nodes == 3 ? 1 : 6); ++k)
+        if (!(jacobian(P, nodes, at[k]) > 0.0)) return true;
+    return false;
+}
+
+py::array_t<int> turned_over_cells(const Reals& X, const Reals& u, const Ints& cells) {
+    const int nodes = static_cast<int>(cells.shape(1));
+    if ((nodes != 3 && nodes != 6) || X.size() != u.size() || X.shape(1) != 2)
+        throw std::invalid_argument("X and u must be (n, 2), cells (ne, 3) or (ne, 6)");
+    std::vector<int> found;
+    for (py::ssize_t e = 0; e < cells.shape(0); ++e) {
+        double P[6][2];
+        for (int i = 0; i < nodes; ++i) {
+            const py::ssize_t node = cells.data()[nodes * e + i];
+            for (int a = 0; a < 2; ++a) P[i][a] = X.data()[2 * node + a] + u.data()[2 * node + a];
+        }
+        if (turned_over(P, nodes)) found.push_back(static_cast<int>(e));
+    }
+    return py::array_t<int>(static_cast<py::ssize_t>(found.size()), found.data());
 }
 
 }  // namespace
@@ -56,5 +111,8 @@ void bind_fields(py::module_& m) {
     m.def("cells_around", &cells_around, py::arg("cells").noconvert(), py::arg("nodes").noconvert(),
           py::arg("node_count"), "Cells (k,), ascending, of which a corner is one of the nodes.");
     m.def("total_area", &total_area, py::arg("X").noconvert(), py::arg("cells").noconvert(),
-          "Sum of the signed areas of triangles [m^2].");
+          "Sum of the signed areas of triangles of first or second order [m^2].");
+    m.def("turned_over_cells", &turned_over_cells, py::arg("X").noconvert(), py::arg("u").noconvert(),
+          py::arg("cells").noconvert(),
+          "Cells (k,) that the displacement u (n, 2) turns over: det F <= 0, at a node where they are of second order.");
 }

@@ -52,29 +52,38 @@ void set_constraints(Operator& op, const py::array_t<uint8_t, py::array::c_style
     op.set_constraints(mask.data());
 }
 
-void add(Operator& op, int block, const Element& e, const Doubles& X, const Doubles& x, const Doubles& params,
-         double coef, std::optional<Output> rhs, std::optional<double> residual_coef) {
-    const Block& b = op.block(block);
+// A term as Python gives it: its arrays stay alive through the tuple.
+restshape::Term term_of(const Operator& op, const Block& b, const Element& e, const Doubles& x, const Doubles& params,
+                        double coef, double residual_coef) {
     const py::ssize_t n = op.nodes(), np = static_cast<py::ssize_t>(e.parameters.size());
-    require(X.size() == n * e.dim,
-            e.name + " needs X of shape (" + std::to_string(n) + ", " + std::to_string(e.dim) + ")");
     require(x.size() == n * e.fields,
             e.name + " needs x of shape (" + std::to_string(n) + ", " + std::to_string(e.fields) + ")");
     const bool each = params.ndim() == 2 && params.shape(0) == b.count && params.shape(1) == np;
     require(each || (params.ndim() == 1 && params.size() == np),
             e.name + " needs params of shape (" + std::to_string(np) + ",) or (" + std::to_string(b.count) + ", " +
                 std::to_string(np) + ")");
-    require(!rhs || (rhs->size() == n * e.fields && rhs->writeable()),
-            "rhs must be a writeable array of " + std::to_string(n * e.fields) + " numbers");
-    restshape::Terms terms;
-    terms.X = X.data();
-    terms.x = x.data();
-    terms.parameters = params.data();
-    terms.parameter_stride = each ? static_cast<int>(np) : 0;
-    terms.coef = coef;
-    terms.residual_coef = residual_coef.value_or(coef);
-    terms.rhs = rhs ? rhs->mutable_data() : nullptr;
-    op.add(block, e, terms);
+    return {&e, x.data(), params.data(), each ? static_cast<int>(np) : 0, coef, residual_coef};
+}
+
+void add(Operator& op, int block, const Doubles& X, const py::list& parts, std::optional<Output> rhs) {
+    const Block& b = op.block(block);
+    restshape::Terms terms{X.data(), rhs ? rhs->mutable_data() : nullptr, {}};
+    std::vector<Doubles> held;  // converted copies live until the loop is done
+    for (py::handle part : parts) {
+        const auto given = py::cast<py::tuple>(part);
+        require(given.size() == 4 || given.size() == 5, "a term is (element, x, params, coef[, residual_coef])");
+        const auto& e = given[0].cast<const Element&>();
+        require(X.size() == static_cast<py::ssize_t>(op.nodes()) * e.dim,
+                e.name + " needs X of shape (" + std::to_string(op.nodes()) + ", " + std::to_string(e.dim) + ")");
+        held.push_back(given[1].cast<Doubles>());
+        held.push_back(given[2].cast<Doubles>());
+        const double coef = given[3].cast<double>();
+        terms.list.push_back(term_of(op, b, e, held[held.size() - 2], held.back(), coef,
+                                     given.size() == 5 ? given[4].cast<double>() : coef));
+    }
+    require(!rhs || (rhs->size() == static_cast<py::ssize_t>(op.nodes()) * op.fields() && rhs->writeable()),
+            "rhs must be a writeable array of " + std::to_string(op.nodes() * op.fields()) + " numbers");
+    op.add(block, terms);
 }
 
 // petsc4py's own constructor, which takes a reference; petsc4py publishes it as a capsule for C code.
@@ -119,11 +128,11 @@ void bind_operator(py::module_& m) {
         .def("set_constraints", &set_constraints, py::arg("mask"),
              "Marks constrained unknowns: mask uint8 (n*fields,) is 1 there.")
         .def("begin", &Operator::begin, "Starts new values at zero.")
-        .def("add", &add, py::arg("block"), py::arg("element"), py::arg("X"), py::arg("x"), py::arg("params"),
-             py::arg("coef") = 1.0, py::arg("rhs").noconvert() = py::none(), py::arg("residual_coef") = py::none(),
-             "Adds coef * tangent to the matrix and subtracts residual_coef * residual from own rows of rhs "
-             "(n*fields,); residual_coef is coef unless given. Constrained rows and columns are left out, their "
-             "diagonal gets the sum of |coef * K_ii|, their rhs nothing.")
+        .def("add", &add, py::arg("block"), py::arg("X"), py::arg("terms"), py::arg("rhs").noconvert() = py::none(),
+             "For each term (element, x, params, coef[, residual_coef]) of a list, adds coef * tangent to the matrix "
+             "and subtracts residual_coef * residual (coef unless given) from own rows of rhs (n*fields,); all terms "
+             "of a cell are scattered together. Constrained rows and columns are left out, their diagonal gets the "
+             "sum of |coef * K_ii|, their rhs nothing.")
         .def("end", &Operator::end, "Hands the values to PETSc.")
         .def_property_readonly("mat", &petsc4py_mat, "The matrix as a petsc4py Mat with a reference of its own.")
         .def_property_readonly(

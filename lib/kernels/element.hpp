@@ -19,15 +19,16 @@ struct Element {
 
     using Residual = void (*)(const double* X, const double* x, const double* p, double* r);
     using Tangent = void (*)(const double* X, const double* x, const double* p, double* r, double* K);
-    using Design = void (*)(const double* X, const double* dX, const double* x, const double* p, double* r);
+    using Design = void (*)(const double* X, const double* dX, const double* x, const double* dx, const double* p,
+                            double* r);
     using Energy = double (*)(const double* X, const double* x, const double* p);
-    using Stress = void (*)(const double* X, const double* x, const double* p, double* s);
+    using Stress = void (*)(const double* X, const double* x, const double* p, const double* xi, double* s);
 
     Residual residual;
     Tangent residual_tangent;  // residual and dr/dx in one pass; null where the residual does not depend on x
-    Design design;             // dr/dX . dX
+    Design design;             // dr/dX . dX + dr/dx . dx; without the second where dx is null
     Energy energy;             // null where there is none
-    Stress stress;             // null where there is none
+    Stress stress;             // at reference coordinates xi; null where there is none
 
     int unknowns() const { return nodes * fields; }
 };
@@ -39,8 +40,9 @@ const Element& element(const std::string& name);  // throws std::invalid_argumen
 
 namespace detail {
 
+// Flat: with many elements in one file the compiler would stop inlining the arithmetic of duals.
 template <class E>
-void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
+[[gnu::flatten]] void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
     constexpr int n = E::nodes * E::fields;
     using D = Dual<n>;
     D xd[n], rd[n];
@@ -53,21 +55,39 @@ void tangent(const double* X, const double* x, const double* p, double* r, doubl
 }
 
 template <class E>
-void design(const double* X, const double* dX, const double* x, const double* p, double* r) {
+void design(const double* X, const double* dX, const double* x, const double* dx, const double* p, double* r) {
     constexpr int n = E::nodes * E::fields, m = E::nodes * E::dim;
     using D = Dual<1>;
     D Xd[m], rd[n];
     for (int k = 0; k < m; ++k) Xd[k] = D(X[k], D::Lanes::Constant(dX[k]));
-    E::residual(Xd, x, p, rd);
+    if (dx) {
+        D xd[n];
+        for (int k = 0; k < n; ++k) xd[k] = D(x[k], D::Lanes::Constant(dx[k]));
+        E::residual(Xd, xd, p, rd);
+    } else {
+        E::residual(Xd, x, p, rd);
+    }
     for (int k = 0; k < n; ++k) r[k] = rd[k].d[0];
 }
+
+template <class E, class = void>
+struct TangentOf {
+    static constexpr Element::Tangent value = tangent<E>;
+};
+template <class E>
+struct TangentOf<E, std::void_t<decltype(&E::tangent)>> {
+    // Six unknowns fill one register of duals: the plain way is the faster one then.
+    static constexpr Element::Tangent value = E::nodes * E::fields <= 6 ? tangent<E> : E::tangent;
+};
 
 }  // namespace detail
 
 // An element type E has nodes, dim, fields, symmetric, has_tangent, stress_components, parameters() and
 //   template <class SX, class Sx, class R> static void residual(const SX* X, const Sx* x, const double* p, R* r)
 //   template <class SX, class Sx> static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p)
-//   static void stress(const double* X, const double* x, const double* p, double* s)   (if stress_components > 0)
+//   static void stress(const double* X, const double* x, const double* p, const double* xi, double* s)
+// the energy if it is symmetric, the stress if it has components of it; and may have a tangent of its own where that is
+// faster than dual numbers of all unknowns.
 template <class E>
 Element element_of(const char* name) {
     constexpr int n = E::nodes * E::fields;
@@ -83,9 +103,10 @@ Element element_of(const char* name) {
               E::template residual<double, double, double>,
               nullptr,
               detail::design<E>,
-              E::template energy<double, double>,
+              nullptr,
               nullptr};
-    if constexpr (E::has_tangent) e.residual_tangent = detail::tangent<E>;
+    if constexpr (E::has_tangent) e.residual_tangent = detail::TangentOf<E>::value;
+    if constexpr (E::symmetric) e.energy = E::template energy<double, double>;
     if constexpr (E::stress_components > 0) e.stress = E::stress;
     return e;
 }

@@ -5,23 +5,31 @@ namespace py = pybind11;
 
 void bind_boundary(py::module_&);
 void bind_build(py::module_&);
+void bind_curves(py::module_&);
 void bind_elements(py::module_&);
+void bind_extrude(py::module_&);
 void bind_operator(py::module_&);
 void bind_mesh(py::module_&);
 void bind_mesher(py::module_&);
 void bind_order(py::module_&);
 void bind_outline(py::module_&);
+void bind_space(py::module_&);
 void bind_fields(py::module_&);
+void bind_second_order(py::module_&);
 
 PYBIND11_MODULE(_kernels, m) {
     m.doc() = "Compiled kernels of restshape: elements, assembly, mesh operations.";
     bind_boundary(m);
     bind_build(m);
+    bind_curves(m);
     bind_elements(m);
+    bind_extrude(m);
     bind_operator(m);
     bind_mesh(m);
     bind_mesher(m);
     bind_order(m);
     bind_outline(m);
+    bind_space(m);
     bind_fields(m);
+    bind_second_order(m);
 }

@@ -155,13 +155,17 @@ void Operator::begin() {
     zero();
 }
 
-void Operator::add(int k, const Element& element, const Terms& terms) {
+void Operator::add(int k, const Terms& terms) {
     if (!filling_) throw std::runtime_error("an operator needs begin before add");
-    if (element.fields != fields_ || element.nodes != block(k).nodes)
-        throw std::invalid_argument(element.name + " has " + std::to_string(element.nodes) + " nodes and " +
-                                    std::to_string(element.fields) + " fields; block " + std::to_string(k) + " has " +
-                                    std::to_string(block(k).nodes) + ", the operator " + std::to_string(fields_));
-    assemble(k, element, terms);
+    if (terms.list.empty()) throw std::invalid_argument("a sum needs a term");
+    for (const Term& term : terms.list) {
+        const Element& e = *term.element;
+        if (e.fields != fields_ || e.nodes != block(k).nodes || e.dim != terms.list.front().element->dim)
+            throw std::invalid_argument(e.name + " has " + std::to_string(e.nodes) + " nodes and " +
+                                        std::to_string(e.fields) + " fields; block " + std::to_string(k) + " has " +
+                                        std::to_string(block(k).nodes) + ", the operator " + std::to_string(fields_));
+    }
+    assemble(k, terms);
 }
 
 void Operator::end() {

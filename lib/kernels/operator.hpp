@@ -17,12 +17,19 @@ static_assert(sizeof(PetscScalar) == sizeof(double), "restshape needs a PETSc of
 // Throws std::runtime_error with PETSc's message.
 void check(PetscErrorCode code, const char* call);
 
-// What `add` assembles: matrix += coef * tangent, rhs -= residual_coef * residual (rhs may be null).
-struct Terms {
-    const double *X, *x, *parameters;
+// One element of a sum: matrix += coef * tangent, rhs -= residual_coef * residual.
+struct Term {
+    const Element* element;
+    const double *x, *parameters;
     int parameter_stride;  // 0: the same for all elements
     double coef, residual_coef;
+};
+
+// What `add` assembles on the cells of a block, each scattered once for all terms (rhs may be null).
+struct Terms {
+    const double* X;
     double* rhs;
+    std::vector<Term> list;
 };
 
 class Operator {
@@ -37,7 +44,7 @@ class Operator {
     void patch(int block, const int32_t* changed, int count);
     void set_constraints(const uint8_t* mask);
     void begin();
-    void add(int block, const Element& element, const Terms& terms);
+    void add(int block, const Terms& terms);
     void end();
 
     Mat mat() const;
@@ -54,7 +61,7 @@ class Operator {
     virtual void new_pattern() = 0;
     virtual void patch_pattern(int block, const int32_t* changed, int count) = 0;
     virtual void zero() = 0;
-    virtual void assemble(int block, const Element& element, const Terms& terms) = 0;
+    virtual void assemble(int block, const Terms& terms) = 0;
     virtual void set_diagonal(int dof, double value) = 0;
     virtual void finish() = 0;
 
@@ -63,10 +70,9 @@ class Operator {
     bool owned(int32_t node) const { return node >= node_offsets_[rank_] && node < node_offsets_[rank_ + 1]; }
     int own_nodes() const { return node_offsets_[rank_ + 1] - node_offsets_[rank_]; }
 
-    // Calls scatter(k, e, cell, K) with the constrained tangent of each element e = list[k] (all if list is null).
+    // Calls scatter(k, e, cell, K) with the constrained sum of the tangents of each cell e = list[k] (all if null).
     template <class Sizes, class Scatter>
-    void element_loop(Sizes sizes, int block, const Element& element, const Terms& terms, const int32_t* list,
-                      int count, Scatter scatter);
+    void element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count, Scatter scatter);
 
     MPI_Comm comm_;
     int fields_, rank_;
@@ -76,6 +82,12 @@ class Operator {
  private:
     void check_cells(const Block& block, const int32_t* list, int count) const;
     void flag_constrained(int block, const int32_t* list, int count);
+    void subtract(const int32_t* cell, int nodes, int fields, double coef, const double* r, double* rhs) const {
+        for (int i = 0; i < nodes; ++i)
+            if (owned(cell[i]))
+                for (int a = 0; a < fields; ++a)
+                    rhs[static_cast<size_t>(cell[i]) * fields + a] -= coef * r[i * fields + a];
+    }
     void release_retired();
     void stop_filling();
     void constrain(const Element& element, const int32_t* cell, double coef, double* r, double* K);
@@ -93,12 +105,14 @@ class Operator {
 // Sizes of an element, known to the compiler where they are not 0.
 template <int Nodes, int Dim, int Fields>
 struct Sizes {
+    static constexpr int fixed_fields = Fields ? Fields : Eigen::Dynamic;
     int nodes_, dim_, fields_;
 
     explicit Sizes(const Element& e) : nodes_(e.nodes), dim_(e.dim), fields_(e.fields) {}
     int nodes() const { return Nodes ? Nodes : nodes_; }
     int dim() const { return Dim ? Dim : dim_; }
     int fields() const { return Fields ? Fields : fields_; }
+    int stride() const { return padded_lanes(nodes() * fields()); }  // of an element's tangent
 };
 
 // Runs the same loop with its inner counts unrolled for the commonest sizes.
@@ -119,32 +133,38 @@ std::unique_ptr<Operator> make_csr_operator(bool world, int fields, std::vector<
 std::unique_ptr<Operator> make_coo_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
 
 template <class Sizes, class Scatter>
-void Operator::element_loop(Sizes sizes, int block, const Element& element, const Terms& t, const int32_t* list,
-                            int count, Scatter scatter) {
-    alignas(64) double X[max_coordinates], x[max_unknowns], r[max_unknowns], K[max_tangent];
+void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count,
+                            Scatter scatter) {
+    alignas(64) double X[max_coordinates], x[max_unknowns], r[max_unknowns], K[max_tangent], sum[max_tangent];
     const Block& b = blocks_[block];
     const uint8_t* flagged = flagged_[block].data();
     const int nodes = sizes.nodes(), dim = sizes.dim(), fields = sizes.fields();
+    const int entries = nodes * fields * sizes.stride();
     for (int k = 0; k < count; ++k) {
         const int e = list ? list[k] : k;
         const int32_t* cell = b.cell(e);
-        for (int i = 0; i < nodes; ++i) {
-            for (int a = 0; a < dim; ++a) X[i * dim + a] = t.X[static_cast<size_t>(cell[i]) * dim + a];
-            for (int a = 0; a < fields; ++a) x[i * fields + a] = t.x[static_cast<size_t>(cell[i]) * fields + a];
-        }
-        const double* p = t.parameters + static_cast<size_t>(e) * t.parameter_stride;
-        if (element.residual_tangent)
-            element.residual_tangent(X, x, p, r, K);
-        else
-            element.residual(X, x, p, r);
-        if (flagged[e]) constrain(element, cell, t.coef, r, K);
-        if (t.rhs)
+        for (int i = 0; i < nodes; ++i)
+            for (int a = 0; a < dim; ++a) X[i * dim + a] = terms.X[static_cast<size_t>(cell[i]) * dim + a];
+        bool filled = false;
+        for (const Term& t : terms.list) {
             for (int i = 0; i < nodes; ++i)
-                if (owned(cell[i])) {
-                    double* row = t.rhs + static_cast<size_t>(cell[i]) * fields;
-                    for (int a = 0; a < fields; ++a) row[a] -= t.residual_coef * r[i * fields + a];
-                }
-        if (element.residual_tangent) scatter(k, e, cell, K);
+                for (int a = 0; a < fields; ++a) x[i * fields + a] = t.x[static_cast<size_t>(cell[i]) * fields + a];
+            const double* p = t.parameters + static_cast<size_t>(e) * t.parameter_stride;
+            const bool tangent = t.element->residual_tangent != nullptr;
+            if (tangent)
+                t.element->residual_tangent(X, x, p, r, K);
+            else
+                t.element->residual(X, x, p, r);
+            if (flagged[e]) constrain(*t.element, cell, t.coef, r, K);
+            if (terms.rhs) subtract(cell, nodes, fields, t.residual_coef, r, terms.rhs);
+            if (!tangent) continue;
+            if (filled)
+                for (int q = 0; q < entries; ++q) sum[q] += t.coef * K[q];
+            else
+                for (int q = 0; q < entries; ++q) sum[q] = t.coef * K[q];
+            filled = true;
+        }
+        if (filled) scatter(k, e, cell, sum);
     }
 }
 

@@ -38,17 +38,16 @@ class CooOperator final : public Operator {
 
     void zero() override { std::fill(value_.begin(), value_.end(), 0.0); }
 
-    void assemble(int block, const Element& element, const Terms& terms) override {
+    void assemble(int block, const Terms& terms) override {
         double* value = value_.data() + first_[block];
         const std::vector<int32_t>& list = touching_[block];
-        const int stride = element.tangent_stride;
-        with_sizes(element, [&](auto sizes) {
-            element_loop(sizes, block, element, terms, list.data(), static_cast<int>(list.size()),
+        with_sizes(*terms.list.front().element, [&](auto sizes) {
+            element_loop(sizes, block, terms, list.data(), static_cast<int>(list.size()),
                          [=](int k, int, const int32_t*, const double* K) {
-                             const int n = sizes.nodes() * sizes.fields();
+                             const int n = sizes.nodes() * sizes.fields(), stride = sizes.stride();
                              double* v = value + static_cast<size_t>(k) * n * n;
                              for (int i = 0; i < n; ++i)
-                                 for (int j = 0; j < n; ++j) v[i * n + j] += terms.coef * K[i * stride + j];
+                                 for (int j = 0; j < n; ++j) v[i * n + j] += K[i * stride + j];
                          });
         });
     }

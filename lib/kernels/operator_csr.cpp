@@ -57,8 +57,8 @@ class CsrOperator final : public Operator {
 
     void zero() override { std::fill(arrays_->value.begin(), arrays_->value.end(), 0.0); }
 
-    void assemble(int block, const Element& element, const Terms& terms) override {
-        with_sizes(element, [&](auto sizes) { assemble(sizes, block, element, terms); });
+    void assemble(int block, const Terms& terms) override {
+        with_sizes(*terms.list.front().element, [&](auto sizes) { assemble(sizes, block, terms); });
     }
 
     void set_diagonal(int dof, double value) override {
@@ -75,15 +75,13 @@ class CsrOperator final : public Operator {
 
  private:
     template <class Sizes>
-    void assemble(Sizes sizes, int block, const Element& element, const Terms& terms) {
-        const int stride = element.tangent_stride;
+    void assemble(Sizes sizes, int block, const Terms& terms) {
         const int32_t* start = graph_.start.data();
         double* value = arrays_->value.data();
-        const double coef = terms.coef;
         const Block& b = blocks_[block];
-        element_loop(sizes, block, element, terms, nullptr, b.count,
+        element_loop(sizes, block, terms, nullptr, b.count,
                      [=, &b](int, int e, const int32_t* cell, const double* K) {
-                         const int count = sizes.nodes(), fields = sizes.fields();
+                         const int count = sizes.nodes(), fields = sizes.fields(), stride = sizes.stride();
                          const uint16_t* offset = b.offsets(e);
                          for (int i = 0; i < count; ++i, offset += count) {
                              const int32_t first = start[cell[i]];
@@ -91,8 +89,9 @@ class CsrOperator final : public Operator {
                              double* row = value + static_cast<size_t>(first) * fields * fields;
                              for (int a = 0; a < fields; ++a, row += length, K += stride)
                                  for (int j = 0; j < count; ++j) {
-                                     double* target = row + offset[j] * fields;
-                                     for (int c = 0; c < fields; ++c) target[c] += coef * K[j * fields + c];
+                                     using Values = Eigen::Array<double, Sizes::fixed_fields, 1>;
+                                     Eigen::Map<Values> target(row + offset[j] * fields, fields);
+                                     target += Eigen::Map<const Values>(K + j * fields, fields);
                                  }
                          }
                      });

@@ -8,12 +8,17 @@
 namespace restshape {
 
 // Quadrature: `at` reference coordinates, `weight` (their sum is the measure of the reference element).
-// Sources: triangle rules of degree 1 and 4 by Dunavant (1985), tetrahedron rule of degree 3 by Witherden
-// and Vincent (2015), Gauss-Legendre on [0, 1].
+// Sources: triangle rules of degree 1, 2, 4 and 6 by Dunavant (1985), tetrahedron rules of degree 2 by Keast (1986), of
+// degree 3 by Witherden and Vincent (2015) and of degree 5 by Walkington (2000), Gauss-Legendre on [0, 1].
 struct TriRule1 {
     static constexpr int points = 1, dim = 2;
     static constexpr double at[1][2] = {{1.0 / 3, 1.0 / 3}};
     static constexpr double weight[1] = {0.5};
+};
+struct TriRule3 {
+    static constexpr int points = 3, dim = 2;
+    static constexpr double at[3][2] = {{1.0 / 6, 1.0 / 6}, {2.0 / 3, 1.0 / 6}, {1.0 / 6, 2.0 / 3}};
+    static constexpr double weight[3] = {1.0 / 6, 1.0 / 6, 1.0 / 6};
 };
 struct TriRule6 {
     static constexpr int points = 6, dim = 2;
@@ -22,10 +27,27 @@ struct TriRule6 {
     static constexpr double at[6][2] = {{a, a}, {1 - 2 * a, a}, {a, 1 - 2 * a}, {b, b}, {1 - 2 * b, b}, {b, 1 - 2 * b}};
     static constexpr double weight[6] = {wa, wa, wa, wb, wb, wb};
 };
+struct TriRule12 {
+    static constexpr int points = 12, dim = 2;
+    static constexpr double a = 0.24928674517091042129, b = 0.063089014491502227340;
+    static constexpr double c = 0.053145049844816947353, d = 0.31035245103378440542;
+    static constexpr double wa = 0.11678627572637936603 / 2, wb = 0.050844906370206816921 / 2;
+    static constexpr double wc = 0.082851075618373575194 / 2;
+    static constexpr double at[12][2] = {{a, a},         {1 - 2 * a, a}, {a, 1 - 2 * a}, {b, b},
+                                         {1 - 2 * b, b}, {b, 1 - 2 * b}, {c, d},         {d, c},
+                                         {c, 1 - c - d}, {1 - c - d, c}, {d, 1 - c - d}, {1 - c - d, d}};
+    static constexpr double weight[12] = {wa, wa, wa, wb, wb, wb, wc, wc, wc, wc, wc, wc};
+};
 struct TetRule1 {
     static constexpr int points = 1, dim = 3;
     static constexpr double at[1][3] = {{0.25, 0.25, 0.25}};
     static constexpr double weight[1] = {1.0 / 6};
+};
+struct TetRule4 {
+    static constexpr int points = 4, dim = 3;
+    static constexpr double a = 0.13819660112501051518, b = 0.58541019662496845446;
+    static constexpr double at[4][3] = {{a, a, a}, {b, a, a}, {a, b, a}, {a, a, b}};
+    static constexpr double weight[4] = {1.0 / 24, 1.0 / 24, 1.0 / 24, 1.0 / 24};
 };
 struct TetRule8 {
     static constexpr int points = 8, dim = 3;
@@ -34,6 +56,18 @@ struct TetRule8 {
     static constexpr double at[8][3] = {{a, a, a}, {1 - 3 * a, a, a}, {a, 1 - 3 * a, a}, {a, a, 1 - 3 * a},
                                         {b, b, b}, {1 - 3 * b, b, b}, {b, 1 - 3 * b, b}, {b, b, 1 - 3 * b}};
     static constexpr double weight[8] = {wa, wa, wa, wa, wb, wb, wb, wb};
+};
+struct TetRule14 {
+    static constexpr int points = 14, dim = 3;
+    static constexpr double a = 0.31088591926330060980, b = 0.092735250310891226402, c = 0.45449629587435035051;
+    static constexpr double d = 0.5 - c;
+    static constexpr double wa = 0.11268792571801585080 / 6, wb = 0.073493043116361949544 / 6;
+    static constexpr double wc = 0.042546020777081466438 / 6;
+    static constexpr double at[14][3] = {{a, a, a}, {1 - 3 * a, a, a}, {a, 1 - 3 * a, a}, {a, a, 1 - 3 * a},
+                                         {b, b, b}, {1 - 3 * b, b, b}, {b, 1 - 3 * b, b}, {b, b, 1 - 3 * b},
+                                         {c, c, d}, {c, d, c},         {d, c, c},         {c, d, d},
+                                         {d, c, d}, {d, d, c}};
+    static constexpr double weight[14] = {wa, wa, wa, wa, wb, wb, wb, wb, wc, wc, wc, wc, wc, wc};
 };
 struct LineRule2 {
     static constexpr int points = 2, dim = 1;
@@ -138,7 +172,14 @@ struct Solid {
     static S gradients(int q, const S* X, S (&G)[nodes][dim]) {
         return gradients(table.slope[q], Rule::weight[q], X, G);
     }
-    // The same anywhere: xi are reference coordinates. Returns the determinant of the map.
+    // The volume that point q stands for.
+    template <class S>
+    static S volume(int q, const S* X) {
+        S J[dim][dim], C[dim][dim];
+        jacobian(table.slope[q], X, J);
+        return cofactors(J, C) * Rule::weight[q];
+    }
+    // The gradients anywhere: xi are reference coordinates. Returns the determinant of the map.
     template <class S>
     static S gradients_at(const double* xi, const S* X, S (&G)[nodes][dim]) {
         double slope[nodes][dim] = {};
@@ -148,8 +189,7 @@ struct Solid {
 
  private:
     template <class S>
-    static S gradients(const double (&slope)[nodes][dim], double weight, const S* X, S (&G)[nodes][dim]) {
-        S J[dim][dim], C[dim][dim];
+    static void jacobian(const double (&slope)[nodes][dim], const S* X, S (&J)[dim][dim]) {
         for (int a = 0; a < dim; ++a)
             for (int b = 0; b < dim; ++b) {
                 if constexpr (Basis::order == 1) {
@@ -159,6 +199,11 @@ struct Solid {
                     for (int i = 1; i < nodes; ++i) J[a][b] += X[i * dim + a] * slope[i][b];
                 }
             }
+    }
+    template <class S>
+    static S gradients(const double (&slope)[nodes][dim], double weight, const S* X, S (&G)[nodes][dim]) {
+        S J[dim][dim], C[dim][dim];
+        jacobian(slope, X, J);
         const S determinant = cofactors(J, C), inverse = 1.0 / determinant;
         for (int a = 0; a < dim; ++a) {
             S F[dim];
@@ -196,11 +241,16 @@ struct Side {
     }
 };
 
-// Second order: enough points that a linear field on curved sides is in exact equilibrium (degree 2 in 2D, 3 in 3D).
+// Second order: enough points that a linear field on curved sides is in exact equilibrium (degree 2 in 2D, 3 in 3D),
+// and that the energy of small strains is exact on straight ones (degree 2); that of large strains is a quartic.
 using Tri3 = Solid<Linear<2>, TriRule1>;
+using Tri6Small = Solid<Quadratic<2>, TriRule3>;
 using Tri6 = Solid<Quadratic<2>, TriRule6>;
+using Tri6Mass = Solid<Quadratic<2>, TriRule12>;  // exact for products of two displacements, on curved sides too
 using Tet4 = Solid<Linear<3>, TetRule1>;
 using Tet10 = Solid<Quadratic<3>, TetRule8>;
+using Tet10Straight = Solid<Quadratic<3>, TetRule4>;  // exact for small strains on straight sides
+using Tet10Mass = Solid<Quadratic<3>, TetRule14>;  // exact for products of two displacements, on straight sides
 using Line2 = Side<Linear<1>, LineRule2>;
 using Line3 = Side<Quadratic<1>, LineRule3>;
 

@@ -1,16 +1,48 @@
 """Applications: what composes the library for one kind of object, found through entry points."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from pydantic import BaseModel
 
 from restshape.errors import UserError
+
+if TYPE_CHECKING:
+    from restshape.scene.model import Scene
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What an effect settles for one scene.
+
+    Args:
+        settings: its keys, with nothing left open.
+        why: for people; empty where there was nothing to decide.
+        order: the element order that it wants where the scene names none; None: it does not matter.
+    """
+
+    settings: BaseModel
+    why: str = ""
+    order: int | None = None
+
+
+@runtime_checkable
+class Deciding(Protocol):
+    """An effect model with keys that the scene as a whole decides."""
+
+    def decide(self, scene: Scene) -> Decision:
+        """The decision for a scene whose `mesh.order` is None where nobody has named one.
+
+        Raises:
+            UserError: what the keys ask for makes no sense with this scene.
+        """
 
 
 @dataclass(frozen=True)
@@ -18,7 +50,7 @@ class Effect:
     """One physical effect that an application knows.
 
     Args:
-        model: pydantic model of the keys that ``[effects.NAME]`` may hold.
+        model: pydantic model of the keys that ``[effects.NAME]`` may hold; it may be `Deciding`.
         summary: one line for people.
         required: the application makes no sense without it.
     """
@@ -41,6 +73,10 @@ class Application:
         validation: path ``module:attribute`` of its validation cases by name.
         thesis: path ``module:attribute`` of the function that gives its rows of the thesis's tables.
         orders: element orders that it supports.
+        directions: that supports may fix.
+        layered: bodies have a thickness, which may be a formula, and layers of elements over it.
+        columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
+            has, with their types, for a scene.
     """
 
     name: str
@@ -51,6 +87,9 @@ class Application:
     validation: str = ""
     thesis: str = ""
     orders: tuple[int, ...] = (1,)
+    directions: tuple[str, ...] = ("x", "y")
+    layered: bool = False
+    columns: str = ""
 
     def make_analysis(self) -> Callable[..., Any]:
         """The factory of this application's analysis, imported now."""
@@ -63,6 +102,10 @@ class Application:
     def thesis_rows(self) -> list[dict[str, Any]]:
         """The thesis's numbers beside ours, measured now."""
         return _attribute(self.thesis)() if self.thesis else []
+
+    def own_columns(self, scene: Scene) -> dict[str, Any]:
+        """Names and types of the columns that only this application has."""
+        return _attribute(self.columns)(scene) if self.columns else {}
 
     def scenes(self) -> list[Path]:
         """The scene files that ship with this application, sorted by name."""

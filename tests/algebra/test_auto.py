@@ -110,7 +110,7 @@ def box(m: int, bend: float = 0.0):
     operator.set_constraints(np.repeat(X[:, 2] == 0, 3).astype(np.uint8))
     rhs = np.zeros(X.size)
     operator.begin()
-    operator.add(0, element, np.ascontiguousarray(X), np.zeros_like(X), params, 1.0, rhs)
+    operator.add(0, np.ascontiguousarray(X), [(element, np.zeros_like(X), params, 1.0)], rhs)
     operator.end()
     mat = operator.mat
     b, x = mat.createVecLeft(), mat.createVecRight()

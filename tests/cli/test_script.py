@@ -52,6 +52,10 @@ LINES = [
     "arc left to 0.2 in 4 frames",
     'set material.steel.E = "70 GPa"',
     "delete port",
+    "pull top at 1 1.14 by 0 10 cm pins d (1.5 1.1) in 6 frames, hand-like",
+    "smooth top by 0.4 in 3 frames",
+    "undo",
+    "analyse",
     "idle 10",
     "undo",
     "redo",
@@ -77,6 +81,12 @@ def test_the_script_is_valid_and_leads_where_the_lines_say(scene, tmp_path, caps
     assert sum(outline.length(e) for e in outline.entity("window").edges) == pytest.approx(0.2 * np.pi, rel=1e-12)
     assert outline.names("hole") == ["window"]
     assert frames[-1].scene.material["steel"].E == 70e9
+    # The place under the hand lies on the curve, 10 cm up from where the old curve was.
+    before = next(frame.outline for frame in frames if frame.do == "pull")
+    after = [frame.outline for frame in frames if frame.do == "drag"][-1]
+    old, new = (shape.point(shape.entity("top").edges[0], np.linspace(0, 1, 4001)) for shape in (before, after))
+    near = old[np.hypot(*(old - [1.0, 1.14]).T).argmin()]
+    assert np.hypot(*(new - near - [0.0, 0.1]).T).min() < 1e-3
     steps = np.diff([frame.t for frame in frames[2:162]])
     np.testing.assert_allclose(steps, 1 / 60, atol=1e-5)
 
@@ -95,7 +105,9 @@ def test_what_will_be_refused_is_told(scene, tmp_path, capsys):
     assert "3 frames will be refused: edges top and window.1" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("line", ["fly window", "window by 1", "arc left to", "insert q on bottom at 2", "idle 0"])
+@pytest.mark.parametrize(
+    "line", ["fly window", "window by 1", "arc left to", "insert q on bottom at 2", "idle 0", "pull top"]
+)
 def test_lines_that_make_no_sense_get_the_grammar(scene, capsys, line):
     assert main(["script", str(scene), line]) == 2
     assert "insert NAME on EDGE at S" in capsys.readouterr().err

@@ -92,6 +92,15 @@ class ElementCase:
         )
         assert slope > 1.9
 
+    def test_design_takes_in_moving_unknowns(self, element):
+        x, dX = self.sample(element, 6), self.direction(self.X.shape, 7)
+        dx = self.direction((element.nodes, element.fields), 13)
+        together, alone = np.zeros((2, element.nodes, element.fields))
+        element.design(self.X, dX, x, self.cells, self.p, together, dx=dx)
+        element.design(self.X, dX, x, self.cells, self.p, alone)
+        expected = alone.ravel() + element.tangent_block(self.X, x, self.p) @ dx.ravel()
+        np.testing.assert_allclose(together.ravel(), expected, atol=1e-12 * np.abs(expected).max())
+
     def test_moving_cell_and_design_together_changes_nothing(self, element):
         derivative = np.zeros((element.nodes, element.fields))
         element.design(self.X, np.ones_like(self.X), self.sample(element, 8), self.cells, self.p, derivative)
@@ -179,6 +188,108 @@ class SolidCase(ElementCase):
             out, np.tile(expected, (len(cells), 1)), atol=self.law_tolerance(np.abs(stress).max())
         )
 
+    def test_stress_at_points_is_that_of_their_place(self, element):
+        """A field u = (a x^2, 0) on a straight second-order cell, a linear one on first-order cells."""
+        straight = curved(self.X[: self.dim + 1], 0.0)[: element.nodes]
+        points = np.array([np.eye(self.dim + 1)[c][1:] for c in range(self.dim + 1)] + [np.full(self.dim, 0.2)])
+        at = straight[0] + points @ (straight[1 : self.dim + 1] - straight[0])
+        squared = element.nodes > self.dim + 1
+        x = straight[:, 0]
+        u = np.zeros_like(straight)
+        u[:, 0] = 1e-5 * (x**2 if squared else x)
+        strain = 1e-5 * (2 * at[:, 0] if squared else np.ones(len(at)))
+        out = np.zeros((1, len(points), element.stress_components))
+        element.stress(straight, u, self.cells, self.unloaded, out, points)
+        mean = self.mean_dilatation(straight, strain, at)
+        np.testing.assert_allclose(out[0, :, 0], LAMBDA * mean + 2 * MU * strain, rtol=1e-3, atol=1e-9)
+        np.testing.assert_allclose(out[0, :, 1], LAMBDA * mean, rtol=1e-3, atol=1e-9)
+
+    def mean_dilatation(self, X: np.ndarray, dilatation: np.ndarray, at: np.ndarray) -> np.ndarray:
+        """The dilatation that the stress at places `at` of the cell X knows of, where it is `dilatation`."""
+        return dilatation
+
     def law_tolerance(self, scale: float) -> float:
         """How far the law may be from Hooke's at strains of 1e-3."""
         return 1e-12 * scale
+
+
+class LargeCase(SolidCase):
+    """Checks of St. Venant-Kirchhoff solids besides: finite rotations, and stresses in closed form."""
+
+    def law_tolerance(self, scale):
+        return 1e-2 * scale
+
+    def rotation(self):
+        c, s = np.cos(1.1), np.sin(1.1)
+        turn = np.eye(self.dim)
+        turn[:2, :2] = [[c, -s], [s, c]]
+        if self.dim == 3:
+            turn = turn @ np.array([[1, 0, 0], [0, np.cos(2.0), -np.sin(2.0)], [0, np.sin(2.0), np.cos(2.0)]])
+        return turn - np.eye(self.dim)
+
+    def stress_of(self, element, F: np.ndarray) -> np.ndarray:
+        out = np.zeros((1, element.stress_components))
+        element.stress(self.X, self.X @ (F - np.eye(self.dim)).T, self.cells, self.unloaded, out)
+        return out[0]
+
+    def test_tangent_at_rest_is_that_of_small_strains(self, element):
+        """On straight sides, where both are integrated exactly."""
+        small = k.Element(self.name.replace("stvk", "linear_elastic"))
+        X = curved(self.X[: self.dim + 1], 0.0)[: element.nodes]
+        tangents = [e.tangent_block(X, np.zeros_like(X), self.unloaded) for e in (element, small)]
+        np.testing.assert_allclose(*tangents, rtol=0, atol=1e-14)
+
+    def test_simple_shear(self, element):
+        """sigma_12 = mu g + (lambda/2 + mu) g^3, sigma_22 = (lambda/2 + mu) g^2, and sigma_11."""
+        g = 0.7
+        F = np.eye(self.dim)
+        F[0, 1] = g
+        sxx = (LAMBDA / 2 + 2 * MU) * g**2 + (LAMBDA / 2 + MU) * g**4
+        syy, sxy = (LAMBDA / 2 + MU) * g**2, MU * g + (LAMBDA / 2 + MU) * g**3
+        expected = [sxx, syy, sxy, LAMBDA / 2 * g**2] + [0, 0] * (self.dim - 2)
+        np.testing.assert_allclose(self.stress_of(element, F), expected, rtol=1e-12, atol=1e-14)
+
+    def test_energy_and_stress_of_a_stretch_that_is_turned(self, element):
+        """F = Q diag(1.2, 0.9[, 1]): E and S in closed form, Cauchy stress F S F^T / J."""
+        stretch = np.diag([1.2, 0.9, 1.0][: self.dim])
+        F = (self.rotation() + np.eye(self.dim)) @ stretch
+        E = (np.diag(stretch) ** 2 - 1) / 2
+        S = LAMBDA * E.sum() + 2 * MU * E
+        X, cells, _ = self.patch()
+        energy = element.energy(X, X @ (F - np.eye(self.dim)).T, cells, self.unloaded).sum()
+        np.testing.assert_allclose(energy, np.sum(S * E) / 2 * self.thickness, rtol=1e-12)
+        cauchy = F @ np.diag(S) @ F.T / (1.2 * 0.9)
+        expected = [cauchy[0, 0], cauchy[1, 1], cauchy[0, 1]]
+        expected += [LAMBDA * E.sum() / 1.08] if self.dim == 2 else [cauchy[2, 2], cauchy[1, 2], cauchy[0, 2]]
+        np.testing.assert_allclose(self.stress_of(element, F), expected, rtol=1e-12, atol=1e-14)
+
+    def pulled(self, element, stretch: float, young: float, nu: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Nodes, forces and the change of forces a unit of stretch, in a patch pulled along x with free sides."""
+        lateral = np.sqrt(1 - nu * (stretch**2 - 1))
+        change = np.diag([1.0] + [-nu * stretch / lateral] * (self.dim - 1))
+        mu = young / (2 * (1 + nu))
+        lam = young * nu / (1 - nu**2) if self.dim == 2 else young * nu / ((1 + nu) * (1 - 2 * nu))
+        p = np.array([lam, mu, 1.0, 0, 0] if self.dim == 2 else [lam, mu, 0, 0, 0])
+        X, cells, _ = self.patch()
+        u = X @ (np.diag([stretch] + [lateral] * (self.dim - 1)) - np.eye(self.dim))
+        forces, slope = np.zeros_like(X), np.zeros_like(X)
+        element.residual(X, u, cells, p, forces)
+        for cell in cells:
+            tangent = element.tangent_block(X[cell], u[cell], p)
+            slope[cell] += (tangent @ (X[cell] @ change).ravel()).reshape(-1, self.dim)
+        return X, forces, slope
+
+    @pytest.mark.parametrize("stretch", [0.8, 1.3])
+    def test_uniaxial_pull(self, element, stretch):
+        """P / E = l (l^2 - 1) / 2 whatever nu is: in plane stress and in space."""
+        X, forces, _ = self.pulled(element, stretch, young=2.0, nu=0.3)
+        end = X[:, 0] > 1 - 1e-9
+        np.testing.assert_allclose(forces[end, 0].sum(), 2.0 * stretch * (stretch**2 - 1) / 2, rtol=1e-12)
+        np.testing.assert_allclose(forces[~end & (X[:, 0] > 1e-9)], 0, atol=1e-14)
+
+    def test_uniaxial_compression_has_a_limit_point(self, element):
+        """At l = 1/sqrt(3) the force P / E = -0.192450 changes no more."""
+        X, forces, slope = self.pulled(element, 1 / np.sqrt(3), young=1.0, nu=0.3)
+        end = X[:, 0] > 1 - 1e-9
+        np.testing.assert_allclose(forces[end, 0].sum(), -0.192450, atol=1e-6)
+        np.testing.assert_allclose(slope[end, 0].sum(), 0, atol=1e-14)

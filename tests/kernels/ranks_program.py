@@ -26,17 +26,22 @@ def main() -> None:
     fixed = np.zeros(2 * n, dtype=np.uint8)
     fixed[np.flatnonzero(np.repeat(X[:, 1] == 0, 2))] = 1
     x = 0.01 * np.random.default_rng(1).uniform(-1, 1, X.shape)
+    bottom = np.flatnonzero(X[:, 1] == 0)
+    facets = np.column_stack([bottom[:-1], bottom[1:]]).astype(np.int32)
+    fixed[2 * bottom[3:5]] = 0
+    pressure = np.array([2.0, 1.0, 0.8])
     shared = k.Operator(True, 2, node_offsets, world.rank, "coo")
     alone = k.Operator(False, 2, np.array([0, n], dtype=np.int32), 0, "csr")
     for op in (shared, alone):
-        op.set_topology([cells])
+        op.set_topology([cells, facets])
         op.set_constraints(fixed)
     gap = 0.0
     for repeat in range(3):
         rhs = np.zeros((2, 2 * n))
         for op, b in zip((shared, alone), rhs):
             op.begin()
-            op.add(0, k.Element("linear_elastic_tri3"), X, x, HOOKE, 1.0, b)
+            op.add(0, X, [(k.Element("linear_elastic_tri3"), x, HOOKE, 1.0)], b)
+            op.add(1, X, [(k.Element("pressure_edge2"), x, pressure, 1.0)], b)
             op.end()
         mine, whole = dense_rows(shared.mat, first, last), dense_rows(alone.mat, 0, 2 * n)
         gap = max(gap, np.abs(mine - whole[first:last]).max() / np.abs(whole).max())

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from element_case import TRI3, ElementCase
-from sample_meshes import unit_box
+from element_case import SIDES, TET4, TRI3, ElementCase, curved
+from sample_meshes import second_order, unit_box
+from scipy.special import factorial
 
 from restshape import _kernels as k
 
@@ -27,12 +28,100 @@ class TestLumpedMassTri3(ElementCase):
         np.testing.assert_allclose(tangent, 2.5 * AREA / 3 * np.eye(6), atol=1e-15)
 
 
-@pytest.mark.parametrize("name", ["mass_tri3", "lumped_mass_tri3"])
+class TestMassTri6(ElementCase):
+    name, params, X = "mass_tri6", (2.5,), curved(TRI3)
+
+    def test_consistent_mass_of_a_straight_cell_in_closed_form(self, element):
+        """rho A / 180 times 6, -1, -4 among corners, 32, 16 among mid-sides."""
+        corner = 7 * np.eye(3) - np.ones((3, 3))
+        opposite = -4 * np.roll(np.eye(3), 1, axis=1)  # corner i and the mid-side of the two others
+        side = 16 * (np.ones((3, 3)) + np.eye(3))
+        expected = np.kron(2.5 * AREA / 180 * np.block([[corner, opposite], [opposite.T, side]]), np.eye(2))
+        X = curved(TRI3, bend=0.0)
+        np.testing.assert_allclose(element.tangent_block(X, np.zeros((6, 2)), self.p), expected, atol=1e-15)
+
+    def test_curved_cell_has_the_moments_of_its_area(self, element):
+        """x M x is rho times the integral of x^2: by Green's theorem on the three parabolas, 8 Gauss points each."""
+        moment = 0.0
+        for a, b, m in ((0, 1, 3), (1, 2, 4), (2, 0, 5)):
+            at, weights = np.polynomial.legendre.leggauss(8)
+            s, weights = (at[:, None] + 1) / 2, weights / 2
+            A, B, M = self.X[a], self.X[b], self.X[m]
+            place = A * (1 - s) * (1 - 2 * s) + B * s * (2 * s - 1) + 4 * M * s * (1 - s)
+            slope = A * (4 * s - 3) + B * (4 * s - 1) + 4 * M * (1 - 2 * s)
+            moment += weights @ (place[:, 0] ** 3 / 3 * slope[:, 1])
+        x = np.column_stack([self.X[:, 0], np.zeros(6)])
+        energy = element.energy(self.X, x, self.cells, self.p)[0]
+        np.testing.assert_allclose(2 * energy, 2.5 * moment, rtol=1e-13)
+
+
+class TestLumpedMassTri6(ElementCase):
+    name, params, X = "lumped_mass_tri6", (2.5,), curved(TRI3)
+
+    def test_masses_of_a_straight_cell(self, element):
+        """3/57 of the whole at corners, 16/57 at mid-sides: 6 and 32 to 114."""
+        expected = 2.5 * AREA / 57 * np.kron(np.diag([3, 3, 3, 16, 16, 16]), np.eye(2))
+        tangent = element.tangent_block(curved(TRI3, bend=0.0), np.zeros((6, 2)), self.p)
+        np.testing.assert_allclose(tangent, expected, atol=1e-15)
+
+
+VOLUME = np.linalg.det(TET4[1:] - TET4[0]) / 6
+
+
+class TestMassTet4(ElementCase):
+    name, params, X = "mass_tet4", (2.5,), TET4
+
+    def test_consistent_mass_in_closed_form(self, element):
+        """rho V / 20 (1 + delta_ij) for each component."""
+        expected = np.kron(2.5 * VOLUME / 20 * (np.ones((4, 4)) + np.eye(4)), np.eye(3))
+        np.testing.assert_allclose(element.tangent_block(self.X, np.zeros((4, 3)), self.p), expected, atol=1e-15)
+
+
+class TestMassTet10(ElementCase):
+    name, params, X = "mass_tet10", (2.5,), curved(TET4)
+
+    def test_consistent_mass_of_a_straight_cell_in_closed_form(self, element):
+        """Products of l_i (2 l_i - 1) and 4 l_i l_j; the mean of l_0^a ... l_3^d is 3! a! b! c! d! / (n + 3)!."""
+        basis = [{(i, i): 2.0, (i,): -1.0} for i in range(4)] + [{side: 4.0} for side in SIDES[4]]
+
+        def mean(f, g):
+            terms = [(cf * cg, np.bincount(mf + mg)) for mf, cf in f.items() for mg, cg in g.items()]
+            return sum(c * 6 * np.prod(factorial(n)) / factorial(n.sum() + 3) for c, n in terms)
+
+        block = [[mean(f, g) for g in basis] for f in basis]
+        tangent = element.tangent_block(curved(TET4, bend=0.0), np.zeros((10, 3)), self.p)
+        np.testing.assert_allclose(tangent, np.kron(2.5 * VOLUME * np.array(block), np.eye(3)), atol=1e-15)
+
+
+class TestLumpedMassTet4(ElementCase):
+    name, params, X = "lumped_mass_tet4", (2.5,), TET4
+
+    def test_lumped_mass_is_a_quarter_each(self, element):
+        tangent = element.tangent_block(self.X, np.zeros((4, 3)), self.p)
+        np.testing.assert_allclose(tangent, 2.5 * VOLUME / 4 * np.eye(12), atol=1e-15)
+
+
+class TestLumpedMassTet10(ElementCase):
+    name, params, X = "lumped_mass_tet10", (2.5,), curved(TET4)
+
+    def test_masses_of_a_straight_cell(self, element):
+        """1/36 of the whole at corners, 4/27 at mid-sides: the diagonal 6 and 32 of 420, scaled to a sum of 1."""
+        expected = 2.5 * VOLUME / 108 * np.kron(np.diag([3] * 4 + [16] * 6), np.eye(3))
+        tangent = element.tangent_block(curved(TET4, bend=0.0), np.zeros((10, 3)), self.p)
+        np.testing.assert_allclose(tangent, expected, atol=1e-15)
+
+
+def of_every_shape(kind: str) -> list[str]:
+    return [f"{kind}_{shape}" for shape in ("tri3", "tri6", "tet4", "tet10")]
+
+
+@pytest.mark.parametrize("name", of_every_shape("mass") + of_every_shape("lumped_mass"))
 def test_uniform_acceleration_needs_the_whole_mass(name):
-    X, cells, _ = unit_box(2, 4)
-    out = np.zeros_like(X)
-    k.Element(name).residual(X, np.tile([1.0, -2.0], (len(X), 1)), cells, np.array([3.0]), out)
-    np.testing.assert_allclose(out.sum(axis=0), [3.0, -6.0], rtol=1e-13)
+    box = unit_box(k.Element(name).dim, 3)
+    X, cells, _ = second_order(*box, bend=0.03) if name.endswith(("6", "10")) else box
+    out, acceleration = np.zeros_like(X), np.array([1.0, -2.0, 0.5])[: X.shape[1]]
+    k.Element(name).residual(X, np.tile(acceleration, (len(X), 1)), cells, np.array([3.0]), out)
+    np.testing.assert_allclose(out.sum(axis=0), 3.0 * acceleration, rtol=1e-13)
 
 
 class TractionCase(ElementCase):

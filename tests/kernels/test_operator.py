@@ -27,7 +27,7 @@ def entries(op) -> np.ndarray:
 def filled(op, element: str, X, x, params, coef=1.0, block=0) -> np.ndarray:
     rhs = np.zeros(X.shape[0] * k.Element(element).fields)
     op.begin()
-    op.add(block, k.Element(element), X, x, params, coef, rhs)
+    op.add(block, X, [(k.Element(element), x, params, coef)], rhs)
     op.end()
     return rhs
 
@@ -50,13 +50,35 @@ def reference(element: str, X, x, cells, params, constrained) -> tuple[np.ndarra
     return K, np.where(fixed, 0.0, -residual.ravel())
 
 
+PLATE = np.array([2.0, 0.5, 1.5, 0.1, -0.2, 0.6, 0.4, 0.1, 0.5, 3.0, 0.2])
+
+
+def plate_of(box: tuple[np.ndarray, np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same nodes with a thickness as a third coordinate."""
+    X, cells, inner = box
+    return np.column_stack([X, 0.2 + 0.1 * X[:, 0]]), cells, inner
+
+
 CASES = {
     "linear_elastic_tri3": (lambda: unit_box(2, 6), HOOKE),
     "linear_elastic_tri6": (lambda: second_order(*unit_box(2, 4), bend=0.02), HOOKE),
     "linear_elastic_tet4": (lambda: unit_box(3, 3), HOOKE_3D),
     "linear_elastic_tet10": (lambda: second_order(*unit_box(3, 2)), HOOKE_3D),
     "stvk_tri3": (lambda: unit_box(2, 6), HOOKE),
+    "stvk_tri6": (lambda: second_order(*unit_box(2, 4), bend=0.02), HOOKE),
+    "stvk_tet10": (lambda: second_order(*unit_box(3, 2)), HOOKE_3D),
+    "stvk_dilatation_tri6": (lambda: second_order(*unit_box(2, 4), bend=0.02), HOOKE),
+    "anisotropic_tet10": (
+        lambda: second_order(*unit_box(3, 2), bend=0.02),
+        np.array([*np.diag(np.arange(1.0, 7.0))[np.triu_indices(6)], 0.3, -0.9, 0.2]),
+    ),
+    "plate_tri3": (lambda: plate_of(unit_box(2, 5)), PLATE),
+    "mass_plate_tri3": (lambda: plate_of(unit_box(2, 5)), PLATE),
+    "mass_tet4": (lambda: unit_box(3, 3), np.array([2.0])),
+    "mass_tet10": (lambda: second_order(*unit_box(3, 2)), np.array([2.0])),
     "mass_tri3": (lambda: unit_box(2, 5), np.array([2.0])),
+    "mass_tri6": (lambda: second_order(*unit_box(2, 4), bend=0.02), np.array([2.0])),
+    "lumped_mass_tri6": (lambda: second_order(*unit_box(2, 4), bend=0.02), np.array([2.0])),
 }
 
 
@@ -111,9 +133,9 @@ def test_blocks_and_coefficients_add_up(backend):
     op.set_constraints(fixed)
     rhs = np.zeros(2 * len(X))
     op.begin()
-    op.add(0, k.Element("linear_elastic_tri3"), X, u, HOOKE, 1.0, rhs)
-    op.add(0, k.Element("mass_tri3"), X, a, np.array([2.0]), 40.0, rhs, residual_coef=1.0)
-    op.add(1, k.Element("traction_edge2"), X, u, pressure, 1.0, rhs)
+    solid, mass = k.Element("linear_elastic_tri3"), k.Element("mass_tri3")
+    op.add(0, X, [(solid, u, HOOKE, 1.0), (mass, a, np.array([2.0]), 40.0, 1.0)], rhs)
+    op.add(1, X, [(k.Element("traction_edge2"), u, pressure, 1.0)], rhs)
     op.end()
     K, rhs_K = reference("linear_elastic_tri3", X, u, cells, HOOKE, fixed)
     M, rhs_M = reference("mass_tri3", X, a, cells, np.array([2.0]), fixed)
@@ -123,6 +145,63 @@ def test_blocks_and_coefficients_add_up(backend):
     expected = K + 40 * M
     np.testing.assert_allclose(entries(op), expected, rtol=0, atol=1e-14 * np.abs(expected).max())
     np.testing.assert_allclose(rhs, rhs_K + rhs_M + np.where(fixed, 0, load.ravel()), rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("backend", ["csr", "coo"])
+@pytest.mark.parametrize("order", [1, 2])
+def test_follower_pressure_is_a_block_of_its_own_that_outlives_flips(order, backend):
+    """Its tangent is not symmetric: rows are residuals, columns unknowns. Flips touch the block of cells only."""
+    X, cells, _ = unit_box(2, 6)
+    corners = cells
+    if order == 2:
+        X, cells, _ = second_order(X, cells, np.empty(0, dtype=int))
+    bottom = np.flatnonzero(X[:, 1] == 0)
+    bottom = bottom[np.argsort(X[bottom, 0])]
+    starts = range(0, 6 * order, order)
+    facets = np.array([[bottom[i], bottom[i + order], *bottom[i + 1 : i + order]] for i in starts], dtype=np.int32)
+    rng = np.random.default_rng(5)
+    u = 0.02 * rng.uniform(-1, 1, X.shape)
+    fixed = (rng.random(X.size) < 0.1).astype(np.uint8)
+    pressure = rng.uniform(1, 2, (len(facets), 3))
+    solid, follower = f"stvk_tri{3 * order}", f"pressure_edge{order + 1}"
+    op = operator(len(X), 2, backend)
+    op.set_topology([cells, facets])
+    op.set_constraints(fixed)
+    for _ in range(3):
+        rhs = np.zeros(X.size)
+        op.begin()
+        op.add(0, X, [(k.Element(solid), u, HOOKE, 1.0)], rhs)
+        op.add(1, X, [(k.Element(follower), u, pressure, 1.0)], rhs)
+        op.end()
+        K, expected = reference(solid, X, u, cells, HOOKE, fixed)
+        P, more = reference(follower, X, u, facets, pressure, fixed)
+        assert np.abs(P - P.T).max() > 0.1
+        np.testing.assert_allclose(entries(op), K + P, rtol=0, atol=1e-14 * np.abs(K).max())
+        np.testing.assert_allclose(rhs, expected + more, rtol=0, atol=1e-14)
+        changed = flip_edges(X, cells, 4, rng) if order == 1 else flip_second_order(X, cells, corners, 4, rng)
+        assert len(changed)
+        op.patch(0, changed)
+
+
+def flip_second_order(X, cells, corners, count, rng) -> np.ndarray:
+    """Flips inner edges of second-order cells in place, the mid-side node of each moved to its new middle."""
+    before = corners.copy()
+    changed = flip_edges(X, corners, count, rng)
+    for left, right in zip(changed[::2], changed[1::2]):
+        sides = {}
+        for e, old in ((left, before[left]), (right, before[right])):
+            for s in range(3):
+                sides[frozenset((old[s], old[(s + 1) % 3]))] = cells[e, 3 + s]
+        for e in (left, right):
+            cells[e, :3] = corners[e]
+        diagonal = sides.pop(frozenset(before[left]) & frozenset(before[right]))
+        for e in (left, right):
+            for s in range(3):
+                ends = (corners[e, s], corners[e, (s + 1) % 3])
+                cells[e, 3 + s] = sides.get(frozenset(ends), diagonal)
+                if frozenset(ends) not in sides:
+                    X[diagonal] = X[list(ends)].mean(axis=0)
+    return changed
 
 
 @pytest.mark.parametrize("backend", ["csr", "coo"])
@@ -251,12 +330,12 @@ def test_bad_use_is_refused():
     with pytest.raises(ValueError, match="does not exist"):
         op.patch(0, np.array([len(cells)], dtype=np.int32))
     with pytest.raises(RuntimeError, match="begin before add"):
-        op.add(0, k.Element("linear_elastic_tri3"), X, 0 * X, HOOKE)
+        op.add(0, X, [(k.Element("linear_elastic_tri3"), 0 * X, HOOKE, 1.0)])
     op.begin()
     with pytest.raises(ValueError, match="nodes"):
-        op.add(0, k.Element("traction_edge2"), X, 0 * X, np.zeros(7))
+        op.add(0, X, [(k.Element("traction_edge2"), 0 * X, np.zeros(7), 1.0)])
     with pytest.raises(ValueError, match="not in the topology"):
-        op.add(1, k.Element("linear_elastic_tri3"), X, 0 * X, HOOKE)
+        op.add(1, X, [(k.Element("linear_elastic_tri3"), 0 * X, HOOKE, 1.0)])
 
 
 def test_flips_that_no_patch_names_are_noticed():

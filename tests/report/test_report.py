@@ -16,7 +16,8 @@ from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames
 from restshape.report.frames import _caption, chosen_frames, layout
 from restshape.report.levels import stage_shares
-from restshape.report.scenery import boundary, scenery
+from restshape.report.outlines import border
+from restshape.report.scenery import scenery
 from restshape.report.style import length_unit, si
 from restshape.report.tables import level_table, quantity_table, thesis_table
 
@@ -99,7 +100,7 @@ def test_frames_shown_avoid_the_refused(plate):
 
 
 def test_the_boundary_of_two_triangles_is_their_four_sides():
-    edges = boundary(np.array([[0, 1, 2], [2, 1, 3]]))
+    edges = border(np.array([[0, 1, 2], [2, 1, 3]]))
     assert {tuple(edge) for edge in edges.tolist()} == {(0, 1), (0, 2), (1, 3), (2, 3)}
 
 

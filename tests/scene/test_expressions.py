@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, ExpressionError
 
 X = np.array([0.3, -1.2, 4.0])
@@ -98,3 +99,30 @@ def test_suggestions():
 
 def test_division_by_zero_is_infinite_not_an_error():
     assert np.isinf(Expression("P/(1 - 1)").evaluate(X, Y, {"P": 1.0})).all()
+
+
+FORMULAS = (
+    "2*x - 3",
+    "3 - x*y^2/(1 + x)",
+    "P*sin(x) + cos(y)*tan(x)",
+    "sqrt(x)^3 + 2^y",
+    "x^y",
+    "exp(-x)*log(2 + y)",
+    "atan2(y, x) - atan(x*y)",
+    "abs(y - 1) + min(x, 0.5) - max(P*x, y)",
+    "-(x)/P + P/x - (+y)",
+    "7",
+)
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_rate_is_what_central_differences_tend_to(text):
+    x, y, dx, dy = np.array([[0.3, 0.7, 1.2], [0.2, 0.4, 0.9], [1.0, 0.3, -2.0], [0.2, -0.5, 0.7]])
+    formula, P, h = Expression(text), {"P": 2.5}, 1e-6
+    ahead, behind = (formula.evaluate(x + s * h * dx, y + s * h * dy, P) for s in (1, -1))
+    np.testing.assert_allclose(formula.rate(Dual(x, dx), Dual(y, dy), P), (ahead - behind) / (2 * h), atol=1e-8)
+
+
+def test_rate_of_a_root_at_zero_is_no_number():
+    nothing = Dual(np.zeros(1), np.ones(1))
+    assert not np.isfinite(Expression("sqrt(x)").rate(nothing, nothing, {})).any()

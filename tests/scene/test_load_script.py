@@ -44,6 +44,22 @@ def test_text_carries_its_own_unit(read):
     assert read({"t": 0, "do": "rotate", "on": "a", "by": 0.5}).events[0].by == 0.5
 
 
+def test_pins_are_names_or_places_in_the_units_of_the_header(read):
+    (event,) = read({"t": 0, "do": "pull", "on": "top", "pins": ["a", [20, "3 cm"]]}).events
+    assert event.pins == ["a", pytest.approx((0.02, 0.03))]
+
+
+def test_the_header_tells_when_the_analysis_runs(tmp_path, read):
+    assert read({"t": 0, "do": "analyse"}).header.analysis == "every frame"
+    path = tmp_path / "asked.jsonl"
+    header = {"format": "restshape-edits", "version": 1, "scene": "a.toml"}
+    path.write_text(json.dumps(header | {"analysis": "on demand"}) + "\n")
+    assert load_script(path).header.analysis == "on demand"
+    path.write_text(json.dumps(header | {"analysis": "on deman"}) + "\n")
+    with pytest.raises(UserError, match="did you mean 'on demand'"):
+        load_script(path)
+
+
 def test_every_event(read):
     events = [
         {"t": 0, "do": "rotate", "on": "a", "by": 1, "about": [0, 0], "frames": 3},
@@ -55,6 +71,11 @@ def test_every_event(read):
         {"t": 0, "do": "arc", "on": "top", "bulge": 0.1},
         {"t": 0, "do": "arc", "on": "top", "through": [1, 2], "frames": 5},
         {"t": 0, "do": "hole", "name": "h", "polygon": [[0, 0], [1, 0], [0, 1]]},
+        {"t": 0, "do": "smooth", "on": "top", "strength": 0.3, "pins": ["v"], "frames": 2},
+        {"t": 0, "do": "pull", "on": "top", "at": [1, 2], "pins": ["v", [3, "2 mm"]]},
+        {"t": 0, "do": "drag", "path": [[1, 3]]},
+        {"t": 0, "do": "release"},
+        {"t": 0, "do": "analyse"},
         {"t": 0, "do": "idle", "frames": 10},
         {"t": 0, "do": "undo"},
         {"t": 0, "do": "redo", "note": "and again"},

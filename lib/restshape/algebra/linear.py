@@ -14,11 +14,14 @@ from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 
+COMPLETE = ("cholesky", "lu")
 METHODS = ("direct", "stale", "auto", "ilu")
 MOST_ITERATIONS = 10_000
 """An iteration that has not ended by then never will: the preconditioner is made anew, or the frame given up."""
 PROJECTED = 0.2
 """Part of the iterations of a solve that projection of the guess saves, one at least: measured on the dragged plate."""
+RESTART = 100
+"""Directions that GMRES keeps: complete factors need few, incomplete ones of slender bodies stall with PETSc's 30."""
 INCOMPLETE = 0.25
 """An incomplete preconditioner leaves smooth errors, whose energy the residual tells too small (by up to 2.2 on the
 plate): its solves end at this share of the tolerance, so that solutions agree within it in the energy norm."""
@@ -28,12 +31,21 @@ Reason = PETSc.KSP.ConvergedReason
 
 @dataclass
 class LinearReport:
-    """What one linear solve did: `age` counts the solves since the preconditioner was made."""
+    """What a frame's solves did.
+
+    Args:
+        iterations: of the Krylov method.
+        refreshed: the preconditioner was made anew.
+        age: solves, or frames, since it was made.
+        preconditioner: its name.
+        newton: steps of Newton's method; 0 where the equations are linear.
+    """
 
     iterations: int
     refreshed: bool
     age: int
     preconditioner: str = ""
+    newton: int = 0
 
     def followed_by(self, other: "LinearReport") -> "LinearReport":
         """This solve and another one that went on from it, as one."""
@@ -56,6 +68,8 @@ class LinearSolver:
         stages: takes the time of factorizations and of Krylov iterations.
         memory: bytes that a complete factor may take under `auto`.
         directions: increments of the solution along which guesses are improved; 0 for none.
+        symmetric: false where no matrix is: then GMRES and a complete LU factor take the place of CG and Cholesky, and
+            `auto` is `stale`.
 
     On several ranks the factors are those of the ranks' own rows (block Jacobi), so that the bits repeat.
     An idle frame solves nothing and refreshes nothing, for a frame with nothing to do does nothing.
@@ -73,9 +87,10 @@ class LinearSolver:
         stages: Stages,
         memory: float = MEMORY,
         directions: int = 0,
+        symmetric: bool = True,
     ):
         self.method, self.tolerance, self.calibration, self.stages = method, tolerance, calibration, stages
-        self.comm = comm
+        self.comm, self.symmetric = comm, symmetric
         self.ksp = PETSc.KSP().create(comm)
         self.ksp.setOptionsPrefix(prefix)
         self.choice = Choice(calibration, memory)
@@ -109,15 +124,20 @@ class LinearSolver:
 
     def _set_types(self) -> None:
         direct = self.method == "direct" and self.comm.size == 1
-        self.ksp.setType("preonly" if direct else "cg")
+        self.ksp.setType("preonly" if direct else "cg" if self.symmetric else "gmres")
+        if not self.symmetric:
+            self.ksp.setGMRESRestart(RESTART)
+            # The true residual is what GMRES sees with the preconditioner on the right.
+            self.ksp.setPCSide(PETSc.PC.Side.RIGHT)
         if not direct:
             self.ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
             self.ksp.setInitialGuessNonzero(True)
         self.ksp.setTolerances(rtol=self.tolerance, atol=0.0, divtol=1e30, max_it=MOST_ITERATIONS)
         options = PETSc.Options(self.ksp.getOptionsPrefix() or "")
         named = next((options.getString(key) for key in ("pc_type", "sub_pc_type") if options.hasName(key)), None)
-        self.kind = named or ("ilu" if self.method == "ilu" else "cholesky")
-        self.chooses = self.method == "auto" and named is None
+        complete = "cholesky" if self.symmetric else "lu"
+        self.kind = named or ("ilu" if self.method == "ilu" else complete)
+        self.chooses = self.method == "auto" and named is None and self.symmetric
         self._given: list[str] = []
         if self.method == "ilu" and named is None:
             self.candidate = ILU
@@ -145,11 +165,12 @@ class LinearSolver:
         patched: bool = False,
         places: np.ndarray | None = None,
         scale: float | None = None,
+        aside: bool = False,
     ) -> LinearReport:
         """Solve mat x = b from the guess in x.
 
         Args:
-            mat: symmetric positive definite.
+            mat: symmetric positive definite, or not symmetric where the solver was told so.
             b: right side.
             x: guess on entry (but for `direct`), solution on return.
             new_system: the mesh is another one, so that no old preconditioner fits.
@@ -157,6 +178,7 @@ class LinearSolver:
             patched: flips have changed the pattern: level 2, which never factors ahead of the iteration.
             places: (n, d) nodes of this rank [m], whose rigid motions algebraic multigrid interpolates.
             scale: what the residual is measured against, in place of the norm of b.
+            aside: the solution is not one of the sequence that guesses come from.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
@@ -165,7 +187,7 @@ class LinearSolver:
         if not self._begun:
             self._begin(mat, new_system, same_matrix, patched)
         self._begun = False
-        if self.projection and self.projection_pays:
+        if self.projection and self.projection_pays and not aside:
             with self.stages("krylov"):
                 self.projection(mat, b, x)
         if self.on_solve:
@@ -187,9 +209,14 @@ class LinearSolver:
         self._check()
         if self.keeps:
             self._count(last, not stale, new_system)
-        if self.projection and self.projection_pays:
+        if self.projection and self.projection_pays and not aside:
             self.projection.keep(x)
         return LinearReport(iterations, not stale, self.age, self.name)
+
+    def reseat(self, reseat: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Take solutions of before where their nodes are now, by a function of fields (n, 2)."""
+        if self.projection:
+            self.projection.reseat(reseat)
 
     def prepare(self, mat: PETSc.Mat, new_system: bool, uses: int, patched: bool = False) -> bool:
         """Whether this matrix now has a complete factor of its own, for `apply`; made if its uses are worth it.
@@ -228,10 +255,32 @@ class LinearSolver:
         self.age, self.uses = self.age + 1, self.uses + 1
         return LinearReport(1, self.age == 0, self.age, self.name)
 
+    def negative_pivots(self) -> int:
+        """Negative eigenvalues of the matrix that the complete factor was made from; 0 where there is none to ask.
+
+        On several ranks, those of the ranks' own blocks: none of them has any where the matrix is positive definite.
+        """
+        if self.kind != "cholesky":
+            return 0
+        pc = self.ksp.getPC()
+        parts = [ksp.getPC() for ksp in pc.getASMSubKSP()] if pc.getType() == "asm" else [pc]
+        found = sum(part.getFactorMatrix().getInertia()[0] for part in parts)
+        return found if self.comm.size == 1 else self.comm.tompi4py().allreduce(found)
+
+    def definite(self, mat: PETSc.Mat, places: np.ndarray | None) -> bool:
+        """Tell whether a symmetric matrix on the last pattern has no negative eigenvalue, by a new factor of it.
+
+        True where the preconditioner is no complete factor, which could tell.
+        """
+        if self.kind != "cholesky":
+            return True
+        self._factor(mat, places)
+        return self.negative_pivots() == 0
+
     def _aim(self) -> None:
         """Set what ends the iteration with the preconditioner as it is now."""
         scale = self.scale
-        complete = self.kind == "cholesky" and self.comm.size == 1
+        complete = self.kind in COMPLETE and self.comm.size == 1
         aim = self.tolerance if complete else INCOMPLETE * self.tolerance
         if (scale, aim) != self._aimed:
             self.ksp.setTolerances(rtol=aim if scale is None else 1e-300, atol=0.0 if scale is None else aim * scale)
@@ -303,7 +352,9 @@ class LinearSolver:
         counted = self.filled = nonzeros(self.ksp.getPC())
         if self.candidate and counted:
             self.choice.count_fill(self.candidate, size, counted)
-        price = prices(self.kind, size, counted or size.nonzeros, self.calibration)
+        # An LU factor has the nonzeros of two triangles, of which the prices expect one.
+        filled = 0.5 * counted if self.kind == "lu" else counted
+        price = prices(self.kind, size, filled or size.nonzeros, self.calibration)
         if self.projection:
             spent = (self.projection.directions + 1) * self.calibration.pass_seconds(size.unknowns, size.nonzeros)
             saved = max(1.0, PROJECTED * self.fresh_iterations) * size.ranks * price.iteration
@@ -328,7 +379,7 @@ class LinearSolver:
     def _limit(self) -> int:
         """Iterations after which a solve with an old preconditioner is better given up for a new one."""
         # An iteration that is cut short has to begin anew: where a fresh one is long too, that must be paid twice.
-        fresh = self.fresh_iterations if self.kind == "cholesky" else 2 * self.fresh_iterations
+        fresh = self.fresh_iterations if self.kind in COMPLETE else 2 * self.fresh_iterations
         budget = 2 * self.budget if self.patched else self.budget
         return min(MOST_ITERATIONS, max(fresh + 1, fresh + budget - self.excess))
 
@@ -356,7 +407,7 @@ class LinearSolver:
 
     def _count(self, iterations: int, refreshed: bool, new_system: bool) -> None:
         """Take in the iterations of a solve, all of them with the preconditioner as it is now."""
-        complete = self.kind == "cholesky" and self.comm.size == 1
+        complete = self.kind in COMPLETE and self.comm.size == 1
         if self.candidate and not new_system:
             self.choice.count(self.candidate, self.size, self.uses, iterations)
         if refreshed:

@@ -1,5 +1,7 @@
 """The stiffness operator: nonzero pattern kept over a topology, values anew each frame."""
 
+from itertools import groupby
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -15,10 +17,18 @@ class Operator:
         node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
         backend: `csr` (one rank, the library's own patchable pattern) or `coo` (PETSc's COO assembly); by default
             csr on one rank and coo on several.
+        symmetric: and positive definite, which PETSc is told.
     """
 
-    def __init__(self, comm: PETSc.Comm, fields: int, node_offsets: np.ndarray, backend: str | None = None) -> None:
-        self.comm, self.fields = comm, fields
+    def __init__(
+        self,
+        comm: PETSc.Comm,
+        fields: int,
+        node_offsets: np.ndarray,
+        backend: str | None = None,
+        symmetric: bool = True,
+    ) -> None:
+        self.comm, self.fields, self.symmetric = comm, fields, symmetric
         offsets = np.ascontiguousarray(node_offsets, dtype=np.int32)
         self.rows = slice(int(offsets[comm.rank]) * fields, int(offsets[comm.rank + 1]) * fields)
         self.backend = backend or ("csr" if comm.size == 1 else "coo")
@@ -45,11 +55,13 @@ class Operator:
         rhs (n * f,), where given, loses the terms' residuals at x times the factor, by default the coefficient.
         """
         self.core.begin()
-        for block, element, X, x, params, coefficient, *factor in terms:
-            self.core.add(block, element, X, x, params, coefficient, rhs, *factor)
+        for _, group in groupby(terms, key=lambda term: (term[0], id(term[2]))):
+            parts = list(group)
+            block, _, X, *_ = parts[0]
+            self.core.add(block, X, [(element, *rest) for _, element, _, *rest in parts], rhs)
         self.core.end()
         if self.core.generation != self._generation:
             self._generation = self.core.generation
             self.mat = self.core.mat
-            self.mat.setOption(PETSc.Mat.Option.SPD, True)
+            self.mat.setOption(PETSc.Mat.Option.SPD, self.symmetric)
         return self.mat

@@ -1,5 +1,7 @@
 """Guesses made better by the solutions before: the nearest point, in energy, along their last increments."""
 
+from collections.abc import Callable
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -64,6 +66,16 @@ class Projection:
         self.step_vectors[place].stateIncrease()
         # Where nothing has moved, the place serves the next increment.
         self.count += self.step_vectors[place].norm() > 0.0
+
+    def reseat(self, reseat: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Take solutions where their nodes are now, by a function of fields (n, 2); several ranks forget them."""
+        if self.comm.size > 1 or self.last is None:
+            self.restart()
+            return
+        for row, vector in zip((self.last, *self.steps), (None, *self.step_vectors)):
+            row[:] = reseat(row.reshape(-1, 2)).ravel()
+            if vector:
+                vector.stateIncrease()
 
     def _allocate(self, x: PETSc.Vec) -> None:
         for vector in self.vectors:

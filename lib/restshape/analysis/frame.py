@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.space import LagrangeSpace, Reseat, reseated
 from restshape.scene.model import Scene
 
 
@@ -13,15 +14,21 @@ class Frame:
     """One frame as an analysis sees it.
 
     Args:
-        mesh: nodes at their new places.
+        mesh: nodes at their new places, of second order where the scene asks for it.
         changed_cells: (k,) int32 cells that flips have changed since the last frame.
         old_mesh: the mesh before this one, when the mesh was made anew in this frame.
         scene: with the values that hold now.
         hand: the gesture, and the place of the hand in its coordinates.
+        reseats: second order: what flips did to nodes in the middle of edges of the mesh that was solved on last.
     """
 
-    mesh: Mesh
+    mesh: Mesh | LagrangeSpace
     changed_cells: np.ndarray
-    old_mesh: Mesh | None
+    old_mesh: Mesh | LagrangeSpace | None
     scene: Scene
     hand: tuple[object, tuple[float, float]]
+    reseats: tuple[Reseat, ...] = ()
+
+    def reseat(self, field: np.ndarray) -> np.ndarray:
+        """A field (n, f) of the last frame's solution, at nodes of flipped edges taken where they are now."""
+        return reseated(field, self.reseats)

@@ -10,6 +10,7 @@ from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
+from restshape.analysis.shown import DisplacedSolid
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
@@ -29,7 +30,7 @@ ROUND_OFF = 1e-13
 """A residual below this share of the right side is rounding, as where supports only carry the body somewhere else."""
 
 
-class StaticAnalysis:
+class StaticAnalysis(DisplacedSolid):
     """The equilibrium of a linear elastic solid, frame after frame.
 
     What is stale is read from the versions of mesh topology, node places and scene; nobody tells the analysis.
@@ -56,18 +57,22 @@ class StaticAnalysis:
         self.operator: Operator | None = None
         self.topology = self.geometry = -1
         self.scale: float | None = None
-        self.failed = False
+        self.failed = self.accepted = False
         self.x = np.zeros((0, 2))
         self.observed: dict[str, float] | None = None
         self.guess = Guess(policy.extrapolate)
-        solve = scene.solve
-        self.solver = LinearSolver(
-            comm,
+        self.solver = self._make_solver(scene)
+
+    def _make_solver(self, scene: Scene) -> LinearSolver:
+        """The linear solver that outlives all frames."""
+        solve, policy = scene.solve, self.policy
+        return LinearSolver(
+            self.comm,
             "solid_",
             policy.solver,
             solve.tolerance,
-            calibration,
-            stages,
+            self.calibration,
+            self.stages,
             memory=solve.factor_memory,
             directions=policy.directions,
         )
@@ -91,6 +96,7 @@ class StaticAnalysis:
             if not new_mesh and mesh.topology != self.topology:
                 with self.stages("pattern"):
                     self.operator.patch(0, frame.changed_cells)
+                    self._reseat(frame)
             report = self._solve(frame, new_mesh)
         except (ReplayProblem, UserError):
             # Mesh, solution and observer stay those of the last solution; without a scene the next frame binds anew.
@@ -105,6 +111,27 @@ class StaticAnalysis:
         """Unknowns of the linear system, prescribed ones included."""
         return self.x.size
 
+    def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
+        """The s (n, 2) of K s = rhs with the stiffness K of the last solve, on the kept preconditioner.
+
+        Args:
+            rhs: (n, 2), ignored at held unknowns, where s is 0.
+            tolerance: of the residual, relative to rhs.
+
+        Raises:
+            ReplayProblem: the solve does not converge.
+        """
+        return self._solve_aside(self.mat, rhs, tolerance, same_matrix=True)
+
+    def accept(self, x: np.ndarray) -> None:
+        """Take displacements x (n, 2) [m] for those of the mesh as it lies now, without a solve.
+
+        The next frame solves, from them.
+        """
+        self.physics.move()
+        self.x, self.observed, self.geometry, self.accepted = x, None, -1, True
+        self.guess.restart()
+
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the last solution, evaluated once a solution."""
         if self.observed is None:
@@ -116,8 +143,13 @@ class StaticAnalysis:
         return von_mises(self.physics.stress(self.x))
 
     def residual(self) -> float:
-        """The true residual of the last solve over its right side, or over internal forces where supports move."""
-        return true_residual(self.mat, self.b, self.solution, self.scale)
+        """The true residual over the right side, or over internal forces where supports move."""
+        if not self.accepted:
+            return true_residual(self.mat, self.b, self.solution, self.scale)
+        physics = self.physics
+        scale = physics.internal_force(self.x) if physics.displaced else unbalanced(physics, physics.prescribed)
+        error = unbalanced(physics, self.x)
+        return error / scale if scale > 0 else error
 
     def _bind(self, frame: Frame, new_mesh: bool) -> None:
         """Set up what depends on the mesh topology or on the scene's values."""
@@ -127,8 +159,10 @@ class StaticAnalysis:
             self.physics = PlaneSolid(frame.scene, self.plan, mesh)
             self.observer = Observer(self.physics, frame.scene.quantities)
             if new_mesh:
-                self.operator = Operator(self.comm, 2, mesh.node_offsets, self.policy.backend)
-                self.operator.set_topology([mesh.cells], self.physics.mask)
+                self.operator = Operator(
+                    self.comm, 2, mesh.node_offsets, self.policy.backend, symmetric=self.solver.symmetric
+                )
+                self.operator.set_topology(self._blocks(mesh), self.physics.mask)
                 self._allocate(mesh)
             else:
                 self.operator.set_constraints(self.physics.mask)
@@ -137,9 +171,43 @@ class StaticAnalysis:
             carried = None
             if self.policy.transfer and self.mesh is not None:
                 with self.stages("map"):
-                    carried = transfer(self.mesh, mesh, self.x)
+                    carried = transfer(self.mesh, mesh, frame.reseat(self.x))
             self.x = carried if carried is not None else np.zeros((len(mesh.X), 2))
             self.guess.restart()
+
+    def _reseat(self, frame: Frame) -> None:
+        """Let the last solutions follow the nodes of flipped edges, where there are such nodes."""
+        if frame.reseats:
+            self.x = frame.reseat(self.x)
+            self.guess.reseat(frame.reseat)
+            self.solver.reseat(frame.reseat)
+
+    def _blocks(self, mesh: Mesh) -> list[np.ndarray]:
+        """Nodes (m, k) of what has a tangent, block by block."""
+        return [mesh.cells, *(load.facets for load in self.physics.followers)]
+
+    def _solve_aside(
+        self, mat: PETSc.Mat, rhs: np.ndarray, tolerance: float, same_matrix: bool = False
+    ) -> np.ndarray:
+        """Solve mat s = rhs beside the sequence of solves; arguments as in `linear_solve`.
+
+        `same_matrix`: mat is that of the last solve.
+        """
+        rows, n = self.operator.rows, rhs.size
+        right, full = rhs.ravel().copy(), np.zeros(n)
+        right[self.physics.constrained] = 0.0
+        size = (rows.stop - rows.start, n)
+        b, s = (PETSc.Vec().createWithArray(array[rows], size=size, comm=self.comm) for array in (right, full))
+        norm = b.norm()
+        if norm > 0.0:
+            scale = norm * tolerance / self.solver.tolerance
+            self.solver.solve(
+                mat, b, s, False, same_matrix=same_matrix, places=self.mesh_places, scale=scale, aside=True
+            )
+            whole_vector(full, rows, self.comm)
+        for vector in (b, s):
+            vector.destroy()
+        return full.reshape(-1, 2)
 
     def _allocate(self, mesh: Mesh) -> None:
         """Make the vectors of a new mesh; `rhs` and `full` hold all nodes, PETSc's vectors this rank's rows of them."""
@@ -166,7 +234,7 @@ class StaticAnalysis:
         # The solver may have met the mesh of a frame that failed, which is gone.
         report, x = self._converge(new_mesh or self.failed, patched=not new_mesh and mesh.topology != self.topology)
         self.guess.keep(x, frame.hand)
-        self.x, self.observed = x, None
+        self.x, self.observed, self.accepted = x, None, False
         return report
 
     def _converge(self, new_system: bool, patched: bool) -> tuple[LinearReport, np.ndarray]:
@@ -221,3 +289,10 @@ class StaticAnalysis:
         )
         matrix = whole_matrix(mat, self.comm)
         return System(matrix, spsolve(matrix.tocsc(), whole_vector(rhs.ravel(), operator.rows, self.comm)))
+
+
+def unbalanced(physics: PlaneSolid, x: np.ndarray) -> float:
+    """The norm [N] of the forces that are left over at free unknowns at the displacement x (n, 2) [m]."""
+    rest = physics.imbalance(x)
+    rest.ravel()[physics.constrained] = 0.0
+    return float(np.linalg.norm(rest))

@@ -14,6 +14,7 @@ from restshape.analysis.carry import project_velocity
 from restshape.analysis.effective import EffectiveSystem, State
 from restshape.analysis.frame import Frame
 from restshape.analysis.prediction import Prediction
+from restshape.analysis.shown import DisplacedSolid
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
@@ -31,7 +32,7 @@ from restshape.scene.plan import plan as planned
 NO_SHAKING = np.zeros(2)
 
 
-class TransientAnalysis:
+class TransientAnalysis(DisplacedSolid):
     """The motion of a linear elastic solid relative to the ground, frame after frame.
 
     A frame takes the time steps that ``[effects.dynamics]`` asks for, on one matrix; the first frame takes none. When
@@ -64,9 +65,19 @@ class TransientAnalysis:
         self.energy_before = 0.0
         self.unsolved, self.exact, self.failed = True, False, False
         self.observed: dict[str, float] | None = None
-        solve = scene.solve
-        self.solver = LinearSolver(
-            comm, "motion_", policy.solver, solve.tolerance, calibration, stages, memory=solve.factor_memory
+        self.calibration = calibration
+        self.solver = self._make_solver(scene)
+
+    def _make_solver(self, scene: Scene) -> LinearSolver:
+        """The linear solver that outlives all frames."""
+        return LinearSolver(
+            self.comm,
+            "motion_",
+            self.policy.solver,
+            scene.solve.tolerance,
+            self.calibration,
+            self.stages,
+            memory=scene.solve.factor_memory,
         )
 
     def solve(self, frame: Frame) -> LinearReport:
@@ -143,6 +154,9 @@ class TransientAnalysis:
         flipped = mesh.topology != self.topology
         if not (new_mesh or new_scene or flipped or mesh.geometry != self.geometry):
             return False, False
+        if frame.reseats:
+            prescribed = self.body.solid.prescribed
+            self.state = self.state._replace(y=frame.reseat(self.x) - prescribed, v=frame.reseat(self.v))
         if new_scene:
             self._read(frame.scene)
         if new_mesh or new_scene:
@@ -152,7 +166,7 @@ class TransientAnalysis:
                 with self.stages("pattern"):
                     self.system_now.patch(frame.changed_cells)
             self.body.move()
-            if self.newmark.a5:
+            if self.newmark.a5 or frame.reseats:
                 self._enter(self.state.y, self.state.v, self.time)
         if self.tracked:
             energy = self.energy()
@@ -176,7 +190,7 @@ class TransientAnalysis:
         with self.stages("pattern"):
             self.body = VibratingSolid(scene, self.plan, mesh)
             if new_mesh:
-                self.system_now = EffectiveSystem(self.comm, self.body, self.newmark, self.policy.backend)
+                self.system_now = self._make_system()
                 self.prediction = self._no_prediction()
             else:
                 self.system_now.bind(self.body, self.newmark)
@@ -188,6 +202,10 @@ class TransientAnalysis:
         else:
             self._enter(self.state.y, self.state.v, self.time)
         self.observer = MotionObserver(self.body.solid, self.body.inertia, self.motion, scene.quantities)
+
+    def _make_system(self) -> EffectiveSystem:
+        """What solves for the steps on a new mesh."""
+        return EffectiveSystem(self.comm, self.body, self.newmark, self.policy.backend)
 
     def _carry(self, before: VibratingSolid) -> None:
         """Bring the motion to a new mesh: displacements interpolated, velocities projected."""
@@ -214,23 +232,28 @@ class TransientAnalysis:
     def _run(self, stale: bool, new_system: bool, steps: int) -> LinearReport:
         """Take the time steps of a frame; the matrix of a frame without any is made too."""
         if stale and not steps:
-            with self.stages("values"):
-                self.system_now.assemble(self.state, NO_SHAKING)
-            self.system_now.rhs[:] = 0.0
+            self._make_matrix()
         self.age += 1
         if not steps:
             return LinearReport(0, False, 0, self.solver.name)
-        iterations, refreshed = 0, False
+        iterations, newton, refreshed = 0, 0, False
         if self.observer.watched:
             self.observer.begin()
         for k in range(steps):
             report = self._step(stale and k == 0, new_system and k == 0)
             iterations, refreshed = iterations + report.iterations, refreshed or report.refreshed
+            newton += report.newton
         self.age = 0 if refreshed else self.age
         if self.tracked:
             self.energy_before = self.energy()
         self.observed = None
-        return LinearReport(iterations, refreshed, self.age, self.solver.name)
+        return LinearReport(iterations, refreshed, self.age, self.solver.name, newton)
+
+    def _make_matrix(self) -> None:
+        """The matrix of a frame without steps, for looking at."""
+        with self.stages("values"):
+            self.system_now.assemble(self.state, NO_SHAKING)
+        self.system_now.rhs[:] = 0.0
 
     def _step(self, stale: bool, new_system: bool) -> LinearReport:
         """One time step."""

@@ -30,6 +30,8 @@ class Job:
         count: count PETSc's events a frame, which costs time.
         enough: stop after so many frames of a level, by level.
         regret: measure the regret of the schedule of refreshes, in place of the frames' times.
+        predict: "none" or "linear", as after --predict.
+        measure: "prediction", "derivative" or "starts": what is measured in place of the frames' times.
     """
 
     scene: str
@@ -41,6 +43,8 @@ class Job:
     count: bool = False
     enough: dict[str, int] = field(default_factory=dict)
     regret: bool = False
+    predict: str = "none"
+    measure: str = ""
 
     def dumps(self) -> str:
         """The job as JSON."""
@@ -61,11 +65,13 @@ class Outcome:
         rows: in order; as many as were computed before the end.
         problem: why it ended early; empty when it did not.
         regret: of the schedule of refreshes, where asked for.
+        found: what was measured in place of the frames' times.
     """
 
     rows: list[Row]
     problem: str = ""
     regret: Row | None = None
+    found: Row | None = None
 
 
 def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.Popen] = subprocess.Popen) -> Outcome:
@@ -121,6 +127,8 @@ def _read(told: Path, problem: str) -> Outcome:
             raise UserError(**content)
         if kind == "regret":
             outcome.regret = content
+        elif kind == "found":
+            outcome.found = content
         else:
             outcome.rows.append(content)
     return outcome

@@ -4,6 +4,7 @@ import json
 import os
 import resource
 import sys
+from importlib import import_module
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,9 @@ def request(job: Job) -> Any:
 
     scene = load_scene(job.scene, job.overrides)
     script = load_script(job.edits, scene)
-    return Request(scene, script, application(scene.app), policy(job.policy), Calibration.load(), job.petsc)
+    return Request(
+        scene, script, application(scene.app), policy(job.policy), Calibration.load(), job.petsc, job.predict
+    )
 
 
 def play(job: Job, tell: Any) -> None:
@@ -46,7 +49,14 @@ def play(job: Job, tell: Any) -> None:
     if job.count:
         PETSc.Log.begin()
     replay = Replay(
-        asked.scene, asked.script, asked.application, asked.policy, PETSc.COMM_WORLD, asked.calibration, None
+        asked.scene,
+        asked.script,
+        asked.application,
+        asked.policy,
+        PETSc.COMM_WORLD,
+        asked.calibration,
+        None,
+        asked.predict,
     )
     counts = EventCounts() if job.count else None
     left = {int(level): number for level, number in job.enough.items()}
@@ -68,6 +78,11 @@ def regret(job: Job, tell: Any) -> None:
     tell("regret", measure(request(job)))
 
 
+def measured(job: Job, tell: Any) -> None:
+    """Tell what a module of this package measures."""
+    tell("found", import_module(f"restshape.bench.{job.measure}").measure(request(job)))
+
+
 def main() -> int:
     """Run the job on stdin; 0 when it is done, 2 when it cannot be."""
     pin()
@@ -81,7 +96,7 @@ def main() -> int:
 
         petsc4py.init(["restshape", *job.petsc])
         try:
-            (regret if job.regret else play)(job, tell)
+            (measured if job.measure else regret if job.regret else play)(job, tell)
         except UserError as error:
             tell("error", {"what": error.what, "where": error.where, "do": error.do})
             return 2

@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from restshape.application import applications
+from restshape.cli import bench_design
 from restshape.cli.list import scene_of
 from restshape.cli.options import add_json, add_set, open_json, print_table, write_json
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 
-SUMMARY = "measure what reuse gains (reuse), and how the time of a frame grows with size (size)"
+SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
 PICTURES = Path("results")
 SIZE_SCENE = "plate"
 EVENTS = (
@@ -50,7 +51,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     size.add_argument(
         "--seconds", type=float, default=330.0, metavar="S", help="for all sizes together (default: %(default)g)"
     )
-    for study in (reuse, size):
+    for study in (reuse, size, *bench_design.arguments(studies)):
         add_set(study)
         add_json(study)
         study.add_argument(
@@ -61,7 +62,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Measure; 0 when it is done, 2 on bad input."""
     open_json(args)
-    return _reuse(args) if args.study == "reuse" else _size(args)
+    return {"reuse": _reuse, "size": _size, "predict": _predict, "derivative": _derivative}[args.study](args)
 
 
 def _reuse(args: argparse.Namespace) -> int:
@@ -84,6 +85,31 @@ def _reuse(args: argparse.Namespace) -> int:
         found[case.name] = compare(case, plan, announce)
         print_reuse(case.name, found[case.name])
     _draw(picture, lambda: draw_policies(found, picture))
+    write_json(args, found)
+    return 0
+
+
+def _predict(args: argparse.Namespace) -> int:
+    """Time predicted frames and find their errors."""
+    from restshape.report.design import draw_prediction
+
+    return _one(args, "bench-predict.png", bench_design.predict, draw_prediction)
+
+
+def _derivative(args: argparse.Namespace) -> int:
+    """Compare the design derivative with differences."""
+    from restshape.report.design import draw_derivative
+
+    return _one(args, "sensitivity-epsilon.png", bench_design.derivative, draw_derivative)
+
+
+def _one(args: argparse.Namespace, name: str, measure: Any, draw: Any) -> int:
+    """Measure one scene, draw, and write what was found."""
+    args.scenes = [args.scene]
+    (case,) = _cases(args)
+    picture = _picture(args.out, name)
+    found = measure(args, case, announce)
+    _draw(picture, lambda: draw(case.name, found, picture))
     write_json(args, found)
     return 0
 

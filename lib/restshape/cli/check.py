@@ -1,6 +1,7 @@
 """`restshape check`: reads a scene and an edit script, and says what they hold."""
 
 import argparse
+import math
 import sys
 from collections import Counter
 from pathlib import Path
@@ -14,7 +15,7 @@ from restshape.errors import UserError
 from restshape.mesh.sizing import refuse_endless
 from restshape.physics.held import require_held
 from restshape.scene.expressions import Expression, Value
-from restshape.scene.model import Load, Scene, Support
+from restshape.scene.model import Load, Material, Scene, Support
 from restshape.scene.plan import Plan, plan
 from restshape.scene.script import Script, load_script
 from restshape.shape.outline import Outline
@@ -84,8 +85,10 @@ def check_supports(scene: Scene, outline: Outline) -> None:
     """Makes sure that the supports hold the body, as far as the outline shows.
 
     Raises:
-        UserError: they leave it free to move.
+        UserError: they leave it free to move, and its application is not one for free bodies.
     """
+    if application(scene.app).layered:
+        return
     points, masks = [np.zeros((0, 2))], [np.zeros((0, 2))]
     for support in scene.supports.values():
         for entity in map(outline.entity, support.on):
@@ -123,10 +126,25 @@ def held(scene: Scene, effects: Plan, outline: Outline) -> dict[str, Any]:
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
         "supports": {name: support.on for name, support in scene.supports.items()},
         "loads": {name: {"kind": load.kind, "on": load.on} for name, load in scene.loads.items()},
+        "goals": list(scene.goal),
         "quantities": list(scene.quantities),
         "mesh": scene.mesh.model_dump(),
         "solve": scene.solve.model_dump(),
     }
+
+
+def made_of(material: Material) -> str:
+    """Stiffness, density and thickness of a material, for people."""
+    grain = material.orthotropic
+    if grain is None:
+        stiff = f"E {material.E:.6g} Pa, nu {material.nu:g}"
+    else:
+        moduli = ", ".join(f"{E:.4g}" for E in grain.E)
+        stiff = f"E {moduli} Pa along and across a grain at {math.degrees(material.grain):g} deg"
+    thickness = material.thickness
+    thick = f"as thick as {thickness.text} m" if isinstance(thickness, Expression) else f"{thickness:g} m thick"
+    known = f"{material.name}: " if material.name else ""
+    return f"{known}{stiff}, rho {material.rho:g} kg/m^3, {thick}"
 
 
 def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, str]]:
@@ -135,16 +153,17 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     plurals = {"vertex": "vertices", "edge": "edges", "hole": "holes", "region": "regions", "group": "groups"}
     rows = [(plurals[kind], listed(found)) for kind, found in names.items() if found or kind in ("vertex", "edge")]
     rows.append(("area", f"{outline.area():.6g} m^2"))
-    rows += [
-        (f"material {name}", f"E {m.E:.6g} Pa, nu {m.nu:g}, rho {m.rho:g} kg/m^3, {m.thickness:g} m thick")
-        for name, m in scene.material.items()
-    ]
+    rows += [(f"material {name}", made_of(m)) for name, m in scene.material.items()]
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
     rows += [(f"support {name}", f"{fixed(s)} on {', '.join(s.on)}") for name, s in scene.supports.items()]
     rows += [(f"load {name}", f"{loaded(load)} on {', '.join(load.on)}") for name, load in scene.loads.items()]
+    rows += [
+        (f"goal {name}", f"a curve through {len(g.spline or g.polyline)} points") for name, g in scene.goal.items()
+    ]
     for name, q in scene.quantities.items():
         what = f"{q.kind} {getattr(q, q.kind)}" if q.kind != "area" else "area"
-        rows.append((f"quantity {name}", f"{q.take} of {what} at {q.at or 'all'}"))
+        limit = f", holds up to {q.limit:.6g}" if q.limit is not None else ""
+        rows.append((f"quantity {name}", f"{q.take} of {what} at {q.at or 'all'}{limit}"))
     mesh, solve = scene.mesh, scene.solve
     rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))

@@ -13,6 +13,7 @@ from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
 
+KINDS = ("none", "linear")
 LEVELS = {"1": "relocation", "2": "reconnection", "3": "reconstruction"}
 SUMMARY = "replay an edit script against a scene: result, cost and error of every frame"
 
@@ -24,6 +25,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--edits", type=Path, metavar="FILE", help="edit script (.jsonl); default: the first shape only"
     )
     parser.add_argument("--policy", choices=list(POLICIES), help="what is reused (default: the scene's)")
+    parser.add_argument(
+        "--predict",
+        choices=KINDS,
+        default=KINDS[0],
+        help="show the frames of a drag by the design derivative, and solve on release (default: %(default)s)",
+    )
     parser.add_argument("--out", type=Path, metavar="FILE", help="recording (.vtkhdf)")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="a row of numbers a frame")
     parser.add_argument("--parity", action="store_true", help="compare each frame with a cold solve on the same mesh")
@@ -43,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
     app = application(scene.app, f"{args.scene}: app")
     script = load_script(args.edits, scene, keep_good=True) if args.edits else Script.empty(scene)
     chosen = policy(args.policy or scene.solve.policy)
-    request = Request(scene, script, app, chosen, Calibration.load(args.calibration), tuple(args.petsc))
+    request = Request(scene, script, app, chosen, Calibration.load(args.calibration), tuple(args.petsc), args.predict)
     first = first_rank()
     if first:
         for warning in script.warnings:
@@ -79,7 +86,8 @@ def _start_recorder(path: Path, request: Any) -> Any:
     from restshape.replay.columns import columns
     from restshape.replay.recorder import Recorder
 
-    return Recorder.start(path, request.header(), columns(list(request.scene.quantities)))
+    own = request.application.own_columns(request.scene)
+    return Recorder.start(path, request.header(), columns(list(request.scene.quantities), own))
 
 
 def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any]:
@@ -137,7 +145,8 @@ def print_summary(summary: dict[str, Any]) -> None:
         f"{summary['frames']} frames, {summary['refused']} refused, {summary['unknowns']} unknowns, "
         f"{summary['elements']} elements, policy {summary['policy']}, {summary['ranks']} rank(s)"
     )
-    _print_refusals(summary["rows"])
+    _print_reasons(summary["rows"], "refused")
+    _print_reasons(summary["rows"], "note")
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]")
     counts, times = summary["levels"], summary["ms"]
     rows = [
@@ -145,17 +154,21 @@ def print_summary(summary: dict[str, Any]) -> None:
         for k, name in LEVELS.items()
     ]
     print_table("time a frame", heads, rows, right=heads[1:])
+    # Frames that were not analysed have none.
+    residuals = [row["residual"] for row in summary["rows"] if row["residual"] >= 0.0]
     print(
         f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); "
         f"{summary['iterations']} iterations, {summary['refreshes']} factorizations, "
-        f"largest true residual {max(row['residual'] for row in summary['rows']):.1e}"
+        f"largest true residual {max(residuals, default=0.0):.1e}"
     )
+    if summary["predicted"]:
+        ms = summary["predicted_ms"]["p50"]
+        print(f"{summary['predicted']} frames predicted, {ms:.3f} ms each (p50), {1e3 / ms:,.0f} frames a second")
     heads = ("quantity", "first", "last", "least", "largest")
-    values = [
-        (name, *(f"{value:.6g}" for value in (v[0], v[-1], min(v), max(v))))
-        for name, v in summary["quantities"].items()
-    ]
+    values = [(name, *_ends(v)) for name, v in summary["quantities"].items()]
     print_table("quantities (SI units)", heads, values, right=heads[1:])
+    if verdict := summary["verdict"]:
+        print(f"verdict: {verdict['last']} at the end; holds in {verdict['holds']} frames, fails in {verdict['fails']}")
     if "parity" in summary:
         parity = summary["parity"]
         print(
@@ -164,13 +177,20 @@ def print_summary(summary: dict[str, Any]) -> None:
         )
 
 
-def _print_refusals(rows: list[dict[str, Any]], most: int = 5) -> None:
-    """Print why frames were refused, each reason once with its first line and frame."""
+def _ends(values: list[float | None]) -> list[str]:
+    """First, last, least and largest of the values of a quantity; a dash where there is no number."""
+    finite = [value for value in values if value is not None]
+    found = (values[0], values[-1], min(finite, default=None), max(finite, default=None))
+    return ["-" if value is None else f"{value:.6g}" for value in found]
+
+
+def _print_reasons(rows: list[dict[str, Any]], column: str, most: int = 5) -> None:
+    """Print why frames were refused, or what there is to note, each reason once with its first line and frame."""
     reasons: dict[str, tuple[int, int]] = {}
     for row in rows:
-        if row["refused"]:
-            reasons.setdefault(row["refused"], (row["line"], row["index"]))
+        if row[column]:
+            reasons.setdefault(row[column], (row["line"], row["index"]))
     for reason, (line, frame) in list(reasons.items())[:most]:
-        print(f"  refused, line {line}, frame {frame}: {reason}")
+        print(f"  {column}, line {line}, frame {frame}: {reason}")
     if len(reasons) > most:
         print(f"  ... and {len(reasons) - most} more reasons: see the recording or --csv")

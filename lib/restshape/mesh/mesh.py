@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -47,6 +48,9 @@ class Mesh:
     outline: Outline
     topology: int
     geometry: int = 0
+
+    reseats: ClassVar[tuple] = ()
+    """What flips did to nodes of edges, of which there are none; see `restshape.mesh.space`."""
 
     @classmethod
     def build(
@@ -96,6 +100,11 @@ class Mesh:
         """Number of triangles."""
         return len(self.cells)
 
+    @property
+    def corners(self) -> np.ndarray:
+        """Corners (ne, 3) of the triangles: all their nodes."""
+        return self.cells
+
     def nodes_of(self, name: str) -> np.ndarray:
         """Sorted nodes of an entity: of a vertex, on edges and holes, in and around regions; of all cells for "all".
 
@@ -104,9 +113,17 @@ class Mesh:
         """
         entity = self.outline.entity(name)
         own = self.vertex_node[list(entity.vertices)]
-        inside = self.cells_of(name) if name == "all" or self._regions(entity) else np.empty(0, dtype=np.int32)
-        parts = [own[own >= 0], self.facets[self.facets_of(name)].ravel(), self.cells[inside].ravel()]
+        parts = [own[own >= 0], self.facets[self.facets_of(name)].ravel(), self.cells[self.filled_by(name)].ravel()]
         return np.unique(np.concatenate(parts)).astype(np.int32)
+
+    def filled_by(self, name: str) -> np.ndarray:
+        """Triangles all of whose nodes are an entity's: those of `cells_of` for regions and "all", else none.
+
+        Raises:
+            UserError: there is no such entity.
+        """
+        filled = name == "all" or self._regions(self.outline.entity(name))
+        return self.cells_of(name) if filled else np.empty(0, dtype=np.int32)
 
     def facets_of(self, name: str) -> np.ndarray:
         """Rows of ``facets`` on an entity's edges, pieces of a split edge included.

@@ -15,6 +15,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.mesh.quality import thresholds
 from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.relocate import Boundary, Extension, extension, motion
+from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import MeshSpec
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
@@ -44,7 +45,8 @@ class Advance:
         flips: number of flipped edges.
         changed_cells: cells (int32, ascending) whose nodes changed by flips.
         min_quality: smallest quality of a triangle afterwards, 1 for equilateral.
-        old_mesh: level 3: the mesh before, where it could be relocated to the new shape, else as it lay.
+        old_mesh: level 3: the mesh before, where it could be relocated to the new shape, else as it lay, of the fields'
+            order.
         stages: seconds spent in "relocate", "map", "flip" and "mesh".
     """
 
@@ -52,7 +54,7 @@ class Advance:
     flips: int
     changed_cells: np.ndarray
     min_quality: float
-    old_mesh: Mesh | None = None
+    old_mesh: Mesh | LagrangeSpace | None = None
     stages: dict[str, float] = field(default_factory=dict)
 
     @classmethod
@@ -84,7 +86,10 @@ class Kept:
 class MovingMesh:
     """Keeps a mesh on a shape that is being edited, with as little change as its quality allows.
 
-    Positions, and cells after flips, change in the arrays of ``mesh``; a reconstruction replaces ``mesh``.
+    Positions, and cells after flips, change in the arrays of ``mesh`` and ``space``; a reconstruction replaces them.
+
+    Of second order ``space`` holds the nodes, else it is None. A triangle with a curved side that fails the bound on
+    its Jacobian counts as inverted.
 
     Args:
         outline: the first shape.
@@ -96,11 +101,13 @@ class MovingMesh:
         flip_everywhere: level 2 makes the whole mesh Delaunay, as in the thesis; otherwise it begins at distorted
             triangles, so that an old factor still fits.
         imported: a mesh of the first shape, used instead of generating one.
+        order_of: the order of a scene's elements, asked once a scene; by default what its `mesh.order` says.
 
     Source: docs/theory.md, section 1.
     """
 
     mesh: Mesh
+    space: LagrangeSpace | None
 
     def __init__(
         self,
@@ -114,11 +121,13 @@ class MovingMesh:
         criterion: str | None = None,
         flip_everywhere: bool = False,
         imported: Mesh | None = None,
+        order_of: Callable[[Any], int] = lambda scene: scene.mesh.order or 1,
     ) -> None:
         self.outline, self.spec, self.ranks, self.regenerate = outline, spec, ranks, regenerate
         self._broadcast = broadcast or (lambda make: make())
         self._chosen_relocation, self._chosen_criterion, self._imported = relocation, criterion, imported
         self._flip_everywhere = flip_everywhere
+        self._order_of, self._scene, self.order = order_of, None, 1
         self._gesture: Gesture | None = None
         self._carry: Extension | None = None
         self._c = (0.0, 0.0)
@@ -136,18 +145,30 @@ class MovingMesh:
         return self._gesture
 
     @property
+    def field_mesh(self) -> Mesh | LagrangeSpace:
+        """What fields live on: the mesh, or the nodes of second order over it."""
+        return self.space or self.mesh
+
+    @property
     def Psi(self) -> np.ndarray:
-        """Node displacements (2, n, 2) a unit of the gesture's coefficients; computed when first asked for on a mesh.
+        """Displacements (2, n, 2) of the nodes of `mesh` a unit of the gesture's coefficients; made on demand.
 
         Source: docs/theory.md, section 3.
         """
         if self._Psi is None:
-            if self._gesture is None or self._gesture.basis is None:
+            basis = None if self._gesture is None else self._gesture.basis
+            if self.space:
+                self.space.hold(basis)
+            if basis is None:
                 self._Psi = np.zeros((2, *self.mesh.X.shape))
             else:
-                basis = self._boundary.basis(self.mesh.outline, self._gesture.basis)
-                self._Psi = motion(self.mesh, basis, self.relocation)
+                self._Psi = motion(self.mesh, self._boundary.basis(self.mesh.outline, basis), self.relocation)
         return self._Psi
+
+    @property
+    def field_motion(self) -> np.ndarray:
+        """The same as `Psi` for the nodes of `field_mesh`."""
+        return self.space.motion(self.Psi) if self.space else self.Psi
 
     @property
     def _reconnection(self) -> Reconnection:
@@ -187,16 +208,25 @@ class MovingMesh:
                 getattr(mesh, name)[...] = values
             # Others may have seen the flips; and what flips edges knows them.
             mesh.topology, self._flipper = next(_reconnections), None
+            if self.space:
+                self.space.rebuild()
+        if kept.X is not None and self.space:
+            self.space.take_back()
 
     def _keep(self) -> None:
         """Note what `take_back` restores; nodes and connectivity are copied when they are about to change."""
         self._kept = None
         mesh = self.__dict__.get("mesh")
+        if mesh is not None and self.space:
+            self.space.begin()
         versions = None if mesh is None else (mesh.outline, mesh.geometry, mesh.topology)
         self._kept = Kept(self.__dict__.copy(), versions)
 
     def _advance(self, frame: EditFrame) -> Advance:
-        if frame.refused is not None or frame.change in ("none", "values"):
+        order = self.order
+        if frame.scene is not self._scene:
+            self._scene, self.order = frame.scene, self._order_of(frame.scene)
+        if frame.refused is not None or (frame.change in ("none", "values") and self.order == order):
             return self._rest(frame)
         if frame.change == "move":
             if frame.gesture is self._gesture and frame.gesture.linear and frame.c == self._c:
@@ -208,9 +238,9 @@ class MovingMesh:
         return self._reconstruct(frame, {})
 
     def _rest(self, frame: EditFrame) -> Advance:
-        """A frame in which the shape stays; pressing makes the map of the gesture that begins."""
+        """A frame in which the shape stays; taking hold makes the map of the gesture that begins."""
         advance = Advance.nothing(self.min_quality)
-        if frame.do == "press" and frame.gesture is not None and not self.regenerate:
+        if frame.do in ("press", "pull") and frame.gesture is not None and not self.regenerate:
             self._hold(frame, advance.stages)
         return advance
 
@@ -231,7 +261,7 @@ class MovingMesh:
             if flips:
                 mesh.topology = next(_reconnections)
             if verdict[1]:
-                mesh.X[...] = self._before
+                self._put_back()
                 return self._reconstruct(frame, stages)
         mesh.outline = frame.outline
         mesh.geometry += 1
@@ -240,8 +270,27 @@ class MovingMesh:
         self._c, self.min_quality = frame.c, verdict[0]
         return Advance(2 if flips else 1, flips, changed, verdict[0], None, stages)
 
+    def _put_back(self) -> None:
+        """Lay the nodes where the frame before left them."""
+        self.mesh.X[...] = self._before
+        if self.space:
+            self.space.put_back()
+
     def _place(self, frame: EditFrame) -> tuple[float, int, int]:
         """Move the nodes to where the frame wants them; quality, inverted and distorted triangles there."""
+        quality, inverted, distorted = self._place_corners(frame)
+        if not self.space:
+            return quality, inverted, distorted
+        if frame.gesture.linear:
+            start = self._c_reference
+            unsound = self.space.follow((frame.c[0] - start[0], frame.c[1] - start[1]))
+        else:
+            self.space.bend(frame.outline)
+            unsound = self.space.follow()
+        return quality, inverted + unsound, distorted
+
+    def _place_corners(self, frame: EditFrame) -> tuple[float, int, int]:
+        """Move the corners; quality, inverted and distorted triangles there."""
         mesh, (c0, c1) = self.mesh, frame.c
         if not frame.gesture.linear:
             target = self._boundary.values(frame.outline, frame.outline.points)
@@ -265,9 +314,10 @@ class MovingMesh:
         X, flips, changed = self.mesh.X, 0, NO_CELLS
         self._kept.connectivity = {name: getattr(self.mesh, name).copy() for name in CONNECTIVITY}
         if verdict[1]:
-            X[...] = self._before
+            self._put_back()
             flips, changed = self._reconnection.flip(X)
             if flips:
+                self._reseat(changed)
                 verdict = self._place(frame)
         for _ in range(ROUNDS):
             if verdict[1] or not verdict[2]:
@@ -275,10 +325,16 @@ class MovingMesh:
             more, cells = self._reconnection.flip(X, self._flip_floor)
             if not more:
                 break
+            self._reseat(cells)
             verdict = self._place(frame)
             flips, changed = flips + more, np.union1d(changed, cells)
         stages["flip"] = perf_counter() - start
         return flips, changed, verdict
+
+    def _reseat(self, changed: np.ndarray) -> None:
+        """Let the nodes of second order follow the flips that changed these cells."""
+        if self.space:
+            self.space.reconnect(changed)
 
     def _hold(self, frame: EditFrame, stages: dict[str, float]) -> None:
         """Take up a gesture: where the nodes lie now becomes its reference, and its map is made."""
@@ -291,16 +347,20 @@ class MovingMesh:
         else:
             self._carry = extension(self.mesh, self._boundary.nodes, self.relocation)
             self._Psi = np.zeros((2, *self.mesh.X.shape))
+            if self.space:
+                self.space.hold(None)
         stages["map"] = perf_counter() - start
 
     def _set_reference(self, c: tuple[float, float]) -> None:
         self._reference = self.mesh.X.copy()
         self._c_reference = self._c = c
+        if self.space:
+            self.space.refer()
 
     def _reconstruct(self, frame: EditFrame, stages: dict[str, float]) -> Advance:
         """Replace the mesh by a new one of the frame's outline."""
         start = perf_counter()
-        old = None if frame.change == "start" else self.mesh
+        old = None if frame.change == "start" else self.field_mesh
         if frame.gesture is not None:
             self._gesture, self._c = frame.gesture, frame.c
         if self._imported is not None and frame.change == "start":
@@ -322,6 +382,7 @@ class MovingMesh:
 
     def _adopt(self, mesh: Mesh) -> None:
         self.mesh = mesh
+        self.space = LagrangeSpace(mesh) if self.order == 2 else None
         self._boundary = Boundary(mesh)
         self._flipper: Reconnection | None = None
         self._fixed = np.zeros(len(mesh.X), dtype=np.uint8)

@@ -4,6 +4,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.space import LagrangeSpace
 
 
 class Transfer:
@@ -12,12 +13,16 @@ class Transfer:
     A point outside the mesh takes the value of the nearest boundary point.
 
     Args:
-        mesh: where the fields live.
+        mesh: where the fields live, of first or second order.
         points: (m, 2) where they are wanted [m].
     """
 
-    def __init__(self, mesh: Mesh, points: np.ndarray) -> None:
-        found, self.weights = _kernels.locate(mesh.X, mesh.cells, np.ascontiguousarray(points, dtype=float))
+    def __init__(self, mesh: Mesh | LagrangeSpace, points: np.ndarray) -> None:
+        points = np.ascontiguousarray(points, dtype=float)
+        if isinstance(mesh, LagrangeSpace):
+            found, self.weights = _kernels.locate_quadratic(mesh.X, mesh.corners, mesh.cells, points)
+        else:
+            found, self.weights = _kernels.locate(mesh.X, mesh.cells, points)
         self.nodes = mesh.cells[found]
 
     def __call__(self, field: np.ndarray) -> np.ndarray:
@@ -29,11 +34,13 @@ class Transfer:
         return np.einsum("ij,ijk->ik", self.weights, field[self.nodes])
 
 
-def transfer(old: Mesh, new: Mesh, field: np.ndarray) -> np.ndarray:
-    """Values (n_new, f) of a nodal field of the old mesh at the nodes of the new one; exact for linear fields.
+def transfer(old: Mesh | LagrangeSpace, new: Mesh | LagrangeSpace, field: np.ndarray) -> np.ndarray:
+    """Values (n_new, f) of a nodal field of the old mesh at the nodes of the new one.
+
+    Exact for linear fields, and of second order for quadratic ones too where sides are straight.
 
     Args:
-        old, new: meshes of nearly the same shape.
+        old, new: meshes of nearly the same shape, each of either order.
         field: (n_old, f) values.
     """
     return Transfer(old, new.X)(field)

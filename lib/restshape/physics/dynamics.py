@@ -8,9 +8,9 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import ReplayProblem, UserError
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.solid import SHAPES, PlaneSolid
 
-MASSES = {"consistent": "mass_tri3", "lumped": "lumped_mass_tri3"}
+MASSES = {"consistent": "mass", "lumped": "lumped_mass"}
 CONVERGED = 1e-15
 """Residual of a solve with the mass matrix, relative to the right side."""
 
@@ -112,7 +112,8 @@ class Inertia:
 
     Args:
         solid: on a mesh whose nodes may move.
-        mass: "consistent" or "lumped" (rows summed onto the diagonal).
+        mass: "consistent" or "lumped" onto the diagonal (by the sums of rows; of second order, where those of corners
+            are 0, by the diagonal scaled to the mass).
 
     Raises:
         UserError: a material has no density.
@@ -120,8 +121,10 @@ class Inertia:
 
     def __init__(self, solid: PlaneSolid, mass: str) -> None:
         self.solid, self.mesh, self.lumped = solid, solid.mesh, mass == "lumped"
-        self.element = _kernels.Element(MASSES[mass])
-        self._consistent, self._lumped = (_kernels.Element(name) for name in MASSES.values())
+        shape, _ = SHAPES[self.mesh.cells.shape[1]]
+        elements = {name: _kernels.Element(f"{start}_{shape}") for name, start in MASSES.items()}
+        self.element = elements[mass]
+        self._consistent, self._lumped = elements.values()
         region = self.mesh.cell_region
         thickness, density = solid.materials[:, 2], solid.materials[:, 3]
         # Regions that fill the shape leave no cell to row 0, whose material may not exist.
@@ -143,8 +146,8 @@ class Inertia:
         return self.element.energy(self.mesh.X, v, self.mesh.cells, self.params)
 
     def momentum(self, v: np.ndarray) -> np.ndarray:
-        """Linear momentum (2,) [kg m/s] of the velocities v (n, 2) [m/s]; the same for both kinds of mass."""
-        return self._product(self._lumped, v).sum(axis=0)
+        """Linear momentum (2,) [kg m/s] of the velocities v (n, 2) [m/s]."""
+        return self.apply(v).sum(axis=0)
 
     def solve(self, rhs: np.ndarray, consistent: bool = False) -> np.ndarray:
         """The w (n, 2), 0 where the solid is held, for which M w = rhs elsewhere.

@@ -6,6 +6,8 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import UserError
+from restshape.mesh.mesh import Mesh
+from restshape.physics.goals import GoalDistance
 from restshape.physics.recovery import NodalStress
 from restshape.physics.solid import PlaneSolid
 from restshape.scene.model import Quantity
@@ -42,6 +44,17 @@ COMPONENTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 
 
+def area(mesh: Mesh, cells: np.ndarray | slice = slice(None)) -> float:
+    """The area [m^2] of cells of a mesh, at rest."""
+    return _kernels.total_area(mesh.X, mesh.cells[cells])
+
+
+def areas(mesh: Mesh, quantities: dict[str, Quantity]) -> dict[str, float]:
+    """The quantities that the mesh alone tells, which are areas, by name; not a number for all others."""
+    known = {name: mesh.cells_of(q.at) if q.at else slice(None) for name, q in quantities.items() if q.area}
+    return {name: area(mesh, known[name]) if name in known else np.nan for name in quantities}
+
+
 class Observer:
     """Evaluates the quantities of a scene for a solid on its mesh.
 
@@ -71,15 +84,21 @@ class Observer:
     def nodal_stress(self, x: np.ndarray) -> np.ndarray:
         """Recovered stresses [Pa] at the nodes, in the rows of `recovery`, computed once a frame."""
         if self._nodal is None:
-            self._nodal = self.recovery(self.physics.stress(x))
+            self._nodal = self.recovery(self.physics.stress(x, self.recovery.points))
         return self._nodal
 
     def _function(self, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
         if quantity.area or quantity.energy:
             cells = self._region(name, quantity)
             if quantity.area:
-                return lambda x: _kernels.total_area(self.mesh.X, self.mesh.cells[cells])
+                return lambda x: area(self.mesh, cells)
             return self._energy(name, quantity.energy, cells)
+        if quantity.distance:
+            return self._distance(name, quantity)
+        if quantity.frequency or quantity.mode:
+            raise UserError(
+                "only free vibrations have frequencies", f"quantities.{name}", 'leave it out, or use app = "metallophone"'
+            )
         nodes = self._nodes(name, quantity)
         take = TAKES[quantity.take]
         if quantity.reaction:
@@ -100,6 +119,15 @@ class Observer:
         if kind != "strain":
             raise UserError(f"a solid at rest has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"')
         return lambda x: self.physics.energies(x)[cells].sum()
+
+    def _distance(self, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+        """The distance between a goal and the deformed edges."""
+        at = quantity.at or "outline"
+        facets = self.mesh.facets[self.mesh.facets_of(at)]
+        if len(facets) == 0:
+            raise UserError(f"{at!r} has no edge", f"quantities.{name}.at", "name an edge, a hole or a group of them")
+        distance = GoalDistance(self.physics.scene.goal[quantity.distance], facets, quantity.take)
+        return lambda x: distance(self.mesh.X + x)
 
     def _around(self, name: str, nodes: np.ndarray) -> np.ndarray:
         """The cells around the nodes of a quantity, found once a topology."""

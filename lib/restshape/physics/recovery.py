@@ -1,4 +1,4 @@
-"""Stresses at nodes, recovered from stresses that are constant on cells; at a border of materials one value a side."""
+"""Stresses at nodes, recovered from stresses inside cells; at a border of materials one value a side."""
 
 import numpy as np
 
@@ -9,16 +9,23 @@ from restshape.mesh.mesh import Mesh
 class NodalStress:
     """Superconvergent patch recovery on each region of a mesh by itself, for stresses jump between materials.
 
-    A row is a node as one region sees it: a node between two regions has two rows.
+    A row is a node as one region sees it: a node between two regions has two rows. First-order cells give their one
+    stress, second-order cells three; there the polynomials fitted to a patch are quadratic.
 
     Args:
-        mesh: its nodes may move and its edges may flip inside regions.
+        mesh: of first or second order; its nodes may move and its edges may flip inside regions.
+
+    Attributes:
+        points: (3, 2) reference coordinates at which second-order cells give their stresses; None for first order.
 
     Source: Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331.
     """
 
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
+        second = mesh.cells.shape[1] == 6
+        self.points = _kernels.recovery_points() if second else None
+        self._recover = _kernels.recover_quadratic if second else _kernels.recover
         regions = np.unique(mesh.cell_region)
         self._cells = [np.flatnonzero(mesh.cell_region == region) for region in regions] if len(regions) > 1 else []
         parts = [np.unique(mesh.cells[cells]) for cells in self._cells] or [np.arange(len(mesh.X))]
@@ -36,14 +43,18 @@ class NodalStress:
         return np.flatnonzero(chosen)
 
     def __call__(self, stress: np.ndarray) -> np.ndarray:
-        """Recovered stresses, one row each (see the class), from the cells' stresses (ne, 4) [Pa]."""
+        """Recovered stresses, one row each (see the class), from the cells' stresses [Pa].
+
+        Args:
+            stress: (ne, 4), or (ne, 3, 4) at `points`.
+        """
         X, cells = self.mesh.X, self.mesh.cells
         out = np.empty((len(X), 4))
         if not self._cells:
-            _kernels.recover(X, cells, stress, out)
+            self._recover(X, cells, stress, out)
             return out
         found = []
         for chosen, nodes in zip(self._cells, self._parts):
-            _kernels.recover(X, cells[chosen], stress[chosen], out)
+            self._recover(X, cells[chosen], stress[chosen], out)
             found.append(out[nodes])
         return np.concatenate(found)

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from restshape.errors import ReplayProblem
+from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, Value
 
 
@@ -33,7 +34,23 @@ class Nodal:
             )
         return result
 
+    def rate(self, X: np.ndarray, dX: np.ndarray) -> np.ndarray:
+        """How fast (n,) the value changes at places X (n, 2) [m] that move with dX (n, 2)."""
+        if not isinstance(self.value, Expression):
+            return np.zeros(len(X))
+        with np.errstate(all="ignore"):
+            result = self.value.rate(Dual(X[:, 0], dX[:, 0]), Dual(X[:, 1], dX[:, 1]), self.parameters)
+        if not np.all(np.isfinite(result)):
+            bad = X[np.flatnonzero(~np.isfinite(result))[0]]
+            raise ReplayProblem(f"{self.where}: the expression has no derivative at x = {bad[0]:g} m, y = {bad[1]:g} m")
+        return result
+
 
 def evaluate(values: Any, X: np.ndarray, parameters: dict[str, float], where: str) -> np.ndarray:
     """A vector value of the scene at places X (n, 2) [m]: (n, 2)."""
     return np.column_stack([Nodal(value, parameters, where)(X) for value in values])
+
+
+def rates(values: Any, X: np.ndarray, dX: np.ndarray, parameters: dict[str, float], where: str) -> np.ndarray:
+    """How fast (n, 2) a vector value of the scene changes at places X (n, 2) [m] that move with dX (n, 2)."""
+    return np.column_stack([Nodal(value, parameters, where).rate(X, dX) for value in values])

@@ -27,7 +27,8 @@ class VibratingSolid:
         self.inertia = Inertia(self.solid, plan.settings("dynamics").mass)
         self.rayleigh = Rayleigh.of(plan.settings("damping"))
         self.held = self.solid.mask.astype(bool)
-        self.loaded = bool(scene.loads) or bool(np.any(self.solid.prescribed)) or self.solid.moving
+        heavy = self.solid.gravity is not None
+        self.loaded = heavy or bool(scene.loads) or bool(np.any(self.solid.prescribed)) or self.solid.moving
         self.static = np.zeros_like(mesh.X)
         self.move()
 
@@ -53,9 +54,25 @@ class VibratingSolid:
             y, v: (n, 2) displacement less the prescribed one [m], velocity [m/s].
             ground: (2,) its acceleration [m/s^2].
         """
-        damping = self.rayleigh
-        force = self.static - self.stiffness(y + damping.beta * v) - self.inertia.apply(damping.alpha * v + ground)
+        force = self.force(y) - self.damping(v)
+        if ground.any():
+            force -= self.inertia.apply(np.zeros_like(y) + ground)
         return self.inertia.solve(force)
+
+    def force(self, y: np.ndarray) -> np.ndarray:
+        """Applied less internal forces (n, 2) [N] at y (n, 2) [m]; without meaning where the body is held."""
+        if self.solid.law == "linear_elastic":
+            return self.static - self.stiffness(y)
+        return -self.solid.imbalance(y + self.solid.prescribed)
+
+    def damping(self, v: np.ndarray) -> np.ndarray:
+        """C v (n, 2) [N] at the velocities v (n, 2) [m/s], with the stiffness of the body at rest."""
+        alpha, beta = self.rayleigh.alpha, self.rayleigh.beta
+        out = self.inertia.apply(alpha * v) if alpha else np.zeros_like(v)
+        if beta:
+            solid = self.solid
+            solid.small.residual(self.mesh.X, beta * v, self.mesh.cells, solid.stiffness_params, out)
+        return out
 
     def energy(self, y: np.ndarray, v: np.ndarray) -> float:
         """Strain energy and kinetic energy relative to the ground [J]; arguments as in `acceleration`."""

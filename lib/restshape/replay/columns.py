@@ -7,9 +7,15 @@ import numpy as np
 STAGES = ("edit", "relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe", "record")
 
 
-def columns(quantities: list[str]) -> dict[str, Any]:
-    """Name to numpy type, or `str`, of each column, for a scene with these quantities."""
-    integers = ("index", "line", "level", "flips", "age", "refreshed", "iterations", "unknowns", "elements")
+def columns(quantities: list[str], own: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Name to numpy type, or `str`, of each column.
+
+    Args:
+        quantities: of the scene.
+        own: columns that only the scene's application has.
+    """
+    integers = ("index", "line", "level", "flips", "age", "refreshed", "iterations", "newton", "unknowns", "elements")
+    integers += ("predicted",)
     reals = ("t", "min_quality", "residual", "ms", *(f"ms_{name}" for name in STAGES), "ms_python")
     return {
         **dict.fromkeys(integers, np.int64),
@@ -17,5 +23,8 @@ def columns(quantities: list[str]) -> dict[str, Any]:
         **{f"q_{name}": np.float64 for name in quantities},
         "do": str,
         "preconditioner": "S24",
+        "note": "S160",
+        "verdict": "S8",
         "refused": str,
+        **(own or {}),
     }

@@ -17,8 +17,11 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.importer import read_mesh
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import Advance, MovingMesh
+from restshape.physics.quantities import areas
 from restshape.policy import Policy
+from restshape.replay.foresight import Foresight
 from restshape.replay.recorder import Recorder
+from restshape.replay.verdict import verdict
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script
@@ -39,6 +42,10 @@ class Replay:
         comm: PETSc communicator; all ranks run the same edits on the same mesh and share the algebra.
         calibration: seconds a unit of counted work; no clock decides anything.
         recorder: takes each frame, on rank 0; None records nothing.
+        predict: "none" solves each frame, "linear" predicts those of a drag by the design derivative.
+
+    Raises:
+        UserError: no valid first shape, or what is to be predicted cannot be.
     """
 
     def __init__(
@@ -50,6 +57,7 @@ class Replay:
         comm: PETSc.Comm,
         calibration: Calibration,
         recorder: Recorder | None = None,
+        predict: str = "none",
     ) -> None:
         self.policy, self.comm, self.recorder = policy, comm, recorder
         self.stages = Stages()
@@ -68,9 +76,16 @@ class Replay:
             criterion=policy.criterion,
             flip_everywhere=policy.flip_everywhere,
             imported=imported,
+            order_of=lambda scene: plan(scene, application).order,
         )
+        ahead = predict == "linear"
+        if ahead and script.header.analysis != "every frame":
+            raise UserError("frames that are not analysed cannot be predicted", "--predict", "--predict none")
+        self.foresight = Foresight(self.analysis, self.moving, self.session, policy) if ahead else None
         self.recorded_topology: tuple[int, int] | None = None
         self.solved = False
+        self.known = False
+        self.limits = {name: q.limit for name, q in scene.quantities.items() if q.limit is not None}
         self.row: dict[str, Any] = {}
 
     def frames(self) -> Iterator[dict[str, Any]]:
@@ -95,15 +110,19 @@ class Replay:
 
     def _frame(self, edit: EditFrame) -> dict[str, Any]:
         """Compute one frame; one with a problem is recorded as refused, and all goes on from the last solution."""
-        refused = edit.refused or ""
+        refused, predicted = edit.refused or "", False
         solved, self.solved = self.solved, False
         try:
             advance = self.moving.advance(edit)
-            mesh, hand = self.moving.mesh, (edit.gesture, tuple(edit.c))
-            # Flips of a frame that failed are not known any more.
-            changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
-            report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand))
-            self.solved = True
+            predicted = self.foresight is not None and self.foresight.show(edit, advance)
+            if not edit.analysed:
+                report, self.known = self._no_report(), self.known and edit.change == "none"
+            elif predicted:
+                report = self._no_report()
+                # The system of the last solve is as it was.
+                self.solved = solved
+            else:
+                report = self._solve(edit, advance, solved)
         except (ReplayProblem, UserError) as problem:
             if edit.index == 0 and isinstance(problem, UserError):
                 raise edit.scene.located(problem) from None
@@ -113,11 +132,14 @@ class Replay:
                 ) from problem
             refused = str(problem).replace("\n  try:", "; try:")
             self.moving.take_back()
+            if self.foresight:
+                self.foresight.take_back()
+                predicted = self.foresight.shown
             if edit.change != "none":
                 self.session.take_back()
-            advance, report = Advance.nothing(), LinearReport(0, False, self.row["age"], self.row["preconditioner"])
+            advance, report = Advance.nothing(), self._no_report()
         with self.stages("observe"):
-            quantities = self.analysis.observe()
+            quantities = self.analysis.observe() if self.known else areas(self.moving.field_mesh, edit.scene.quantities)
         for stage, seconds in advance.stages.items():
             self.stages.seconds[stage] += seconds
         self.row = {
@@ -131,13 +153,40 @@ class Replay:
             "age": report.age,
             "refreshed": int(report.refreshed),
             "iterations": report.iterations,
+            "newton": report.newton,
             "preconditioner": report.preconditioner,
             "unknowns": self.analysis.unknowns,
-            "elements": len(self.analysis.mesh.cells),
+            "elements": len((self.analysis if self.known else self.moving).mesh.cells),
+            "predicted": int(predicted),
+            "note": self.foresight.note if self.foresight else "",
+            "verdict": verdict(self.limits, quantities),
             "refused": refused,
         }
         self.row.update({f"q_{name}": value for name, value in quantities.items()})
+        if self.known and hasattr(self.analysis, "row"):
+            self.row.update(self.analysis.row())
         return self.row
+
+    def _solve(self, edit: EditFrame, advance: Advance, solved: bool) -> LinearReport:
+        """Solve a frame; `solved` tells whether the one before was."""
+        mesh, hand = self.moving.field_mesh, (edit.gesture, tuple(edit.c))
+        reseats = self.analysis.mesh.reseats if self.analysis.mesh else ()
+        # Flips of a frame that failed are not known any more.
+        changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
+        if self.foresight:
+            self.foresight.start(edit)
+        report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand, reseats))
+        self.solved = self.known = True
+        if mesh.reseats:
+            mesh.reseats = ()
+        if self.foresight:
+            idle = edit.change == "none" and not self.foresight.shown
+            self.foresight.anchor(edit, idle)
+        return report
+
+    def _no_report(self) -> LinearReport:
+        """The report of a frame that is not solved."""
+        return LinearReport(0, False, self.row["age"], self.row["preconditioner"])
 
     def _times(self, row: dict[str, Any], start: float, edited: float, end: float) -> None:
         """Add the milliseconds of the frame; `ms_python` is what no compiled stage took."""
@@ -150,17 +199,16 @@ class Replay:
 
     def _record(self, edit: EditFrame, row: dict[str, Any], end: float) -> None:
         """Hand the frame to the recorder; the true residual is measured here, off the frame's time."""
-        row["residual"] = self.analysis.residual()
-        mesh = self.analysis.mesh
+        row["residual"] = self.analysis.residual() if self.known else np.nan
+        mesh = self.analysis.mesh if self.known else self.moving.field_mesh
         if self.recorder:
             version = (id(mesh), mesh.topology)
             if version != self.recorded_topology:
                 self.recorder.topology(mesh.cells)
                 self.recorded_topology = version
             row["ms_record"] = (perf_counter() - end) * 1e3
-            self.recorder.frame(
-                edit.t, mesh.X, {"displacement": self.analysis.x}, {"von_mises": self.analysis.von_mises()}, row
-            )
+            fields = self.analysis.fields() if self.known else self.analysis.blank_fields(mesh)
+            self.recorder.frame(edit.t, mesh.X, *fields, row)
         row["ms_record"] = (perf_counter() - end) * 1e3
         if row["level"] > 1 or edit.change not in ("none", "move"):
             bury(self.comm)

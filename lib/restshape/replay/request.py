@@ -22,6 +22,7 @@ class Request:
         policy: what is reused.
         calibration: seconds a unit of counted work.
         petsc: words for PETSc's options database.
+        predict: "none", or "linear": frames of a drag by the design derivative.
     """
 
     scene: Scene
@@ -30,6 +31,7 @@ class Request:
     policy: Policy
     calibration: Calibration
     petsc: tuple[str, ...] = ()
+    predict: str = "none"
 
     def header(self) -> dict[str, Any]:
         """What a recording says of how it was made."""
@@ -42,6 +44,7 @@ class Request:
             "title": self.scene.title,
             "app": self.application.name,
             "policy": self.policy.name,
+            "predict": self.predict,
             "calibration": self.calibration.as_dict(),
             "petsc_options": list(self.petsc),
         }

@@ -49,7 +49,8 @@ def run_replay(
         recorder.add_header({"ranks": comm.size, "petsc": list(PETSc.Sys.getVersion())})
     check = Parity(replay) if parity else None
     rows, interrupted = [], False
-    with _table(csv if first else None, list(request.scene.quantities)) as table:
+    names = list(columns(list(request.scene.quantities), request.application.own_columns(request.scene)))
+    with _table(csv if first else None, names) as table:
         try:
             for row in _frames(replay, request.petsc):
                 if check:
@@ -80,6 +81,7 @@ def _replay(request: Request, recorder: Recorder | None) -> Replay:
             PETSc.COMM_WORLD,
             request.calibration,
             recorder,
+            request.predict,
         )
     except PETSc.Error as error:
         if not request.petsc:
@@ -100,7 +102,9 @@ def _frames(replay: Replay, petsc: Sequence[str]) -> Iterator[dict[str, Any]]:
     yield from frames
 
 
-def replay_files(scene: Path, edits: Path, name: str, overrides: Sequence[str] = ()) -> dict[str, Any]:
+def replay_files(
+    scene: Path, edits: Path, name: str, overrides: Sequence[str] = (), predict: str = "none"
+) -> dict[str, Any]:
     """The summary of a replay of files under the policy `name`, for studies; nothing is recorded.
 
     Args:
@@ -108,21 +112,22 @@ def replay_files(scene: Path, edits: Path, name: str, overrides: Sequence[str] =
         edits: edit script.
         name: of the policy.
         overrides: ``key=value`` as after --set.
+        predict: as after --predict.
     """
     read = load_scene(scene, overrides)
     script = load_script(edits, read)
-    return run_replay(Request(read, script, application(read.app), policy(name), Calibration.load()))
+    return run_replay(Request(read, script, application(read.app), policy(name), Calibration.load(), predict=predict))
 
 
 @contextmanager
-def _table(path: Path | None, quantities: list[str]) -> Iterator[Any]:
+def _table(path: Path | None, names: list[str]) -> Iterator[Any]:
     """A function that writes one row to the CSV file, line by line so that none is lost; None without a file."""
     if path is None:
         yield None
         return
     with _told(path):
         file = path.open("w", newline="", buffering=1)
-    writer = csv.DictWriter(file, list(columns(quantities)), extrasaction="ignore")
+    writer = csv.DictWriter(file, names, extrasaction="ignore")
 
     def write(row: dict[str, Any]) -> None:
         with _told(path):

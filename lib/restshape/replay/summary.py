@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from restshape.replay.columns import STAGES
+from restshape.replay.verdict import counted
 
 
 def percentiles(ms: np.ndarray) -> dict[str, float]:
@@ -14,12 +15,18 @@ def percentiles(ms: np.ndarray) -> dict[str, float]:
     return dict(zip(("p50", "p95", "p99"), map(float, values)))
 
 
+def known(value: float) -> float | None:
+    """The value, or None where there is no number, which JSON does not know."""
+    return value if np.isfinite(value) else None
+
+
 def summarise(rows: list[dict[str, Any]], policy: str, ranks: int) -> dict[str, Any]:
     """Counts, times and quantities of a replay from its rows; times leave out the first frame, made from nothing."""
     later = rows[1:]
     times = np.array([row["ms"] for row in later])
     level = np.array([row["level"] for row in later], dtype=int)
     moved = level > 0
+    predicted = np.array([row["predicted"] for row in later], dtype=bool)
     return {
         "frames": len(rows),
         "refused": sum(bool(row["refused"]) for row in rows),
@@ -27,6 +34,8 @@ def summarise(rows: list[dict[str, Any]], policy: str, ranks: int) -> dict[str, 
         "policy": policy,
         "levels": {str(k): int((level == k).sum()) for k in (1, 2, 3)},
         "idle": int((level == 0).sum()),
+        "predicted": int(predicted.sum()),
+        "predicted_ms": percentiles(times[predicted & moved]),
         "ms": {"all": percentiles(times[moved]), **{str(k): percentiles(times[level == k]) for k in (1, 2, 3)}},
         "python_ms": {
             "p50": percentiles(np.array([row["ms_python"] for row in later])[moved])["p50"],
@@ -34,12 +43,14 @@ def summarise(rows: list[dict[str, Any]], policy: str, ranks: int) -> dict[str, 
         },
         "stages": {name: float(sum(row[f"ms_{name}"] for row in rows)) for name in STAGES},
         "iterations": int(sum(row["iterations"] for row in rows)),
+        "newton": int(sum(row["newton"] for row in rows)),
         "refreshes": int(sum(row["refreshed"] for row in rows)),
         "preconditioners": dict(Counter(row["preconditioner"] for row in rows if row["level"])),
         "unknowns": rows[-1]["unknowns"] if rows else 0,
         "elements": rows[-1]["elements"] if rows else 0,
+        "verdict": counted(rows),
         "quantities": {
-            key[2:]: [row[key] for row in rows] for key in (rows[0] if rows else {}) if key.startswith("q_")
+            key[2:]: [known(row[key]) for row in rows] for key in (rows[0] if rows else {}) if key.startswith("q_")
         },
         "rows": rows,
     }

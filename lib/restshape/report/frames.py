@@ -84,6 +84,7 @@ def title(figure: Figure, recording: Recording, scenery: Scenery, size: float = 
     """Puts the name of the scene and what is exaggerated above a figure, and the meaning of the thin line."""
     room = int(110 * figure.get_figwidth() / size)
     meaning = f"{scenery.deformation}   ·   thin line: rest outline" if scenery.largest else scenery.deformation
+    meaning += "   ·   red: goal" * bool(scenery.goals)
     name = shorten(scene_name(recording), room, placeholder=" …")
     gap = "   ·   " if len(name) + len(meaning) + 7 <= room else "\n"
     figure.suptitle(name + gap + meaning, color=INK, fontsize=size)

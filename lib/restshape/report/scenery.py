@@ -9,8 +9,11 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgba
 
 from restshape.errors import UserError
+from restshape.physics.goals import goal_curve
 from restshape.replay.recording import Recording
-from restshape.report.style import BODY, COLOURS, INK, MESH, length_unit, scaled_unit, si
+from restshape.report.outlines import border, lines, polygons
+from restshape.report.style import BODY, COLOURS, GOAL, INK, MESH, length_unit, scaled_unit, si
+from restshape.scene.model import Goal
 
 SHARE = 0.08
 FIELD_NAMES = {"von_mises": ("von Mises stress of the cells", "Pa")}
@@ -27,6 +30,7 @@ class Scenery:
         field: cell field that gives the colour, or None.
         top: value [field's unit] at the top of the colour bar; ``clipped`` if there are higher ones.
         bottom: value at its bottom.
+        goals: curves (m, 2) [m] that the deformed shape should meet; drawn as they are.
     """
 
     scale: float
@@ -36,6 +40,7 @@ class Scenery:
     bottom: float
     top: float
     clipped: bool
+    goals: tuple[np.ndarray, ...] = ()
 
     @property
     def unit(self) -> tuple[float, str]:
@@ -76,6 +81,8 @@ class Drawing:
         self.rest = LineCollection([], colors=INK, linewidths=0.7)
         axes.add_collection(self.body, autolim=False)
         axes.add_collection(self.rest, autolim=False)
+        goals = [factor * goal for goal in scenery.goals]
+        axes.add_collection(LineCollection(goals, colors=GOAL, linewidths=1.3), autolim=False)
         xmin, xmax, ymin, ymax = (value * factor for value in scenery.extent)
         axes.set(xlim=(xmin, xmax), ylim=(ymin, ymax), aspect="equal")
 
@@ -85,9 +92,8 @@ class Drawing:
         X, cells = recording.mesh(i)
         factor, _ = scenery.unit
         x = factor * (X + scenery.scale * displacement(recording, i))
-        corners = cells[:, :3]
-        self.body.set_verts(x[corners])
-        self.rest.set_segments(factor * X[boundary(corners)])
+        self.body.set_verts(polygons(x, cells))
+        self.rest.set_segments(factor * lines(X, border(cells)))
         if scenery.field:
             self.body.set_array(np.ma.masked_invalid(scenery.colour[0] * recording.field(i, scenery.field)))
 
@@ -98,7 +104,7 @@ def scenery(recording: Recording, frames: np.ndarray, scale: float | None = None
     Args:
         recording: two-dimensional.
         frames: indices that are looked at.
-        scale: exaggeration; default: the largest displacement becomes 8 % of the size.
+        scale: exaggeration; default: the largest displacement becomes 8 % of the size, but 1 where there is a goal.
 
     Raises:
         UserError: the recording is not of a shape in the plane.
@@ -115,17 +121,29 @@ def scenery(recording: Recording, frames: np.ndarray, scale: float | None = None
         if field:
             values.append(recording.field(i, field))
     size = float(np.max(np.max(high, axis=0) - np.min(low, axis=0)))
+    goals = goals_of(recording)
+    if scale is None and goals:
+        scale = 1.0
     if scale is None:
         scale = float(f"{SHARE * size / largest:.2g}") if largest else 1.0
     for i in frames:
         x = recording.points(i) + scale * displacement(recording, i)
         low.append(x.min(axis=0))
         high.append(x.max(axis=0))
+    low.extend(goal.min(axis=0) for goal in goals)
+    high.extend(goal.max(axis=0) for goal in goals)
     margin = 0.02 * size
     (xmin, ymin), (xmax, ymax) = np.min(low, axis=0) - margin, np.max(high, axis=0) + margin
     extent = (float(xmin), float(xmax), float(ymin), float(ymax))
     known = any(np.isfinite(value).any() for value in values)
-    return Scenery(scale, largest, extent, field if known else None, *_colour_range(values))
+    return Scenery(scale, largest, extent, field if known else None, *_colour_range(values), goals)
+
+
+def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:
+    """The goals (m, 2) [m] of the recorded scene; those that an edit has set later are not known."""
+    scene = recording.header.get("scene_values")
+    given = scene.get("goal", {}) if isinstance(scene, dict) else {}
+    return tuple(goal_curve(Goal.model_validate(goal)) for goal in given.values())
 
 
 def _colour_field(recording: Recording) -> str | None:
@@ -151,11 +169,3 @@ def displacement(recording: Recording, i: int) -> np.ndarray:
     if "displacement" not in recording.fields:
         return np.zeros_like(recording.points(i))
     return np.nan_to_num(recording.field(i, "displacement")[:, :2], posinf=0.0, neginf=0.0)
-
-
-def boundary(triangles: np.ndarray) -> np.ndarray:
-    """The (m, 2) edges that belong to one triangle only."""
-    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64), axis=1)
-    codes, counts = np.unique(edges[:, 0] << 32 | edges[:, 1], return_counts=True)
-    single = codes[counts == 1]
-    return np.column_stack([single >> 32, single & 0xFFFFFFFF])

@@ -9,7 +9,7 @@ import numpy as np
 from restshape.replay.recording import Recording
 from restshape.replay.summary import percentiles
 
-QUANTITY_UNITS = {"displacement": "m", "reaction": "N", "stress": "Pa", "energy": "J", "area": "m²"}
+QUANTITY_UNITS = {"displacement": "m", "reaction": "N", "stress": "Pa", "energy": "J", "area": "m²", "distance": "m"}
 
 
 def column(recording: Recording, name: str, default: float = np.nan) -> np.ndarray:
@@ -89,7 +89,8 @@ def thesis_table(rows: Iterable[Mapping[str, Any]]) -> str:
     sections = []
     for table, members in groupby(rows, key=lambda row: str(row["table"])):
         cells = [[member.get(name) for name in names] for member in members]
-        sections.append(f"## Table {table}\n\n{markdown_table(names, cells, right=('thesis', 'ours'))}")
+        heading = table.capitalize() if table.startswith("figure") else f"Table {table}"
+        sections.append(f"## {heading}\n\n{markdown_table(names, cells, right=('thesis', 'ours'))}")
     return "\n".join(sections)
 
 

@@ -27,8 +27,12 @@ def check_scene(scene: Scene, application: Application, source: Source) -> None:
     _check_parameters(scene, source)
     _check_materials(scene, source)
     _check_references(scene, source)
+    _check_goals(scene, source)
     _check_formulas(scene, source)
     _check_mesh(scene, application, source)
+    _check_directions(scene, application, source)
+    _check_thickness(scene, application, source)
+    _check_grain(scene, application, source)
 
 
 def _check_names(scene: Scene, source: Source) -> None:
@@ -132,6 +136,13 @@ def _check_references(scene: Scene, source: Source) -> None:
         _check_load(name, load, kinds, source)
 
 
+def _check_goals(scene: Scene, source: Source) -> None:
+    """Refuses a distance from a goal that is not there."""
+    for name, quantity in scene.quantities.items():
+        if quantity.distance is not None:
+            _refuse_absent(quantity.distance, scene.goal, "goal", ("quantities", name, "distance"), source)
+
+
 def _check_load(name: str, load: Load, kinds: dict[str, str], source: Source) -> None:
     """Refuses a load on a kind of entity that it cannot act on."""
     accepted = ACCEPTS[load.kind]
@@ -161,9 +172,47 @@ def _check_mesh(scene: Scene, application: Application, source: Source) -> None:
     """Refuses a mesh without a size, and element orders that the application does not have."""
     if scene.mesh.size is None and scene.mesh.file is None:
         raise source.error(("mesh", "size"), "the mesh has no size", 'add size = "20 mm" to [mesh]')
-    if scene.mesh.order not in application.orders:
+    if scene.mesh.order not in (None, *application.orders):
         raise source.error(
             ("mesh", "order"),
             f"the application {application.name!r} has no elements of order {scene.mesh.order}",
             f"use one of: {', '.join(str(order) for order in application.orders)}",
         )
+    if scene.mesh.layers is not None and not application.layered:
+        raise source.error(
+            ("mesh", "layers"), f"the application {application.name!r} has no layers of elements", "leave it out"
+        )
+
+
+def _check_thickness(scene: Scene, application: Application, source: Source) -> None:
+    """Refuses a thickness that varies where the application has bodies in the plane only."""
+    for name, material in scene.material.items():
+        if isinstance(material.thickness, Expression) and not application.layered:
+            raise source.error(
+                ("material", name, "thickness"),
+                f"the application {application.name!r} knows one thickness a material only",
+                "give a number",
+            )
+
+
+def _check_grain(scene: Scene, application: Application, source: Source) -> None:
+    """Refuses a grain where the application knows isotropic materials only."""
+    for name, material in scene.material.items():
+        if material.orthotropic is not None and not application.layered:
+            raise source.error(
+                ("material", name),
+                f"the application {application.name!r} knows isotropic materials only",
+                "give E and nu",
+            )
+
+
+def _check_directions(scene: Scene, application: Application, source: Source) -> None:
+    """Refuses supports in directions that the application does not know."""
+    for name, support in scene.supports.items():
+        for direction in support.fix:
+            if direction not in application.directions:
+                raise source.error(
+                    ("supports", name, "fix"),
+                    f"the application {application.name!r} knows no direction {direction!r}",
+                    f"use some of: {', '.join(application.directions)}",
+                )

@@ -3,9 +3,13 @@
 import ast
 from collections.abc import Callable
 from difflib import get_close_matches
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from restshape.scene import duals
+from restshape.scene.duals import Dual
 
 FUNCTIONS: dict[str, tuple[Callable[..., NDArray[np.float64]], int]] = {
     "sqrt": (np.sqrt, 1),
@@ -88,15 +92,32 @@ class Expression:
         Raises:
             ExpressionError: an unknown name.
         """
+        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        known = {name: function for name, (function, _) in FUNCTIONS.items()}
+        result = self._run(known, x, y, parameters)
+        return np.array(np.broadcast_to(result, x.shape), dtype=np.float64)
+
+    def rate(self, x: Dual, y: Dual, parameters: dict[str, float]) -> NDArray[np.float64]:
+        """The derivative of the formula along the direction in which the coordinates change.
+
+        Args:
+            x, y: (...,) coordinates [m] and their rates.
+            parameters: value of each named parameter.
+
+        Raises:
+            ExpressionError: an unknown name.
+        """
+        result = duals.dual(self._run(duals.FUNCTIONS, x, y, parameters))
+        return np.array(np.broadcast_to(result.rate, np.shape(x.value)), dtype=np.float64)
+
+    def _run(self, functions: dict[str, Callable], x: Any, y: Any, parameters: dict[str, float]) -> Any:
+        """The formula in whatever arithmetic the coordinates and functions bring."""
         unknown = self.unknown(parameters)
         if unknown:
             raise ExpressionError(unknown)
-        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
-        known = {name: function for name, (function, _) in FUNCTIONS.items()}
         values = {name: np.float64(value) for name, value in (CONSTANTS | parameters).items()}
         with np.errstate(all="ignore"):
-            result = eval(self._code, {"__builtins__": {}}, known | self._numbers | values | {"x": x, "y": y})
-        return np.array(np.broadcast_to(result, x.shape), dtype=np.float64)
+            return eval(self._code, {"__builtins__": {}}, functions | self._numbers | values | {"x": x, "y": y})
 
 
 Value = float | Expression

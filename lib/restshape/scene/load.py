@@ -8,15 +8,16 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from restshape.application import application
+from restshape.application import Application, application
 from restshape.errors import UserError
 from restshape.scene.checks import check_scene
 from restshape.scene.model import FORMAT, VERSION, Scene
+from restshape.scene.plan import plan
 from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, split_key, suggestion
 
-NAMED_TABLES = (("parameters",), ("material",), ("supports",), ("loads",), ("quantities",), ("shape", "vertices"))
-NAMED_TABLES += (("shape", "edges"), ("shape", "holes"), ("shape", "regions"), ("shape", "points"), ("shape", "groups"))
+NAMED_TABLES = (("parameters",), ("material",), ("supports",), ("loads",), ("goal",), ("quantities",))
+NAMED_TABLES += tuple(("shape", key) for key in ("vertices", "edges", "holes", "regions", "points", "groups"))
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
@@ -59,7 +60,11 @@ def revise(scene: Scene, key: str, value: Any) -> Scene:
     raw = _branched(scene.raw, parts)
     put(raw, parts, value, f"set {key}")
     revised = _scene(raw, scene._source.overriding(parts))
-    return revised.model_copy(update={name: getattr(scene, name) for name in Scene.model_fields if name != parts[0]})
+    shared = {name: getattr(scene, name) for name in Scene.model_fields if name != parts[0]}
+    if revised.mesh.order != scene.mesh.order:
+        # The change makes the plan decide on another order.
+        shared.pop("mesh", None)
+    return revised.model_copy(update=shared)
 
 
 def _branched(raw: dict[str, Any], key: tuple[str, ...]) -> dict[str, Any]:
@@ -164,4 +169,15 @@ def _scene(raw: dict[str, Any], source: Source) -> Scene:
     scene = scene.model_copy(update={"effects": effects})
     check_scene(scene, app, source)
     scene._source, scene._raw = source, raw
-    return scene
+    return _with_order(scene, app)
+
+
+def _with_order(scene: Scene, app: Application) -> Scene:
+    """The scene with the element order that its plan decides, where it names none."""
+    try:
+        order = plan(scene, app).order
+    except UserError as error:
+        raise scene.located(error) from None
+    if scene.mesh.order == order:
+        return scene
+    return scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"order": order})})

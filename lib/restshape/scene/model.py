@@ -1,11 +1,24 @@
 """What a scene holds, as validated models."""
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Discriminator, Field, PrivateAttr, Tag, WithJsonSchema, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    PrivateAttr,
+    Tag,
+    ValidationInfo,
+    WithJsonSchema,
+    model_validator,
+)
 
 from restshape.errors import UserError
+from restshape.scene.expressions import Expression, Value
+from restshape.scene.materials import NAMES, named
 from restshape.scene.source import Source, split_key
 from restshape.scene.units import UnitError, quantity
 from restshape.scene.values import Entities, Length, Name, Point, Strict, number_of, value_of
@@ -161,14 +174,70 @@ class ShapeSpec(Strict):
         return kinds | {"outline": "outline", "all": "all"}
 
 
-class Material(Strict):
-    """``[material.NAME]``: an isotropic material; without ``region`` it fills what no other material does."""
+def _refuse_flat(value: Value) -> Value:
+    """The thickness, unless it is a number that is not positive."""
+    if not isinstance(value, Expression) and value <= 0.0:
+        raise UnitError(f"a thickness is greater than 0, not {value:g}")
+    return value
 
-    E: Annotated[number_of("pressure"), Field(gt=0)]
-    nu: Annotated[number_of("number"), Field(gt=-1, lt=0.5)]
+
+Modulus = Annotated[number_of("pressure"), Field(gt=0)]
+Ratio = number_of("number")
+
+
+class Orthotropic(Strict):
+    """``{ E = [E1, E2, E3], nu = [nu12, nu13, nu23], G = [G12, G13, G23] }``: stiffness along and across a grain.
+
+    1 is along the grain, 2 across it in the plane, 3 through the thickness; nu12 is how much 2 contracts where 1 is
+    pulled.
+    """
+
+    E: tuple[Modulus, Modulus, Modulus]
+    nu: tuple[Ratio, Ratio, Ratio]
+    G: tuple[Modulus, Modulus, Modulus]
+
+    @model_validator(mode="after")
+    def _resists(self) -> Self:
+        # The strain energy is positive: Jones, Mechanics of Composite Materials, 2nd edition, 1999, section 2.4.
+        (E1, E2, E3), (n12, n13, n23) = self.E, self.nu
+        couplings = (n12**2 * E2 / E1, n13**2 * E3 / E1, n23**2 * E3 / E2)
+        if max(couplings) >= 1 or sum(couplings) + 2 * n12 * n13 * n23 * E3 / E1 >= 1:
+            raise UnitError("with these ratios nu some strains would set energy free: make them smaller")
+        return self
+
+
+class Material(Strict):
+    """``[material.NAME]``: what a body is made of; without ``region`` it fills what no other material does.
+
+    Isotropic by ``E`` and ``nu``, or ``orthotropic`` with a ``grain`` at an angle from x towards y. ``name`` takes all
+    of these and the density from a material that is known; what is given besides comes before that.
+    """
+
+    name: Literal[NAMES] | None = None
+    E: Modulus | None = None
+    nu: Annotated[Ratio, Field(gt=-1, lt=0.5)] | None = None
+    orthotropic: Orthotropic | None = None
+    grain: number_of("angle") = 0.0
     rho: Annotated[number_of("density"), Field(ge=0)] = 0.0
-    thickness: Annotated[Length, Field(gt=0)] = 1.0
+    thickness: Annotated[value_of("length"), AfterValidator(lambda value: _refuse_flat(value))] = 1.0
     region: Entities | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_the_named(cls, raw: Any) -> Any:
+        return named(raw)
+
+    @model_validator(mode="after")
+    def _is_stiff_in_one_way(self) -> Self:
+        missing = [key for key in ("E", "nu") if getattr(self, key) is None]
+        if self.orthotropic is None:
+            if missing:
+                raise UnitError(f"the key {missing[0]!r} is missing: add it, or name a material: {', '.join(NAMES)}")
+            if self.grain:
+                raise UnitError("an isotropic material has no grain: leave it out, or add orthotropic")
+        elif len(missing) < 2:
+            raise UnitError("E and nu are of isotropic materials: set orthotropic.E and orthotropic.nu instead")
+        return self
 
 
 Displacement = value_of("length")
@@ -184,15 +253,18 @@ def _read_fix(raw: Any) -> Any:
 
 
 class Support(Strict):
-    """``[supports.NAME]``: where and in which directions the displacement is given."""
+    """``[supports.NAME]``: where and in which directions the displacement is given.
+
+    z is normal to the plane, rx and ry are turns about x and y: for bodies that have them.
+    """
 
     on: Entities
     fix: Annotated[
-        dict[Literal["x", "y"], Displacement],
+        dict[Literal["x", "y", "z", "rx", "ry"], Displacement],
         BeforeValidator(_read_fix),
         WithJsonSchema(
             {
-                "anyOf": [{"type": "array", "items": {"enum": ["x", "y"]}}, {"type": "object"}],
+                "anyOf": [{"type": "array", "items": {"enum": ["x", "y", "z", "rx", "ry"]}}, {"type": "object"}],
                 "description": "directions",
             }
         ),
@@ -230,11 +302,15 @@ class Load(Strict):
 
 
 class MeshSpec(Strict):
-    """``[mesh]``: how fine, of which order, and how it follows the shape."""
+    """``[mesh]``: how fine, of which order (left out, the effects decide), and how it follows the shape.
+
+    Solids over the plane outline have ``layers`` of tetrahedra.
+    """
 
     size: Annotated[Length, Field(gt=0)] | None = None
     near: dict[str, Annotated[Length, Field(gt=0)]] = {}
-    order: Literal[1, 2] = 1
+    order: Literal[1, 2] | None = None
+    layers: Annotated[int, Field(ge=1)] | None = None
     relocation: Literal["harmonic", "mvc", "laplacian"] = "harmonic"
     criterion: Literal["quality", "author"] = "quality"
     min_quality: Annotated[float, Field(gt=0, lt=1)] = 0.3
@@ -256,21 +332,75 @@ class SolveSpec(Strict):
     factor_memory: Annotated[float, Field(gt=0)] = 4e9
 
 
+class Goal(Strict):
+    """``[goal.NAME]``: a curve in the plane that a deformed shape is measured against, through points [m] in order.
+
+    ``spline`` is a cubic spline through them, ``polyline`` straight pieces between them.
+    """
+
+    spline: Annotated[list[Point], Field(min_length=2)] | None = None
+    polyline: Annotated[list[Point], Field(min_length=2)] | None = None
+
+    @model_validator(mode="after")
+    def _is_one_curve(self) -> Self:
+        points = getattr(self, only_one(self, ("spline", "polyline")))
+        if any(a == b for a, b in pairwise(points)):
+            raise UnitError("two points of a goal that follow each other are the same")
+        return self
+
+
+def _read_limit(raw: Any, info: ValidationInfo) -> float:
+    """The largest value of a quantity that holds, in the unit of its kind."""
+    kind = next((kind for kind in LIMIT_DIMENSIONS if info.data.get(kind) is not None), None)
+    return quantity(raw, LIMIT_DIMENSIONS[kind] if kind else None)
+
+
+LIMIT_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string"}], "description": "in SI units, or such as 180 MPa"}
+LIMIT_DIMENSIONS = {
+    "displacement": "length",
+    "reaction": "force",
+    "stress": "pressure",
+    "energy": "moment",
+    "area": "area",
+    "distance": "length",
+    "frequency": "frequency",
+    "mode": "frequency",
+}
+
+
 class Quantity(Strict):
     """``[quantities.NAME]``: one number a frame; ``take`` says how many values become one.
+
+    ``distance = "NAME"`` is the distance between a goal and the deformed edges, counted from both: "mean" is half the
+    mean along the edges of their distance from the goal plus half the mean along the goal of its distance from them.
+    ``frequency = 2`` is the second lowest frequency, ``mode = 2`` that of the mode that was the second one at the start,
+    wherever it has gone since.
+    With a ``limit`` the quantity gives a verdict: it holds as long as its value is not above.
 
     "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
     Energies: "strain", "kinetic" (relative to the ground), "total" of both, "edit" (work of all edits so far) and
     "remesh" (what carrying the motion to new meshes has added so far); all but the first are for what moves.
     """
 
-    kinds: ClassVar[tuple[str, ...]] = ("displacement", "reaction", "stress", "energy", "area")
+    kinds: ClassVar[tuple[str, ...]] = (
+        "displacement",
+        "reaction",
+        "stress",
+        "energy",
+        "area",
+        "distance",
+        "frequency",
+        "mode",
+    )
     usual: ClassVar[dict[str, str]] = {
         "displacement": "mean",
         "reaction": "sum",
         "stress": "max",
         "energy": "sum",
         "area": "sum",
+        "distance": "mean",
+        "frequency": "sum",
+        "mode": "sum",
     }
 
     displacement: Literal["x", "y", "magnitude"] | None = None
@@ -278,12 +408,16 @@ class Quantity(Strict):
     stress: Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"] | None = None
     energy: Literal["strain", "kinetic", "total", "edit", "remesh"] | None = None
     area: Literal[True] | None = None
+    distance: str | None = None
+    frequency: Annotated[int, Field(ge=1)] | None = None
+    mode: Annotated[int, Field(ge=1)] | None = None
     at: str | None = None
     take: Literal["max", "min", "mean", "sum", "absmax", "peak"] | None = None
+    limit: Annotated[float, BeforeValidator(_read_limit), WithJsonSchema(LIMIT_SCHEMA)] | None = None
 
     @property
     def kind(self) -> str:
-        """Which of displacement, reaction, stress, energy and area this quantity is."""
+        """Which of displacement, reaction, stress, energy, area, distance, frequency and mode this quantity is."""
         return only_one(self, self.kinds)
 
     @model_validator(mode="before")
@@ -297,6 +431,8 @@ class Quantity(Strict):
     @model_validator(mode="after")
     def _is_one_kind(self) -> Self:
         only_one(self, self.kinds)
+        if self.distance is not None and self.take not in ("mean", "max"):
+            raise UnitError(f'a distance is taken as "mean" or "max", not as {self.take!r}')
         return self
 
 
@@ -313,6 +449,7 @@ class Scene(Strict):
     effects: dict[str, dict[str, Any]] = {}
     supports: dict[Name, Support] = {}
     loads: dict[Name, Load] = {}
+    goal: dict[Name, Goal] = {}
     mesh: MeshSpec
     solve: SolveSpec = SolveSpec()
     quantities: dict[Name, Quantity] = {}

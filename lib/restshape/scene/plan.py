@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from pydantic import BaseModel
 
-from restshape.application import Application
+from restshape.application import Application, Deciding, Decision
 from restshape.scene.model import Scene
 
 
@@ -27,9 +27,15 @@ class PlannedEffect:
 
 @dataclass(frozen=True)
 class Plan:
-    """All effects of an application, as one scene calls for them."""
+    """All effects of an application, as one scene calls for them.
+
+    Args:
+        effects: in the application's order.
+        order: of the elements.
+    """
 
     effects: tuple[PlannedEffect, ...]
+    order: int = 1
 
     def on(self, name: str) -> bool:
         """Whether the effect is simulated."""
@@ -41,14 +47,25 @@ class Plan:
 
 
 def plan(scene: Scene, application: Application) -> Plan:
-    """The effects that a scene calls for: those that it names, and those that the application always needs."""
-    planned = []
+    """The effects that a scene calls for: those that it names, and those that the application always needs.
+
+    Raises:
+        UserError: an effect cannot be had in this scene.
+    """
+    planned, orders = [], [scene.mesh.order]
     for name, effect in application.effects.items():
-        if name in scene.effects:
-            settings = effect.model.model_validate(scene.effects[name])
-            planned.append(PlannedEffect(name, True, f"the scene names it in [effects.{name}]", settings))
-        elif effect.required:
-            planned.append(PlannedEffect(name, True, f"{application.name} always has it", effect.model()))
-        else:
+        if name not in scene.effects and not effect.required:
             planned.append(PlannedEffect(name, False, f"the scene has no [effects.{name}]"))
-    return Plan(tuple(planned))
+            continue
+        named = name in scene.effects
+        why = f"the scene names it in [effects.{name}]" if named else f"{application.name} always has it"
+        decision = _decision(effect.model.model_validate(scene.effects[name] if named else {}), scene)
+        planned.append(PlannedEffect(name, True, f"{why}; {decision.why}" if decision.why else why, decision.settings))
+        orders.append(decision.order)
+    wanted = [order for order in orders if order in application.orders]
+    return Plan(tuple(planned), wanted[0] if wanted else application.orders[0])
+
+
+def _decision(settings: BaseModel, scene: Scene) -> Decision:
+    """What an effect settles for the scene; its keys as they are if it has nothing to decide."""
+    return settings.decide(scene) if isinstance(settings, Deciding) else Decision(settings)

@@ -3,7 +3,7 @@
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn, Self
+from typing import Annotated, Any, Literal, NoReturn, Self, get_args
 
 from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, WithJsonSchema, model_validator
 from pydantic.json_schema import SkipJsonSchema
@@ -43,6 +43,7 @@ class Header(Strict):
     version: Literal[1]
     scene: str = ""
     units: str = "m"
+    analysis: Literal["every frame", "on demand"] = "every frame"
     note: str = ""
 
 
@@ -163,11 +164,42 @@ class Hole(EventLine):
         return self
 
 
+Pins = list[Annotated[str | Position, Field(description="a vertex, or a place on the curve")]]
+
+
+class Pull(EventLine):
+    """A hand takes hold of a curve near a point [m] (else in its middle); drags then bend it between the pins.
+
+    Pins are vertices, or places on the curve [m] of which the nearest control point stays; by default the curve's ends.
+    """
+
+    do: Literal["pull"]
+    on: str
+    at: Position | None = None
+    pins: Pins | None = None
+
+
+class Smooth(EventLine):
+    """A curve is faired: `strength`, between 0 and 1, is the share of a zigzag of its points that goes away."""
+
+    do: Literal["smooth"]
+    on: str
+    strength: Annotated[float, Field(gt=0, lt=1)] = 0.5
+    pins: Pins | None = None
+    frames: Frames = 1
+
+
 class Idle(EventLine):
     """Nothing happens for some frames."""
 
     do: Literal["idle"]
     frames: Frames = 1
+
+
+class Analyse(EventLine):
+    """One frame that is analysed, also where the header asks for analysis "on demand" only."""
+
+    do: Literal["analyse"]
 
 
 class Undo(EventLine):
@@ -182,15 +214,30 @@ class Redo(EventLine):
     do: Literal["redo"]
 
 
-EVENTS: dict[str, type[EventLine]] = {
-    model.model_fields["do"].annotation.__args__[0]: model
-    for model in (Press, Drag, Release, Rotate, Scale, Set, Insert, Delete, Arc, Hole, Idle, Undo, Redo)
-}
 Event = Annotated[
-    Press | Drag | Release | Rotate | Scale | Set | Insert | Delete | Arc | Hole | Idle | Undo | Redo,
+    Press
+    | Drag
+    | Release
+    | Rotate
+    | Scale
+    | Set
+    | Insert
+    | Delete
+    | Arc
+    | Hole
+    | Pull
+    | Smooth
+    | Idle
+    | Analyse
+    | Undo
+    | Redo,
     Field(discriminator="do"),
 ]
-HELD = ("drag", "release", "idle", "set")
+EVENTS: dict[str, type[EventLine]] = {
+    model.model_fields["do"].annotation.__args__[0]: model for model in get_args(get_args(Event)[0])
+}
+TAKING_HOLD = ("press", "pull")
+HELD = ("drag", "release", "idle", "set", "analyse")
 """What may happen while the hand holds something."""
 
 
@@ -199,7 +246,7 @@ class Script:
     """An edit script.
 
     Args:
-        header: its first line.
+        header: its first line; its `analysis` "on demand" leaves frames unsolved until an event `analyse`.
         events: the events before the first line that cannot be used.
         torn: why the last line is only part of a line; None when the file is whole.
         error: what is wrong with the first line that cannot be used; None when all can.
@@ -351,10 +398,10 @@ class _Reader:
             self.fail(number, f"time runs backwards: t = {event.t:g} after t = {self.t:g}", "let t never decrease")
         self.t, what = event.t, article(event.do)
         if self.held is None and event.do in ("drag", "release"):
-            self.fail(number, f"there is {what} before a press", 'add {"do": "press", "on": ...} before it')
+            self.fail(number, f"there is {what} before a press or a pull", 'add {"do": "press", "on": ...} before it')
         if self.held is not None and event.do not in HELD:
             self.fail(number, f"there is {what} while {self.held!r} is still held", "add a release before it")
-        if event.do == "press":
+        if event.do in TAKING_HOLD:
             self.held = event.on
         elif event.do == "release":
             self.held = None

@@ -81,6 +81,7 @@ NUMBER_UNIT = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
     r"\s*((?![eE][+-]?\d)[A-Za-zµ°%][\w\sµ°%^*/.²³·-]*)?\s*$"
 )
+MEASURE = re.compile(r"(?<![\w.])((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµ°%]+)(?!\w)(\s*(?:\^|\*\*))?")
 FACTOR = re.compile(r"([*/·\s]*)([A-Za-zµ°%]+)(?:\^?(-?\d+))?\s*")
 
 
@@ -160,6 +161,23 @@ def quantity(value: float | int | str, dimension: str | None) -> float:
     if not math.isfinite(number):
         raise UnitError(f"{value} is not a finite number")
     return number
+
+
+def in_si(formula: str) -> str:
+    """The formula with numbers such as ``3 mm`` in it replaced by those in SI units.
+
+    Raises:
+        UnitError: a power right behind a unit, which could mean the unit or the number.
+    """
+
+    def replaced(match: re.Match[str]) -> str:
+        if match[2] not in UNITS:
+            return match[0]
+        if match[3]:
+            raise UnitError(f"{match[0].strip()!r} could mean two things: write ({match[1]} {match[2]})^...")
+        return f"({float(match[1]) * UNITS[match[2]][0]!r})"
+
+    return MEASURE.sub(replaced, formula)
 
 
 def length_unit(text: str, where: str) -> float:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema
 
 from restshape.scene.expressions import Expression, Value
-from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
+from restshape.scene.units import EXAMPLES, UnitError, in_si, quantity, reads_as_quantity
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 RESERVED = ("all", "outline")
@@ -31,13 +31,16 @@ def number_of(dimension: str | None) -> Any:
 
 
 def value_of(dimension: str) -> Any:
-    """The type of a number with a unit of that dimension, or of a formula that gives one in SI units."""
+    """The type of a number with a unit of that dimension, or of a formula that gives one in SI units.
+
+    Numbers in the formula may have units of their own, as in ``3 mm * (1 - x/2)``.
+    """
 
     def read(raw: Any) -> Value:
         if isinstance(raw, Expression):
             return raw
         if isinstance(raw, str) and not reads_as_quantity(raw):
-            return Expression(raw)
+            return Expression(in_si(raw))
         return quantity(raw, dimension)
 
     def write(value: Value) -> float | str:

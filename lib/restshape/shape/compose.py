@@ -18,14 +18,18 @@ from restshape.scene.script import EVENTS, FORMAT, VERSION, Script
 from restshape.scene.units import quantity
 from restshape.shape.handpath import cursor_path
 from restshape.shape.outline import Outline
+from restshape.shape.pull import pull
 from restshape.shape.session import FRAME_TIME, EditSession
 
 GRAMMAR = """\
 [KIND] ENTITY by DX DY in N frames[, straight | jerk | hand-like][, pause K]   KIND: vertex, edge, hole, region, group
 rotate ENTITY by ANGLE [about X Y] [in N frames]       scale ENTITY by FACTOR [about X Y] [in N frames]
+pull CURVE [at X Y] by DX DY [pins PIN PIN ...] in N frames[, straight | jerk | hand-like][, pause K]
+                                                       PIN: a vertex, or (X Y)
+smooth CURVE by STRENGTH [pins PIN ...] [in N frames]  STRENGTH: between 0 and 1
 arc EDGE to BULGE [in N frames]                        insert NAME on EDGE at S (0 < S < 1)
 hole NAME at X Y radius R                              delete ENTITY
-set KEY = VALUE                                        idle N | undo | redo
+set KEY = VALUE                                        idle N | undo | redo | analyse
 lengths in m or with a unit (8 mm), angles with a unit (30 deg)"""
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -34,6 +38,8 @@ ANGLE = rf"{NUMBER}(?:\s*(?:deg|rad|°))?"
 NAME = r"[^\s,=]+"
 FRAMES = r"(?:\s+in\s+(?P<frames>\d+)\s+frames?)?"
 ABOUT = rf"(?:\s+about\s+(?P<ax>{LENGTH})\s+(?P<ay>{LENGTH}))?"
+PIN = rf"\s+(?:\(\s*(?P<px>{LENGTH})\s+(?P<py>{LENGTH})\s*\)|(?P<vertex>(?!in\s)[^\s,=()]+))"
+PINS = rf"(?:\s+pins(?P<pins>(?:{re.sub(r'P<[a-z]+>', ':', PIN)})+))?"
 KINDS = r"(?:vertex|point|edge|hole|region|group)\s+"
 
 
@@ -110,8 +116,21 @@ class Composer:
         return x, y
 
     def _drag(self, match: re.Match) -> list[dict[str, Any]]:
-        name, frames = match["on"], _frames(match)
-        start = self._place(name)
+        start = self._place(match["on"])
+        return self._moved({"do": "press", "on": match["on"], "at": list(start)}, start, match)
+
+    def _pull(self, match: re.Match) -> list[dict[str, Any]]:
+        outline, pins = self._session.outline, _pins(match)
+        at = None if match["x"] is None else (length(match["x"]), length(match["y"]))
+        # Where the curve itself is, so that it does not jump to the cursor.
+        x, y = (float(f"{value:.9g}") for value in pull(outline, match["on"], at, pins)[1])
+        start = x, y
+        hold = {"do": "pull", "on": match["on"], "at": list(start)}
+        return self._moved(hold | ({} if pins is None else {"pins": pins}), start, match)
+
+    def _moved(self, hold: dict[str, Any], start: tuple[float, float], match: re.Match) -> list[dict[str, Any]]:
+        """Taking hold, a drag and letting go."""
+        frames = _frames(match)
         step = length(match["dx"]), length(match["dy"])
         style, pause = _style(match["styles"] or "")
         if pause >= frames:
@@ -122,8 +141,12 @@ class Composer:
             )
         path = cursor_path(start, step, frames, style, pause, self._seed)
         self._seed += 1
-        press = {"do": "press", "on": name, "at": list(start)}
-        return [press, {"do": "drag", "path": [list(p) for p in path]}, {"do": "release"}]
+        return [hold, {"do": "drag", "path": [list(p) for p in path]}, {"do": "release"}]
+
+    def _smooth(self, match: re.Match) -> list[dict[str, Any]]:
+        pins = _pins(match)
+        event = {"do": "smooth", "on": match["on"], "strength": float(match["strength"])}
+        return [_turned(match, event | ({} if pins is None else {"pins": pins}))]
 
     def _rotate(self, match: re.Match) -> list[dict[str, Any]]:
         return [_turned(match, {"do": "rotate", "on": match["on"], "by": quantity(match["by"], "angle")})]
@@ -151,6 +174,9 @@ class Composer:
     def _idle(self, match: re.Match) -> list[dict[str, Any]]:
         return [{"do": "idle", "frames": int(match["frames"])}]
 
+    def _analyse(self, match: re.Match) -> list[dict[str, Any]]:
+        return [{"do": "analyse"}]
+
     def _undo(self, match: re.Match) -> list[dict[str, Any]]:
         return [{"do": "undo"}]
 
@@ -171,6 +197,14 @@ def _turned(match: re.Match, event: dict[str, Any]) -> dict[str, Any]:
     if match.groupdict().get("ax"):
         event["about"] = [length(match["ax"]), length(match["ay"])]
     return {**event, "frames": _frames(match)}
+
+
+def _pins(match: re.Match) -> list[str | list[float]] | None:
+    """The pins of a text: names of vertices, and places [m]; None without any."""
+    if not match["pins"]:
+        return None
+    found = re.finditer(PIN, match["pins"])
+    return [[length(pin["px"]), length(pin["py"])] if pin["px"] else pin["vertex"] for pin in found]
 
 
 def _frames(match: re.Match) -> int:
@@ -201,6 +235,12 @@ RULES: list[Rule] = [
     (re.compile(pattern), make)
     for pattern, make in (
         (rf"rotate\s+(?:{KINDS})?(?P<on>{NAME})\s+by\s+(?P<by>{ANGLE}){ABOUT}{FRAMES}", Composer._rotate),
+        (
+            rf"pull\s+(?:{KINDS})?(?P<on>{NAME})(?:\s+at\s+(?P<x>{LENGTH})\s+(?P<y>{LENGTH}))?"
+            rf"\s+by\s+(?P<dx>{LENGTH})\s+(?P<dy>{LENGTH}){PINS}{FRAMES}{STYLES}",
+            Composer._pull,
+        ),
+        (rf"smooth\s+(?:{KINDS})?(?P<on>{NAME})\s+by\s+(?P<strength>{NUMBER}){PINS}{FRAMES}", Composer._smooth),
         (rf"scale\s+(?:{KINDS})?(?P<on>{NAME})\s+by\s+(?P<factor>{NUMBER}){ABOUT}{FRAMES}", Composer._scale),
         (rf"arc\s+(?:edge\s+)?(?P<on>{NAME})\s+to\s+(?P<bulge>{NUMBER}){FRAMES}", Composer._arc),
         (rf"insert\s+(?P<name>{NAME})\s+on\s+(?:edge\s+)?(?P<on>{NAME})\s+at\s+(?P<s>{NUMBER})", Composer._insert),
@@ -211,6 +251,7 @@ RULES: list[Rule] = [
         (rf"delete\s+(?:{KINDS})?(?P<on>{NAME})", Composer._delete),
         (r"set\s+(?P<key>[^\s=]+)\s*=\s*(?P<value>.+)", Composer._set),
         (r"idle\s+(?P<frames>\d+)(?:\s+frames?)?", Composer._idle),
+        (r"analyse", Composer._analyse),
         (r"undo", Composer._undo),
         (r"redo", Composer._redo),
         (

@@ -14,7 +14,7 @@ class Gesture:
     """A motion of control points: reference + c[0] basis[0] + c[1] basis[1].
 
     Args:
-        kind: "drag", "rotate", "scale", "arc", "undo" or "redo".
+        kind: "drag", "pull", "rotate", "scale", "smooth", "arc", "undo" or "redo".
         basis: (2, k, 2) displacements of all control points, or None where the motion is not linear.
         linear: the motion is linear in c and bulges stay.
         reference: (k, 2) control points at c = (0, 0).

@@ -18,8 +18,10 @@ from restshape.scene.script import Script
 from restshape.scene.source import split_key
 from restshape.shape import gesture as gestures
 from restshape.shape import surgery
+from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
+from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
 from restshape.shape.validity import MotionCheck, problem
 
@@ -51,6 +53,7 @@ class EditFrame:
         c: its two coefficients.
         outline: the valid shape of this frame; scene: what else holds.
         refused: why the event changed nothing; None when it was carried out.
+        analysed: whether the script asks for a solution of this frame.
     """
 
     index: int
@@ -63,6 +66,7 @@ class EditFrame:
     outline: Outline
     scene: Scene
     refused: str | None
+    analysed: bool = True
 
 
 @dataclass(slots=True)
@@ -117,14 +121,26 @@ class EditSession:
         """All frames, one after the other; the first shows the shape before any event."""
         yield EditFrame(0, 0.0, 0, "start", "start", None, STILL, self.outline, self.scene, None)
         index, events = 1, self._script.events
+        always = self._script.header.analysis == "every frame"
         for k, event in enumerate(events):
             room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
+            analysed = always or event.do == "analyse"
             pace = min(FRAME_TIME, room / self._count(event))
             for i, step in enumerate(self.steps(event)):
                 t = event.t + i * pace
                 gesture, c, refused = step.gesture, step.c, step.refused
                 yield EditFrame(
-                    index, t, event.line, event.do, step.change, gesture, c, self.outline, self.scene, refused
+                    index,
+                    t,
+                    event.line,
+                    event.do,
+                    step.change,
+                    gesture,
+                    c,
+                    self.outline,
+                    self.scene,
+                    refused,
+                    analysed,
                 )
                 index += 1
 
@@ -137,6 +153,11 @@ class EditSession:
             if step is None:
                 return
             yield step
+
+    @property
+    def held(self) -> Gesture | None:
+        """The gesture of the hand that holds the shape; None where none does."""
+        return None if self._hold is None else self._hold.gesture
 
     def take_back(self) -> None:
         """Restores shape, scene and history as they were before the last step that changed any: it has no solution.
@@ -168,9 +189,20 @@ class EditSession:
             return
         gesture = gestures.drag(self.outline, entity)
         origin = event.at if event.at is not None else tuple(self.outline.centroid(entity).tolist())
-        check = MotionCheck(self.outline, gesture)
-        self._hold = Hold(gesture, check, origin, origin, (self.outline, self.scene))
-        yield Step("none", gesture)
+        yield self._take(gesture, origin)
+
+    def _do_pull(self, event: Any) -> Iterator[Step]:
+        try:
+            gesture, place = pull(self.outline, event.on, event.at, event.pins)
+        except UserError as error:
+            yield self._refusal(error)
+            return
+        yield self._take(gesture, place if event.at is None else event.at)
+
+    def _take(self, gesture: Gesture, origin: tuple[float, float]) -> Step:
+        """The hand takes hold, the cursor being at the origin."""
+        self._hold = Hold(gesture, MotionCheck(self.outline, gesture), origin, origin, (self.outline, self.scene))
+        return Step("none", gesture)
 
     def _do_drag(self, event: Any) -> Iterator[Step]:
         path = event.path if event.path is not None else (event.to,)
@@ -207,6 +239,9 @@ class EditSession:
         for _ in range(event.frames):
             yield self._unchanged()
 
+    def _do_analyse(self, event: Any) -> Iterator[Step]:
+        yield self._unchanged()
+
     def _do_rotate(self, event: Any) -> Iterator[Step]:
         def coefficients(part: float) -> tuple[float, float]:
             # 1 - cos would lose the digits of small angles.
@@ -217,19 +252,32 @@ class EditSession:
     def _do_scale(self, event: Any) -> Iterator[Step]:
         yield from self._turn(event, gestures.scale, lambda part: (part * (event.factor - 1.0), 0.0))
 
+    def _do_smooth(self, event: Any) -> Iterator[Step]:
+        def make() -> Gesture:
+            return smooth(self.outline, event.on, event.strength, event.pins)
+
+        yield from self._sweep(event.frames, make, lambda part: (part, 0.0))
+
     def _turn(self, event: Any, make: Any, coefficients: Any) -> Iterator[Step]:
+        def gesture() -> Gesture:
+            entity = self.outline.entity(event.on)
+            about = np.array(event.about) if event.about is not None else self.outline.centroid(entity)
+            return make(self.outline, entity, about)
+
+        yield from self._sweep(event.frames, gesture, coefficients)
+
+    def _sweep(self, frames: int, make: Any, coefficients: Any) -> Iterator[Step]:
+        """A gesture carried out in equal parts, without a hand: `coefficients` are its c at the part done so far."""
         before = self.outline, self.scene
         try:
-            entity = self.outline.entity(event.on)
+            gesture = make()
         except UserError as error:
-            for _ in range(event.frames):
+            for _ in range(frames):
                 yield self._refusal(error)
             return
-        about = np.array(event.about) if event.about is not None else self.outline.centroid(entity)
-        gesture = make(self.outline, entity, about)
         check, reached = MotionCheck(self.outline, gesture), STILL
-        for i in range(1, event.frames + 1):
-            c = coefficients(i / event.frames)
+        for i in range(1, frames + 1):
+            c = coefficients(i / frames)
             wrong = check.problem(c)
             if wrong is not None:
                 yield Step("none", gesture, reached, wrong)

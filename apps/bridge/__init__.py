@@ -1,0 +1,25 @@
+"""Bridges that span a gap and bear a weight, strong enough with little material: after section 4.5 of the thesis.
+
+Quantities of interest: the largest von Mises stress at nodes, whose limit gives the verdict, and the area, the score.
+"""
+
+from pathlib import Path
+
+from restshape_apps.solid import Gravity, LargeDeformation, Solid
+
+from restshape.application import Application, Effect
+
+application = Application(
+    name="bridge",
+    summary="bridges that bear a weight with little material",
+    effects={
+        "solid": Effect(Solid, "elasticity", required=True),
+        "gravity": Effect(Gravity, "weight of the body"),
+        "large_deformation": Effect(LargeDeformation, "large displacements and rotations, pressures that follow"),
+    },
+    folder=Path(__file__).parent,
+    analysis="restshape.analysis.nonlinear:static_analysis",
+    validation="restshape_apps.bridge.validation:CASES",
+    thesis="restshape_apps.bridge.thesis:rows",
+    orders=(1, 2),
+)

@@ -1,0 +1,27 @@
+"""Beams held at one end that deform by their own weight and by wind, to meet a goal: after figure 4.4 of the thesis.
+
+Quantities of interest: the mean distance of the deformed outline from a goal, and those of solids at rest.
+"""
+
+from pathlib import Path
+
+from restshape_apps.solid import Gravity, LargeDeformation, Solid
+
+from restshape.application import Application, Effect
+
+application = Application(
+    name="cantilever",
+    summary="beams that deform by weight and wind to meet a goal shape",
+    effects={
+        "solid": Effect(Solid, "elasticity", required=True),
+        "large_deformation": Effect(
+            LargeDeformation, "large displacements and rotations, pressures that follow", required=True
+        ),
+        "gravity": Effect(Gravity, "weight of the body"),
+    },
+    folder=Path(__file__).parent,
+    analysis="restshape.analysis.nonlinear:static_analysis",
+    validation="restshape_apps.cantilever.validation:CASES",
+    thesis="restshape_apps.cantilever.thesis:rows",
+    orders=(1, 2),
+)

@@ -1,0 +1,193 @@
+"""Validation cases of plates that sound: beams, bars, plates, discs, derivatives, and modes that cross."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.analysis.modal import ModalAnalysis
+from restshape.replay.run import replay_files
+from restshape.replay.still import still
+from restshape.sensitivity.modal import frequency_derivatives, material_derivatives
+from restshape.validation.case import Case, Check
+
+FOLDER = Path(__file__).parent
+SCENES, EDITS = FOLDER / "scenes", FOLDER / "edits"
+
+CANTILEVER = (8.35516595, 52.36093119, 146.61212348)
+"""Euler and Bernoulli's frequencies [Hz] of 1 m x 10 mm of steel; they grow with the height."""
+
+BARS = {
+    100: (2089.35, 4008.1, 5737.3, 8358.8, 11128.5),
+    150: (930.03, 2563.1, 2654.2, 5013.5, 5433.2),
+    200: (523.31, 1443.0, 1984.5, 2828.2, 3648.2),
+}
+"""Frequencies [Hz] of free bars of aluminium L x 30 x 4 mm by p-FEM of three-dimensional elasticity."""
+
+FV12 = (1.62165, 2.35950, 2.92228, 4.19024, 4.19024, 7.35600, 7.35600, 7.66821)
+FV13 = (2.37672, 5.94181, 5.94181, 9.50689, 11.88361, 11.88361, 15.44870, 15.44870)
+FREE_RECTANGLE = (21.4632, 26.5749, 58.4820, 59.6061, 88.0097, 101.503)
+"""omega a^2 sqrt(rho h / D) of a free rectangle, a/b = 2, nu = 0.3, by a converged Ritz method."""
+
+CLAMPED_DISC = (10.2158262, 21.2603977, 21.2603977, 34.8770354, 34.8770354, 39.7711482)
+SUPPORTED_DISC = (4.93514904, 13.8981651, 13.8981651, 25.6132967, 25.6132967)
+"""omega r^2 sqrt(rho h / D) of discs, the second for nu = 0.3."""
+
+
+def solved(scene: str, comm: PETSc.Comm, overrides: Sequence[str] = ()) -> ModalAnalysis:
+    """The modes of a scene's first shape."""
+    return still(SCENES / scene, overrides, comm).analysis
+
+
+def beside(
+    what: str, analysis: ModalAnalysis, reference: Sequence[float], tolerance: float, source: str
+) -> list[Check]:
+    """Frequencies [Hz] beside references."""
+    pairs = zip(analysis.frequencies, reference)
+    return [Check(f"{what}, mode {k} [Hz]", float(f), ref, tolerance, source) for k, (f, ref) in enumerate(pairs, 1)]
+
+
+def plate_unit(analysis: ModalAnalysis, length: float) -> float:
+    """sqrt(D / (rho h)) / (2 pi length^2) [Hz] of the scene's only material."""
+    m = next(iter(analysis.scene.material.values()))
+    D = m.E * m.thickness**3 / (12 * (1 - m.nu**2))
+    return float(np.sqrt(D / (m.rho * m.thickness)) / (2 * np.pi * length**2))
+
+
+def beams(comm: PETSc.Comm) -> list[Check]:
+    """Slender cantilevers in the plane and as a plate, and a thick beam with shear and rotary inertia."""
+    euler = "Euler and Bernoulli"
+    plane = solved("slender.toml", comm)
+    checks = beside("cantilever in plane stress", plane, [0.2 * f for f in CANTILEVER], 1e-3, euler)
+    held = [f'supports.{side}.{key}' for side in ("left", "right") for key in ('on="left"', 'fix=["z","rx","ry"]')]
+    plate = solved("strip.toml", comm, [*held, 'material.steel.thickness="1 mm"'])
+    checks += beside("cantilever as a plate", plate, [0.1 * f for f in CANTILEVER], 1e-3, euler)
+    thick = solved("strip.toml", comm)
+    exact = [timoshenko(k, 1.0, 0.1, 210e9, 0.0, 7850.0) for k in (1, 2, 3)]
+    return checks + beside("supported beam, height 1/10", thick, exact, 1e-3, "Timoshenko, shear factor 5/6")
+
+
+def timoshenko(k: int, length: float, height: float, E: float, nu: float, rho: float) -> float:
+    """The k-th frequency [Hz] of a simply supported Timoshenko beam of unit width, shear factor 5/6."""
+    shear, bending = 5 / 6 * E / (2 * (1 + nu)) * height, E * height**3 / 12
+    mass, inertia = rho * height, rho * height**3 / 12
+    wave = k * np.pi / length
+    # The determinant of the two equations of motion is a quadratic in omega^2.
+    a = mass * inertia
+    b = -(mass * (bending * wave**2 + shear) + inertia * shear * wave**2)
+    c = shear * wave**2 * bending * wave**2
+    square = (-b - np.sqrt(b * b - 4 * a * c)) / (2 * a)
+    return float(np.sqrt(square) / (2 * np.pi))
+
+
+def bars(comm: PETSc.Comm) -> list[Check]:
+    """Free bars of the thesis's sizes against three-dimensional elasticity, five modes, those in the plane included."""
+    checks = []
+    for length, reference in BARS.items():
+        mesh = ["mesh.order=2", "mesh.layers=2", 'mesh.size="6 mm"', 'mesh.near.outline="2.5 mm"']
+        settings = ["effects.modal.modes=5", "effects.modal.in_plane=true"]
+        bar = solved(f"bar_{length}.toml", comm, [*mesh, *settings])
+        checks += beside(f"bar of {length} mm", bar, reference, 5e-3, "p-FEM of 3D elasticity")
+    return checks
+
+
+def plates(comm: PETSc.Comm) -> list[Check]:
+    """Thin plates: free squares and rectangles, simply supported and clamped squares."""
+    checks = beside("FV12, free square", solved("square.toml", comm), FV12, 5e-3, "NAFEMS FV12, Kirchhoff's plate")
+    rectangle = ["shape.vertices.c=[10, 5]", "shape.vertices.d=[0, 5]", "effects.modal.modes=6", "mesh.size=0.25"]
+    free = solved("square.toml", comm, rectangle)
+    unit = plate_unit(free, 10.0)
+    checks += beside("free rectangle, a/b = 2", free, [unit * x for x in FREE_RECTANGLE], 5e-3, "Ritz, converged")
+    checks += beside("supported square", solved("supported.toml", comm), FV13, 5e-3, "closed form, thin plate")
+    all_held = [f'supports.along_{axis}.fix=["z","rx","ry"]' for axis in "xy"]
+    clamped = solved("supported.toml", comm, [*all_held, "effects.modal.modes=1"])
+    return checks + beside("clamped square", clamped, [35.985 * plate_unit(clamped, 10.0)], 5e-3, "Leissa 1973")
+
+
+def discs(comm: PETSc.Comm) -> list[Check]:
+    """Thin discs, clamped and simply supported, against Bessel functions."""
+    clamped = solved("disc.toml", comm)
+    unit = plate_unit(clamped, 1.0)
+    checks = beside("clamped disc", clamped, [unit * x for x in CLAMPED_DISC], 5e-3, "Bessel functions")
+    free = solved("disc.toml", comm, ['supports.rim.fix=["z"]', "effects.modal.modes=5"])
+    return checks + beside("supported disc", free, [unit * x for x in SUPPORTED_DISC], 5e-3, "Bessel functions")
+
+
+def identities(comm: PETSc.Comm) -> list[Check]:
+    """What homogeneity says of derivatives: to rounding, with the discrete frequencies themselves."""
+    checks = []
+    for scene, overrides, what in (
+        ("bar_100.toml", ["solve.tolerance=1e-9"], "tetrahedra"),
+        ("bar_100.toml", ["solve.tolerance=1e-9", "mesh.order=2", "mesh.layers=1"], "second-order tetrahedra"),
+        ("square.toml", ["solve.tolerance=1e-9", "effects.modal.modes=1"], "plate"),
+    ):
+        bar = solved(scene, comm, overrides)
+        f, X, name = float(bar.frequencies[0]), bar.body.mesh.X, next(iter(bar.scene.material))
+        scaled = float(frequency_derivatives(bar, X)[0])
+        by = material_derivatives(bar, int(bar.chosen[0]))[name]
+        material = bar.scene.material[name]
+        source = "f is homogeneous"
+        checks += [
+            Check(f"{what}: X . df/dX [Hz]", scaled, -f, 1e-9, source + ", of degree -1 in all lengths"),
+            Check(f"{what}: E df/dE [Hz]", material.E * by["E"], 0.5 * f, 1e-9, source),
+            Check(f"{what}: rho df/drho [Hz]", material.rho * by["rho"], -0.5 * f, 1e-9, source),
+        ]
+        if what == "plate":
+            thicker = np.zeros_like(X)
+            thicker[:, 2] = X[:, 2]
+            rate = float(frequency_derivatives(bar, thicker)[0])
+            checks.append(Check("plate: h df/dh [Hz]", rate, f, 2e-3, "thin plate: f ~ h"))
+    return checks
+
+
+def pair(comm: PETSc.Comm) -> list[Check]:
+    """The pair of a supported square stretched along x: -2 pi^2 and -8 pi^2 in units, where the naive formula mixes."""
+    held = [f"mesh.size={0.2}", "effects.modal.modes=3"]
+    square = solved("supported.toml", comm, held)
+    stretch = np.zeros_like(square.body.mesh.X)
+    stretch[:, 0] = square.body.mesh.X[:, 0]
+    rates = np.sort(frequency_derivatives(square, stretch)[1:3])
+    unit = plate_unit(square, 10.0)
+    source = "omega_mn = pi^2 (m^2/a^2 + n^2), differentiated"
+    references = (-8 * np.pi**2 * unit, -2 * np.pi**2 * unit)
+    return [
+        Check(f"a df/da of the pair, {which} [Hz]", float(rate), ref, 5e-3, source)
+        for which, rate, ref in zip(("steeper", "flatter"), rates, references)
+    ]
+
+
+def crossing(comm: PETSc.Comm) -> list[Check]:
+    """A bar is shortened until bending overtakes torsion: each mode keeps its number."""
+    overrides = ["effects.modal.model=plate", "effects.modal.modes=4"]
+    rows = replay_files(SCENES / "bar_150.toml", EDITS / "crossing.jsonl", "auto", overrides)["rows"]
+    drag = [rows[0], *(row for row in rows if row["do"] == "drag")]
+
+    def followed(row: dict, number: int) -> float:
+        return row[f"f_{row['track'].split().index(str(number)) + 1}"]
+
+    bending, torsion = ((followed(drag[0], n), followed(drag[-1], n)) for n in (2, 3))
+    grown = 0.15 / 0.12
+    return [
+        Check("rank of the second bending mode, first frame", _rank(drag[0], 2), 2, 0, "L = 150 mm"),
+        Check("rank of the same mode, last frame", _rank(drag[-1], 2), 3, 0, "L = 120 mm"),
+        Check("its growth", bending[1] / bending[0], grown**2, 2e-2, "bending: f ~ 1/L^2"),
+        Check("growth of the torsional mode", torsion[1] / torsion[0], grown, 3e-2, "torsion: f ~ 1/L, less its ends"),
+        Check("frames whose count missed a mode", sum(row["missed"] > 0 for row in rows), 0, 0, "inertia"),
+    ]
+
+
+def _rank(row: dict, number: int) -> int:
+    """The rank of the mode of that number in a frame."""
+    return row["track"].split().index(str(number)) + 1
+
+
+CASES: dict[str, Case] = {
+    "beams": beams,
+    "bars": bars,
+    "plates": plates,
+    "discs": discs,
+    "identities": identities,
+    "pair": pair,
+    "crossing": crossing,
+}

@@ -1,0 +1,148 @@
+"""Eigenpairs near those of the frame before: a Davidson iteration with an old factor, on a recycled subspace."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.algebra.pencil import Deflation, Pencil
+
+DEPENDENT = 1e-10
+"""A direction of which less than this is left beside the search space adds nothing to it."""
+
+
+@dataclass
+class Found:
+    """What an iteration for eigenpairs has come to.
+
+    Args:
+        values: (k,) eigenvalues, ascending.
+        modes: (k, n) rows with phi M phi = 1.
+        residuals: (k,) |K phi - lambda M phi| / |lambda M phi|.
+        iterations: times that the search space grew.
+        converged: all of the wanted ones are within the tolerance.
+    """
+
+    values: np.ndarray
+    modes: np.ndarray
+    residuals: np.ndarray
+    iterations: int
+    converged: bool
+
+
+class SearchSpace:
+    """Rows that are orthonormal in the mass and free of rigid motions, with their products.
+
+    Args:
+        pencil: K and M.
+        capacity: rows that it may hold.
+    """
+
+    def __init__(self, pencil: Pencil, capacity: int) -> None:
+        self.pencil, self.capacity = pencil, capacity
+        self.rows, self.stiff, self.heavy = (np.empty((capacity, pencil.size)) for _ in range(3))
+        self.projected = np.zeros((capacity, capacity))
+        self.count = 0
+
+    def begin(self, deflation: Deflation) -> None:
+        """Empty the space, for matrices that are others now; its memory is kept, for new pages cost more than a frame."""
+        self.deflation, self.count = deflation, 0
+
+    def append(self, rows: np.ndarray) -> int:
+        """Widen the space by the directions of rows (k, n); how many of them are new."""
+        norms = np.linalg.norm(rows, axis=1)
+        rows = rows[norms > 0.0] / norms[norms > 0.0, None]
+        if not len(rows):
+            return 0
+        own, weights = self.rows[: self.count], self.heavy[: self.count]
+        self.deflation.clean(rows)
+        rows -= (rows @ weights.T) @ own
+        heavy = np.empty_like(rows)
+        self.pencil.apply(self.pencil.mass, rows, heavy)
+        rows, heavy = _orthonormal(rows, heavy)
+        # Twice is enough (Kahan, Parlett): what the first pass leaves behind by rounding goes in the second.
+        self.deflation.clean(rows, heavy)
+        parts = rows @ weights.T
+        rows, heavy = _orthonormal(rows - parts @ own, heavy - parts @ weights)
+        room = len(self.rows) - self.count
+        rows, heavy = rows[:room], heavy[:room]
+        start, stop = self.count, self.count + len(rows)
+        self.rows[start:stop], self.heavy[start:stop] = rows, heavy
+        self.pencil.apply(self.pencil.stiffness, self.rows[start:stop], self.stiff[start:stop])
+        block = self.rows[:stop] @ self.stiff[start:stop].T
+        self.projected[:stop, start:stop] = block
+        self.projected[start:stop, :stop] = block.T
+        self.count, added = stop, stop - start
+        return added
+
+    def ritz(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The lowest Ritz values, vectors, and their products with K and with M, at most `count`."""
+        k = self.count
+        values, weights = np.linalg.eigh(self.projected[:k, :k])
+        chosen = weights[:, :count].T
+        return (
+            values[:count],
+            *(np.ascontiguousarray(chosen @ part[:k]) for part in (self.rows, self.stiff, self.heavy)),
+        )
+
+
+def _orthonormal(rows: np.ndarray, heavy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A basis of what rows (k, n) span, orthonormal in the mass, without directions that are lost in rounding."""
+    gram = rows @ heavy.T
+    scale = np.sqrt(np.maximum(np.diagonal(gram), 0.0))
+    kept = scale > 0.0
+    if not kept.all():
+        rows, heavy, gram, scale = rows[kept], heavy[kept], gram[np.ix_(kept, kept)], scale[kept]
+    if not len(rows):
+        return rows, heavy
+    values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
+    good = values > DEPENDENT
+    weights = (vectors[:, good] / np.sqrt(values[good])).T / scale
+    return weights @ rows, weights @ heavy
+
+
+def davidson(
+    space: SearchSpace,
+    deflation: Deflation,
+    starts: list[np.ndarray],
+    count: int,
+    spare: int,
+    tolerance: float,
+    limit: int,
+) -> Found:
+    """The lowest eigenpairs, from vectors that are near them and the pencil's kept factor.
+
+    The search space begins with the vectors given, those of the last frames; Ritz values over them already follow the
+    change of shape to the order of their number. Then each residual that is too large adds the old (K - s M)^-1 of it.
+
+    Args:
+        space: its pencil has a factor; what it holds is thrown away.
+        deflation: the rigid motions.
+        starts: blocks (k, n) of start vectors, the best first.
+        count: wanted.
+        spare: how many more are carried along; they hold the wanted ones apart from the rest, and start the next frame.
+        tolerance: of each residual, relative to |lambda M phi|.
+        limit: most iterations.
+
+    Source: E. R. Davidson, J. Comput. Phys. 17 (1975) 87; G. L. G. Sleijpen and H. A. van der Vorst, SIAM J. Matrix
+        Anal. Appl. 17 (1996) 401; docs/theory.md, section 5.
+    """
+    space.begin(deflation)
+    for block in starts:
+        space.append(block)
+    iterations = 0
+    while True:
+        values, modes, stiff, heavy = space.ritz(count + spare)
+        forces = stiff - values[:, None] * heavy
+        scale = np.abs(values) * np.linalg.norm(heavy, axis=1)
+        residuals = np.linalg.norm(forces, axis=1) / scale
+        open_ones = np.flatnonzero(~(residuals[:count] <= tolerance))
+        if not len(open_ones) and len(values) >= count:
+            return Found(values, modes, residuals, iterations, True)
+        if iterations >= limit:
+            return Found(values, modes, residuals, iterations, False)
+        if space.count + len(open_ones) > space.capacity:
+            space.begin(deflation)
+            space.append(modes)
+        iterations += 1
+        if not len(open_ones) or not space.append(space.pencil.solve(forces[open_ones])):
+            return Found(values, modes, residuals, iterations, False)

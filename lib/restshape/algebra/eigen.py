@@ -1,0 +1,279 @@
+"""Eigenproblems of one frame after the other: what is kept between them, and what each of them is solved with."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.davidson import Found, SearchSpace, davidson
+from restshape.algebra.inverse_iteration import EPSILON, inverse_iteration
+from restshape.algebra.krylov_schur import krylov_schur
+from restshape.algebra.pencil import Deflation, Pencil
+from restshape.algebra.stages import Stages
+from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem
+
+SPARE = 2
+"""Modes beyond the wanted ones that are carried along: a mode that comes down from above is seen before it is wanted."""
+
+HISTORY = 4
+"""Frames whose modes the search of the next one begins with."""
+
+COUNT_EVERY = 20
+"""Frames after which the eigenvalues are counted, at the latest: so long at most a missed mode stays missed."""
+
+ROOM = 40
+"""Rows of the search space beside those that it begins with."""
+
+PRIOR_DAVIDSON, PRIOR_KRYLOV = 5.0, 3.0
+"""Iterations a mode on a new mesh, and substitutions a mode from nothing, before any has been counted."""
+
+
+@dataclass
+class EigenReport:
+    """What the solve of a frame did.
+
+    Args:
+        iterations: substitutions with a factor.
+        refreshed: the factor was made anew.
+        age: frames since it was made.
+        method: "davidson", "krylov-schur" or "inverse iteration".
+        counted: an inertia count has shown in this frame that no mode is missed.
+        missed: modes that a count has shown to be missing, found afterwards.
+    """
+
+    iterations: int
+    refreshed: bool
+    age: int
+    method: str
+    counted: bool = False
+    missed: int = 0
+
+
+class EigenSolver:
+    """The lowest eigenpairs of K phi = lambda M phi, frame after frame.
+
+    Args:
+        method: `direct` (factor and Krylov-Schur from nothing in each frame), `ilu` (the thesis: factor and inverse
+            iteration with projection, from the last modes), `auto` or `stale` (Davidson iteration with an old factor on
+            the modes of the last frames, or Krylov-Schur, whichever counted work expects to be cheaper).
+        tolerance: of the residual |K phi - lambda M phi| relative to |lambda M phi|.
+        calibration: seconds a unit of counted work.
+        stages: takes the time of factorizations and of iterations.
+
+    Source: docs/theory.md, section 5.
+    """
+
+    def __init__(self, method: str, tolerance: float, calibration: Calibration, stages: Stages) -> None:
+        self.method, self.tolerance, self.calibration, self.stages = method, tolerance, calibration, stages
+        self.pencil = Pencil(stages)
+        self.deflation: Deflation | None = None
+        self.space: SearchSpace | None = None
+        self.history: list[np.ndarray] = []
+        self.age = self.uncounted = 0
+        self.excess = 0.0
+        self.fresh_below = 0
+        self.davidson_cost, self.krylov_cost = PRIOR_DAVIDSON, PRIOR_KRYLOV
+
+    def restart(self, modes: np.ndarray | None) -> None:
+        """Begin a new system with modes (k, n) as guess, or with none."""
+        self.history = [] if modes is None else [modes]
+
+    def solve(
+        self, stiffness: PETSc.Mat, mass: PETSc.Mat, rigid: np.ndarray, count: int, new_system: bool
+    ) -> tuple[Found, EigenReport]:
+        """The `count` lowest eigenpairs, and at least one more, rigid motions left out.
+
+        Args:
+            stiffness, mass: of the frame.
+            rigid: (r, n) the rigid motions.
+            count: wanted.
+            new_system: the unknowns are others than in the last solve.
+
+        Raises:
+            ReplayProblem: no convergence, or no factor.
+        """
+        self.pencil.take(stiffness, mass, new_system)
+        self.deflation = Deflation(rigid, self.pencil)
+        substitutions, factorizations = self.pencil.substitutions, self.pencil.factorizations
+        if self.method == "direct" or not self.history:
+            found, report = self._anew(count)
+        elif self.method == "ilu":
+            found, report = self._thesis(count)
+        else:
+            found, report = self._follow(count, new_system)
+        report.iterations = self.pencil.substitutions - substitutions
+        report.refreshed = self.pencil.factorizations > factorizations
+        self.history = [found.modes, *self.history[: HISTORY - 1]]
+        return found, report
+
+    # --- from nothing -------------------------------------------------------------------------------------------------
+
+    def _anew(self, count: int) -> tuple[Found, EigenReport]:
+        """Krylov-Schur about 0 with a new factor; from nothing no better shift is known."""
+        shift = self._start_shift()
+        self.pencil.factor(shift)
+        start = self.history[0].sum(axis=0) if self.history and self.method != "direct" else None
+        wanted = min(count + SPARE, self._elastic)
+        with self.stages("krylov"):
+            found = krylov_schur(self.pencil, self.deflation, start, wanted, self.tolerance)
+        self.krylov_cost = found.iterations / wanted
+        self.age, self.excess = 0, 0.0
+        report = EigenReport(0, True, 0, "krylov-schur")
+        if self.method in ("auto", "stale"):
+            self.history = []
+            self._move_shift(found, count, report)
+        return found, report
+
+    @property
+    def _elastic(self) -> int:
+        """Eigenvalues that are not of rigid motions."""
+        return self.pencil.size - self.deflation.count
+
+    def _start_shift(self) -> float:
+        """A shift a little below 0, where K - s M is positive definite, small beside the eigenvalues that are looked for.
+
+        The Rayleigh quotient of a vector that is smoothed by nothing is far too large; so the lowest eigenvalue is
+        guessed from the traces, which see the elements, and the number of unknowns, which sees the body.
+        """
+        ends = (self.stiffness_trace() / self.mass_trace(), float(self.pencil.size))
+        return -1e-3 * ends[0] / ends[1] ** 2
+
+    def stiffness_trace(self) -> float:
+        """The sum of the diagonal of K."""
+        return self._trace(self.pencil.stiffness)
+
+    def mass_trace(self) -> float:
+        """The sum of the diagonal of M."""
+        return self._trace(self.pencil.mass)
+
+    @staticmethod
+    def _trace(matrix: PETSc.Mat) -> float:
+        diagonal = matrix.getDiagonal()
+        total = diagonal.sum()
+        diagonal.destroy()
+        return total
+
+    def _thesis(self, count: int) -> tuple[Found, EigenReport]:
+        """Inverse iteration on K + eps M, factored in each frame."""
+        starts = self.history[0][: min(count + 1, len(self.history[0]))]
+        guess = _rayleigh(self.pencil, starts[:1])
+        self.pencil.factor(-EPSILON * guess)
+        with self.stages("krylov"):
+            found = inverse_iteration(self.pencil, self.deflation, starts, len(starts), self.tolerance)
+        return found, EigenReport(0, True, 0, "inverse iteration")
+
+    # --- from the frames before ---------------------------------------------------------------------------------------
+
+    def _follow(self, count: int, new_system: bool) -> tuple[Found, EigenReport]:
+        """Davidson's iteration with an old factor; where that is too dear, with a new one; else Krylov-Schur."""
+        self.age += 1
+        self.uncounted += 1
+        report = EigenReport(0, False, self.age, "davidson")
+        price = self._price()
+        if new_system and self.krylov_cost * (count + SPARE) < self.davidson_cost * count:
+            return self._anew(count)
+        if new_system or not self.pencil.ready or self.excess >= price:
+            self._refresh(count)
+        fresh = self.age == 0
+        found = self._iterate(count, self._limit(count, price, fresh))
+        if not found.converged and not fresh:
+            self.history = [found.modes, *self.history]
+            self._refresh(count)
+            found = self._iterate(count, self._limit(count, price, True))
+        if not found.converged:
+            self.history = [found.modes]
+            return self._anew(count)
+        if new_system:
+            self.davidson_cost = found.iterations
+        self.excess += max(0, found.iterations - 1) * count
+        self._count(found, count, report)
+        if report.missed:
+            again, _ = self._anew(count)
+            return again, EigenReport(0, True, 0, "krylov-schur", True, report.missed)
+        report.age = self.age
+        return found, report
+
+    def _iterate(self, count: int, limit: int) -> Found:
+        # Of older frames only what was wanted, which had converged.
+        starts = [self.history[0], *(block[:count] for block in self.history[1:HISTORY])]
+        capacity = sum(map(len, starts)) + max(ROOM, 4 * (count + SPARE))
+        if self.space is None or self.space.capacity < capacity or self.space.rows.shape[1] != self.pencil.size:
+            self.space = SearchSpace(self.pencil, capacity)
+        with self.stages("krylov"):
+            return davidson(self.space, self.deflation, starts, count, SPARE, self.tolerance, limit)
+
+    def _price(self) -> float:
+        """Substitutions, each with its products, that cost as much as a new factor."""
+        known, pencil = self.calibration, self.pencil
+        work = (pencil.size, pencil.entries, pencil.nonzeros or 3.0 * pencil.entries)
+        return max(1.0, known.refresh_seconds(*work) / known.iteration_seconds(*work))
+
+    def _limit(self, count: int, price: float, fresh: bool) -> int:
+        """Iterations after which what is left is dearer than a new factor, or than Krylov-Schur from nothing."""
+        most = self.krylov_cost * (count + SPARE) + price
+        return max(4, math.ceil(most / count) + (2 if fresh else 0))
+
+    def _refresh(self, count: int) -> None:
+        """A new factor, at a shift between the eigenvalues that are wanted and the next as the last modes tell them."""
+        values = _rayleigh_ritz(self.pencil, self.deflation, self.history[0])
+        shift, _ = gap(values, count)
+        self.fresh_below = self.pencil.factor(shift)
+        self.age, self.excess = 0, 0.0
+
+    def _move_shift(self, found: Found, count: int, report: EigenReport) -> None:
+        """After a solve from nothing: a factor at a shift that serves the frames to come, and counts."""
+        shift, below = gap(found.values, count)
+        counted = self.pencil.factor(shift)
+        self.fresh_below = counted
+        report.counted = counted == below + self.deflation.count
+        self.uncounted = 0
+        if counted > below + self.deflation.count:
+            raise ReplayProblem(
+                f"{counted - below - self.deflation.count} modes below the {below + 1}th were not found"
+            )
+
+    def _count(self, found: Found, count: int, report: EigenReport) -> None:
+        """Compare the eigenvalues that were found with how many there are: free after a refresh, else now and then."""
+        if self.age == 0:
+            shift, counted = self.pencil.shift, self.fresh_below
+        elif self.uncounted >= COUNT_EVERY:
+            shift, _ = gap(found.values, count)
+            counted = self.pencil.below(shift)
+        else:
+            return
+        known = int(np.sum(found.values < shift)) + self.deflation.count
+        self.uncounted = 0
+        report.counted = True
+        report.missed = max(0, counted - known)
+
+
+def gap(values: np.ndarray, count: int) -> tuple[float, int]:
+    """A shift in the widest gap behind the `count` lowest of values (k,), k > count, and how many lie below it.
+
+    Nearer to the lower end: the upper values of an iteration that has not converged for them come down yet.
+    """
+    last = len(values) - 1
+    places = range(min(count, last), last + 1)
+    ratios = {k: values[k] / values[k - 1] for k in places if k > 0}
+    if not ratios:
+        return 1.5 * float(values[0]), 1
+    k = max(ratios, key=lambda place: ratios[place])
+    return float(0.6 * values[k - 1] + 0.4 * values[k]), k
+
+
+def _rayleigh(pencil: Pencil, rows: np.ndarray) -> float:
+    """The Rayleigh quotient of one row (1, n)."""
+    stiff, heavy = np.empty_like(rows), np.empty_like(rows)
+    pencil.apply(pencil.stiffness, rows, stiff)
+    pencil.apply(pencil.mass, rows, heavy)
+    return float(np.vdot(rows, stiff) / np.vdot(rows, heavy))
+
+
+def _rayleigh_ritz(pencil: Pencil, deflation: Deflation, rows: np.ndarray) -> np.ndarray:
+    """The Ritz values of rows (k, n), ascending."""
+    space = SearchSpace(pencil, len(rows))
+    space.begin(deflation)
+    space.append(rows)
+    return space.ritz(len(rows))[0]

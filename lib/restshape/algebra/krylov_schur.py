@@ -1,0 +1,97 @@
+"""Eigenpairs from nothing: SLEPc's Krylov-Schur method with shift-and-invert on a factor that the caller keeps."""
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.davidson import Found
+from restshape.algebra.pencil import Deflation, Pencil
+from restshape.errors import ReplayProblem
+
+
+class _KeptFactor:
+    """A preconditioner for SLEPc that is the pencil's factor: SLEPc's own would be made anew for each solve."""
+
+    def __init__(self, pencil: Pencil) -> None:
+        self.pencil = pencil
+
+    def apply(self, _pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Forward and backward substitution."""
+        self.pencil.solve_vector(b, x)
+
+
+def krylov_schur(
+    pencil: Pencil,
+    deflation: Deflation,
+    start: np.ndarray | None,
+    count: int,
+    tolerance: float,
+) -> Found:
+    """The `count` eigenpairs of (K, M) nearest to the shift of the pencil's factor, ascending.
+
+    Args:
+        pencil: its factor is of K and M as they stand.
+        deflation: the rigid motions, which are given to SLEPc as deflation space.
+        start: (n,) a vector with a share of each mode that is wanted, such as the sum of those of the last frame.
+        count: wanted.
+        tolerance: of the residual |K phi - lambda M phi| relative to |lambda M phi|.
+
+    Raises:
+        ReplayProblem: not all of them converge.
+
+    Source: V. Hernandez, J. E. Roman, V. Vidal, ACM Trans. Math. Softw. 31 (2005) 351; docs/theory.md, section 5.
+    """
+    # SLEPc finds PETSc's arguments already taken in; imported here, so that PETSc comes first.
+    from slepc4py import SLEPc
+
+    before = pencil.substitutions
+    eps = SLEPc.EPS().create(PETSc.COMM_SELF)
+    eps.setOperators(pencil.stiffness, pencil.mass)
+    eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
+    eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
+    eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
+    eps.setTarget(pencil.shift)
+    transform = eps.getST()
+    transform.setType(SLEPc.ST.Type.SINVERT)
+    solver = transform.getKSP()
+    solver.setType("preonly")
+    solver.getPC().setType(PETSc.PC.Type.PYTHON)
+    solver.getPC().setPythonContext(_KeptFactor(pencil))
+    vectors = [PETSc.Vec().createWithArray(np.array(row), comm=PETSc.COMM_SELF) for row in deflation.rigid]
+    eps.setDeflationSpace(vectors)
+    if start is not None:
+        first = PETSc.Vec().createWithArray(np.array(start), comm=PETSc.COMM_SELF)
+        eps.setInitialSpace([first])
+        vectors.append(first)
+    eps.setDimensions(count, max(2 * count, count + 12))
+    # SLEPc measures the residual of the inverted problem.
+    eps.setTolerances(0.1 * tolerance, 300)
+    eps.solve()
+    converged = eps.getConverged()
+    if converged < count:
+        raise ReplayProblem(f"the eigenproblem did not converge: {converged} of {count} modes")
+    modes, vector = np.empty((converged, pencil.size)), pencil.stiffness.createVecRight()
+    for k in range(converged):
+        eps.getEigenpair(k, vector)
+        modes[k] = vector.getArray()
+    for part in (vector, *vectors, eps):
+        part.destroy()
+    return polished(pencil, deflation, modes, count, tolerance, pencil.substitutions - before)
+
+
+def polished(
+    pencil: Pencil, deflation: Deflation, modes: np.ndarray, count: int, tolerance: float, iterations: int
+) -> Found:
+    """The Ritz pairs of K and M over rows (k, n), with their true residuals; at least `count` of them."""
+    rows = np.array(modes)
+    deflation.clean(rows)
+    heavy, stiff = np.empty_like(rows), np.empty_like(rows)
+    pencil.apply(pencil.mass, rows, heavy)
+    pencil.apply(pencil.stiffness, rows, stiff)
+    factor = np.linalg.cholesky(rows @ heavy.T)
+    small = np.linalg.solve(factor, np.linalg.solve(factor, rows @ stiff.T).T)
+    values, weights = np.linalg.eigh(0.5 * (small + small.T))
+    turn = np.linalg.solve(factor.T, weights).T
+    rows, heavy, stiff = turn @ rows, turn @ heavy, turn @ stiff
+    residuals = np.linalg.norm(stiff - values[:, None] * heavy, axis=1)
+    residuals /= np.abs(values) * np.linalg.norm(heavy, axis=1)
+    return Found(values, rows, residuals, iterations, bool(np.all(residuals[:count] <= tolerance)))

@@ -1,0 +1,193 @@
+"""The pencil K - s M of an eigenproblem: products, a factor that is kept, and how many eigenvalues lie below s."""
+
+import math
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.stages import Stages
+from restshape.errors import ReplayProblem
+
+
+class Pencil:
+    """K and M as they stand, and the last complete factor of K - s M, which may be of matrices of some frames ago.
+
+    PETSc's own factor is L D L^T without pivoting: it serves indefinite matrices too, and its D tells the inertia.
+
+    Args:
+        stages: takes the time of factorizations.
+
+    Attributes:
+        stiffness, mass: PETSc matrices of the same pattern, symmetric; set by `take`.
+        shift: s of the factor.
+        nonzeros: of the factor.
+        factorizations, substitutions, products: counted since the start.
+    """
+
+    def __init__(self, stages: Stages) -> None:
+        self.stages = stages
+        self.stiffness = self.mass = PETSc.Mat()
+        self.shift = 0.0
+        self.nonzeros = 0.0
+        self.factorizations = self.substitutions = self.products = 0
+        self._kept = _Factor()
+        self._counting = _Factor()
+        self._patterns = (0, 0)
+
+    @property
+    def ready(self) -> bool:
+        """Tell whether there is a factor of this size."""
+        return self._kept.made
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.stiffness.getSize()[0]
+
+    @property
+    def entries(self) -> float:
+        """Nonzeros of each matrix."""
+        return self.stiffness.getInfo()["nz_used"]
+
+    def take(self, stiffness: PETSc.Mat, mass: PETSc.Mat, new_system: bool) -> None:
+        """Take up new values; where `new_system`, of other unknowns, for which no old factor serves."""
+        self.stiffness, self.mass = stiffness, mass
+        if new_system:
+            self._kept.forget()
+        # Flips may have made other matrices of a larger pattern: what was analysed before no longer fits them.
+        patterns = (stiffness.handle, mass.handle)
+        if new_system or patterns != self._patterns:
+            self._counting.forget()
+            self._kept.stale_pattern = True
+            self._patterns = patterns
+
+    def apply(self, matrix: PETSc.Mat, rows: np.ndarray, out: np.ndarray) -> None:
+        """Write the products of a matrix with each row (k, n) to `out` (k, n)."""
+        self.products += len(rows)
+        for row, product in zip(rows, out):
+            _through(matrix.mult, row, product)
+
+    def factor(self, shift: float) -> int:
+        """Factor K - shift M as they stand, and keep it; the number of eigenvalues below the shift.
+
+        Raises:
+            ReplayProblem: there is no factor: the shift is an eigenvalue, or the matrices are not numbers.
+        """
+        with self.stages("factor"):
+            below = self._kept.make(self.stiffness, self.mass, shift)
+        self.factorizations += 1
+        self.shift, self.nonzeros = shift, self._kept.nonzeros
+        return below
+
+    def below(self, shift: float) -> int:
+        """The number of eigenvalues below a shift, rigid motions included, by a factor that is not kept (Sylvester)."""
+        with self.stages("factor"):
+            found = self._counting.make(self.stiffness, self.mass, shift)
+        self.factorizations += 1
+        return found
+
+    def solve(self, rows: np.ndarray) -> np.ndarray:
+        """The old (K - s M)^-1 times each row (k, n)."""
+        out = np.empty_like(rows)
+        self.substitutions += len(rows)
+        for row, solution in zip(rows, out):
+            _through(self._kept.solve, row, solution)
+        return out
+
+    def solve_vector(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """The same for PETSc's vectors."""
+        self.substitutions += 1
+        self._kept.solve(b, x)
+
+
+class _Factor:
+    """A complete factor of K - s M whose ordering and fill are kept for as long as the pattern stays."""
+
+    def __init__(self) -> None:
+        self.made, self.stale_pattern, self.nonzeros = False, True, 0.0
+        self._matrix: PETSc.Mat | None = None
+        self._pc: PETSc.PC | None = None
+
+    def forget(self) -> None:
+        """Let go of the factor."""
+        for part in (self._pc, self._matrix):
+            if part is not None:
+                part.destroy()
+        self.made, self.stale_pattern, self._matrix, self._pc = False, True, None, None
+
+    def make(self, stiffness: PETSc.Mat, mass: PETSc.Mat, shift: float) -> int:
+        """Factor; the number of negative pivots."""
+        if self.stale_pattern:
+            self.forget()
+            self._matrix = stiffness.duplicate(copy=True)
+            self._pc = PETSc.PC().create(PETSc.COMM_SELF)
+            self._pc.setType("cholesky")
+            self._pc.setFactorOrdering("amd")
+            self.stale_pattern = False
+        else:
+            stiffness.copy(self._matrix, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        if shift:
+            self._matrix.axpy(-shift, mass, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        # An indefinite matrix under the name of a definite one would go to a factor without pivots to count.
+        self._matrix.setOption(PETSc.Mat.Option.SPD, False)
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._pc.setOperators(self._matrix)
+        self._pc.setUp()
+        factor = self._pc.getFactorMatrix()
+        below, singular, _ = factor.getInertia()
+        if singular or not self._answers():
+            self.forget()
+            raise ReplayProblem("the pencil of stiffness and mass has no factor at this shift")
+        self.nonzeros, self.made = factor.getInfo()["nz_used"], True
+        return below
+
+    def _answers(self) -> bool:
+        """Tell whether the factor gives numbers: PETSc only notes a pivot that failed."""
+        b, x = self._matrix.createVecs()
+        b.set(1.0)
+        self._pc.apply(b, x)
+        sound = math.isfinite(x.norm())
+        b.destroy()
+        x.destroy()
+        return sound
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Forward and backward substitution."""
+        self._pc.apply(b, x)
+
+
+def _through(operation: object, row: np.ndarray, out: np.ndarray) -> None:
+    """Run an operation of PETSc from one array (n,) to another."""
+    source = PETSc.Vec().createWithArray(row, comm=PETSc.COMM_SELF)
+    target = PETSc.Vec().createWithArray(out, comm=PETSc.COMM_SELF)
+    operation(source, target)
+    source.destroy()
+    target.destroy()
+
+
+class Deflation:
+    """The rigid motions that supports leave free: exact eigenvectors of eigenvalue 0, kept out of all vectors.
+
+    Args:
+        rigid: (r, n) a basis of them at the places of the nodes now; r may be 0.
+        pencil: of the frame.
+
+    Source: docs/theory.md, section 5.
+    """
+
+    def __init__(self, rigid: np.ndarray, pencil: Pencil) -> None:
+        self.count = len(rigid)
+        weighted = np.empty_like(rigid)
+        pencil.apply(pencil.mass, rigid, weighted)
+        if self.count:
+            factor = np.linalg.cholesky(weighted @ rigid.T)
+            rigid, weighted = np.linalg.solve(factor, rigid), np.linalg.solve(factor, weighted)
+        self.rigid, self.weighted = np.ascontiguousarray(rigid), np.ascontiguousarray(weighted)
+
+    def clean(self, rows: np.ndarray, heavy: np.ndarray | None = None) -> None:
+        """Make rows (k, n) orthogonal to the rigid motions in the mass, in place, and their products M phi with them."""
+        if self.count:
+            parts = rows @ self.weighted.T
+            rows -= parts @ self.rigid
+            if heavy is not None:
+                heavy -= parts @ self.weighted

@@ -1,0 +1,84 @@
+"""Equilibria followed in steps of load from a state that is known."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.algebra.newton import Outcome
+
+SHORTEST = 2.0**-7
+"""The shortest step, as a part of the way: a shorter one finds no equilibrium that this one does not."""
+SEARCHED = 2.0**-5
+"""Steps as short as this are tried again with line search."""
+EASY = 6
+"""A step that took no more of Newton's steps is doubled."""
+
+Attempt = Callable[[np.ndarray, "np.ndarray | None", bool], tuple[Outcome, str]]
+
+
+@dataclass
+class Walk:
+    """Where a walk has led.
+
+    Args:
+        x: (n, 2) the last equilibrium [m].
+        reached: the part of the way, 1 at its end.
+        outcome: of all runs of Newton's method.
+        why: the next step failed.
+    """
+
+    x: np.ndarray
+    reached: float
+    outcome: Outcome
+    why: str = ""
+
+
+def walk(
+    attempt: Attempt,
+    start: np.ndarray,
+    lacking: np.ndarray,
+    hold: Callable[[np.ndarray, float], None],
+    before: Outcome,
+    most: int,
+) -> Walk:
+    """Follow the equilibria under the load that keeps `start` where it is, while this load is taken away.
+
+    From the rest shape these are steps of the scene's own load. A step that fails is halved; one that was easy is
+    doubled. The guess of a step goes on along the one before.
+
+    Args:
+        attempt: solves from a guess (n, 2) under an added load (n, 2), with line search or without; changes the guess,
+            and tells what speaks against the result.
+        start: (n, 2) [m].
+        lacking: (n, 2) forces out of balance there [N].
+        hold: sets the held unknowns of a guess to their values at a part of the way.
+        before: runs of Newton's method that went before.
+        most: steps that are tried.
+    """
+    found = Walk(start, 0.0, before)
+    step, last = 1.0, None
+    for _ in range(most):
+        part = min(1.0, found.reached + step)
+        guess = found.x.copy()
+        if last is not None:
+            guess += (found.x - last.x) * ((part - found.reached) / (found.reached - last.reached))
+        hold(guess, part)
+        added = None if part == 1.0 else (1.0 - part) * lacking
+        outcome, problem = attempt(guess, added, False)
+        found.outcome = outcome.after(found.outcome)
+        if problem and step <= SEARCHED:
+            guess = found.x.copy()
+            hold(guess, part)
+            outcome, problem = attempt(guess, added, True)
+            found.outcome = outcome.after(found.outcome)
+        if not problem:
+            last, found = found, Walk(guess, part, found.outcome)
+            if part == 1.0:
+                return found
+            step *= 2.0 if outcome.newton <= EASY else 1.0
+            continue
+        found.why, last, step = problem, None, 0.5 * step
+        if step < SHORTEST:
+            break
+    return found

@@ -1,0 +1,398 @@
+"""Free vibrations of a body whose shape is edited: its lowest modes, frame after frame."""
+
+import numpy as np
+import scipy.sparse as sp
+from petsc4py import PETSc
+
+from restshape.algebra.eigen import EigenReport, EigenSolver
+from restshape.algebra.gather import whole_matrix
+from restshape.algebra.krylov_schur import krylov_schur
+from restshape.algebra.linear import LinearReport
+from restshape.algebra.operator import Operator
+from restshape.algebra.pencil import Deflation, Pencil
+from restshape.algebra.stages import Stages
+from restshape.analysis.following import Following
+from restshape.analysis.frame import Frame
+from restshape.analysis.shown import Fields
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem, UserError
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.space import LagrangeSpace
+from restshape.mesh.transfer import transfer
+from restshape.physics.bodies import oscillator
+from restshape.physics.oscillator import Oscillator
+from restshape.physics.pitch import note
+from restshape.physics.quantities import area
+from restshape.policy import Policy
+from restshape.scene.model import Quantity, Scene
+from restshape.scene.plan import Plan
+from restshape.scene.plan import plan as planned
+
+NORMAL = 0.5
+"""Share of the kinetic energy beyond which a mode counts as out of the plane."""
+
+MOST_BESIDE = 24
+"""Modes in the plane that may lie below the last one out of the plane that is wanted."""
+
+COLD = 1e-10
+"""Residual that a cold solve for comparison goes down to."""
+
+
+class ModalAnalysis:
+    """The lowest eigenfrequencies and modes of a body, frame after frame.
+
+    Each rank computes the whole eigenproblem by itself, with the same result.
+
+    Args:
+        scene: what the user wrote.
+        plan: which effects are on.
+        comm: PETSc communicator.
+        policy: what is reused.
+        calibration: seconds a unit of counted work.
+        stages: takes the time of each stage.
+
+    Attributes:
+        mesh: the plane mesh of the last solution.
+        body: what vibrates.
+        values: (k,) eigenvalues [1/s^2] of all modes that are carried along, ascending.
+        heavy: (k, n f) products M phi of the last solution.
+        shares: (k,) parts of the kinetic energy normal to the plane.
+        chosen: (modes,) indices of those that the scene asks for.
+        following: numbers of the modes.
+
+    Source: docs/theory.md, section 5.
+    """
+
+    def __init__(
+        self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
+    ) -> None:
+        self.plan, self.comm, self.policy, self.stages = plan, comm, policy, stages
+        self.scene: Scene | None = None
+        self.mesh: Mesh | LagrangeSpace | None = None
+        self.body: Oscillator | None = None
+        self.topology = self.geometry = -1
+        self.solver = EigenSolver(policy.solver, scene.solve.tolerance, calibration, stages)
+        self.following = Following()
+        self.values = self.shares = np.empty(0)
+        self.heavy = self._modes = np.empty((0, 0))
+        self._mixed: tuple[np.ndarray, np.ndarray] | None = None
+        self.chosen = np.empty(0, dtype=int)
+        self.count = 0
+        self.failed = self.predicted = False
+        self._solved = (self.following.numbers, self.shares, self.chosen)
+        self.report = EigenReport(0, False, 0, "")
+
+    def solve(self, frame: Frame) -> LinearReport:
+        """Bring frequencies and modes up to date with a frame.
+
+        Raises:
+            ReplayProblem: the eigenproblem has no solution that can be found.
+            UserError: the scene makes no sense for a vibrating body. In both cases all stays as it was.
+        """
+        mesh = frame.mesh
+        new_mesh, new_scene = mesh is not self.mesh, frame.scene is not self.scene
+        if not (new_mesh or new_scene or mesh.topology != self.topology or mesh.geometry != self.geometry):
+            self.report.age += 1
+            return LinearReport(0, False, self.report.age, self.report.method)
+        kept = self.__dict__.copy()
+        try:
+            self._solve(frame, new_mesh, new_scene or self.failed)
+        except (ReplayProblem, UserError):
+            # Without a scene the next frame binds anew: what was patched belongs to a mesh that is taken back.
+            self.__dict__.update(kept, scene=None, failed=True)
+            self.solver.restart(self.modes if len(self.modes) else None)
+            raise
+        self.failed = self.predicted = False
+        self.mesh, self.scene, self.topology, self.geometry = mesh, frame.scene, mesh.topology, mesh.geometry
+        report = self.report
+        return LinearReport(report.iterations, report.refreshed, report.age, report.method)
+
+    @property
+    def modes(self) -> np.ndarray:
+        """Modes (k, n f) of the eigenvalues, with phi M phi = 1."""
+        if self._mixed is not None:
+            turn, basis = self._mixed
+            self._modes, self._mixed = turn.T @ basis, None
+        return self._modes
+
+    @modes.setter
+    def modes(self, modes: np.ndarray) -> None:
+        self._modes, self._mixed = modes, None
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of the eigenproblem, held ones included."""
+        return self.body.mask.size
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """Frequencies (modes,) [Hz] of the modes that the scene asks for, ascending."""
+        return np.sqrt(np.maximum(self.values[self.chosen], 0.0)) / (2.0 * np.pi)
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """The numbers (modes,) by which these modes are followed."""
+        return self.following.numbers[self.chosen]
+
+    @property
+    def x(self) -> np.ndarray:
+        """What is solved for, (k, k + n f): the stiffness that the modes see, of which eigenvalues are left, and the modes."""
+        return np.column_stack([np.diag(self.values), self.modes])
+
+    def accept(self, x: np.ndarray) -> None:
+        """Take what `x` gives for the state of the mesh as it lies now, without a solve.
+
+        Args:
+            x: (k, k + n f) a stiffness H (k, k), symmetric, beside modes: its eigenvectors mix them.
+        """
+        count = len(x)
+        small = x[:, :count]
+        self.values, turn = np.linalg.eigh(0.5 * (small + small.T))
+        numbers = np.argmax(np.abs(turn), axis=0)
+        turn = turn * np.sign(turn[numbers, np.arange(count)])
+        # Frames shown in passing never look at their modes.
+        self._mixed = (turn, x[:, count:])
+        self._renumber(numbers)
+        self.geometry, self.predicted = -1, True
+
+    def _renumber(self, order: np.ndarray) -> None:
+        """Let modes that have changed places keep their numbers: now k was order[k] at the last solution.
+
+        Where the prediction leaves and comes back, the order is that of the solution again.
+        """
+        if not self.predicted:
+            self._solved = (self.following.numbers, self.shares, self.chosen)
+        numbers, shares, chosen = self._solved
+        if len(set(order)) == len(order):
+            self.following.numbers, self.shares = numbers[order], shares[order]
+            self.chosen = np.flatnonzero(np.isin(order, chosen))
+
+    def observe(self) -> dict[str, float]:
+        """The scene's quantities of interest at the last solution."""
+        return {name: self._quantity(name, quantity) for name, quantity in self.scene.quantities.items()}
+
+    def row(self) -> dict[str, object]:
+        """Columns of a frame's row that only modes have."""
+        frequencies, settings = self.frequencies, self.plan.settings("modal")
+        tone, cents = note(float(frequencies[0]), settings.a4)
+        return {
+            **{f"f_{k + 1}": float(f) for k, f in enumerate(frequencies)},
+            "tone": tone,
+            "cents": cents,
+            "track": " ".join(map(str, self.numbers)),
+            "counted": int(self.report.counted),
+            "missed": self.report.missed,
+            "elements": len(self.body.mesh.cells),
+        }
+
+    def fields(self) -> Fields:
+        """Displacements of the middle surface in each mode, the largest 1; of the cells the size of the first one."""
+        shapes = self.body.shapes(self.modes[self.chosen])
+        sizes = np.linalg.norm(shapes, axis=2)
+        shapes /= sizes.max(axis=1)[:, None, None]
+        size = np.linalg.norm(shapes[0], axis=1)
+        names = {f"mode_{k + 1}": shape for k, shape in enumerate(shapes)}
+        return names, {"size_of_mode_1": size[self.mesh.cells].mean(axis=1)}
+
+    def blank_fields(self, mesh: Mesh | LagrangeSpace) -> Fields:
+        """The same fields without any number, on a mesh that has not been solved on."""
+        count = self.plan.settings("modal").modes
+        blank = {f"mode_{k + 1}": np.full((len(mesh.X), 3), np.nan) for k in range(count)}
+        return blank, {"size_of_mode_1": np.full(len(mesh.cells), np.nan)}
+
+    def residual(self) -> float:
+        """The largest |K phi - lambda M phi| / |lambda M phi| of the modes that the scene asks for, element by element."""
+        body = self.body
+        if self.predicted:
+            body.follow(np.empty(0, dtype=np.int32))
+        worst = 0.0
+        for k in self.chosen:
+            force, weight = self.products(self.modes[k])
+            free = body.mask == 0
+            error = np.linalg.norm((force - self.values[k] * weight)[free])
+            worst = max(worst, float(error / (abs(self.values[k]) * np.linalg.norm(weight[free]))))
+        return worst
+
+    def products(self, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """K phi and M phi (n, f) of a mode (n f,), without matrices."""
+        body = self.body
+        phi = np.ascontiguousarray(mode.reshape(-1, body.fields))
+        force, weight = np.zeros_like(phi), np.zeros_like(phi)
+        body.stiffness.residual(body.mesh.X, phi, body.mesh.cells, body.stiffness_params, force)
+        body.mass.residual(body.mesh.X, phi, body.mesh.cells, body.mass_params, weight)
+        return force, weight
+
+    # --- a frame --------------------------------------------------------------------------------------------------
+
+    def _solve(self, frame: Frame, new_mesh: bool, new_scene: bool) -> None:
+        before = self.modes
+        if new_mesh or new_scene:
+            before = self._bind(frame, new_mesh)
+        else:
+            self._move(frame)
+            before = self.modes
+            if self.predicted:
+                self.solver.history = [self.modes, *self.solver.history]
+        with self.stages("values"):
+            body = self.body
+            rest = np.zeros((len(body.mesh.X), body.fields))
+            stiffness, mass = (
+                operator.assemble([(0, element, body.mesh.X, rest, params, 1.0)], None)
+                for operator, element, params in zip(
+                    self.operators, (body.stiffness, body.mass), (body.stiffness_params, body.mass_params)
+                )
+            )
+            rigid = body.rigid()
+        self._find(stiffness, mass, rigid, new_mesh or new_scene)
+        with self.stages("observe"):
+            if len(before):
+                self.following(before, self.modes, self.heavy)
+            else:
+                self._turn()
+                self.following.begin(len(self.modes), self.chosen)
+
+    def _bind(self, frame: Frame, new_mesh: bool) -> np.ndarray:
+        """Set up what depends on the mesh topology or on the scene's values; the modes before, on the new nodes."""
+        old = self.body
+        with self.stages("pattern"):
+            self.plan = planned(frame.scene, application(frame.scene.app))
+            self.body = body = oscillator(frame.scene, self.plan, frame.mesh, self.policy.solver == "ilu")
+            offsets = np.array([0, len(body.mesh.X)], dtype=np.int32)
+            self.operators = [Operator(PETSc.COMM_SELF, body.fields, offsets, None) for _ in range(2)]
+            for operator in self.operators:
+                operator.set_topology([body.mesh.cells], body.mask)
+        self.solver.tolerance = frame.scene.solve.tolerance
+        self.count = max(self.count, self.plan.settings("modal").modes)
+        carried = np.empty((0, body.mask.size))
+        if old is not None and type(old) is type(body):
+            with self.stages("map"):
+                carried = self._carried(old, frame) if new_mesh else self.modes
+            if carried.shape[1] != body.mask.size:
+                carried = np.empty((0, body.mask.size))
+        carried = np.where(body.mask.ravel() == 0, carried, 0.0)
+        self.solver.restart(carried if len(carried) and self.policy.transfer else None)
+        return carried
+
+    def _carried(self, old: Oscillator, frame: Frame) -> np.ndarray:
+        """The last modes on a new mesh, column by column."""
+        modes = np.stack([old.reseated(mode.reshape(-1, old.fields), frame.reseats) for mode in self.modes])
+        columns = np.concatenate([old.over_plane(mode).reshape(len(self.mesh.X), -1) for mode in modes], axis=1)
+        there = transfer(self.mesh, frame.mesh, columns).reshape(len(frame.mesh.X), len(modes), -1)
+        return np.ascontiguousarray(there.transpose(1, 0, 2)).reshape(len(modes), -1)
+
+    def _move(self, frame: Frame) -> None:
+        """Follow the plane mesh, whose nodes have moved and whose edges may have flipped."""
+        flipped = frame.mesh.topology != self.topology
+        with self.stages("relocate"):
+            changed = self.body.follow(frame.changed_cells if flipped else np.empty(0, dtype=np.int32))
+        if not flipped:
+            return
+        with self.stages("pattern"):
+            for operator in self.operators:
+                operator.patch(0, changed)
+            if frame.reseats:
+                fields = self.body.fields
+
+                def reseat(modes: np.ndarray) -> np.ndarray:
+                    moved = [self.body.reseated(mode.reshape(-1, fields), frame.reseats) for mode in modes]
+                    return np.stack(moved).reshape(modes.shape)
+
+                self.modes = reseat(self.modes)
+                self.solver.history = [reseat(block) for block in self.solver.history]
+
+    def _find(self, stiffness: PETSc.Mat, mass: PETSc.Mat, rigid: np.ndarray, new_system: bool) -> None:
+        """Solve for as many modes as it takes to have those that the scene asks for."""
+        settings = self.plan.settings("modal")
+        total = None
+        while True:
+            found, report = self.solver.solve(stiffness, mass, rigid, self.count, new_system and total is None)
+            total = report if total is None else _sum(total, report)
+            heavy = np.empty_like(found.modes)
+            self.solver.pencil.apply(mass, found.modes, heavy)
+            shares = self.body.normal_shares(found.modes, heavy)
+            sought = np.ones(len(shares), dtype=bool)
+            if "z" in self.body.axes and not settings.in_plane:
+                sought = shares >= NORMAL
+            chosen = np.flatnonzero(sought[: self.count])[: settings.modes]
+            if len(chosen) == settings.modes:
+                break
+            if self.count >= settings.modes + MOST_BESIDE:
+                raise ReplayProblem(
+                    f"only {len(chosen)} of the {self.count} lowest modes are out of the plane, not {settings.modes}"
+                )
+            self.count += max(1, settings.modes - len(chosen))
+        self.values, self.modes, self.heavy = found.values, found.modes, heavy
+        self.shares, self.chosen, self.report = shares, chosen, total
+
+    def _turn(self) -> None:
+        """Make the component of largest size positive: the sign of a mode means nothing, but must not depend on luck."""
+        for mode, weight in zip(self.modes, self.heavy):
+            # The first one of nearly the largest, for symmetric modes have several.
+            top = np.flatnonzero(np.abs(mode) > 0.999 * np.abs(mode).max())[0]
+            if mode[top] < 0.0:
+                mode *= -1.0
+                weight *= -1.0
+
+    def _quantity(self, name: str, quantity: Quantity) -> float:
+        if quantity.area:
+            return area(self.mesh, self.mesh.cells_of(quantity.at) if quantity.at else slice(None))
+        frequencies = self.frequencies
+        if quantity.frequency is not None:
+            within = quantity.frequency <= len(frequencies)
+            if not within:
+                raise UserError(
+                    f"only {len(frequencies)} modes are computed",
+                    f"quantities.{name}.frequency",
+                    f"set effects.modal.modes to {quantity.frequency} or more",
+                )
+            return float(frequencies[quantity.frequency - 1])
+        if quantity.mode is not None:
+            at = np.flatnonzero(self.numbers == quantity.mode)
+            return float(frequencies[at[0]]) if len(at) else float("nan")
+        raise UserError(
+            f"modes have no {quantity.kind}: their size means nothing",
+            f"quantities.{name}.{quantity.kind}",
+            "ask for frequency = 1, mode = 1 or area = true",
+        )
+
+    # --- for comparison with a cold solve ---------------------------------------------------------------------------
+
+    def matrices(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """K and M as they stand, with the rows of held unknowns."""
+        return tuple(whole_matrix(m, PETSc.COMM_SELF) for m in (self.solver.pencil.stiffness, self.solver.pencil.mass))
+
+    def cold_differences(self) -> tuple[float, float]:
+        """Largest difference of the matrices' entries, and of the frequencies, from a solve with nothing kept; relative."""
+        body = oscillator(self.scene, self.plan, self.mesh, self.policy.solver == "ilu")
+        offsets, rest = np.array([0, len(body.mesh.X)], dtype=np.int32), np.zeros(body.mask.shape)
+        entries, cold = 0.0, []
+        parts = ((body.stiffness, body.stiffness_params), (body.mass, body.mass_params))
+        for hot, (element, params) in zip(self.matrices(), parts):
+            operator = Operator(PETSc.COMM_SELF, body.fields, offsets, "coo")
+            operator.set_topology([body.mesh.cells], body.mask)
+            cold.append(operator.assemble([(0, element, body.mesh.X, rest, params, 1.0)], None).copy())
+            entries = max(entries, relative_difference(hot, whole_matrix(cold[-1], PETSc.COMM_SELF)))
+        pencil = Pencil(self.stages)
+        pencil.take(*cold, True)
+        pencil.factor(-1e-2 * float(self.values[0]))
+        found = krylov_schur(pencil, Deflation(body.rigid(), pencil), None, int(self.chosen[-1]) + 1, COLD)
+        reference = np.sqrt(found.values[self.chosen]) / (2.0 * np.pi)
+        return entries, float(np.max(np.abs(self.frequencies / reference - 1.0)))
+
+
+def relative_difference(a: sp.csr_matrix, b: sp.csr_matrix) -> float:
+    """The largest difference of two matrices' entries over the largest entry."""
+    return float(abs(a - b).max() / abs(b).max())
+
+
+def _sum(first: EigenReport, second: EigenReport) -> EigenReport:
+    """Two solves of a frame as one."""
+    return EigenReport(
+        first.iterations + second.iterations,
+        first.refreshed or second.refreshed,
+        second.age,
+        second.method,
+        second.counted,
+        first.missed + second.missed,
+    )

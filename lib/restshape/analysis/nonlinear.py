@@ -1,0 +1,243 @@
+"""Solids of large deformation at rest: Newton's method on kept patterns and factors, in steps of load where it must."""
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.gather import System, whole_matrix
+from restshape.algebra.linear import LinearReport, LinearSolver
+from restshape.algebra.newton import INDEFINITE, Newton, Outcome
+from restshape.algebra.stages import Stages
+from restshape.analysis.equilibrium import Equilibrium
+from restshape.analysis.frame import Frame
+from restshape.analysis.guess import CurvedGuess
+from restshape.analysis.loading import Walk, walk
+from restshape.analysis.static import ROUND_OFF, SCALE_SLACK, StaticAnalysis
+from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem
+from restshape.mesh.mesh import Mesh
+from restshape.policy import Policy, policy
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+ROUGH = 1e-3
+"""Tolerance of the states between steps of load."""
+NEAR = 2
+"""Newton's steps from a guess so near that the equilibrium is believed to be stable as the one before."""
+COLD = 1e-4
+"""A cold solve's tolerance over the scene's."""
+
+
+def static_analysis(
+    scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
+) -> StaticAnalysis:
+    """The analysis of a solid at rest that its plan calls for; arguments as in `StaticAnalysis`."""
+    made = NonlinearStatic if plan.on("large_deformation") else StaticAnalysis
+    return made(scene, plan, comm, policy, calibration, stages)
+
+
+class NonlinearStatic(StaticAnalysis):
+    """The equilibrium of a solid of large deformation, frame after frame.
+
+    Newton's method starts at the guess along the drag. Where that fails, the force that the last state lacks on the new
+    shape is put on as a load that keeps it, and taken away in steps; then the same from the rest shape, where these
+    steps are those of the load. An equilibrium counts if no cell is turned over and, unless the guess was near, if the
+    tangent is positive definite.
+
+    Arguments as in `StaticAnalysis`.
+
+    Source: docs/theory.md, section 2.
+    """
+
+    def __init__(
+        self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
+    ) -> None:
+        super().__init__(scene, plan, comm, policy, calibration, stages)
+        self.guess = CurvedGuess(policy.extrapolate)
+        self.newton: Newton | None = None
+        self.equations: Equilibrium | None = None
+        self.made: list[Newton] = []
+        self.frames = 0
+
+    def solve(self, frame: Frame) -> LinearReport:
+        """Bring the displacement `x` (n, 2) [m] up to date with a frame.
+
+        Raises:
+            ReplayProblem: no equilibrium is found, or a value has no number somewhere.
+            UserError: the scene's supports no longer hold the body. In both cases `mesh` and `x` stay as they were.
+        """
+        try:
+            return super().solve(frame)
+        finally:
+            # A SNES and the functions that it calls hold each other: it goes when it is told to.
+            for newton in self.made:
+                if newton is not self.newton:
+                    newton.destroy()
+            self.made[:] = [self.newton] if self.newton else []
+
+    def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
+        """The s (n, 2) of K s = rhs with the tangent stiffness K of the present state, on the kept preconditioner.
+
+        Arguments as in `StaticAnalysis.linear_solve`. K is not symmetric where pressures follow the boundary.
+        """
+        return self._solve_aside(self._tangent(), rhs, tolerance)
+
+    def accept(self, x: np.ndarray) -> None:
+        """Take displacements x (n, 2) [m] for those of the mesh as it lies now, without a solve."""
+        super().accept(x)
+        self.equations.begin()
+        self.newton.current = False
+
+    def residual(self) -> float:
+        """The forces out of balance over the load, or over internal forces where supports move; norms at free nodes."""
+        norm = float(np.linalg.norm(self.equations.whole_residual(self.x)))
+        return norm / self.scale if self.scale else norm
+
+    # --- a frame --------------------------------------------------------------------------------------------------
+
+    def _make_solver(self, scene: Scene) -> LinearSolver:
+        solve, kept = scene.solve, self.policy
+        return LinearSolver(
+            self.comm,
+            "solid_",
+            kept.solver,
+            solve.tolerance,
+            self.calibration,
+            self.stages,
+            memory=solve.factor_memory,
+            symmetric=all(load.pressure is None for load in scene.loads.values()),
+        )
+
+    def _allocate(self, mesh: Mesh) -> None:
+        """Make what solves for the unknowns of a new mesh."""
+        rows = self.operator.rows
+        self.newton = Newton(self.comm, "solid_newton_", self.solver, mesh.X.shape, rows)
+        self.made.append(self.newton)
+        self.mesh_places = mesh.X[rows.start // 2 : rows.stop // 2]
+
+    def _solve(self, frame: Frame, new_mesh: bool) -> LinearReport:
+        mesh, physics = frame.mesh, self.physics
+        if self.equations is None or self.equations.physics is not physics:
+            self.equations = Equilibrium(physics, self.operator, self.stages)
+            self.newton.take(self.equations)
+        with self.stages("values"):
+            physics.move()
+            self.equations.begin()
+            self.load = self._load()
+        # The solver may have met the mesh of a frame that failed, which is gone.
+        patched = not new_mesh and mesh.topology != self.topology
+        self.newton.begin(new_mesh or self.failed, patched, self.mesh_places)
+        # A drag goes on from a stable equilibrium in small steps; other edits may leap over a limit.
+        dragged = not new_mesh and frame.scene is self.scene
+        outcome, x = self._find(self.guess(self.x, frame.hand), dragged)
+        self.guess.keep(x, frame.hand)
+        self.x, self.observed, self.accepted = x, None, False
+        self.frames = 0 if outcome.refreshed else self.frames + 1
+        return LinearReport(outcome.iterations, outcome.refreshed, self.frames, self.solver.name, outcome.newton)
+
+    def _find(self, guess: np.ndarray, near: bool) -> tuple[Outcome, np.ndarray]:
+        """The equilibrium (n, 2) near a guess, by steps of load where Newton's method does not reach it."""
+        x = guess.copy()
+        self._hold(x)
+        outcome, problem = self._attempt(x, near=near)
+        starts = [self.x] if self.x.any() else []
+        for start in [*starts, np.zeros_like(x)] if problem else []:
+            found = self._walk(start, outcome)
+            outcome, x, problem = found.outcome, found.x, found.why
+            if found.reached == 1.0:
+                break
+        else:
+            if problem:
+                raise ReplayProblem(
+                    f"no equilibrium found beyond {100 * found.reached:.3g} % of the load: {problem} (St. Venant and "
+                    "Kirchhoff's law softens without bound in compression)"
+                )
+        return outcome, x
+
+    def _walk(self, start: np.ndarray, before: Outcome) -> Walk:
+        """The walk to this frame's equilibrium from a state (n, 2) [m], after other runs of Newton's method."""
+        constrained, prescribed = self.physics.constrained, self.physics.prescribed.ravel()
+
+        def hold(x: np.ndarray, part: float) -> None:
+            held = (1.0 - part) * start.ravel() + part * prescribed
+            x.ravel()[constrained] = held[constrained]
+
+        steps = self.plan.settings("large_deformation").load_steps
+        return walk(self._attempt, start, self.equations.whole_residual(start), hold, before, steps)
+
+    def _attempt(
+        self, x: np.ndarray, added: np.ndarray | None = None, searched: bool = False, near: bool = False
+    ) -> tuple[Outcome, str]:
+        """Newton's method from x (n, 2), which is changed, under an added load: what came of it, and what is wrong.
+
+        Near a stable equilibrium, one that takes few steps is believed to be stable.
+        """
+        total = None
+        while True:
+            self.scale = self._scale(x)
+            goal = (self.solver.tolerance if added is None else ROUGH) * self.scale
+            outcome = self.newton.solve(x, goal, searched, added)
+            total = outcome if total is None else outcome.after(total)
+            if not outcome.converged:
+                return total, outcome.why
+            if added is not None or self.scale <= SCALE_SLACK * self._scale(x) or not outcome.newton:
+                straight = near and total.monotone and total.newton <= NEAR
+                # A solver that makes a factor of every tangent has seen whether they are definite.
+                return total, self._objection(x, straight or self.solver.method == "direct")
+
+    def _objection(self, x: np.ndarray, stable: bool) -> str:
+        """What speaks against the equilibrium x (n, 2) that Newton's method has found."""
+        over = self.equations.turned_over(x)
+        if len(over):
+            X, cell = self.mesh_now.X, self.mesh_now.cells[over[0]]
+            place = X[cell].mean(axis=0)
+            return f"{len(over)} triangles turn inside out, one at ({place[0]:.4g}, {place[1]:.4g}) m"
+        if stable or self.solver.definite(self._tangent(x), self.mesh_places):
+            return ""
+        return INDEFINITE
+
+    def _hold(self, x: np.ndarray) -> None:
+        """Set the held unknowns of x (n, 2)."""
+        constrained = self.physics.constrained
+        x.ravel()[constrained] = self.physics.prescribed.ravel()[constrained]
+
+    def _tangent(self, x: np.ndarray | None = None) -> PETSc.Mat:
+        """The tangent stiffness at x (n, 2), by default at the last solution."""
+        return self.newton.tangent(self.x if x is None else x)
+
+    @property
+    def mesh_now(self) -> Mesh:
+        """The mesh of the frame that is being solved."""
+        return self.physics.mesh
+
+    def _load(self) -> float:
+        """The norm of the loads at free nodes [N]."""
+        return float(np.linalg.norm(self.equations.load()))
+
+    def _scale(self, x: np.ndarray) -> float:
+        """What residuals are measured against [N]: the load, and internal forces where supports move."""
+        scale = max(self.load, self._round_off(x))
+        return max(scale, self.physics.internal_force(x)) if self.physics.displaced else scale
+
+    def _round_off(self, x: np.ndarray) -> float:
+        """Forces [N] below which, times the tolerance, a residual is rounding."""
+        return ROUND_OFF / self.solver.tolerance * self.physics.stiffest * float(np.abs(x).max(initial=0.0))
+
+    # --- for comparison with a cold solve -----------------------------------------------------------------------
+
+    def system(self) -> System:
+        """The tangent stiffness and the solution as they stand, whole on every rank."""
+        energy = float(self.physics.energies(self.x).sum())
+        return System(whole_matrix(self._tangent(), self.comm), self.x.ravel().copy(), energy)
+
+    def cold_system(self) -> System:
+        """The tangent at this frame's solution on a new pattern, and the solution of a cold analysis from nothing."""
+        rebuild = policy("rebuild")
+        cold = NonlinearStatic(self.scene, self.plan, self.comm, rebuild, self.calibration, self.stages)
+        cold.solver.tolerance *= COLD
+        none = np.empty(0, dtype=np.int32)
+        cold.solve(Frame(self.mesh, none, None, self.scene, (None, (0.0, 0.0))))
+        solution = cold.x.ravel().copy()
+        cold.newton.current = False
+        matrix = whole_matrix(cold.newton.tangent(self.x), self.comm)
+        cold.newton.destroy()
+        return System(matrix, solution)

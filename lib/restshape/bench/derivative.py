@@ -1,0 +1,164 @@
+"""The design derivative by dual numbers beside its two approximations by differences, over their step."""
+
+from collections.abc import Callable, Iterator
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape import _kernels
+from restshape.analysis.frame import Frame
+from restshape.errors import ReplayProblem, UserError
+from restshape.replay.loop import Replay
+from restshape.replay.request import Request
+from restshape.sensitivity.static import design_derivative
+from restshape.shape.session import EditSession
+
+STEPS = tuple(10.0 ** (-0.5 * k) for k in range(3, 29))
+"""Steps of the differences, in sizes of the shape."""
+EXACT = 1e-12
+"""Tolerance of all solves here: `solve.tolerance` must be as small."""
+NO_CELLS = np.empty(0, dtype=np.int32)
+
+
+class Held:
+    """A replay that has stopped where a hand takes hold of the shape, and lays its nodes where it is told to.
+
+    Args:
+        request: of a body at rest, with a script that drags.
+
+    Raises:
+        UserError: nothing is dragged, or what is dragged does not move the mesh linearly.
+    """
+
+    def __init__(self, request: Request) -> None:
+        replay = Replay(
+            request.scene,
+            request.script,
+            request.application,
+            request.policy,
+            PETSc.COMM_WORLD,
+            request.calibration,
+            None,
+            "linear",
+        )
+        self.replay, self.analysis = replay, replay.analysis
+        self.scene, self.script = request.scene, request.script
+        frames = replay.frames()
+        if not any(replay.foresight.made for _ in frames):
+            raise UserError("the script drags nothing that moves the mesh linearly", str(request.scene.path), "--edits")
+        self.Psi, self.mesh = replay.moving.field_motion, self.analysis.mesh
+        self.X, self.x = self.mesh.X.copy(), self.analysis.x.copy()
+
+    def farthest(self) -> np.ndarray:
+        """Where (2,) the hand is farthest from where it took hold in this drag, in its coefficients."""
+        taken, places = self.replay.row["line"], [(0.0, 0.0)]
+        for edit in EditSession(self.scene, self.script, outline=self.replay.moving.outline).frames():
+            if edit.line > taken and edit.do == "release":
+                break
+            if edit.line > taken and edit.change == "move":
+                places.append(edit.c)
+        return np.array(max(places, key=lambda c: c[0] ** 2 + c[1] ** 2))
+
+    def lay(self, dX: np.ndarray) -> bool:
+        """Lay the nodes dX (n, 2) [m] from where they were held; tells whether no triangle is turned over."""
+        self.mesh.X[...] = self.X + dX
+        corners = np.ascontiguousarray(self.mesh.cells[:, :3])
+        return _kernels.check_cells(self.mesh.X, corners, 0.0, 0.0)[1] == 0
+
+    def solve(self, start: np.ndarray) -> Any:
+        """Solve where the nodes lie, from a displacement (n, 2) [m]; the analysis's report."""
+        self.analysis.accept(start)
+        return self.analysis.solve(Frame(self.mesh, NO_CELLS, None, self.scene, (None, (0.0, 0.0))))
+
+    def derivative(self, Psi: np.ndarray) -> np.ndarray:
+        """s (2, n, 2) where the nodes were held."""
+        self.lay(np.zeros_like(self.X))
+        self.solve(self.x)
+        self.x = self.analysis.x.copy()
+        return design_derivative(self.analysis, Psi, EXACT)
+
+
+def measure(request: Request) -> dict[str, Any]:
+    """Differences from the derivative by dual numbers, relative to it, a step each; and what each way costs.
+
+    Args:
+        request: as for `Held`, with `solve.tolerance` at `EXACT`.
+
+    Raises:
+        UserError: as `Held`; a derivative cannot be had.
+
+    Returns: steps (of the size of the shape), forward, central (5.13 of the thesis) and semi (5.14): None where
+        there is no answer; ms of one derivative each way; triangles, unknowns.
+    """
+    held = Held(request)
+    both = held.derivative(held.Psi)
+    direction = int(np.linalg.norm(both[1]) > np.linalg.norm(both[0]))
+    dX, s = held.Psi[direction], both[direction]
+    scale, size = np.linalg.norm(s), held.replay.session.outline.size
+    if not scale > 0.0:
+        raise UserError("the drag does not change the answer", str(request.scene.path), "load the body")
+    ways = {"forward": _forward, "central": _central, "semi": _semi}
+    found: dict[str, Any] = {name: [] for name in ways}
+    for name, way in ways.items():
+        for step in STEPS:
+            try:
+                found[name].append(float(np.linalg.norm(way(held, dX, step * size) - s) / scale))
+            except ReplayProblem:
+                found[name].append(None)
+    times = {name: _milliseconds(lambda way=way: way(held, dX, 1e-6 * size)) for name, way in ways.items()}
+    one = np.stack([dX, np.zeros_like(dX)])
+    held.derivative(one)
+    times["dual"] = _milliseconds(lambda: design_derivative(held.analysis, one, EXACT))
+    return {
+        "steps": list(STEPS),
+        **found,
+        "ms": times,
+        "elements": len(held.mesh.cells),
+        "unknowns": int(held.x.size),
+    }
+
+
+def _answer(held: Held, dX: np.ndarray) -> np.ndarray:
+    """The displacement (n, 2) [m] with the nodes moved by dX (n, 2) [m], from the one before."""
+    if not held.lay(dX):
+        raise ReplayProblem("a triangle is turned over")
+    held.solve(held.x)
+    return held.analysis.x.copy()
+
+
+def _forward(held: Held, dX: np.ndarray, h: float) -> np.ndarray:
+    return (_answer(held, h * dX) - held.x) / h
+
+
+def _central(held: Held, dX: np.ndarray, h: float) -> np.ndarray:
+    return (_answer(held, 0.5 * h * dX) - _answer(held, -0.5 * h * dX)) / h
+
+
+def _semi(held: Held, dX: np.ndarray, h: float) -> np.ndarray:
+    """Forces by differences at constant displacement, then one solve with the tangent."""
+    physics = held.analysis.physics
+    forces, places = [], []
+    for part in (h, 0.0):
+        if not held.lay(part * dX):
+            raise ReplayProblem("a triangle is turned over")
+        physics.move()
+        x = held.x.copy()
+        x.ravel()[physics.constrained] = physics.prescribed.ravel()[physics.constrained]
+        forces.append(physics.imbalance(x))
+        places.append(physics.prescribed.copy())
+    held.solve(held.x)
+    return held.analysis.linear_solve((forces[1] - forces[0]) / h, EXACT) + (places[0] - places[1]) / h
+
+
+def _milliseconds(run: Callable[[], Any], times: int = 5) -> float:
+    """The median time [ms] of a few calls."""
+
+    def once() -> Iterator[float]:
+        for _ in range(times):
+            start = perf_counter()
+            run()
+            yield 1e3 * (perf_counter() - start)
+
+    return float(np.median(list(once())))

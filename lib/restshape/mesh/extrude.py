@@ -1,0 +1,170 @@
+"""Bodies over a plane mesh: tetrahedra in layers between a bottom and a top."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Literal
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.space import LagrangeSpace, Reseat
+from restshape.mesh.thickness import Thickness
+from restshape.scene.expressions import Value
+from restshape.shape.outline import Outline
+
+DATUMS = {"bottom": 0.0, "middle": 0.5, "top": 1.0}
+"""Share of the thickness that lies below z = 0, by which of the three is flat."""
+
+_geometries = itertools.count(1)
+
+
+class Extrusion:
+    """Tetrahedra over a plane mesh, of its order, with the attributes that analyses use of a `Mesh`.
+
+    Over each plane node stands a column of nodes, ``levels`` of them from bottom to top: node k over plane node i is
+    ``i * levels + k``. So each rank's nodes are contiguous, and a field (n, f) is ``field.reshape(-1, levels, f)`` by
+    columns. In each layer three tetrahedra stand over a triangle; those of the plane cell e are the rows
+    ``3 * layers * e`` and on. Of second order curved sides of the plane mesh become curved walls.
+
+    Args:
+        plane: held by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
+        layers: how many, one or more.
+        thickness: a number [m] or a formula of x and y [m]; parameters: of the scene, for the formula.
+        flat: which of the faces, or the surface midway, lies in z = 0.
+
+    Attributes:
+        X: (n, 3) rest positions [m]; cells: (ne, 4 or 10) tetrahedra, corners first, then the middles of the sides
+            (0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3).
+        levels: nodes of a column; node_offsets: (ranks + 1,) nodes of rank r are node_offsets[r]:node_offsets[r + 1].
+        geometry: version of the positions, another one in each body and after each `follow`.
+
+    Raises:
+        ReplayProblem: the thickness is not positive somewhere.
+    """
+
+    def __init__(
+        self,
+        plane: Mesh | LagrangeSpace,
+        layers: int,
+        thickness: Value,
+        parameters: dict[str, float] | None = None,
+        flat: Literal["bottom", "middle", "top"] = "middle",
+    ) -> None:
+        self.plane, self.layers = plane, layers
+        self.thickness = Thickness(thickness, parameters or {})
+        self.datum = DATUMS[flat]
+        self.order = 1 if plane.cells.shape[1] == 3 else 2
+        self.levels = self.order * layers + 1
+        self.node_offsets = (plane.node_offsets * self.levels).astype(np.int32)
+        self.X = np.empty((len(plane.X) * self.levels, 3))
+        self.cells = np.empty((3 * layers * len(plane.cells), 4 if self.order == 1 else 10), dtype=np.int32)
+        self._h = self.thickness.at(plane.X)
+        _kernels.split_prisms(plane.cells, layers, self.cells)
+        self._place()
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes."""
+        return len(self.X)
+
+    @property
+    def n_cells(self) -> int:
+        """Number of tetrahedra."""
+        return len(self.cells)
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Corners (ne, 4) of the tetrahedra."""
+        return self.cells[:, :4]
+
+    @property
+    def outline(self) -> Outline:
+        """The outline whose entities the plane mesh resolves."""
+        return self.plane.outline
+
+    @property
+    def topology(self) -> int:
+        """Version of the connectivity: the plane mesh's."""
+        return self.plane.topology
+
+    @property
+    def cell_region(self) -> np.ndarray:
+        """Region (ne,) of each tetrahedron, see `Mesh`."""
+        return np.repeat(self.plane.cell_region, 3 * self.layers)
+
+    def nodes_of(self, name: str) -> np.ndarray:
+        """Sorted nodes of all columns over an entity's; see `Mesh.nodes_of`.
+
+        Raises:
+            UserError: there is no such entity.
+        """
+        return self.columns(self.plane.nodes_of(name)).ravel()
+
+    def cells_of(self, name: str) -> np.ndarray:
+        """Tetrahedra over the triangles inside an entity; see `Mesh.cells_of`.
+
+        Raises:
+            UserError: there is no such entity.
+        """
+        return self.over(self.plane.cells_of(name))
+
+    def columns(self, nodes: np.ndarray) -> np.ndarray:
+        """Nodes (k, levels), from bottom to top, over plane nodes (k,)."""
+        return (np.asarray(nodes, dtype=np.int32)[:, None] * self.levels + np.arange(self.levels)).astype(np.int32)
+
+    def over(self, cells: np.ndarray) -> np.ndarray:
+        """Tetrahedra (3 * layers * k,) over plane cells (k,)."""
+        block = 3 * self.layers
+        return (np.asarray(cells, dtype=np.int32)[:, None] * block + np.arange(block)).ravel().astype(np.int32)
+
+    def follow(self, changed: np.ndarray | None = None) -> np.ndarray:
+        """Go where the plane mesh is; tells which tetrahedra (k,) are others than before.
+
+        Args:
+            changed: plane cells that flips have changed.
+
+        Raises:
+            ReplayProblem: the thickness is not positive somewhere; all is as before.
+        """
+        if self.thickness.varies:
+            self._h = self.thickness.at(self.plane.X)
+        self._place()
+        if changed is None or not len(changed):
+            return np.empty(0, dtype=np.int32)
+        _kernels.split_prisms(self.plane.cells, self.layers, self.cells, changed)
+        return self.over(changed)
+
+    def motion(self, motion: np.ndarray) -> np.ndarray:
+        """Velocities (k, n, 3) of the nodes from those (k, n2, 2) of the plane ones, whose place sets the thickness.
+
+        Raises:
+            ReplayProblem: the thickness has no derivative somewhere.
+        """
+        result = np.empty((len(motion), *self.X.shape))
+        for rates, out in zip(motion, result):
+            rates = np.ascontiguousarray(rates)
+            self._columns_at(rates, self.thickness.rate(self.plane.X, rates), out)
+        return result
+
+    def reseated(self, field: np.ndarray, reseats: tuple[Reseat, ...]) -> np.ndarray:
+        """A field (n, f) after flips: values of the old one where the columns in flipped edges now are.
+
+        Args:
+            field: before; it stays as it is.
+            reseats: of the plane mesh, in their order.
+        """
+        if not reseats:
+            return field
+        result = field.reshape(len(self.plane.X), -1).copy()
+        for nodes, stencil, weights in reseats:
+            result[nodes] = np.einsum("ij,ijk->ik", weights, result[stencil])
+        return result.reshape(field.shape)
+
+    def _place(self) -> None:
+        self._columns_at(self.plane.X, self._h, self.X)
+        self.geometry = next(_geometries)
+
+    def _columns_at(self, plane: np.ndarray, thickness: np.ndarray, out: np.ndarray) -> None:
+        _kernels.extrude_nodes(plane, thickness, self.levels, self.datum, out)

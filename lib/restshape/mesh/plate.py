@@ -1,0 +1,116 @@
+"""Plates over a plane mesh: its nodes, with the thickness there as a third coordinate."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.thickness import Thickness
+from restshape.scene.expressions import Value
+from restshape.shape.outline import Outline
+
+_geometries = itertools.count(1)
+
+
+class PlateMesh:
+    """The nodes of a plane mesh with the plate's thickness, with the attributes that analyses use of a `Mesh`.
+
+    Args:
+        plane: held by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
+        thickness: a number [m] or a formula of x and y [m]; parameters: of the scene, for the formula.
+
+    Attributes:
+        X: (n, 3) places in the plane and thickness there [m].
+        geometry: version of `X`, another one in each plate and after each `follow`.
+
+    Raises:
+        ReplayProblem: the thickness is not positive somewhere.
+    """
+
+    def __init__(self, plane: Mesh, thickness: Value, parameters: dict[str, float] | None = None) -> None:
+        self.plane, self.thickness = plane, Thickness(thickness, parameters or {})
+        self.X = np.empty((len(plane.X), 3))
+        self.X[:, 2] = self.thickness.at(plane.X)
+        self._place()
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes."""
+        return len(self.X)
+
+    @property
+    def n_cells(self) -> int:
+        """Number of triangles."""
+        return len(self.cells)
+
+    @property
+    def cells(self) -> np.ndarray:
+        """Triangles (ne, 3): the plane mesh's."""
+        return self.plane.cells
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Corners (ne, 3) of the triangles: all their nodes."""
+        return self.plane.cells
+
+    @property
+    def node_offsets(self) -> np.ndarray:
+        """Offsets (ranks + 1,) of the ranks' nodes: the plane mesh's."""
+        return self.plane.node_offsets
+
+    @property
+    def outline(self) -> Outline:
+        """The outline whose entities the plane mesh resolves."""
+        return self.plane.outline
+
+    @property
+    def topology(self) -> int:
+        """Version of the connectivity: the plane mesh's."""
+        return self.plane.topology
+
+    @property
+    def cell_region(self) -> np.ndarray:
+        """Region (ne,) of each triangle, see `Mesh`."""
+        return self.plane.cell_region
+
+    def nodes_of(self, name: str) -> np.ndarray:
+        """Sorted nodes of an entity; see `Mesh.nodes_of`.
+
+        Raises:
+            UserError: there is no such entity.
+        """
+        return self.plane.nodes_of(name)
+
+    def cells_of(self, name: str) -> np.ndarray:
+        """Triangles inside an entity; see `Mesh.cells_of`.
+
+        Raises:
+            UserError: there is no such entity.
+        """
+        return self.plane.cells_of(name)
+
+    def follow(self, changed: np.ndarray | None = None) -> np.ndarray:
+        """Go where the plane mesh is; tells which triangles (k,) are others than before: those that are given.
+
+        Raises:
+            ReplayProblem: the thickness is not positive somewhere; all is as before.
+        """
+        if self.thickness.varies:
+            self.X[:, 2] = self.thickness.at(self.plane.X)
+        self._place()
+        return np.empty(0, dtype=np.int32) if changed is None else changed
+
+    def motion(self, motion: np.ndarray) -> np.ndarray:
+        """Velocities (k, n, 3) of `X` from those (k, n, 2) of the plane nodes: the thickness is that of the place.
+
+        Raises:
+            ReplayProblem: the thickness has no derivative somewhere.
+        """
+        rates = [self.thickness.rate(self.plane.X, dX) for dX in motion]
+        return np.concatenate([motion, np.array(rates)[..., None]], axis=2)
+
+    def _place(self) -> None:
+        self.X[:, :2] = self.plane.X
+        self.geometry = next(_geometries)

@@ -1,0 +1,26 @@
+"""The body that a scene lets vibrate, by the model that its plan names."""
+
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.space import LagrangeSpace
+from restshape.physics.oscillator import Oscillator, PlaneOscillator, PlateOscillator, SolidOscillator
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+LAYERS = 1
+
+
+def oscillator(scene: Scene, plan: Plan, plane: Mesh | LagrangeSpace, lumped: bool) -> Oscillator:
+    """The body over a plane mesh.
+
+    Args:
+        scene: materials, supports, layers.
+        plan: its effect `modal` names the model: "plane_stress", "plane_strain", "plate" or "solid".
+        plane: of the order that the plan wants.
+        lumped: with the mass on the diagonal; a plate's never is.
+    """
+    model = plan.settings("modal").model
+    if model == "solid":
+        return SolidOscillator(scene, plane, scene.mesh.layers or LAYERS, lumped)
+    if model == "plate":
+        return PlateOscillator(scene, plane)
+    return PlaneOscillator(scene, plane, model == "plane_stress", lumped)

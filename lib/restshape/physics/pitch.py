@@ -1,0 +1,34 @@
+"""Names of tones in equal temperament."""
+
+from math import isfinite, log2
+
+NAMES = ("C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B")
+A4_NUMBER = 69
+"""Of the key A4 among all keys, from C of the octave -1 on (MIDI)."""
+
+
+def note(frequency: float, a4: float = 440.0) -> tuple[str, float]:
+    """The name of the nearest tone, such as "C#5", and how many cents the frequency lies above it.
+
+    Args:
+        frequency: [Hz]; no name where it is not a positive number.
+        a4: frequency of A4 [Hz].
+    """
+    if not (isfinite(frequency) and frequency > 0.0):
+        return "", float("nan")
+    keys = A4_NUMBER + 12.0 * log2(frequency / a4)
+    key = round(keys)
+    return f"{NAMES[key % 12]}{key // 12 - 1}", 100.0 * (keys - key)
+
+
+def frequency_of(name: str, a4: float = 440.0) -> float:
+    """The frequency [Hz] of a tone by its name, such as "C5" or "F#4".
+
+    Raises:
+        ValueError: no such name.
+    """
+    letters = name.rstrip("-0123456789")
+    if letters not in NAMES or not name[len(letters) :].lstrip("-").isdigit():
+        raise ValueError(f"no tone is named {name!r}")
+    key = 12 * (int(name[len(letters) :]) + 1) + NAMES.index(letters)
+    return a4 * 2.0 ** ((key - A4_NUMBER) / 12.0)

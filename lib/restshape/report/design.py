@@ -1,0 +1,65 @@
+"""Pictures of the design derivative: how exact it is, and how far it foretells."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from restshape.report.style import FAINT, INK, new_figure
+
+WAYS = {
+    "forward": ("full solves, forward (5.13)", "#cc6677", "o"),
+    "central": ("full solves, central", "#999933", "s"),
+    "semi": ("semi-analytic (5.14)", "#332288", "^"),
+}
+
+
+def draw_derivative(name: str, found: Mapping[str, Any], path: Path) -> None:
+    """Writes the picture as a PNG: distances from the derivative by dual numbers over the step of the differences.
+
+    Args:
+        name: of the scene.
+        found: as `bench derivative --json` writes it.
+        path: of the picture.
+    """
+    figure = new_figure(7.0, 4.6)
+    axes = figure.subplots()
+    for way, (label, colour, mark) in WAYS.items():
+        pairs = [(h, e) for h, e in zip(found["steps"], found[way]) if e]
+        if pairs:
+            axes.loglog(*zip(*pairs), color=colour, marker=mark, markersize=4, linewidth=1.2, label=label)
+    axes.set(
+        xlabel="step of the differences / size of the shape", ylabel="distance from the derivative by dual numbers"
+    )
+    axes.grid(True, color="#e6e6e6", linewidth=0.6)
+    axes.legend(loc="lower left")
+    title = f"{name}: three ways to the design derivative, {found['unknowns']:,} unknowns"
+    figure.suptitle(title, x=0.01, ha="left", color=INK)
+    figure.savefig(path)
+
+
+def draw_prediction(name: str, found: Mapping[str, Any], path: Path) -> None:
+    """Writes the picture as a PNG: the error of predicted frames over the way of the hand from where they start.
+
+    Args:
+        name: of the scene.
+        found: as `bench predict --json` writes it.
+        path: of the picture.
+    """
+    figure = new_figure(7.0, 4.6)
+    axes = figure.subplots()
+    way, error = (np.array(found[key]) for key in ("way", "error"))
+    shown = (way > 0) & (error > 0)
+    axes.loglog(way[shown], error[shown], color="#332288", marker="o", markersize=4, linestyle="none")
+    if shown.any():
+        # Through the middle of the points, for a prediction of first order.
+        middle = np.exp(np.median(np.log(error[shown]) - 2 * np.log(way[shown])))
+        ends = np.array([way[shown].min(), way[shown].max()])
+        axes.loglog(ends, middle * ends**2, color=FAINT, linewidth=1.0, label="slope 2")
+        axes.legend(loc="upper left")
+    axes.set(xlabel="way of the hand from the solved frame", ylabel="error of the displacement, relative")
+    axes.grid(True, color="#e6e6e6", linewidth=0.6)
+    title = f"{name}: predicted frames ({found['fps']['predicted']:,.0f} a second) against solved ones"
+    figure.suptitle(title, x=0.01, ha="left", color=INK)
+    figure.savefig(path)

@@ -1,0 +1,36 @@
+"""Triangles and their border as lines to draw; curved where they are of second order."""
+
+import numpy as np
+
+PIECES = 4
+"""Straight pieces of a second-order side."""
+
+
+def polygons(x: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """The corners (ne, k, 2) of polygons that show cells.
+
+    Args:
+        x: (n, 2) places of the nodes.
+        cells: (ne, 3), or (ne, 6) with the middles of the sides (0, 1), (1, 2), (2, 0) last.
+    """
+    if cells.shape[1] == 3:
+        return x[cells]
+    sides = np.stack([cells[:, [i, (i + 1) % 3, 3 + i]] for i in range(3)], axis=1)
+    return lines(x, sides.reshape(-1, 3))[:, :-1].reshape(len(cells), -1, 2)
+
+
+def lines(x: np.ndarray, sides: np.ndarray) -> np.ndarray:
+    """Points (m, k, 2) from end to end of sides (m, 2), or (m, 3) with their middles last."""
+    if sides.shape[1] == 2:
+        return x[sides]
+    s = np.linspace(0.0, 1.0, PIECES + 1)
+    basis = np.stack([(1.0 - s) * (1.0 - 2.0 * s), s * (2.0 * s - 1.0), 4.0 * s * (1.0 - s)], axis=1)
+    return basis @ x[sides]
+
+
+def border(cells: np.ndarray) -> np.ndarray:
+    """The sides (m, 2), or (m, 3) with their middles, that belong to one cell (ne, 3) or (ne, 6) only."""
+    ends = np.sort(cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64), axis=1)
+    _, first, counts = np.unique(ends[:, 0] << 32 | ends[:, 1], return_index=True, return_counts=True)
+    single = first[counts == 1]
+    return ends[single] if cells.shape[1] == 3 else np.column_stack([ends, cells[:, 3:].ravel()])[single]

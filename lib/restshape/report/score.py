@@ -1,0 +1,80 @@
+"""The picture of a design session: score and verdict against edit time, for two ways of running the analysis."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from restshape.report.style import FAINT, INK, LEVELS, REFUSED, new_figure, scaled_unit
+
+COLOURS = (LEVELS[1], LEVELS[2])
+PLAIN = ("every frame", "on demand")
+
+
+class Way(Protocol):
+    """What one way tells, by frames (n,): edit time [s], area [m^2], stress [Pa], verdicts, best area so far [m^2]."""
+
+    t: np.ndarray
+    score: np.ndarray
+    stress: np.ndarray
+    holds: np.ndarray
+    fails: np.ndarray
+    best: np.ndarray
+
+
+def draw_score(path: Path, ways: Mapping[str, Way], limit: float) -> None:
+    """Draw the area above, and the stress against its limit below, both against edit time.
+
+    Args:
+        path: picture file.
+        ways: "every frame" and "on demand", of the same edits.
+        limit: of the stress [Pa].
+    """
+    figure = new_figure(8.0, 6.4)
+    top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    always, asked = (ways[name] for name in PLAIN)
+    moments = _moments(asked)
+    _draw_areas(top, always, asked, moments)
+    factor, unit = scaled_unit(limit, "Pa")
+    bottom.plot(always.t, factor * always.stress, color=COLOURS[0], lw=1.2)
+    _mark(bottom, asked.t[moments], factor * asked.stress[moments], asked.fails[moments])
+    highest = 1.12 * factor * max(limit, float(np.nanmax(always.stress)))
+    bottom.axhline(factor * limit, color=REFUSED, lw=1, ls="--")
+    bottom.text(0.0, factor * limit * 1.01, f"limit {factor * limit:g} {unit}", color=REFUSED, va="bottom")
+    bottom.set(xlabel="edit time [s]", ylabel=f"largest von Mises stress [{unit}]", ylim=(0.0, highest))
+    for axes in (top, bottom):
+        axes.grid(alpha=0.25)
+    figure.suptitle(
+        "The same edits of a bridge, analysed in every frame or on demand\n"
+        "illustration with one scripted designer, after figure 4.14 of the thesis; no user study"
+    )
+    figure.savefig(path)
+
+
+def _draw_areas(axes: Axes, always: Way, asked: Way, moments: np.ndarray) -> None:
+    """The area of the design, where it fails, and the smallest area that each way knows to hold."""
+    axes.plot(always.t, always.score, color=FAINT, lw=1, label="area of the design")
+    failing = np.where(always.fails, always.score, np.nan)
+    axes.plot(always.t, failing, color=REFUSED, lw=3, alpha=0.6, label="the design fails (seen in every frame)")
+    for way, colour, name in zip((always, asked), COLOURS, PLAIN, strict=True):
+        best = np.where(np.isfinite(way.best), way.best, np.nan)
+        label = f"smallest area known to hold, analysis {name}: {best[-1]:.2f} m²"
+        axes.step(way.t, best, where="post", color=colour, lw=1.8, label=label)
+    _mark(axes, asked.t[moments], asked.score[moments], asked.fails[moments], labelled=True)
+    axes.set_ylabel("score: area [m²], less is better")
+    axes.legend(loc="upper right")
+
+
+def _moments(asked: Way) -> np.ndarray:
+    """Frames in which a verdict appears: the analyses."""
+    known = asked.holds | asked.fails
+    return np.flatnonzero(known & ~np.concatenate([[False], known[:-1]]))
+
+
+def _mark(axes: Axes, t: np.ndarray, values: np.ndarray, fails: np.ndarray, labelled: bool = False) -> None:
+    """Marks the analyses on demand: rings where the design holds, crosses where it fails."""
+    names = ("analysed on demand, holds", "analysed on demand, fails") if labelled else (None, None)
+    axes.plot(t[~fails], values[~fails], "o", mfc="none", mec=INK, ms=8, label=names[0])
+    axes.plot(t[fails], values[fails], "x", color=REFUSED, ms=9, mew=2, label=names[1])

@@ -1,0 +1,1 @@
+"""Derivatives of answers with respect to the design, and what they foretell."""

@@ -1,0 +1,202 @@
+"""How frequencies and modes follow the shape: along a drag, by nodes, along the outline, with the material."""
+
+import numpy as np
+
+from restshape.algebra.minimal_residual import minimal_residual
+from restshape.analysis.modal import ModalAnalysis
+from restshape.errors import ReplayProblem
+
+CLUSTER = 1e-3
+"""Eigenvalues that differ by less than this share of themselves are differentiated together."""
+
+MOST = 120
+"""Iterations of one solve for the derivative of a mode."""
+
+
+def design_products(analysis: ModalAnalysis, modes: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """K' phi and M' phi (k, n f) of modes (k, n f) when the nodes of the body move with a velocity (n, d)."""
+    body = analysis.body
+    products = np.zeros((2, len(modes), *body.mask.shape))
+    parts = ((body.stiffness, body.stiffness_params), (body.mass, body.mass_params))
+    for out, (element, params) in zip(products, parts):
+        for mode, product in zip(modes, out):
+            phi = np.ascontiguousarray(mode.reshape(body.mask.shape))
+            element.design(body.mesh.X, velocity, phi, body.mesh.cells, params, product)
+    products[:, :, body.mask != 0] = 0.0
+    return products[0].reshape(len(modes), -1), products[1].reshape(len(modes), -1)
+
+
+def clusters(values: np.ndarray, width: float = CLUSTER) -> list[np.ndarray]:
+    """Indices of values (k,), ascending, in groups whose neighbours differ by less than a share `width`."""
+    cuts = np.flatnonzero(np.diff(values) > width * np.abs(values[1:])) + 1
+    return np.split(np.arange(len(values)), cuts)
+
+
+def frequency_derivatives(analysis: ModalAnalysis, velocity: np.ndarray) -> np.ndarray:
+    """Derivatives (modes,) [Hz] of the frequencies that the scene asks for when nodes move with a velocity (n, d).
+
+    Those of eigenvalues that coincide are the eigenvalues of Phi^T (K' - lambda M') Phi, ascending: they belong to modes
+    that the direction chooses.
+
+    Args:
+        analysis: solved on the mesh as it lies.
+        velocity: of the nodes of the body, such as `Oscillator.motion` gives it from that of the plane mesh.
+
+    Source: docs/theory.md, section 5.
+    """
+    known = _known(analysis)
+    modes, values = analysis.modes[known], analysis.values[known]
+    stiff, heavy = design_products(analysis, modes, velocity)
+    rates = np.empty(len(known))
+    for group in clusters(values):
+        middle = values[group].mean()
+        small = modes[group] @ (stiff[group] - middle * heavy[group]).T
+        rates[group] = np.linalg.eigvalsh(0.5 * (small + small.T))
+    wanted = analysis.chosen
+    return rates[wanted] / (8.0 * np.pi**2 * analysis.frequencies)
+
+
+def _known(analysis: ModalAnalysis) -> np.ndarray:
+    """Indices of the modes that have converged: those up to the last one that is asked for, and its like."""
+    last = int(analysis.chosen[-1])
+    return np.arange(max(last + 1, min(analysis.count, len(analysis.values))))
+
+
+# --- along a drag -------------------------------------------------------------------------------------------------------
+
+
+def modal_derivative(analysis: ModalAnalysis, plane_motion: np.ndarray, tolerance: float) -> np.ndarray:
+    """Derivatives (2, k, k + n f) of `ModalAnalysis.x` along the two directions of the hand.
+
+    All modes that are known are one cluster to the subspace rule: H' = Phi^T (K' - (lambda_i + lambda_j)/2 M') Phi, so that
+    a prediction H + c H' knows of crossings between them. A mode changes by its turning among them, which is left to the
+    eigenvectors of H, by -1/2 Phi^T M' Phi, which keeps them orthonormal, by rigid motions, and by all that is beyond:
+    (K - lambda M) v = -(K' - lambda M') phi there, which is the bordered system less what is known of its solution.
+
+    Args:
+        analysis: solved on the mesh as it lies.
+        plane_motion: (2, n2, 2) velocities of the nodes of the plane mesh a unit of each of the hand's coefficients.
+        tolerance: of each solve, relative to its right side.
+
+    Raises:
+        ReplayProblem: a solve does not converge.
+
+    Source: docs/theory.md, section 5; (D.7), (D.9) of the thesis, mended.
+    """
+    known, x = _known(analysis), analysis.x
+    result = np.zeros((2, *x.shape))
+    count = len(x)
+    modes, values = analysis.modes[known], analysis.values[known]
+    for direction, velocity in zip(result, analysis.body.motion(plane_motion)):
+        if not np.any(velocity):
+            continue
+        stiff, heavy = design_products(analysis, modes, velocity)
+        reduced_mass = modes @ heavy.T
+        middle = 0.5 * (values[:, None] + values[None, :])
+        direction[: len(known), : len(known)] = modes @ stiff.T - middle * reduced_mass
+        change = -0.5 * reduced_mass @ modes
+        for k in known:
+            force = -(stiff[k] - values[k] * heavy[k])
+            change[k] += _beyond(analysis, modes, float(values[k]), force, tolerance)
+        direction[: len(known), count:] = change
+    return result
+
+
+def _beyond(
+    analysis: ModalAnalysis, modes: np.ndarray, value: float, force: np.ndarray, tolerance: float
+) -> np.ndarray:
+    """The part v (n f,) of a mode's change that is orthogonal to the known modes, rigid motions in it included.
+
+    Args:
+        analysis: whose factor preconditions; modes: (k, n f) the known ones; value: the mode's eigenvalue.
+        force: (n f,) right side; what of it lies along the known modes is taken out.
+    """
+    solver = analysis.solver
+    pencil, rigid = solver.pencil, solver.deflation
+    heavy = analysis.heavy[: len(modes)]
+
+    def clean(v: np.ndarray) -> np.ndarray:
+        row = v - (heavy @ v) @ modes
+        return row - (rigid.weighted @ row) @ rigid.rigid if rigid.count else row
+
+    def clean_force(r: np.ndarray) -> np.ndarray:
+        row = r - (modes @ r) @ heavy
+        return row - (rigid.rigid @ row) @ rigid.weighted if rigid.count else row
+
+    def product(v: np.ndarray) -> np.ndarray:
+        row, out = np.ascontiguousarray(clean(v))[None], np.empty((2, v.size))
+        pencil.apply(pencil.stiffness, row, out[:1])
+        pencil.apply(pencil.mass, row, out[1:])
+        return clean_force(out[0] - value * out[1])
+
+    def precondition(r: np.ndarray) -> np.ndarray:
+        return clean(pencil.solve(np.ascontiguousarray(clean_force(r))[None])[0])
+
+    right = clean_force(force)
+    norm = np.linalg.norm(right)
+    part = np.zeros_like(force)
+    if norm > 0.0:
+        # In z the iteration is that of A P z = right: its residual is the true one.
+        part = precondition(minimal_residual(lambda z: product(precondition(z)), right, tolerance, MOST))
+        error = np.linalg.norm(product(part) - right)
+        if not error <= 100.0 * tolerance * norm:
+            raise ReplayProblem(f"no derivative of a mode: its residual is {error / norm:.1e} of the right side")
+    # Along rigid motions the system is -lambda times the identity.
+    return part - (rigid.rigid @ force / value) @ rigid.rigid if rigid.count else part
+
+
+# --- by nodes, along the outline ----------------------------------------------------------------------------------------
+
+
+def nodal_gradient(analysis: ModalAnalysis, mode: int) -> np.ndarray:
+    """The gradient (n, d) of an eigenvalue with respect to the places of the nodes of the body: phi^T (K_X - lambda M_X) phi.
+
+    Each node of each cell is moved by itself, all cells at once: as many design derivatives as a cell has coordinates.
+
+    Args:
+        analysis: solved on the mesh as it lies.
+        mode: index among `modes`; its eigenvalue is simple.
+    """
+    body = analysis.body
+    cells, value = body.mesh.cells, analysis.values[mode]
+    ne, nodes = cells.shape
+    X = np.ascontiguousarray(body.mesh.X[cells].reshape(ne * nodes, -1))
+    phi = np.ascontiguousarray(analysis.modes[mode].reshape(body.mask.shape)[cells].reshape(ne * nodes, -1))
+    own = np.arange(ne * nodes, dtype=np.int32).reshape(ne, nodes)
+    gradient = np.zeros_like(body.mesh.X)
+    for i in range(nodes):
+        for axis in range(X.shape[1]):
+            dX = np.zeros_like(X)
+            dX[own[:, i], axis] = 1.0
+            parts = []
+            for element, params in ((body.stiffness, body.stiffness_params), (body.mass, body.mass_params)):
+                out = np.zeros_like(phi)
+                element.design(X, dX, phi, own, params, out)
+                parts.append((phi * out).reshape(ne, -1).sum(axis=1))
+            gradient[:, axis] += np.bincount(cells[:, i], parts[0] - value * parts[1], len(gradient))
+    return gradient
+
+
+def material_derivatives(analysis: ModalAnalysis, mode: int) -> dict[str, dict[str, float]]:
+    """Derivatives of a frequency [Hz] by each material's `E` [Hz/Pa] and `rho` [Hz m^3/kg], its Poisson's ratios kept.
+
+    K is proportional to E in the cells of a material, and M to rho.
+
+    Args:
+        analysis: solved on the mesh as it lies.
+        mode: index among `modes`; its eigenvalue is simple.
+    """
+    body, value = analysis.body, float(analysis.values[mode])
+    phi = np.ascontiguousarray(analysis.modes[mode].reshape(body.mask.shape))
+    stiff = 2.0 * body.stiffness.energy(body.mesh.X, phi, body.mesh.cells, body.stiffness_params)
+    heavy = 2.0 * body.mass.energy(body.mesh.X, phi, body.mesh.cells, body.mass_params)
+    scale = 1.0 / (8.0 * np.pi**2 * np.sqrt(value) / (2.0 * np.pi))
+    result = {}
+    for name, material in analysis.scene.material.items():
+        regions = [k for k, own in enumerate(body.materials) if own is material]
+        cells = np.isin(body.mesh.cell_region, regions)
+        result[name] = {
+            "E": scale * float(stiff[cells].sum()) / material.E,
+            "rho": -scale * value * float(heavy[cells].sum()) / material.rho,
+        }
+    return result

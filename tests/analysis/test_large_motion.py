@@ -1,0 +1,85 @@
+"""Large motions: small ones are linear, energy is kept, steps too long are refused, reuse equals a cold solve."""
+
+import numpy as np
+import pytest
+from large import LARGE, gravity
+from small_scenes import across, drag, make_replay, rows_of, write_script
+from vibrating import DAMPED, SHAKEN, dynamics, idle, tower
+
+from restshape.errors import ReplayProblem
+from restshape.policy import POLICIES
+from restshape.replay.parity import Parity
+
+SOFT = '\n[effects.solid]\nmodel = "plane_strain"\n'
+
+
+def swinging(tmp_path, *parts, name="auto", dt=0.01, steps=5, script=None, **more):
+    return make_replay(tower(tmp_path, SOFT, LARGE, dynamics(dt, steps), *parts, **more), script, name)
+
+
+@pytest.mark.parametrize("settings", [{}, {"beta": 0.3, "gamma": 0.55}])
+@pytest.mark.parametrize("damped", ["", DAMPED])
+def test_a_small_motion_is_linear(tmp_path, damped, settings):
+    weak = SHAKEN.replace("acceleration = 3.0", "acceleration = 1e-4")
+    script = write_script(tmp_path, [{"do": "idle", "frames": 8}])
+
+    def swing(law):
+        made = make_replay(tower(tmp_path, SOFT, law, dynamics(0.01, 5, **settings), weak, damped), script)
+        return np.array([[row["q_sway"], row["q_energy"]] for row in rows_of(made)])
+
+    large, linear = swing(LARGE), swing("")
+    assert np.abs(linear[:, 0]).max() > 1e-7
+    for found, wanted in zip(large.T, linear.T):
+        np.testing.assert_allclose(found, wanted, atol=1e-4 * np.abs(wanted).max())
+
+
+def test_energy_is_the_work_of_gravity(tmp_path):
+    # The sum of kinetic and strain energy less the work of the weight stays 0 to the order of the step squared.
+    found = []
+    for dt in (4e-3, 2e-3):
+        made = swinging(tmp_path, gravity(15, 0), dt=dt, steps=round(0.4 / dt))
+        list(made.frames())
+        for _ in range(3):
+            idle(made)
+        analysis = made.analysis
+        # The weight's work on a triangle is that at its centre.
+        cells = analysis.mesh.cells
+        areas = analysis.mesh.X[cells]
+        areas = 0.5 * np.abs(np.cross(areas[:, 1] - areas[:, 0], areas[:, 2] - areas[:, 0]))
+        work = 0.1 * 1000 * 15 * float(areas @ analysis.x[cells, 0].mean(axis=1))
+        found.append(abs(analysis.energy() - work) / analysis.energy())
+    assert found[1] < 1e-3 and found[1] < 0.5 * found[0]
+
+
+def test_a_step_too_long_is_refused(tmp_path):
+    script = write_script(tmp_path, [{"do": "idle", "frames": 60}])
+    made = swinging(tmp_path, gravity(40, 0), dt=0.15, steps=10, script=script)
+    rows = rows_of(made)
+    refused = [row["refused"] for row in rows if row["refused"]]
+    assert refused and "time_step smaller" in refused[0]
+    assert np.isfinite(made.analysis.x).all()
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_reuse_equals_a_cold_step(tmp_path, name):
+    events = drag("window", (0.5, 1.4), across((0.5, 1.4), (0.45, 0.9), 8))
+    made = swinging(tmp_path, gravity(10, 0), name=name, steps=3, script=write_script(tmp_path, events), window=True)
+    check = Parity(made)
+    rows = rows_of(made, lambda row: row.update(check()))
+    assert [row["refused"] for row in rows if row["refused"]] == []
+    assert check.summary()["entries"] <= 1e-13 and check.summary()["solution"] <= 1e-8
+    assert max(row["q_sway"] for row in rows) > 0.01
+
+
+def test_a_failed_step_leaves_the_motion_as_it_was(tmp_path):
+    made = swinging(tmp_path, gravity(10, 0))
+    list(made.frames())
+    idle(made)
+    analysis = made.analysis
+    x, v, time = analysis.x.copy(), analysis.v.copy(), analysis.time
+    analysis.body.solid.params[3] = 1e12
+    with pytest.raises(ReplayProblem, match="smaller"):
+        idle(made)
+    np.testing.assert_array_equal(analysis.x, x)
+    np.testing.assert_array_equal(analysis.v, v)
+    assert analysis.time == time

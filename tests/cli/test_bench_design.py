@@ -1,0 +1,78 @@
+"""`restshape bench predict` and `derivative` as people and programs call them; no time is asserted."""
+
+import json
+
+import numpy as np
+import pytest
+from small_scenes import across, drag, plate, write_scene, write_script
+
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = write_scene(tmp_path, plate(0.2), "small.toml")
+    edits = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.5), 8)), "small.jsonl")
+    first, *others = edits.read_text().splitlines()
+    edits.write_text("\n".join([json.dumps({**json.loads(first), "scene": "small.toml"}), *others, ""]))
+    return path
+
+
+def test_predict_for_programs_and_people(tmp_path, restshape, scene):
+    done = restshape("bench", "predict", scene, "--repeat", 1, "--json", "a.json", "--set", "solve.tolerance=1e-10")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert (found["frames"], found["predicted"], found["anchors"]) == (11, 8, 1)
+    assert found["fps"]["predicted"] > 0 and found["ms"]["solved"] > 0
+    np.testing.assert_allclose(found["way"], 0.005 * np.arange(1, 9), rtol=1e-9)
+    # First order: the error grows with the square of the way.
+    assert found["error"][7] / found["error"][3] == pytest.approx(4.0, rel=0.2)
+    assert found["at"]["1.0"] == max(found["error"]) and found["at"]["0.5"] == max(found["error"][:4])
+    assert set(found["quantities"]) == {"stretch", "peak", "wall", "energy"}
+    for words in ("8 of 11 frames predicted", "frames a second", "against the solved answer", "stretch"):
+        assert words in done.stdout
+    assert (tmp_path / "results/bench-predict.png").read_bytes().startswith(PNG)
+
+
+@pytest.mark.parametrize("law", ["", "[effects.large_deformation]\n"])
+def test_derivative_for_programs_and_people(tmp_path, restshape, scene, law):
+    scene.write_text(scene.read_text() + law)
+    done = restshape("bench", "derivative", scene, "--json", "a.json", "--out", "pictures")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "a.json").read_text())
+    steps = np.array(found["steps"])
+    at = {way: dict(zip(steps, found[way])) for way in ("forward", "central", "semi")}
+    big, small = steps[np.argmin(abs(steps - 1e-3))], steps[np.argmin(abs(steps - 1e-4))]
+    # One-sided differences are off by their step, central ones by its square.
+    for way, order in (("forward", 1), ("semi", 1), ("central", 2)):
+        assert np.log10(at[way][big] / at[way][small]) == pytest.approx(order, abs=0.1)
+        assert min(e for e in found[way] if e is not None) < 1e-5
+    assert min(e for e in found["central"] if e is not None) < 1e-7
+    assert found["forward"][-1] > 1e-3, "rounding"
+    assert "semi-analytic (5.14)" in done.stdout and set(found["ms"]) == {"forward", "central", "semi", "dual"}
+    assert (tmp_path / "pictures/sensitivity-epsilon.png").read_bytes().startswith(PNG)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("predict", "small.toml", "--repeat", 0), ("--repeat",)),
+        (("predict", "small.toml", "--policy", "rebuild"), ("rebuild", "--predict")),
+        (("predict", "small.toml", "--policy", "thesis", "--repeat", 1), ("no frame", "small.jsonl")),
+        (("predict", "small.toml", "--edits", "still.jsonl", "--repeat", 1), ("no frame", "still.jsonl")),
+        (("derivative", "small.toml", "--edits", "still.jsonl"), ("drags nothing",)),
+        (("derivative", "nowhere.toml"), ("nowhere.toml",)),
+    ],
+)
+def test_what_cannot_be_measured(tmp_path, restshape, scene, words, told):
+    write_script(tmp_path, [{"do": "idle"}], "still.jsonl")
+    done = restshape("bench", *words)
+    assert done.returncode == 2, done.stderr
+    assert all(word in done.stderr for word in told), done.stderr
+
+
+def test_a_motion_has_no_prediction(tmp_path, restshape):
+    assert restshape("new", "vibration", "shaken").returncode == 0
+    scene = next((tmp_path / "shaken").glob("*.toml"))
+    done = restshape("bench", "predict", scene, "--repeat", 1)
+    assert done.returncode == 2 and "at rest" in done.stderr

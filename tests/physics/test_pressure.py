@@ -1,0 +1,46 @@
+"""Pressures that follow the deformed boundary."""
+
+import numpy as np
+import pytest
+from large import beam, solid
+from small_scenes import make_replay, rows_of, write_scene
+
+WIND = '\n[loads.wind]\non = "top"\npressure = 2000\n'
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_wall_carries_the_pressure_on_the_bent_side(tmp_path, order):
+    # A constant pressure on a curve pushes with p times the chord between its ends, turned by a right angle.
+    text = beam(solid(), WIND).replace("[mesh]", f"[mesh]\norder = {order}")
+    made = make_replay(write_scene(tmp_path, text + "\n[solve]\ntolerance = 1e-9\n"))
+    (row,) = rows_of(made)
+    analysis = made.analysis
+    ends = [analysis.mesh.nodes_of(name)[0] for name in ("c", "d")]
+    c, d = (analysis.mesh.X + analysis.x)[ends]
+    assert np.hypot(*(analysis.x[ends[0]])) > 0.2
+    push = 2000 * np.array([-(d - c)[1], (d - c)[0]])
+    np.testing.assert_allclose([row["q_wall_x"], row["q_wall_y"]], -push, rtol=1e-6)
+
+
+def test_without_large_deformation_a_pressure_is_dead(tmp_path):
+    text = beam(solid(), WIND).replace("[effects.large_deformation]\n", "")
+    (row,) = rows_of(make_replay(write_scene(tmp_path, text)))
+    np.testing.assert_allclose([row["q_wall_x"], row["q_wall_y"]], [0, 2000], atol=1e-3)
+
+
+def test_an_even_pressure_all_around_a_block_is_borne_evenly(tmp_path):
+    # Plane strain, sides x = 0 and y = 0 on rollers: the stretch l solves (lambda + mu)(l^2 - 1) l = -p l, for the
+    # pressure acts on sides of length l.
+    from small_scenes import HEAD, block, meshed
+
+    E, nu, p = 1e6, 0.3, 3e4
+    lam, mu = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+    text = HEAD + block() + f"[material.m]\nE = {E}\nnu = {nu}\n" + solid() + "\n[effects.large_deformation]\n"
+    text += '[supports.x]\non = "left"\nfix = ["x"]\n[supports.y]\non = "bottom"\nfix = ["y"]\n'
+    text += f'[loads.sea]\non = ["right", "top"]\npressure = {p}\n[solve]\ntolerance = 1e-10\n' + meshed(0.3)
+    made = make_replay(write_scene(tmp_path, text))
+    list(made.frames())
+    stretch = np.sqrt(1 - p / (lam + mu))
+    np.testing.assert_allclose(made.analysis.x, (stretch - 1) * made.analysis.mesh.X, atol=1e-9)
+    # Cauchy's stress is the pressure.
+    np.testing.assert_allclose(made.analysis.physics.stress(made.analysis.x)[:, :2], -p, rtol=1e-6)

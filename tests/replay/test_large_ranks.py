@@ -1,0 +1,30 @@
+"""Large deformation on two ranks gives what it gives on one."""
+
+import json
+
+import numpy as np
+import pytest
+from large import beam, gravity, solid
+from small_scenes import across, drag, write_scene, write_script
+
+pytestmark = pytest.mark.mpi
+WIND = '\n[loads.wind]\non = "top"\npressure = 500\n'
+
+
+@pytest.mark.parametrize("wind", ["", WIND])
+def test_replay(tmp_path, restshape, wind):
+    scene = write_scene(tmp_path, beam(solid(), gravity(0, -8), wind))
+    events = [
+        *drag("b", (1, 0), across((1, 0), (1.1, -0.05), 10)),
+        {"do": "set", "key": "effects.gravity.g", "value": [0, -900]},
+    ]
+    script, found = write_script(tmp_path, events), []
+    for ranks in (1, 2):
+        words = ("--edits", script, "--json", f"{ranks}.json", "--set", "solve.tolerance=1e-9", "--parity")
+        done = restshape("replay", scene, *words, ranks=ranks)
+        assert done.returncode == 0, done.stdout + done.stderr
+        found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
+    one, two = found
+    assert one["refused"] == two["refused"] == 1 and one["parity"]["holds"] and two["parity"]["holds"]
+    for quantity in ("x", "y", "energy"):
+        np.testing.assert_allclose(two["quantities"][quantity], one["quantities"][quantity], rtol=1e-6)

@@ -1,0 +1,111 @@
+"""Analysis on demand: nothing is solved until it is asked for; then the result is that of a replay of every frame."""
+
+import json
+
+import numpy as np
+import pytest
+from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, STEEL
+
+from restshape.cli.main import main
+from restshape.errors import UserError
+from restshape.replay.recording import Recording
+from restshape.replay.run import replay_files
+from restshape.replay.verdict import verdict
+from restshape.scene.load import load_scene
+
+REST = """
+[loads.pull]
+on = "right"
+traction = ["1 MPa", 0]
+
+[mesh]
+size = 0.08
+
+[solve]
+tolerance = 1e-9
+
+[quantities]
+strength = { stress = "von_mises", take = "max", limit = "3.3 MPa" }
+score = { area = true }
+"""
+EVENTS = [
+    {"do": "press", "on": "window", "at": [0.5, 0.5]},
+    {"do": "drag", "path": [[0.52, 0.5], [0.6, 0.5], [0.9, 0.55], [1.2, 0.6]]},
+    {"do": "analyse"},
+    {"do": "drag", "path": [[1.25, 0.6], [1.3, 0.6]]},
+    {"do": "release"},
+    {"do": "analyse"},
+    {"do": "idle", "frames": 2},
+    {"do": "scale", "on": "window", "factor": 1.9, "frames": 4},
+    {"do": "analyse"},
+    {"do": "hole", "name": "second", "center": [0.4, 0.5], "radius": 0.1},
+    {"do": "undo"},
+    {"do": "analyse"},
+]
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A scene, and the script of both ways."""
+    (tmp_path / "plate.toml").write_text(HEAD + BLOCK.format(width=2, height=1) + HOLE + STEEL + CLAMPED + REST)
+    for name in ("every frame", "on demand"):
+        header = {"format": "restshape-edits", "version": 1, "scene": "plate.toml", "analysis": name}
+        lines = [header, *({"t": 0.1 * i, **event} for i, event in enumerate(EVENTS))]
+        (tmp_path / f"{name}.jsonl").write_text("\n".join(map(json.dumps, lines)) + "\n")
+    return tmp_path
+
+
+def test_what_is_asked_for_is_what_every_frame_gives(files):
+    every, asked = (
+        replay_files(files / "plate.toml", files / f"{name}.jsonl", "auto")["rows"]
+        for name in ("every frame", "on demand")
+    )
+    assert [row["do"] for row in every] == [row["do"] for row in asked]
+    for one, other in zip(every, asked):
+        assert one["q_score"] == pytest.approx(other["q_score"], rel=1e-12)
+        assert one["level"] == other["level"]
+        if other["do"] == "analyse":
+            assert other["q_strength"] == pytest.approx(one["q_strength"], rel=1e-6)
+            assert other["verdict"] == one["verdict"] and other["residual"] < 1e-8
+    known = [row["index"] for row in asked if np.isfinite(row["q_strength"])]
+    # The start and the press that leaves it, the three moments asked for, and what follows until the shape changes.
+    assert known == [0, 1, 6, 10, 11, 12, 17, 20]
+    assert all(row["iterations"] == 0 for row in asked if row["do"] not in ("start", "analyse"))
+    assert {row["verdict"] for row in asked} == {"", "holds", "fails"}
+
+
+def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
+    out, numbers = files / "a.vtkhdf", files / "a.json"
+    call = ["replay", str(files / "plate.toml"), "--edits", str(files / "on demand.jsonl")]
+    assert main([*call, "--out", str(out), "--json", str(numbers), "--csv", str(files / "a.csv")]) == 0
+    told = json.loads(numbers.read_text())
+    assert told["quantities"]["strength"][2] is None and told["quantities"]["score"][2] > 1.9
+    assert told["verdict"]["holds"] + told["verdict"]["fails"] == 8
+    assert f"verdict: {told['verdict']['last']} at the end" in capsys.readouterr().out
+    with Recording(out) as recording:
+        assert recording.verify() == []
+        assert np.isfinite(recording.field(1, "displacement")).all()
+        assert np.isnan(recording.field(2, "displacement")).all()
+        assert np.isnan(recording.field(2, "von_mises")).all()
+        # The shape is recorded all the same: the hole has moved by 20 mm.
+        assert np.abs(recording.points(2) - recording.points(1)).max() == pytest.approx(0.02, rel=1e-9)
+        assert recording.table["verdict"][0] in ("holds", "fails")
+    assert main(["report", str(out), "--animation", "none"]) == 0
+
+
+def test_what_is_not_analysed_cannot_be_predicted(files, capsys):
+    call = ["replay", str(files / "plate.toml"), "--edits", str(files / "on demand.jsonl")]
+    assert main([*call, "--predict", "linear"]) == 2
+    assert "cannot be predicted" in capsys.readouterr().err
+
+
+def test_verdicts():
+    assert verdict({"a": 2.0}, {"a": 2.0, "b": 9.0}) == "holds"
+    assert verdict({"a": 2.0, "b": 3.0}, {"a": 1.0, "b": 3.1}) == "fails"
+    assert verdict({"a": 2.0}, {"a": float("nan")}) == verdict({}, {"a": 1.0}) == ""
+
+
+def test_a_limit_has_the_unit_of_its_quantity(files):
+    assert load_scene(files / "plate.toml").quantities["strength"].limit == 3.3e6
+    with pytest.raises(UserError, match=r"quantities.strength.limit.*(length|pressure)"):
+        load_scene(files / "plate.toml", ['quantities.strength.limit="3 mm"'])

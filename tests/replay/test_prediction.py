@@ -1,0 +1,209 @@
+"""Drags that are predicted: what is shown between solved frames, and which frames are solved."""
+
+import json
+
+import numpy as np
+import pytest
+from small_scenes import CLAMPED, PULLED, across, drag, make_replay, plate, rows_of, write_scene, write_script
+
+from restshape.errors import UserError
+from restshape.replay.columns import columns
+from restshape.replay.parity import Parity
+from restshape.replay.recorder import Recorder
+from restshape.replay.recording import Recording
+
+SHORT = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.53), 8))
+LONG = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.3, 0.55), 60))
+EXACT = ["solve.tolerance=1e-11"]
+LARGE = plate().replace("200e9", "4e9") + "[effects.large_deformation]\n"
+KINDS = {"linear": plate(), "large": LARGE, "second order": plate(0.2).replace("size = 0.2", "size = 0.2\norder = 2")}
+
+
+def both(tmp_path, events, text=None, overrides=EXACT, policy="auto"):
+    """(predicted, solved) rows of the same edits, and the displacements of every frame."""
+    scene, script = write_scene(tmp_path, text or plate()), write_script(tmp_path, events)
+    found = []
+    for predict in ("linear", "none"):
+        made = make_replay(scene, script, policy, overrides, predict=predict)
+        shown = []
+        rows = rows_of(made, lambda row, made=made, shown=shown: shown.append(made.analysis.x.copy()))
+        found.append((rows, shown))
+    return found
+
+
+def distance(x, exact):
+    """The relative distance of two displacements."""
+    return np.linalg.norm(x - exact) / np.linalg.norm(exact)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_drag_is_shown_to_first_order_and_solved_on_release(tmp_path, kind):
+    (rows, shown), (true, exact) = both(tmp_path, SHORT, KINDS[kind])
+    assert [row["predicted"] for row in rows] == [0, 0, *[1] * 8, 0]
+    assert [row["level"] for row in rows] == [row["level"] for row in true]
+    moved = range(2, 10)
+    # Nothing is assembled or solved while the hand moves.
+    for i in moved:
+        row = rows[i]
+        assert row["iterations"] == 0 and row["ms_values"] == row["ms_krylov"] == row["ms_factor"] == 0.0
+    errors = [distance(shown[i], exact[i]) for i in moved]
+    # Twice as far, four times the error.
+    assert errors[7] / errors[3] == pytest.approx(4.0, rel=0.15) and errors[3] / errors[1] == pytest.approx(
+        4.0, rel=0.15
+    )
+    assert 1e-5 < errors[-1] < 0.02
+    assert rows[-1]["iterations"] > 0 and distance(shown[-1], exact[-1]) < 1e-8
+    assert rows[-1]["q_stretch"] == pytest.approx(true[-1]["q_stretch"], rel=1e-8)
+    # The derivative predicts better than the last solution does.
+    assert errors[-1] < 0.1 * distance(shown[0], exact[9])
+
+
+def test_quantities_and_residual_are_those_of_what_is_shown(tmp_path):
+    (rows, _), (true, _) = both(tmp_path, SHORT)
+    for row, other in zip(rows[2:10], true[2:10]):
+        assert row["q_stretch"] == pytest.approx(other["q_stretch"], rel=1e-2)
+        assert row["q_wall"] == pytest.approx(other["q_wall"], rel=2e-2)
+    residuals = [row["residual"] for row in rows[2:10]]
+    # Forces out of balance grow with the square of the way too.
+    assert residuals[7] / residuals[3] == pytest.approx(4.0, rel=0.15)
+    assert rows[-1]["residual"] < 1e-10 and rows[1]["residual"] < 1e-10
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_frames_that_flip_or_mesh_anew_are_solved_and_predicted_from(tmp_path, kind):
+    (rows, shown), (true, exact) = both(tmp_path, LONG, KINDS[kind])
+    levels = [row["level"] for row in rows]
+    assert levels == [row["level"] for row in true] and 2 in levels and 3 in levels
+    for i, row in enumerate(rows):
+        assert row["predicted"] == int(row["do"] == "drag" and row["level"] == 1)
+        if not row["predicted"]:
+            assert distance(shown[i], exact[i]) < 1e-7
+    after = [i for i in range(3, len(rows)) if rows[i]["predicted"] and not rows[i - 1]["predicted"]]
+    assert len(after) >= 2
+    assert max(distance(shown[i], exact[i]) for i in after) < 5e-3
+
+
+@pytest.mark.parametrize("policy", ["auto", "refactor"])
+def test_parity_holds_in_solved_frames(tmp_path, policy):
+    script = write_script(tmp_path, LONG)
+    made = make_replay(write_scene(tmp_path, plate()), script, policy, predict="linear")
+    check = Parity(made)
+    looked = [bool(check()) for _ in made.frames()]
+    assert check.summary()["holds"] and 0 < sum(looked) < len(looked)
+
+
+def test_the_same_bits_twice(tmp_path):
+    scene, script = write_scene(tmp_path, plate()), write_script(tmp_path, LONG)
+    found = []
+    for _ in range(2):
+        made = make_replay(scene, script, predict="linear")
+        found.append([made.analysis.x.tobytes() for _ in made.frames()])
+    assert found[0] == found[1]
+
+
+def test_values_set_while_the_hand_holds(tmp_path):
+    events = [
+        *SHORT[:2],
+        {"do": "set", "key": "loads.pull.traction", "value": ["200 MPa", 0]},
+        {"do": "idle", "frames": 2},
+        {"do": "drag", "to": [0.541, 0.531]},
+        {"do": "release"},
+    ]
+    (rows, shown), (_, exact) = both(tmp_path, events)
+    assert [row["predicted"] for row in rows] == [0, 0, *[1] * 8, 0, 0, 0, 1, 0]
+    assert distance(shown[10], exact[10]) < 1e-8 and distance(shown[13], exact[13]) < 1e-3
+    assert shown[10].max() > 1.5 * shown[9].max()
+
+
+def test_a_pause_shows_what_the_drag_has_shown(tmp_path):
+    events = [*SHORT[:2], {"do": "idle", "frames": 2}, {"do": "release"}]
+    (rows, shown), _ = both(tmp_path, events)
+    assert [row["predicted"] for row in rows[9:]] == [1, 1, 1, 0]
+    assert np.array_equal(shown[9], shown[11]) and rows[11]["q_peak"] == rows[9]["q_peak"]
+
+
+def test_motions_without_a_hand_are_solved(tmp_path):
+    events = [{"do": "rotate", "on": "window", "by": 0.1, "frames": 2}, *SHORT, {"do": "undo"}, {"do": "redo"}]
+    (rows, shown), (_, exact) = both(tmp_path, events)
+    assert [row["predicted"] for row in rows] == [0, 0, 0, 0, *[1] * 8, 0, 0, 0]
+    assert max(distance(shown[i], exact[i]) for i in (1, 2, 13, 14)) < 1e-8
+
+
+FORMULA = plate().replace(PULLED, '[loads.pull]\non = "right"\ntraction = ["S*sqrt(limit - x)", 0]\n') + (
+    "[parameters]\nS = 1e8\nlimit = 2.05\n"
+)
+
+
+def test_a_load_that_ends_within_a_drag(tmp_path):
+    # Beyond the limit there is no load: those frames are refused, and the drag goes on from the last good place.
+    events = drag("right", (2.0, 0.5), [(2.005, 0.5), (2.01, 0.5), (2.2, 0.5), (2.015, 0.5)])
+    (rows, shown), (true, exact) = both(tmp_path, events, FORMULA)
+    assert [bool(row["refused"]) for row in rows] == [bool(row["refused"]) for row in true]
+    assert [row["predicted"] for row in rows] == [0, 0, 1, 1, 1, 1, 0]
+    assert "not a finite number" in rows[4]["refused"] and np.array_equal(shown[4], shown[3])
+    assert distance(shown[5], exact[5]) < 0.05 and distance(shown[6], exact[6]) < 1e-8
+
+
+def test_a_load_without_derivative_is_solved_and_says_so(tmp_path):
+    # sqrt(x) at x = 0, where the hand pulls.
+    held = CLAMPED.replace("left", "right")
+    text = plate().replace(PULLED, '[loads.a]\non = "top"\ntraction = ["1e6*sqrt(x)", 0]\n').replace(CLAMPED, held)
+    (rows, shown), (_, exact) = both(tmp_path, drag("d", (0.0, 1.0), [(0.01, 1.0), (0.02, 1.0)]), text)
+    assert "no derivative" in rows[1]["note"] and rows[1]["predicted"] == rows[2]["predicted"] == 0
+    assert distance(shown[2], exact[2]) < 1e-8
+
+
+def test_springs_and_arcs_are_solved_and_say_so(tmp_path):
+    (rows, _), _ = both(tmp_path, SHORT, policy="thesis")
+    assert not any(row["predicted"] for row in rows) and "springs" in rows[1]["note"]
+    (rows, _), _ = both(tmp_path, [{"do": "arc", "on": "top", "bulge": 0.1, "frames": 2}])
+    assert not any(row["predicted"] for row in rows) and "arc" in rows[2]["note"]
+
+
+def test_new_meshes_in_each_frame_cannot_be_predicted(tmp_path):
+    with pytest.raises(UserError, match="rebuild"):
+        make_replay(write_scene(tmp_path, plate()), None, "rebuild", predict="linear")
+
+
+def test_recording_holds_predicted_fields(tmp_path):
+    script, names = write_script(tmp_path, SHORT), ["stretch", "peak", "wall", "energy"]
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns(names)) as recorder:
+        made = make_replay(write_scene(tmp_path, plate()), script, recorder=recorder, predict="linear")
+        shown = [made.analysis.x.copy() for _ in made.frames()]
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        assert recording.verify() == []
+        assert recording.table["predicted"].tolist() == [0, 0, *[1] * 8, 0]
+        for i, x in enumerate(shown):
+            assert np.array_equal(recording.field(i, "displacement")[:, :2], x)
+
+
+def test_the_command(tmp_path, restshape):
+    write_scene(tmp_path, plate())
+    write_script(tmp_path, SHORT)
+    done = restshape("replay", "scene.toml", "--edits", "edits.jsonl", "--predict", "linear", "--json", "a.json")
+    assert done.returncode == 0 and "8 frames predicted" in done.stdout
+    summary = json.loads((tmp_path / "a.json").read_text())
+    assert summary["predicted"] == 8 and set(summary["predicted_ms"]) == {"p50", "p95", "p99"}
+
+
+def test_a_motion_cannot_be_predicted(tmp_path, restshape):
+    done = restshape("new", "vibration", "shaken")
+    assert done.returncode == 0, done.stderr
+    scene = next((tmp_path / "shaken").glob("*.toml"))
+    done = restshape("replay", scene, "--predict", "linear")
+    assert done.returncode == 2 and "--predict" in done.stderr and "at rest" in done.stderr
+
+
+@pytest.mark.parametrize("kind", ["linear", "large"])
+def test_two_ranks_predict_the_same(tmp_path, restshape, kind):
+    write_scene(tmp_path, KINDS[kind])
+    write_script(tmp_path, LONG)
+    found = []
+    for ranks in (1, 2):
+        words = ("--edits", "edits.jsonl", "--predict", "linear", "--set", "solve.tolerance=1e-10", "--json", "a.json")
+        done = restshape("replay", "scene.toml", *words, ranks=ranks)
+        assert done.returncode == 0, done.stderr
+        found.append(json.loads((tmp_path / "a.json").read_text()))
+    assert found[0]["predicted"] == found[1]["predicted"] > 20
+    for name, values in found[0]["quantities"].items():
+        np.testing.assert_allclose(found[1]["quantities"][name], values, rtol=1e-6, err_msg=name)
