@@ -63,8 +63,8 @@ def beams(comm: PETSc.Comm) -> list[Check]:
     held = [f'supports.{side}.{key}' for side in ("left", "right") for key in ('on="left"', 'fix=["z","rx","ry"]')]
     plate = solved("strip.toml", comm, [*held, 'material.steel.thickness="1 mm"'])
     checks += beside("cantilever as a plate", plate, [0.1 * f for f in CANTILEVER], 1e-3, euler)
-    thick = solved("strip.toml", comm)
-    exact = [timoshenko(k, 1.0, 0.1, 210e9, 0.0, 7850.0) for k in (1, 2, 3)]
+    thick = solved("strip.toml", comm, ["effects.modal.modes=2"])
+    exact = [timoshenko(k, 1.0, 0.1, 210e9, 0.0, 7850.0) for k in (1, 2)]
     return checks + beside("supported beam, height 1/10", thick, exact, 1e-3, "Timoshenko, shear factor 5/6")
 
 

@@ -169,7 +169,7 @@ def measure_assembly(X: np.ndarray, cells: np.ndarray) -> float:
 
     def assemble() -> None:
         operator.begin()
-        operator.add(0, element, X, x, params, 1.0, rhs)
+        operator.add(0, X, [(element, x, params, 1.0)], rhs)
         operator.end()
 
     return median_seconds(assemble)

@@ -83,7 +83,7 @@ class EigenSolver:
     def solve(
         self, stiffness: PETSc.Mat, mass: PETSc.Mat, rigid: np.ndarray, count: int, new_system: bool
     ) -> tuple[Found, EigenReport]:
-        """The `count` lowest eigenpairs, and at least one more, rigid motions left out.
+        """The `count` lowest eigenpairs, and under `auto` some more, rigid motions left out.
 
         Args:
             stiffness, mass: of the frame.
@@ -157,11 +157,13 @@ class EigenSolver:
 
     def _thesis(self, count: int) -> tuple[Found, EigenReport]:
         """Inverse iteration on K + eps M, factored in each frame."""
-        starts = self.history[0][: min(count + 1, len(self.history[0]))]
+        starts = self.history[0][:count]
+        if len(starts) < count:
+            return self._anew(count)
         guess = _rayleigh(self.pencil, starts[:1])
         self.pencil.factor(-EPSILON * guess)
         with self.stages("krylov"):
-            found = inverse_iteration(self.pencil, self.deflation, starts, len(starts), self.tolerance)
+            found = inverse_iteration(self.pencil, self.deflation, starts, count, self.tolerance)
         return found, EigenReport(0, True, 0, "inverse iteration")
 
     # --- from the frames before ---------------------------------------------------------------------------------------

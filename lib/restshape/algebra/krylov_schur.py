@@ -69,8 +69,9 @@ def krylov_schur(
     converged = eps.getConverged()
     if converged < count:
         raise ReplayProblem(f"the eigenproblem did not converge: {converged} of {count} modes")
-    modes, vector = np.empty((converged, pencil.size)), pencil.stiffness.createVecRight()
-    for k in range(converged):
+    modes, vector = np.empty((count, pencil.size)), pencil.stiffness.createVecRight()
+    # The nearest come first; more may have converged.
+    for k in range(count):
         eps.getEigenpair(k, vector)
         modes[k] = vector.getArray()
     for part in (vector, *vectors, eps):
@@ -81,7 +82,7 @@ def krylov_schur(
 def polished(
     pencil: Pencil, deflation: Deflation, modes: np.ndarray, count: int, tolerance: float, iterations: int
 ) -> Found:
-    """The Ritz pairs of K and M over rows (k, n), with their true residuals; at least `count` of them."""
+    """The Ritz pairs of K and M over rows (k, n), with their true residuals, `count` of which must be small."""
     rows = np.array(modes)
     deflation.clean(rows)
     heavy, stiff = np.empty_like(rows), np.empty_like(rows)

@@ -118,6 +118,12 @@ class LinearSolver:
         return self.candidate.name if self.candidate else self.kind
 
     @property
+    def aim(self) -> float:
+        """The tolerance that residuals must meet for solutions to agree within the scene's."""
+        complete = self.kind in COMPLETE and self.comm.size == 1
+        return self.tolerance if complete else INCOMPLETE * self.tolerance
+
+    @property
     def keeps(self) -> bool:
         """Tell whether an old preconditioner serves until a new one pays."""
         return self.method in ("stale", "auto")
@@ -279,9 +285,7 @@ class LinearSolver:
 
     def _aim(self) -> None:
         """Set what ends the iteration with the preconditioner as it is now."""
-        scale = self.scale
-        complete = self.kind in COMPLETE and self.comm.size == 1
-        aim = self.tolerance if complete else INCOMPLETE * self.tolerance
+        scale, aim = self.scale, self.aim
         if (scale, aim) != self._aimed:
             self.ksp.setTolerances(rtol=aim if scale is None else 1e-300, atol=0.0 if scale is None else aim * scale)
             self._aimed = (scale, aim)

@@ -78,6 +78,7 @@ class ModalAnalysis:
         self.heavy = self._modes = np.empty((0, 0))
         self._mixed: tuple[np.ndarray, np.ndarray] | None = None
         self.chosen = np.empty(0, dtype=int)
+        self.quantities: dict[str, Quantity] = {}
         self.count = 0
         self.failed = self.predicted = False
         self._solved = (self.following.numbers, self.shares, self.chosen)
@@ -170,7 +171,7 @@ class ModalAnalysis:
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the last solution."""
-        return {name: self._quantity(name, quantity) for name, quantity in self.scene.quantities.items()}
+        return {name: self._quantity(name, quantity) for name, quantity in self.quantities.items()}
 
     def row(self) -> dict[str, object]:
         """Columns of a frame's row that only modes have."""
@@ -202,8 +203,13 @@ class ModalAnalysis:
         return blank, {"size_of_mode_1": np.full(len(mesh.cells), np.nan)}
 
     def residual(self) -> float:
-        """The largest |K phi - lambda M phi| / |lambda M phi| of the modes that the scene asks for, element by element."""
+        """The largest |K phi - lambda M phi| / |lambda M phi| of the modes that the scene asks for, element by element.
+
+        Not a number after a frame without a solution: the body has moved with it, its modes have not.
+        """
         body = self.body
+        if self.failed:
+            return float("nan")
         if self.predicted:
             body.follow(np.empty(0, dtype=np.int32))
         worst = 0.0
@@ -262,7 +268,7 @@ class ModalAnalysis:
             self.operators = [Operator(PETSc.COMM_SELF, body.fields, offsets, None) for _ in range(2)]
             for operator in self.operators:
                 operator.set_topology([body.mesh.cells], body.mask)
-        self.solver.tolerance = frame.scene.solve.tolerance
+        self.solver.tolerance, self.quantities = frame.scene.solve.tolerance, frame.scene.quantities
         self.count = max(self.count, self.plan.settings("modal").modes)
         carried = np.empty((0, body.mask.size))
         if old is not None and type(old) is type(body):

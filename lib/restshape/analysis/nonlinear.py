@@ -174,7 +174,7 @@ class NonlinearStatic(StaticAnalysis):
         total = None
         while True:
             self.scale = self._scale(x)
-            goal = (self.solver.tolerance if added is None else ROUGH) * self.scale
+            goal = (self.solver.aim if added is None else ROUGH) * self.scale
             outcome = self.newton.solve(x, goal, searched, added)
             total = outcome if total is None else outcome.after(total)
             if not outcome.converged:

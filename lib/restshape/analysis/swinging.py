@@ -130,10 +130,10 @@ class NonlinearTransient(TransientAnalysis):
         newton.begin(new_system, stale, system.places)
         x = self._guess(state)
         self.scale = max(equations.load_norm, equations.force_norm, self._round_off(x))
-        outcome = newton.solve(x, self.solver.tolerance * self.scale)
+        outcome = newton.solve(x, self.solver.aim * self.scale)
         if not outcome.converged or len(equations.turned_over(x)):
             x = equations.before.copy()
-            outcome = newton.solve(x, self.solver.tolerance * self.scale, searched=True).after(outcome)
+            outcome = newton.solve(x, self.solver.aim * self.scale, searched=True).after(outcome)
             over = equations.turned_over(x)
             if not outcome.converged or len(over):
                 why = f"{len(over)} triangles turn inside out" if len(over) else outcome.why

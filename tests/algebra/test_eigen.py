@@ -1,0 +1,152 @@
+"""Eigensolvers: against dense ones of LAPACK, with shifts, rigid motions, old factors and missed modes."""
+
+import numpy as np
+import pytest
+from modal import solved
+from petsc4py import PETSc
+from scipy.linalg import eigh
+
+from restshape.algebra.davidson import SearchSpace, davidson
+from restshape.algebra.eigen import EigenSolver, gap
+from restshape.algebra.inverse_iteration import inverse_iteration
+from restshape.algebra.krylov_schur import krylov_schur
+from restshape.algebra.minimal_residual import minimal_residual
+from restshape.algebra.pencil import Deflation, Pencil
+from restshape.algebra.stages import Stages
+from restshape.calibration import Calibration
+
+
+def spring_chain(n: int, stiffer: float = 1.0) -> tuple[PETSc.Mat, PETSc.Mat, np.ndarray]:
+    """K, M and the rigid motion of n unit masses in a row, joined by springs, some of them stiffer."""
+    k = np.ones(n - 1)
+    k[: n // 2] = stiffer
+    K = np.diag(np.r_[0, k] + np.r_[k, 0]) - np.diag(k, 1) - np.diag(k, -1)
+    return matrix(K), matrix(np.eye(n)), np.ones((1, n))
+
+
+def matrix(dense: np.ndarray) -> PETSc.Mat:
+    """A PETSc matrix on a full pattern, so that all of them have the same one."""
+    n = len(dense)
+    indptr, indices = np.arange(0, n * n + 1, n, dtype=np.int32), np.tile(np.arange(n, dtype=np.int32), n)
+    return PETSc.Mat().createAIJ((n, n), csr=(indptr, indices, dense.ravel()), comm=PETSc.COMM_SELF)
+
+
+def chain_values(n: int, count: int) -> np.ndarray:
+    """Eigenvalues of a free chain of unit springs, that of the rigid motion left out (closed form)."""
+    return 4.0 * np.sin(np.arange(1, count + 1) * np.pi / (2 * n)) ** 2
+
+
+def pencil_of(K: PETSc.Mat, M: PETSc.Mat) -> Pencil:
+    pencil = Pencil(Stages())
+    pencil.take(K, M, True)
+    return pencil
+
+
+def solver(method: str, tolerance: float = 1e-10) -> EigenSolver:
+    return EigenSolver(method, tolerance, Calibration.load(), Stages())
+
+
+@pytest.mark.parametrize("method", ["direct", "auto", "ilu"])
+def test_chain_of_springs_has_its_closed_form(method):
+    K, M, rigid = spring_chain(40)
+    found, _ = solver(method).solve(K, M, rigid, 4, True)
+    assert found.values[:4] == pytest.approx(chain_values(40, 4), rel=1e-12)
+
+
+def test_inertia_counts_eigenvalues_below_a_shift():
+    K, M, _ = spring_chain(40)
+    values = chain_values(40, 6)
+    pencil = pencil_of(K, M)
+    for k in range(1, 5):
+        assert pencil.below(0.5 * (values[k - 1] + values[k])) == k + 1
+
+
+@pytest.mark.parametrize("model", ["plane", "tet4", "tet10", "plate"])
+def test_modes_are_those_of_a_dense_solver(model):
+    analysis = solved(model)
+    K, M = (m.toarray() for m in analysis.matrices())
+    free = analysis.body.mask.ravel() == 0
+    values = eigh(K[np.ix_(free, free)], M[np.ix_(free, free)], eigvals_only=True)
+    rigid = len(analysis.body.rigid())
+    assert np.abs(values[:rigid]).max(initial=0.0) < 1e-6 * values[rigid]
+    # LAPACK's own error is rounding of the largest eigenvalue.
+    expected, rounding = values[rigid : rigid + analysis.count], 1e-15 * values[-1]
+    assert np.all(np.abs(analysis.values[: analysis.count] - expected) < 1e-9 * expected + rounding)
+
+
+@pytest.mark.parametrize("model", ["plane", "tet4", "tet10", "plate"])
+def test_modes_have_unit_mass_and_no_rigid_part(model):
+    analysis = solved(model)
+    K, M = analysis.matrices()
+    modes, rigid = analysis.modes, analysis.body.rigid()
+    assert modes @ (M @ modes.T) == pytest.approx(np.eye(len(modes)), abs=1e-9)
+    if len(rigid):
+        parts = modes @ (M @ rigid.T) / np.sqrt(np.einsum("in,ni->i", rigid, M @ rigid.T))
+        assert np.abs(parts).max() < 1e-9
+        assert np.abs(K @ rigid.T).max() < 1e-9 * abs(K).max()
+
+
+def test_old_factor_still_finds_the_new_modes():
+    K, M, rigid = spring_chain(40)
+    auto = solver("auto")
+    auto.solve(K, M, rigid, 3, True)
+    made = auto.pencil.factorizations
+    stiffer, _, _ = spring_chain(40, 1.3)
+    found, report = auto.solve(stiffer, M, rigid, 3, False)
+    dense = eigh(stiffer[:, :], eigvals_only=True)
+    assert found.values[:3] == pytest.approx(dense[1:4], rel=1e-10)
+    assert report.method == "davidson" and auto.pencil.factorizations == made
+
+
+def test_mode_that_the_start_knows_nothing_of_is_counted_and_found():
+    K, M, rigid = spring_chain(40)
+    auto = solver("auto")
+    first, _ = auto.solve(K, M, rigid, 2, True)
+    # The lowest mode is taken out of all that is remembered, and a symmetric matrix never mixes it in again.
+    auto.history = [first.modes[1:].copy()]
+    auto.uncounted = 10**6
+    found, report = auto.solve(K, M, rigid, 2, False)
+    assert report.missed == 1
+    assert found.values[:2] == pytest.approx(chain_values(40, 2), rel=1e-10)
+
+
+def test_davidson_gives_up_at_its_limit():
+    K, M, rigid = spring_chain(60)
+    pencil = pencil_of(K, M)
+    pencil.factor(-1.0)
+    start = np.random.default_rng(0).standard_normal((3, 60))
+    found = davidson(SearchSpace(pencil, 40), Deflation(rigid, pencil), [start], 2, 1, 1e-12, 2)
+    assert not found.converged and found.iterations == 2
+
+
+def test_davidson_goes_on_when_its_space_is_full():
+    K, M, rigid = spring_chain(60)
+    pencil = pencil_of(K, M)
+    pencil.factor(-1.0)
+    start = np.random.default_rng(0).standard_normal((4, 60))
+    found = davidson(SearchSpace(pencil, 12), Deflation(rigid, pencil), [start], 2, 2, 1e-10, 400)
+    assert found.converged
+    assert found.values[:2] == pytest.approx(chain_values(60, 2), rel=1e-9)
+
+
+def test_krylov_schur_and_inverse_iteration_agree_with_the_closed_form_of_a_chain():
+    K, M, rigid = spring_chain(50)
+    pencil = pencil_of(K, M)
+    pencil.factor(-1e-3)
+    deflation = Deflation(rigid, pencil)
+    found = krylov_schur(pencil, deflation, None, 5, 1e-11)
+    assert found.values[:5] == pytest.approx(chain_values(50, 5), rel=1e-10)
+    starts = np.random.default_rng(1).standard_normal((3, 50))
+    assert inverse_iteration(pencil, deflation, starts, 3, 1e-8).values == pytest.approx(chain_values(50, 3), rel=1e-9)
+
+
+def test_gap_is_the_widest_one_behind_the_wanted():
+    shift, below = gap(np.array([1.0, 2.0, 2.001, 6.0]), 2)
+    assert below == 3 and 2.001 < shift < 6.0
+
+
+def test_minimal_residual_solves_what_lapack_solves():
+    rng = np.random.default_rng(3)
+    A, b = rng.standard_normal((20, 20)), rng.standard_normal(20)
+    assert minimal_residual(lambda x: A @ x, b, 1e-12, 30) == pytest.approx(np.linalg.solve(A, b), rel=1e-8)
+    assert not np.any(minimal_residual(lambda x: A @ x, 0 * b, 1e-12, 30))

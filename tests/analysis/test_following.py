@@ -1,0 +1,41 @@
+"""Modes keep their numbers by their shape."""
+
+import numpy as np
+
+from restshape.analysis.following import Following
+
+
+def followed(before, after):
+    """Numbers of `after` when `before` were numbered from 1."""
+    following = Following()
+    following.begin(len(before), np.arange(len(before)))
+    after, heavy = after.copy(), after.copy()
+    following(before, after, heavy)
+    return following.numbers, after
+
+
+def test_modes_that_cross_exchange_their_ranks_and_keep_their_numbers():
+    numbers, _ = followed(np.eye(3), np.eye(3)[[1, 0, 2]])
+    assert list(numbers) == [2, 1, 3]
+
+
+def test_sign_follows_the_mode():
+    _, after = followed(np.eye(2), -np.eye(2))
+    assert np.array_equal(after, np.eye(2))
+
+
+def test_mode_from_above_gets_a_new_number_and_an_old_one_keeps_its_own():
+    numbers, _ = followed(np.eye(4)[:2], np.eye(4)[[3, 0]])
+    assert list(numbers) == [3, 1]
+
+
+def test_modes_that_turn_in_a_pair_keep_the_nearer_number():
+    c, s = np.cos(0.5), np.sin(0.5)
+    numbers, _ = followed(np.eye(2), np.array([[c, s], [-s, c]]))
+    assert list(numbers) == [1, 2]
+
+
+def test_first_numbers_go_to_the_modes_that_are_asked_for():
+    following = Following()
+    following.begin(4, np.array([1, 3]))
+    assert list(following.numbers) == [3, 1, 4, 2]

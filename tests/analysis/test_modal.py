@@ -1,0 +1,136 @@
+"""Modes under edit: reuse against cold solves, levels, supports, numbers, and what a user can get wrong."""
+
+import numpy as np
+import pytest
+from modal import EDITS, SCENES, replay, solved
+
+from restshape.errors import UserError
+from restshape.replay.parity import Parity
+from restshape.replay.still import still
+
+WILD = """{"format": "restshape-edits", "version": 1, "scene": "bar_100.toml", "units": "m"}
+{"t": 0.0, "do": "press", "on": "c", "at": [0.1, 0.03]}
+{"t": 0.1, "do": "drag", "path": [[0.1, 0.04], [0.1, 0.06], [0.11, 0.08], [0.09, 0.06], [0.05, 0.05], [0.1, 0.03]]}
+{"t": 1.0, "do": "release"}
+{"t": 1.1, "do": "hole", "name": "h", "center": [0.05, 0.015], "radius": 0.005}
+{"t": 1.2, "do": "press", "on": "h", "at": [0.05, 0.015]}
+{"t": 1.3, "do": "drag", "path": [[0.06, 0.018], [0.07, 0.02], [0.08, 0.015], [0.03, 0.015]]}
+{"t": 1.4, "do": "release"}
+{"t": 1.5, "do": "set", "key": "material.aluminium.thickness", "value": "5 mm"}
+{"t": 1.6, "do": "undo"}
+"""
+
+
+@pytest.mark.parametrize("model", ["solid 1", "solid 2", "plate", "plane_stress"])
+@pytest.mark.parametrize("name", ["auto", "thesis"])
+def test_wild_edit_agrees_with_cold_solves_on_the_same_meshes(tmp_path, model, name):
+    edits = tmp_path / "wild.jsonl"
+    edits.write_text(WILD)
+    model, _, order = model.partition(" ")
+    overrides = [f"effects.modal.model={model}", "effects.modal.modes=3", "mesh.layers=1", 'mesh.size="9 mm"']
+    run = replay("bar_100.toml", edits, [*overrides, f"mesh.order={order or 1}"], name)
+    parity, levels = Parity(run), set()
+    for row in run.frames():
+        parity()
+        levels.add(row["level"])
+        assert not row["refused"]
+        assert row["residual"] <= 1.001e-3
+    assert levels >= {1, 3}
+    assert parity.entries <= 1e-13
+    # Frequencies are right to about the square of the residual's tolerance.
+    assert parity.solution <= 1e-5
+
+
+def test_slow_drag_reuses_its_factor():
+    run = replay("bar_100.toml", EDITS / "bar_100.jsonl", ["mesh.layers=1"])
+    rows = [row for row in run.frames() if row["level"] == 1]
+    assert len(rows) == 120
+    assert sum(row["refreshed"] for row in rows) < 12
+    assert sum(row["iterations"] for row in rows) < 240
+    assert sum(row["counted"] for row in rows) >= 5 and not any(row["missed"] for row in rows)
+
+
+def test_bar_comes_back_to_its_first_tone():
+    run = replay("bar_100.toml", EDITS / "bar_100.jsonl", ["mesh.layers=1"])
+    rows = list(run.frames())
+    there = next(k for k, row in enumerate(rows) if row["do"] == "release")
+    assert rows[there]["f_1"] == pytest.approx(rows[0]["f_1"], rel=1e-6)
+
+
+def test_predicted_frames_follow_the_solved_ones_to_first_order():
+    overrides = ["effects.modal.model=plate", "effects.modal.modes=3"]
+    solved_rows, predicted = (
+        list(replay("bar_100.toml", EDITS / "bar_100.jsonl", overrides, predict=kind).frames())
+        for kind in ("none", "linear")
+    )
+    shown = [(a, b) for a, b in zip(solved_rows, predicted) if b["predicted"]]
+    assert len(shown) == 120 and all(b["iterations"] == 0 for _, b in shown)
+    start = solved_rows[0]["f_1"]
+    for exact, guess in shown[:6]:
+        change = abs(exact["f_1"] - start)
+        assert abs(guess["f_1"] - exact["f_1"]) < 0.1 * change
+    assert predicted[-1]["f_1"] == pytest.approx(solved_rows[-1]["f_1"], rel=1e-6)
+
+
+def test_modes_in_the_plane_are_left_out_unless_asked_for():
+    overrides = ["effects.modal.modes=5", "mesh.order=2", "mesh.layers=1", 'mesh.size="15 mm"']
+    out, all_modes = (
+        still(SCENES / "bar_200.toml", [*overrides, f"effects.modal.in_plane={flag}"]).analysis
+        for flag in ("false", "true")
+    )
+    assert np.all(out.shares[out.chosen] > 0.95)
+    inside = all_modes.shares[all_modes.chosen] < 0.05
+    assert inside.sum() == 1
+    # The bar's bending in its own plane, by p-FEM of 3D elasticity.
+    assert all_modes.frequencies[inside][0] == pytest.approx(3648.2, rel=5e-3)
+
+
+def test_undercut_lowers_a_bar_and_ends_made_thin_raise_it():
+    plain, undercut, tapered = (
+        solved("plate", f"material.aluminium.thickness='{h}'").frequencies[0]
+        for h in ("4 mm", "0.004*(1 - 0.4*exp(-((x - 0.05)/0.02)^2))", "0.004*(1 - 0.4*(abs(x - 0.05)/0.05)^4)")
+    )
+    assert undercut < 0.95 * plain and tapered > 1.02 * plain
+
+
+def test_thickness_of_a_formula_means_the_same_for_plates_and_solids():
+    thickness = "material.aluminium.thickness='0.004*(1 - 0.4*exp(-((x - 0.05)/0.02)^2))'"
+    fine = ['mesh.size="5 mm"', "effects.modal.modes=1", thickness]
+    plate = still(SCENES / "bar_100.toml", [*fine, "effects.modal.model=plate"]).analysis
+    solid = still(SCENES / "bar_100.toml", [*fine, "mesh.order=2", "mesh.layers=1"]).analysis
+    assert plate.frequencies[0] == pytest.approx(solid.frequencies[0], rel=5e-3)
+
+
+def test_thin_plate_does_not_lock():
+    lambdas = []
+    for h in (1e-2, 1e-4):
+        overrides = [f"material.steel.thickness={10 * h}", "effects.modal.modes=1", "mesh.size=0.8"]
+        lambdas.append(still(SCENES / "square.toml", overrides).analysis.frequencies[0] / h)
+    assert lambdas[0] == pytest.approx(lambdas[1], rel=5e-3)
+
+
+def test_supports_leave_the_rigid_motions_that_they_do():
+    assert len(solved("plate").body.rigid()) == 3
+    assert len(solved("tet4").body.rigid()) == 6
+    assert len(solved("plane").body.rigid()) == 0
+
+
+@pytest.mark.parametrize(
+    "scene, overrides, told",
+    [
+        ("bar_100.toml", ["material.aluminium.rho=0"], "density"),
+        ("slender.toml", ['supports.wall.fix=["z"]'], "no unknown 'z'"),
+        ("slender.toml", ['supports.wall.fix={x="1 mm"}'], "prescribes"),
+        ("bar_100.toml", ["effects.modal.model=plate", "mesh.order=2"], "first order"),
+        ("bar_100.toml", ["quantities.pitch.frequency=9"], "modes are computed"),
+        ("slender.toml", ["material.steel.thickness='0.01 + 0*x'"], "one thickness"),
+    ],
+)
+def test_scenes_that_make_no_sense_are_refused(scene, overrides, told):
+    with pytest.raises(UserError, match=told):
+        still(SCENES / scene, overrides)
+
+
+def test_thickness_that_vanishes_is_refused():
+    with pytest.raises(UserError, match="thickness is"):
+        still(SCENES / "bar_100.toml", ["material.aluminium.thickness='0.004 - 0.1*x'"])

@@ -1,0 +1,40 @@
+"""Small modal problems that several tests share."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from petsc4py import PETSc
+
+from restshape.analysis.modal import ModalAnalysis
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.policy import policy
+from restshape.replay.loop import Replay
+from restshape.replay.still import still
+from restshape.scene.load import load_scene
+from restshape.scene.script import load_script
+
+FOLDER = Path(__file__).parents[1] / "apps" / "metallophone"
+SCENES, EDITS = FOLDER / "scenes", FOLDER / "edits"
+
+SMALL = {
+    "plane": ("slender.toml", ['mesh.size="20 mm"', 'shape.vertices.c=[1, "50 mm"]', 'shape.vertices.d=[0, "50 mm"]']),
+    "tet4": ("bar_100.toml", ['mesh.size="12 mm"', "mesh.layers=1", "effects.modal.modes=3"]),
+    "tet10": ("bar_100.toml", ['mesh.size="15 mm"', "mesh.layers=1", "mesh.order=2", "effects.modal.modes=3"]),
+    "plate": ("bar_100.toml", ['mesh.size="10 mm"', "effects.modal.model=plate", "effects.modal.modes=3"]),
+}
+"""Scene and overrides of a small problem of each model; the first one is held, the others are free."""
+
+
+def solved(model: str, *overrides: str) -> ModalAnalysis:
+    """The modes of a small problem, to rounding."""
+    scene, own = SMALL[model]
+    return still(SCENES / scene, [*own, "solve.tolerance=1e-9", *overrides]).analysis
+
+
+def replay(scene: str, edits: Path, overrides: Sequence[str] = (), name: str = "auto", predict: str = "none") -> Replay:
+    """A replay that has not begun."""
+    read = load_scene(SCENES / scene, overrides)
+    script = load_script(edits, read)
+    app = application(read.app)
+    return Replay(read, script, app, policy(name), PETSc.COMM_WORLD, Calibration.load(), predict=predict)
