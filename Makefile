@@ -3,8 +3,11 @@
 
 restshape := .venv/bin/restshape
 plate := apps/solid/scenes/plate.toml
-cantilever := apps/cantilever/scenes/cantilever.toml
 plate_edits := apps/solid/edits/plate.jsonl
+cantilever := apps/cantilever/scenes/cantilever.toml
+fish := apps/metallophone/scenes/fish.toml
+bar := apps/metallophone/scenes/bar_200.toml
+cantilever_edits := apps/cantilever/edits/cantilever.jsonl
 
 # Two cores hold two ranks or two test workers, one thread each; the rest lets mpiexec start as root, in a
 # container, with more ranks than cores, and without a word about network cards that are not there.
@@ -32,10 +35,21 @@ results: setup
 	$(restshape) replay $(plate) --edits $(plate_edits) --out results/plate.vtkhdf
 	$(restshape) report results/plate.vtkhdf --animation none
 	$(restshape) tables
-	$(restshape) bench reuse $(plate) --out results --json results/bench-reuse.json
-	$(restshape) bench predict $(cantilever) --out results
-	$(restshape) bench derivative $(cantilever) --out results
+	$(restshape) bench reuse $(plate) $(cantilever) --out results --json results/bench-reuse.json
+	$(restshape) bench size --out results --json results/bench-size.json
+	$(restshape) bench order $(plate) --json results/bench-order.json
+	$(restshape) replay $(cantilever) --edits $(cantilever_edits) --out results/cantilever.vtkhdf
+	$(restshape) report results/cantilever.vtkhdf --animation none
+	.venv/bin/python -m restshape_apps.bridge.study --picture results/bridge-study.png
+	$(restshape) bench predict $(cantilever) --out results --json results/bench-predict.json
+	$(restshape) bench derivative $(cantilever) --out results --json results/bench-derivative.json
 	.venv/bin/python -m restshape_apps.vibration.resonance --picture results/vibration-resonance.png
+	.venv/bin/python -m restshape_apps.metallophone.picture $(fish) --out results/metallophone-modes.png \
+		--rasp results/metallophone-rasp.png
+	.venv/bin/python -m restshape_apps.metallophone.sound $(fish) --out results/metallophone-fish.wav --seconds 1
+	.venv/bin/python -m restshape_apps.metallophone.accuracy --picture results/metallophone-accuracy.png
+	.venv/bin/python -m restshape_apps.solid.picture apps/solid/scenes/column.toml --out results/column-modes.png
+	$(restshape) bench eigen $(bar) --set effects.modal.modes=5 --json results/bench-eigen.json
 
 lint:
 	@scripts/setup.sh develop

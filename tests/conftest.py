@@ -1,6 +1,7 @@
 """What all tests share: commands in processes of their own, on one rank or several."""
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -18,6 +19,8 @@ ENVIRONMENT = {
     "OMPI_MCA_mca_base_component_show_load_errors": "0",
 }
 os.environ.update(ENVIRONMENT)
+# A shell that starts the tests in the background has them ignore Ctrl-C, and their children with them.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 RESTSHAPE = (sys.executable, "-m", "restshape.cli.main")
 Run = Callable[..., subprocess.CompletedProcess]
 

@@ -5,7 +5,7 @@ Quantities of interest: the largest von Mises stress at nodes, whose limit gives
 
 from pathlib import Path
 
-from restshape_apps.solid import Gravity, LargeDeformation, Solid
+from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
 from restshape.application import Application, Effect
 
@@ -15,7 +15,7 @@ application = Application(
     effects={
         "solid": Effect(Solid, "elasticity", required=True),
         "gravity": Effect(Gravity, "weight of the body"),
-        "large_deformation": Effect(LargeDeformation, "large displacements and rotations, pressures that follow"),
+        "large_deformation": LARGE_DEFORMATION,
     },
     folder=Path(__file__).parent,
     analysis="restshape.analysis.nonlinear:static_analysis",

@@ -5,8 +5,8 @@ from typing import Any
 from restshape_apps.bridge.study import study
 
 
-def rows() -> list[dict[str, Any]]:
-    """Rows of `restshape tables`: areas that are known to hold, of one scripted designer."""
+def rows(timed: bool = True) -> list[dict[str, Any]]:
+    """Rows of `restshape tables`: areas that are known to hold, of one scripted designer; no clock decides them."""
     ways = study()
     always, asked = ways["every frame"], ways["on demand"]
     common = {"table": "figure 4.14", "timing": False}

@@ -12,7 +12,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.moving import MovingMesh
 from restshape.policy import policy
-from restshape.replay.verdict import HOLDS, verdict
+from restshape.replay.verdict import HOLDS, limits_of, verdict
 from restshape.scene.load import load_scene, revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
@@ -56,7 +56,7 @@ def verdicts(comm: PETSc.Comm) -> list[Check]:
     """Each analysed design gets the same verdict on three meshes; the stress of those that hold converges."""
     checks, holding = [], 0
     for number, (scene, outline) in enumerate(designs(), start=1):
-        limits = {name: q.limit for name, q in scene.quantities.items() if q.limit is not None}
+        limits = limits_of(scene.quantities)
         found = refined(comm, scene, outline)
         given = [verdict(limits, quantities) for quantities in found]
         same = float(sum(one == given[-1] for one in given))

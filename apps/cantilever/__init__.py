@@ -3,9 +3,10 @@
 Quantities of interest: the mean distance of the deformed outline from a goal, and those of solids at rest.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
-from restshape_apps.solid import Gravity, LargeDeformation, Solid
+from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
 from restshape.application import Application, Effect
 
@@ -14,9 +15,7 @@ application = Application(
     summary="beams that deform by weight and wind to meet a goal shape",
     effects={
         "solid": Effect(Solid, "elasticity", required=True),
-        "large_deformation": Effect(
-            LargeDeformation, "large displacements and rotations, pressures that follow", required=True
-        ),
+        "large_deformation": replace(LARGE_DEFORMATION, required=True),
         "gravity": Effect(Gravity, "weight of the body"),
     },
     folder=Path(__file__).parent,

@@ -19,8 +19,8 @@ class Modal(Strict):
     """Keys of ``[effects.modal]``: the lowest free vibrations.
 
     Args:
-        model: "solid", tetrahedra over the outline in ``mesh.layers`` layers; "plate", of triangles with shear, which knows
-            motion out of the plane only; "plane_stress" or "plane_strain", which know motion in the plane only.
+        model: "solid", tetrahedra over the outline in ``mesh.layers`` layers; "plate", of triangles with shear, which
+            knows motion out of the plane only; "plane_stress" or "plane_strain", which know motion in the plane only.
         modes: how many are wanted.
         in_plane: those whose motion is mostly in the plane count too; a mallet hardly sounds them.
         a4: frequency of the tone A4 [Hz].
@@ -39,7 +39,9 @@ class Modal(Strict):
         """
         if self.model == "plate":
             if scene.mesh.order == 2:
-                raise UserError("plates have elements of the first order only", "mesh.order", "set it to 1, or leave it out")
+                raise UserError(
+                    "plates have elements of the first order only", "mesh.order", "set it to 1, or leave it out"
+                )
             return Decision(self, "plates have no layers: mesh.layers means nothing" if scene.mesh.layers else "", 1)
         return Decision(self, "" if scene.mesh.order else "second-order elements, for the first bend too stiffly", 2)
 
@@ -64,6 +66,7 @@ application = Application(
     folder=Path(__file__).parent,
     analysis="restshape.analysis.modal:ModalAnalysis",
     validation="restshape_apps.metallophone.validation:CASES",
+    thesis="restshape_apps.metallophone.thesis:rows",
     orders=(2, 1),
     directions=("x", "y", "z", "rx", "ry"),
     layered=True,

@@ -1,16 +1,19 @@
 """Elastic solids in the plane, at rest, of small or large deformation: plates, brackets, membranes, beams.
 
-Quantities of interest: displacements, reactions, stresses and strain energy, at points, on edges, or as extremes.
+Quantities of interest: displacements, reactions, stresses and strain energy, at points, on edges, or as extremes, and
+critical load factors.
 """
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from restshape.application import Application, Decision, Effect
 from restshape.errors import UserError
 from restshape.scene.model import Scene
+from restshape.scene.values import Strict
 
 NEARLY_INCOMPRESSIBLE = 0.49
 """Poisson's ratio above which displacement elements lock."""
@@ -84,17 +87,63 @@ class LargeDeformation(BaseModel):
     load_steps: Annotated[int, Field(ge=1)] = 60
 
 
+class Buckling(Strict):
+    """Keys of ``[effects.buckling]``: the multiples of all loads at which the body, linear until then, buckles.
+
+    Args:
+        modes: how many critical load factors are wanted, from the lowest on.
+        load: "given", or "reversed" for the factors of the same loads turned round.
+    """
+
+    modes: Annotated[int, Field(ge=1, le=20)] = 3
+    load: Literal["given", "reversed"] = "given"
+
+    def decide(self, scene: Scene) -> Decision:
+        """The order of the elements: the second, where the scene names none, for the first bend too stiffly.
+
+        Raises:
+            UserError: there is nothing that could buckle the body, or large deformation finds its own limit.
+        """
+        if "large_deformation" in scene.effects:
+            raise UserError(
+                "load factors are those of a linear solid, and the scene asks for large deformation too",
+                "effects.buckling",
+                "leave out one of [effects.buckling] and [effects.large_deformation]",
+            )
+        held = [value for support in scene.supports.values() for value in support.fix.values()]
+        if not (scene.loads or "gravity" in scene.effects or any(value != 0 for value in held)):
+            raise UserError(
+                "nothing loads the body, so that nothing buckles it",
+                "effects.buckling",
+                "add [loads.NAME], [effects.gravity] or a support that moves the body",
+            )
+        return Decision(self, "" if scene.mesh.order else "second-order elements, for the first bend too stiffly", 2)
+
+
+def columns(scene: Scene) -> dict[str, Any]:
+    """The columns that a replay with buckling has besides: load factors, the numbers of their modes, counts."""
+    if "buckling" not in scene.effects:
+        return {}
+    modes = Buckling.model_validate(scene.effects["buckling"]).modes
+    factors = {f"mu_{k}": np.float64 for k in range(1, modes + 1)}
+    return {**factors, "track": "S80", "counted": np.int64, "missed": np.int64}
+
+
+LARGE_DEFORMATION = Effect(LargeDeformation, "large displacements and rotations, pressures that follow", fixed=True)
+
 application = Application(
     name="solid",
     summary="elastic solids in the plane, at rest",
     effects={
         "solid": Effect(Solid, "linear elasticity", required=True),
         "gravity": Effect(Gravity, "weight of the body"),
-        "large_deformation": Effect(LargeDeformation, "large displacements and rotations, pressures that follow"),
+        "large_deformation": LARGE_DEFORMATION,
+        "buckling": Effect(Buckling, "critical load factors and modes of buckling", fixed=True),
     },
     folder=Path(__file__).parent,
     analysis="restshape.analysis.nonlinear:static_analysis",
     validation="restshape_apps.solid.validation:CASES",
     thesis="restshape_apps.solid.thesis:rows",
     orders=(1, 2),
+    columns="restshape_apps.solid:columns",
 )

@@ -15,13 +15,15 @@ LIMIT = 1.0 / (3.0 * np.sqrt(3.0))
 
 
 def uniaxial(comm: PETSc.Comm) -> list[Check]:
-    """The stretch of a block under tension and pressure, and the pressure beyond which there is no equilibrium."""
+    """Stretch and stress of a block under tension and pressure, and the pressure that has no equilibrium any more."""
     source = "P / E = l (l^2 - 1) / 2, St. Venant and Kirchhoff with free sides"
     checks = []
     for stretch in (1.25, 1.1, 0.9, 0.8):
         load = stretch * (stretch**2 - 1) / 2
         row = still(SCENES / "uniaxial.toml", [f"parameters.P={load!r}", "solve.tolerance=1e-10"], comm).row
         checks.append(Check(f"stretch at P / E = {load:.4f}", 1.0 + row["q_longer"], stretch, 1e-8, source))
+        section = 1.0 - 0.3 * (stretch**2 - 1)
+        checks.append(Check("Cauchy's stress over E there", row["q_stress"], load / section, 1e-8, source))
     least, most = 0.85 * LIMIT, 1.2 * LIMIT
     while most - least > 1e-4 * LIMIT:
         middle = 0.5 * (least + most)

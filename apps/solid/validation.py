@@ -1,7 +1,8 @@
-"""Validation cases of linear solids: patch test, manufactured solution, hole, membrane, cantilever, reuse."""
+"""Validation cases of solids: patch test, manufactured solution, hole, membrane, cantilever, columns that buckle."""
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_apps.solid.buckling import columns, elastic_columns, homogeneity, large, ring
 from restshape_apps.solid.incompressible import incompressible
 from restshape_apps.solid.large import csm1, elastica, strip, uniaxial
 from restshape_apps.solid.prediction import slender
@@ -76,4 +77,9 @@ CASES: dict[str, Case] = {
     "strip": strip,
     "elastica": elastica,
     "csm1": csm1,
+    "columns": columns,
+    "elastic_columns": elastic_columns,
+    "ring": ring,
+    "critical_load": large,
+    "load_factors": homogeneity,
 }

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
-from restshape_apps.solid import Gravity, LargeDeformation, Solid
+from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
 from restshape.application import Application, Effect
 from restshape.scene.units import UnitError
@@ -94,10 +94,11 @@ application = Application(
         "ground": Effect(Ground, "ground that shakes at one frequency"),
         "damping": Effect(Damping, "Rayleigh damping"),
         "gravity": Effect(Gravity, "weight of the body, which acts at once"),
-        "large_deformation": Effect(LargeDeformation, "large displacements and rotations, pressures that follow"),
+        "large_deformation": LARGE_DEFORMATION,
     },
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.swinging:transient_analysis",
+    analysis="restshape.analysis.nonlinear_transient:transient_analysis",
     validation="restshape_apps.vibration.validation:CASES",
     orders=(1, 2),
+    transient=True,
 )

@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -24,11 +25,16 @@ void extrude_nodes(const Reals& plane, const Reals& thickness, int levels, doubl
     restshape::extrude_nodes(plane.data(), thickness.data(), n, levels, datum, X.mutable_data());
 }
 
-void split_prisms(const Ints& plane_cells, int layers, Ints cells, const std::optional<Chosen>& changed) {
+void split_prisms(const Ints& plane_cells, const Ints& places, int layers, Ints cells,
+                  const std::optional<Chosen>& changed) {
     const int width = plane_cells.ndim() == 2 ? static_cast<int>(plane_cells.shape(1)) : 0;
     if ((width != 3 && width != 6) || layers < 1)
         throw std::invalid_argument("plane_cells must be (ne, 3) or (ne, 6), with one layer or more");
     const restshape::PrismSplit prism(width, layers);
+    const py::ssize_t all = plane_cells.size();
+    const std::int32_t* nodes = plane_cells.data();
+    if (std::any_of(nodes, nodes + all, [n = places.size()](std::int32_t i) { return i < 0 || i >= n; }))
+        throw std::invalid_argument("places must be (n,), one a node of plane_cells");
     const py::ssize_t count = plane_cells.shape(0), block = 3 * layers * prism.nodes();
     if (cells.size() != count * block)
         throw std::invalid_argument("cells must be (3 * layers * ne, " + std::to_string(prism.nodes()) + ")");
@@ -38,7 +44,7 @@ void split_prisms(const Ints& plane_cells, int layers, Ints cells, const std::op
         const py::ssize_t e = changed ? changed->data()[k] : k;
         if (e < 0 || e >= count)
             throw std::invalid_argument("changed names cell " + std::to_string(e) + ", which does not exist");
-        prism.split(plane_cells.data() + width * e, out + block * e);
+        prism.split(nodes + width * e, places.data(), out + block * e);
     }
 }
 
@@ -48,8 +54,10 @@ void bind_extrude(py::module_& m) {
     m.def("extrude_nodes", &extrude_nodes, py::arg("plane").noconvert(), py::arg("thickness").noconvert(),
           py::arg("levels"), py::arg("datum"), py::arg("X").noconvert(),
           "Writes columns of nodes to X (n * levels, 3): z from -datum h to (1 - datum) h, h the thickness (n,) [m].");
-    m.def("split_prisms", &split_prisms, py::arg("plane_cells").noconvert(), py::arg("layers"),
-          py::arg("cells").noconvert(), py::arg("changed") = py::none(),
-          "Writes the tetrahedra over plane cells (ne, 3 or 6), or over the changed ones alone, to cells "
-          "(3 * layers * ne, 4 or 10); those of cell e begin at row 3 * layers * e.");
+    m.def(
+        "split_prisms", &split_prisms, py::arg("plane_cells").noconvert(), py::arg("places").noconvert(),
+        py::arg("layers"), py::arg("cells").noconvert(), py::arg("changed") = py::none(),
+        "Writes the tetrahedra over plane cells (ne, 3 or 6), or over the changed ones alone, to cells "
+        "(3 * layers * ne, 4 or 10); those of cell e begin at row 3 * layers * e. Diagonals go up from the node whose "
+        "place (n,) is smaller.");
 }

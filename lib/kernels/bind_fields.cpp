@@ -3,10 +3,12 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <vector>
 
 #include "field_recovery.hpp"
+#include "mesh_curved.hpp"
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;
@@ -58,34 +60,22 @@ double total_area(const Reals& X, const Ints& cells) {
     return sum;
 }
 
-// Twice the Jacobian of a straight or second-order triangle with these nodes' places at barycentric l.
-double jacobian(const double (*P)[2], int nodes, const double (&l)[3]) {
-    double d[6][2] = {{-1, -1}, {1, 0}, {0, 1}};
-    if (nodes == 6) {
-        const double at[6][2] = {{1 - 4 * l[0], 1 - 4 * l[0]},
-                                 {4 * l[1] - 1, 0},
-                                 {0, 4 * l[2] - 1},
-                                 {4 * (l[0] - l[1]), -4 * l[1]},
-                                 {4 * l[2], 4 * l[1]},
-                                 {-4 * l[2], 4 * (l[0] - l[2])}};
-        std::copy(&at[0][0], &at[0][0] + 12, &d[0][0]);
+// Tells whether det F <= 0 somewhere in a straight or second-order triangle with these nodes' places.
+bool inverted(const double (*P)[2], int nodes) {
+    if (nodes == 3) {
+        const double Q[6] = {P[0][0], P[0][1], P[1][0], P[1][1], P[2][0], P[2][1]};
+        const int cell[3] = {0, 1, 2};
+        return !(area(Q, cell) > 0.0);
     }
-    double F[2][2] = {};
-    for (int i = 0; i < nodes; ++i)
-        for (int a = 0; a < 2; ++a)
-            for (int k = 0; k < 2; ++k) F[a][k] += P[i][a] * d[i][k];
-    return F[0][0] * F[1][1] - F[0][1] * F[1][0];
+    double b[6];
+    restshape::jacobian_coefficients(P, b);
+    // All coefficients positive: so is the Jacobian.
+    if (std::all_of(b, b + 6, [](double value) { return value > 0.0; })) return false;
+    const bool numbers = std::all_of(b, b + 6, [](double value) { return std::isfinite(value); });
+    return !numbers || restshape::least_jacobian(b) <= 0.0;
 }
 
-// A second-order triangle is looked at in its six nodes.
-bool turned_over(const double (*P)[2], int nodes) {
-    constexpr double at[6][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {.5, .5, 0}, {0, .5, .5}, {.5, 0, .5}};
-    for (int k = 0; k < (nodes == 3 ? 1 : 6); ++k)
-        if (!(jacobian(P, nodes, at[k]) > 0.0)) return true;
-    return false;
-}
-
-py::array_t<int> turned_over_cells(const Reals& X, const Reals& u, const Ints& cells) {
+py::array_t<int> inverted_cells(const Reals& X, const Reals& u, const Ints& cells) {
     const int nodes = static_cast<int>(cells.shape(1));
     if ((nodes != 3 && nodes != 6) || X.size() != u.size() || X.shape(1) != 2)
         throw std::invalid_argument("X and u must be (n, 2), cells (ne, 3) or (ne, 6)");
@@ -96,7 +86,7 @@ py::array_t<int> turned_over_cells(const Reals& X, const Reals& u, const Ints& c
             const py::ssize_t node = cells.data()[nodes * e + i];
             for (int a = 0; a < 2; ++a) P[i][a] = X.data()[2 * node + a] + u.data()[2 * node + a];
         }
-        if (turned_over(P, nodes)) found.push_back(static_cast<int>(e));
+        if (inverted(P, nodes)) found.push_back(static_cast<int>(e));
     }
     return py::array_t<int>(static_cast<py::ssize_t>(found.size()), found.data());
 }
@@ -112,7 +102,7 @@ void bind_fields(py::module_& m) {
           py::arg("node_count"), "Cells (k,), ascending, of which a corner is one of the nodes.");
     m.def("total_area", &total_area, py::arg("X").noconvert(), py::arg("cells").noconvert(),
           "Sum of the signed areas of triangles of first or second order [m^2].");
-    m.def("turned_over_cells", &turned_over_cells, py::arg("X").noconvert(), py::arg("u").noconvert(),
+    m.def("inverted_cells", &inverted_cells, py::arg("X").noconvert(), py::arg("u").noconvert(),
           py::arg("cells").noconvert(),
-          "Cells (k,) that the displacement u (n, 2) turns over: det F <= 0, at a node where they are of second order.");
+          "Cells (k,) that the displacement u (n, 2) turns inside out: det F <= 0 somewhere in them.");
 }

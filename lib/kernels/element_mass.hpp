@@ -8,6 +8,17 @@
 
 namespace restshape {
 
+// x.Mx/2 of an element whose residual is M x.
+template <class Element, class SX, class Sx>
+Common<SX, Sx> inertial_energy(const SX* X, const Sx* x, const double* p) {
+    using R = Common<SX, Sx>;
+    R r[Element::nodes * Element::fields];
+    Element::residual(X, x, p, r);
+    R total(0.0);
+    for (int k = 0; k < Element::nodes * Element::fields; ++k) total += 0.5 * (x[k] * r[k]);
+    return total;
+}
+
 // Lumped mass: rows summed onto the diagonal; the basis functions sum to one. Not for second order, where the sums of
 // corners are 0.
 template <class Shape, int Fields>
@@ -33,12 +44,7 @@ struct LumpedMassElement {
 
     template <class SX, class Sx>
     static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
-        using R = Common<SX, Sx>;
-        R r[nodes * fields];
-        residual(X, x, p, r);
-        R total(0.0);
-        for (int k = 0; k < nodes * fields; ++k) total += 0.5 * (x[k] * r[k]);
-        return total;
+        return inertial_energy<LumpedMassElement>(X, x, p);
     }
 };
 
@@ -90,12 +96,7 @@ struct MassElement {
 
     template <class SX, class Sx>
     static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
-        using R = Common<SX, Sx>;
-        R r[nodes * fields];
-        residual(X, x, p, r);
-        R total(0.0);
-        for (int k = 0; k < nodes * fields; ++k) total += 0.5 * (x[k] * r[k]);
-        return total;
+        return inertial_energy<MassElement>(X, x, p);
     }
 };
 
@@ -123,12 +124,7 @@ struct SimplexMassElement {
 
     template <class SX, class Sx>
     static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
-        using R = Common<SX, Sx>;
-        R r[nodes * fields];
-        residual(X, x, p, r);
-        R total(0.0);
-        for (int k = 0; k < nodes * fields; ++k) total += 0.5 * (x[k] * r[k]);
-        return total;
+        return inertial_energy<SimplexMassElement>(X, x, p);
     }
 };
 
@@ -153,13 +149,7 @@ struct ScaledMassElement {
 
     template <class SX, class Sx>
     static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
-        using R = Common<SX, Sx>;
-        SX diagonal[nodes];
-        masses(X, p[0], diagonal);
-        R total(0.0);
-        for (int i = 0; i < nodes; ++i)
-            for (int a = 0; a < fields; ++a) total += (x[i * fields + a] * x[i * fields + a]) * (0.5 * diagonal[i]);
-        return total;
+        return inertial_energy<ScaledMassElement>(X, x, p);
     }
 
  private:

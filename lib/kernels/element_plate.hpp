@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "element_mass.hpp"
 #include "shapes.hpp"
 
 namespace restshape {
@@ -22,10 +23,13 @@ struct PlateParts {
     static constexpr int nodes = 3, dim = 3, fields = 3, unknowns = 9;
     static constexpr bool symmetric = true, has_tangent = true;
     static constexpr int stress_components = 0;
+    static constexpr int rim = 11;  // the first of three parameters
+    static constexpr double centre[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
 
-    // Stiffness in plane stress Q, shear moduli with their factor, density, load on the surface along z.
+    // Stiffness in plane stress Q, shear moduli with their factor, density, load on the surface along z, and 1 for
+    // each side that is free to twist: those without a neighbour, but for supports that hold the rotation along them.
     static std::vector<std::string> parameters() {
-        return {"Q11", "Q12", "Q22", "Q16", "Q26", "Q66", "k44", "k45", "k55", "rho", "q"};
+        return {"Q11", "Q12", "Q22", "Q16", "Q26", "Q66", "k44", "k45", "k55", "rho", "q", "rim01", "rim12", "rim20"};
     }
 
  protected:
@@ -169,6 +173,8 @@ struct PlateElement : PlateParts {
             add_shear(g, L, c, h * area, p, f);
             push(g, L, area * -p[10], f);
         }
+        for (int k = 0; k < 3; ++k)
+            if (p[rim + k] != 0.0) add_rim(g, X, k, x, c, p, f);
         gather(g, f, r);
     }
 
@@ -194,6 +200,8 @@ struct PlateElement : PlateParts {
             total += (gamma[0] * force[0] + gamma[1] * force[1]) * (h * area * 0.5);
             total -= deflection(g, L, x, c) * (area * p[10]);
         }
+        for (int k = 0; k < 3; ++k)
+            if (p[rim + k] != 0.0) total += rim_energy(g, X, k, x, c, p);
         return total;
     }
 
@@ -238,6 +246,12 @@ struct PlateElement : PlateParts {
         curvature(g, L, x, c, kappa);
         moments(kappa, p, m);
         for (int a = 0; a < 3; ++a) m[a] *= weight;
+        bend(g, L, m, f);
+    }
+
+    // Adds what moments do to the curvature at L.
+    template <class SX, class R>
+    static void bend(const Geometry<SX>& g, const double (&L)[3], const R (&m)[3], Forces<R>& f) {
         for (int i = 0; i < 3; ++i) {
             f.beta[i][0] += m[0] * g.G[i][0] + m[2] * g.G[i][1];
             f.beta[i][1] += m[1] * g.G[i][1] + m[2] * g.G[i][0];
@@ -249,6 +263,59 @@ struct PlateElement : PlateParts {
                 m[0] * (g.d[k][0] * s[0]) + m[1] * (g.d[k][1] * s[1]) + m[2] * (g.d[k][0] * s[1] + g.d[k][1] * s[0]);
             f.c[k] += along * g.bend[k];
         }
+    }
+
+    // Along a free side the twisting moment dies away within a layer of width delta, delta^2 being twist over shear
+    // stiffness, which takes the energy delta m^2/(2 h^3/12 Q66) from a unit of length. A triangle of height t resolves
+    // the share 1/(1 + t^2/(6 delta^2)) of it, by comparison with strips in torsion; the rest is taken here. With the
+    // moment of the mean curvature a side takes at most delta/t 2/(1 + 6 delta^2/t^2) < 0.41 of the triangle's energy,
+    // so that two of them leave it stiff.
+    template <class SX>
+    struct Rim {
+        SX v[3], weight;  // the twisting moment is v . m; -weight/2 its square, of moments a unit of h^3/12, the energy
+    };
+
+    template <class SX>
+    static Rim<SX> rim_of(const Geometry<SX>& g, const SX* X, int k, const double* p) {
+        using std::sqrt;
+        const SX xx = g.d[k][0] * g.d[k][0], yy = g.d[k][1] * g.d[k][1], xy = g.d[k][0] * g.d[k][1];
+        const SX inverse = 1.0 / g.square[k], h = thickness(centre, X);
+        Rim<SX> side{{-xy * inverse, xy * inverse, (xx - yy) * inverse}, SX(0.0)};
+        SX turned[3];
+        moments(side.v, p, turned);
+        const SX twist = side.v[0] * turned[0] + side.v[1] * turned[1] + side.v[2] * turned[2];
+        const SX shear = (xx * p[8] + yy * p[6] + xy * (2 * p[7])) * inverse;
+        const SX width2 = (h * h) * twist / (12.0 * shear), height2 = g.twice_area * g.twice_area * inverse;
+        const SX missing = sqrt(width2) * height2 / (height2 + 6.0 * width2);
+        side.weight = missing * sqrt(g.square[k]) * (h * h * h) * (p[rim + k] / 12) / twist;
+        return side;
+    }
+
+    template <class SX, class Sx, class R>
+    static R rim_moment(const Geometry<SX>& g, const Rim<SX>& side, const Sx* x, const R (&c)[3], const double* p) {
+        R kappa[3], m[3];
+        curvature(g, centre, x, c, kappa);
+        moments(kappa, p, m);
+        return m[0] * side.v[0] + m[1] * side.v[1] + m[2] * side.v[2];
+    }
+
+    template <class SX, class Sx, class R>
+    static void add_rim(const Geometry<SX>& g, const SX* X, int k, const Sx* x, const R (&c)[3], const double* p,
+                        Forces<R>& f) {
+        const Rim<SX> side = rim_of(g, X, k, p);
+        const R twisting = rim_moment(g, side, x, c, p);
+        SX turned[3];
+        moments(side.v, p, turned);
+        R m[3];
+        for (int a = 0; a < 3; ++a) m[a] = -(twisting * (turned[a] * side.weight));
+        bend(g, centre, m, f);
+    }
+
+    template <class SX, class Sx, class R>
+    static R rim_energy(const Geometry<SX>& g, const SX* X, int k, const Sx* x, const R (&c)[3], const double* p) {
+        const Rim<SX> side = rim_of(g, X, k, p);
+        const R twisting = rim_moment(g, side, x, c, p);
+        return (twisting * twisting) * (-0.5 * side.weight);
     }
 
     // Li grad Lj - Lj grad Li times g_k by c_k.
@@ -317,12 +384,7 @@ struct PlateMassElement : PlateParts {
 
     template <class SX, class Sx>
     static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
-        using R = Common<SX, Sx>;
-        R r[unknowns];
-        residual(X, x, p, r);
-        R total(0.0);
-        for (int k = 0; k < unknowns; ++k) total += 0.5 * (x[k] * r[k]);
-        return total;
+        return inertial_energy<PlateMassElement>(X, x, p);
     }
 
  private:

@@ -4,6 +4,7 @@
 #include "element.hpp"
 #include "element_anisotropic.hpp"
 #include "element_dilatation.hpp"
+#include "element_geometric.hpp"
 #include "element_mass.hpp"
 #include "element_plate.hpp"
 #include "element_pressure.hpp"
@@ -26,6 +27,9 @@ const std::vector<Element>& elements() {
         element_of<SolidElement<Tet10, StVenantKirchhoff<3>>>("stvk_tet10"),
         element_of<DilatationElement<Tri6Small, LinearElastic<2>>>("linear_elastic_dilatation_tri6"),
         element_of<DilatationElement<Tri6, StVenantKirchhoff<2>>>("stvk_dilatation_tri6"),
+        element_of<GeometricElement<Tri3, false>>("geometric_tri3"),
+        element_of<GeometricElement<Tri6, false>>("geometric_tri6"),
+        element_of<GeometricElement<Tri6, true>>("geometric_dilatation_tri6"),
         element_of<AnisotropicElement<Tri3>>("anisotropic_tri3"),
         element_of<AnisotropicElement<Tri6Small>>("anisotropic_tri6"),
         element_of<AnisotropicElement<Tet4>>("anisotropic_tet4"),

@@ -21,10 +21,10 @@ inline void extrude_nodes(const double* plane, const double* thickness, std::ptr
         }
 }
 
-// Splits prisms by the order of their plane nodes, so that neighbours agree on the diagonals of the sides between them:
-// each goes up from the node of the smaller number, in every other layer down. Two layers are thus mirror images.
-// Source: Dompierre, Labbe, Vallet and Camarero, How to subdivide pyramids, prisms and hexahedra into tetrahedra
-// (1999).
+// Splits prisms by the places of their plane nodes in some order, so that neighbours agree on the diagonals of the
+// sides between them: each goes up from the node of the smaller place, in every other layer down. Two layers are thus
+// mirror images. Source: Dompierre, Labbe, Vallet and Camarero, How to subdivide pyramids, prisms and hexahedra into
+// tetrahedra (1999).
 class PrismSplit {
  public:
     // Plane cells have 3 or 6 nodes; tetrahedra of the same order come out.
@@ -33,10 +33,10 @@ class PrismSplit {
     int nodes() const { return quadratic_ ? 10 : 4; }
     int levels() const { return quadratic_ ? 2 * layers_ + 1 : layers_ + 1; }
 
-    // Writes the 3 * layers tetrahedra over one plane cell.
-    void split(const std::int32_t* cell, std::int32_t* out) const {
+    // Writes the 3 * layers tetrahedra over one plane cell; `places` are those of all plane nodes.
+    void split(const std::int32_t* cell, const std::int32_t* places, std::int32_t* out) const {
         int order[3] = {0, 1, 2};
-        std::sort(order, order + 3, [cell](int a, int b) { return cell[a] < cell[b]; });
+        std::sort(order, order + 3, [cell, places](int a, int b) { return places[cell[a]] < places[cell[b]]; });
         const bool even = (order[1] - order[0] + 3) % 3 == 1;
         for (int layer = 0; layer < layers_; ++layer)
             for (int t = 0; t < 3; ++t, out += nodes()) write(cell, order, layer, t, even == (layer % 2 == 0), out);
@@ -49,7 +49,7 @@ class PrismSplit {
 
     void write(const std::int32_t* cell, const int (&order)[3], int layer, int t, bool upright,
                std::int32_t* out) const {
-        // Corners by rank of their number, and whether at the end of the diagonals' way.
+        // Corners by rank of their places, and whether at the end of the diagonals' way.
         static constexpr int tets[3][4][2] = {
             {{0, 0}, {1, 0}, {2, 0}, {2, 1}}, {{0, 0}, {1, 0}, {2, 1}, {1, 1}}, {{0, 0}, {0, 1}, {1, 1}, {2, 1}}};
         Corner corner[4];

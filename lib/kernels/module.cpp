@@ -15,6 +15,7 @@ void bind_order(py::module_&);
 void bind_outline(py::module_&);
 void bind_space(py::module_&);
 void bind_fields(py::module_&);
+void bind_thickness(py::module_&);
 void bind_second_order(py::module_&);
 
 PYBIND11_MODULE(_kernels, m) {
@@ -31,5 +32,6 @@ PYBIND11_MODULE(_kernels, m) {
     bind_outline(m);
     bind_space(m);
     bind_fields(m);
+    bind_thickness(m);
     bind_second_order(m);
 }

@@ -53,11 +53,13 @@ class Effect:
         model: pydantic model of the keys that ``[effects.NAME]`` may hold; it may be `Deciding`.
         summary: one line for people.
         required: the application makes no sense without it.
+        fixed: the analysis is another one with it, so that an edit can switch it neither on nor off.
     """
 
     model: type[BaseModel]
     summary: str
     required: bool = False
+    fixed: bool = False
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ class Application:
         layered: bodies have a thickness, which may be a formula, and layers of elements over it.
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
+        transient: a frame goes on from the one before it, so that none can be left out.
     """
 
     name: str
@@ -90,6 +93,7 @@ class Application:
     directions: tuple[str, ...] = ("x", "y")
     layered: bool = False
     columns: str = ""
+    transient: bool = False
 
     def make_analysis(self) -> Callable[..., Any]:
         """The factory of this application's analysis, imported now."""
@@ -99,9 +103,9 @@ class Application:
         """The validation cases by name, imported now."""
         return _attribute(self.validation) if self.validation else {}
 
-    def thesis_rows(self) -> list[dict[str, Any]]:
-        """The thesis's numbers beside ours, measured now."""
-        return _attribute(self.thesis)() if self.thesis else []
+    def thesis_rows(self, timed: bool = True) -> list[dict[str, Any]]:
+        """The thesis's numbers beside ours, measured now; not `timed`: those alone that no clock decides."""
+        return _attribute(self.thesis)(timed) if self.thesis else []
 
     def own_columns(self, scene: Scene) -> dict[str, Any]:
         """Names and types of the columns that only this application has."""

@@ -77,10 +77,6 @@ class Calibration:
         """Seconds of a factor on a new pattern; arguments as in `iteration_seconds`."""
         return self.symbolic_nonzero * filled + self.refresh_seconds(unknowns, nonzeros, filled)
 
-    def assembly_seconds(self, elements: int) -> float:
-        """Seconds of new values for a matrix of that many first-order triangles."""
-        return self.element * elements
-
     def as_dict(self) -> dict[str, Any]:
         """The content of a calibration file, as a recording keeps it too."""
         seconds = asdict(self)

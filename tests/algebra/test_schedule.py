@@ -7,7 +7,7 @@ import pytest
 from petsc4py import PETSc
 from small_scenes import across, drag, plate, write_scene, write_script
 
-from restshape.algebra.schedule import best_schedule, schedule_cost
+from restshape.algebra.schedule import best_schedule
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
@@ -42,7 +42,6 @@ def test_no_schedule_is_better(n, pairwise):
         cost, refreshes = best_schedule(refresh, frame)
         assert cost == pytest.approx(min(by_hand(s, refresh, frame) for s in every(n)))
         assert cost == pytest.approx(by_hand(refreshes, refresh, frame))
-        assert schedule_cost(list(refreshes), refresh, frame) == pytest.approx(cost)
 
 
 def test_frames_out_of_reach_are_never_used():

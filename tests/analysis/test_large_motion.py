@@ -17,6 +17,14 @@ def swinging(tmp_path, *parts, name="auto", dt=0.01, steps=5, script=None, **mor
     return make_replay(tower(tmp_path, SOFT, LARGE, dynamics(dt, steps), *parts, **more), script, name)
 
 
+def work_of_weight(analysis, g):
+    """What gravity along x has done on the tower [J]: on a triangle, what it does at its centre."""
+    X, cells = analysis.mesh.X, analysis.mesh.cells
+    corners = X[cells]
+    areas = 0.5 * np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    return 0.1 * 1000 * g * float(areas @ analysis.x[cells, 0].mean(axis=1))
+
+
 @pytest.mark.parametrize("settings", [{}, {"beta": 0.3, "gamma": 0.55}])
 @pytest.mark.parametrize("damped", ["", DAMPED])
 def test_a_small_motion_is_linear(tmp_path, damped, settings):
@@ -42,11 +50,7 @@ def test_energy_is_the_work_of_gravity(tmp_path):
         for _ in range(3):
             idle(made)
         analysis = made.analysis
-        # The weight's work on a triangle is that at its centre.
-        cells = analysis.mesh.cells
-        areas = analysis.mesh.X[cells]
-        areas = 0.5 * np.abs(np.cross(areas[:, 1] - areas[:, 0], areas[:, 2] - areas[:, 0]))
-        work = 0.1 * 1000 * 15 * float(areas @ analysis.x[cells, 0].mean(axis=1))
+        work = work_of_weight(analysis, 15)
         found.append(abs(analysis.energy() - work) / analysis.energy())
     assert found[1] < 1e-3 and found[1] < 0.5 * found[0]
 
@@ -58,6 +62,35 @@ def test_a_step_too_long_is_refused(tmp_path):
     refused = [row["refused"] for row in rows if row["refused"]]
     assert refused and "time_step smaller" in refused[0]
     assert np.isfinite(made.analysis.x).all()
+
+
+@pytest.mark.parametrize("edited", [False, True])
+def test_energy_gained_little_by_little_is_refused(tmp_path, edited):
+    # A side of the tower is dragged by very little in each frame, or nothing is.
+    frames, start = 90, (1.0, 1.0)
+    path = across(start, (1.0 + 1e-7, 1.0), frames)
+    events = drag("right", start, path) if edited else [{"do": "idle", "frames": frames}]
+    slower = {"do": "set", "key": "effects.dynamics.time_step", "value": 1e-3}
+    script = write_script(tmp_path, [*events, slower, {"do": "idle", "frames": 4}])
+    made = swinging(tmp_path, gravity(25, 0), dt=0.1, steps=1, script=script)
+    energies, gains = [], []
+
+    def look(row):
+        energies.append(made.analysis.energy())
+        gains.append(energies[-1] - work_of_weight(made.analysis, 25))
+
+    rows = rows_of(made, look)
+    refused = [k for k, row in enumerate(rows) if row["refused"]]
+    assert "gained" in rows[refused[0]]["refused"] and "time_step smaller" in rows[refused[0]]["refused"]
+    shown = slice(0, refused[0])
+    largest = np.maximum.accumulate(energies)
+    # No frame gained much by itself, and none is shown in which all has grown by more than half of what was there.
+    assert np.diff(gains[shown]).max() < 0.1 * largest[-1]
+    assert np.all(gains[shown] <= 0.51 * (largest[shown] - gains[shown])) and max(gains[shown]) > 0.1 * largest[-1]
+    # Nothing goes on until the step is made smaller, and then it does.
+    last = next(k for k, row in enumerate(rows) if row["do"] == "set")
+    assert refused == list(range(refused[0], last))
+    assert np.ptp(np.array(gains)[last:]) < 1e-3 * largest[-1]
 
 
 @pytest.mark.parametrize("name", POLICIES)

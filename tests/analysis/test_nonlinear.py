@@ -52,6 +52,17 @@ def test_an_even_stretch_is_met_in_every_frame_of_a_drag(tmp_path, name):
         assert row["residual"] < 1.5e-11
 
 
+@pytest.mark.parametrize("predict", ["none", "linear"])
+def test_the_residual_that_is_told_is_that_of_the_displacement(tmp_path, predict):
+    made = bent(tmp_path, predict=predict)
+    for row in made.frames():
+        analysis = made.analysis
+        lacking = np.linalg.norm(analysis.equations.whole_residual(analysis.x))
+        # Predicted frames are held against the load of the last solved one.
+        load = analysis.scale if row["predicted"] else np.linalg.norm(analysis.equations.load())
+        assert row["residual"] == pytest.approx(lacking / load, rel=1e-6)
+
+
 @pytest.mark.parametrize("angle", [0.3, 1.0])
 def test_a_turned_body_has_no_energy(tmp_path, angle):
     made = make_replay(write_scene(tmp_path, held_all_around(turned(angle))))

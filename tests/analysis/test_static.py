@@ -2,22 +2,25 @@
 
 import numpy as np
 import pytest
-from small_scenes import HEAD, HOLE, across, block, drag, make_replay, meshed, rows_of, write_scene, write_script
+from small_scenes import (
+    HEAD,
+    HOLE,
+    PATCH,
+    PATCH_GRADIENT,
+    across,
+    block,
+    drag,
+    make_replay,
+    meshed,
+    rows_of,
+    write_scene,
+    write_script,
+)
 
 from restshape.analysis.guess import Guess
 from restshape.policy import POLICIES
 
-A = np.array([[1e-3, 4e-4], [-2e-4, 7e-4]])
-PATCH = (
-    HEAD
-    + block()
-    + HOLE
-    + '[material.m]\nE = 1e9\nnu = 0.3\n[effects.solid]\nmodel = "plane_strain"\n'
-    + '[supports.round]\non = ["outline", "window"]\n'
-    + 'fix = { x = "1*(1e-3*x + 4e-4*y)", y = "1*(-2e-4*x + 7e-4*y)" }\n'
-    + "[solve]\ntolerance = 1e-12\n"
-    + meshed(0.12)
-)
+A = np.array(PATCH_GRADIENT)
 
 
 @pytest.mark.parametrize("name", POLICIES)

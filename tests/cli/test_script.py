@@ -4,43 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from small_scenes import CURVED
 
 from restshape.cli.main import main
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
 from restshape.shape.session import EditSession
-
-SCENE = """
-format = "restshape-scene"
-version = 1
-app = "solid"
-[shape]
-outline = ["bottom", "right", "top", "left"]
-groups.pair = ["window", "top"]
-[shape.vertices]
-a = [0, 0]
-b = [2, 0]
-c = [2, 1]
-d = [0, 1]
-[shape.edges]
-bottom = { line = ["a", "b"] }
-right = { arc = ["b", "c"], through = [2.2, 0.5] }
-top = { spline = ["c", "d"], through = [[1.5, 1.1], [0.5, 1.1]] }
-left = { line = ["d", "a"] }
-[shape.holes.window]
-circle = { center = [0.5, 0.5], radius = 0.2 }
-[material.steel]
-E = "210 GPa"
-nu = 0.3
-[supports.left]
-on = "left"
-fix = ["x", "y"]
-[loads.right]
-on = "right"
-traction = [1e6, 0]
-[mesh]
-size = 0.1
-"""
 
 LINES = [
     "hole window by 0.8 0 in 160 frames, hand-like",
@@ -64,7 +33,7 @@ LINES = [
 
 @pytest.fixture
 def scene(tmp_path):
-    (tmp_path / "plate.toml").write_text(SCENE)
+    (tmp_path / "plate.toml").write_text(CURVED)
     return tmp_path / "plate.toml"
 
 

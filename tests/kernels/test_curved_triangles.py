@@ -75,6 +75,74 @@ def test_turned_over_cell_is_invalid():
     assert bound(UNIT[[0, 2, 1, 5, 4, 3]]) == pytest.approx(-1.0)
 
 
+def inverted(places: np.ndarray) -> bool:
+    """Whether a displacement of the unit triangle to these places inverts it somewhere."""
+    found = k.inverted_cells(UNIT, np.ascontiguousarray(places - UNIT), CELL)
+    assert list(found) in ([], [0])
+    return len(found) == 1
+
+
+def test_inversion_between_the_nodes_is_seen():
+    """x = r xi - xi^2 / 2, y = (s - xi) eta: the determinant (r - xi)(s - xi) is negative between r and s only."""
+    xi, eta = UNIT.T
+
+    def squeezed(r, s):
+        return np.column_stack([r * xi - 0.5 * xi**2, (s - xi) * eta])
+
+    for r, s in ((0.6, 0.9), (0.1, 0.4)):
+        assert jacobian(squeezed(r, s), UNIT).min() > 0.03
+        assert inverted(squeezed(r, s))
+    assert not inverted(squeezed(1.1, 1.2)) and inverted(squeezed(1.1, 0.9))
+
+
+def test_inversion_inside_is_seen():
+    """x + i y = z - z^2 / (2 z0) - c (conjugate of z - z0) has the determinant |1 - z / z0|^2 - c^2, least at z0."""
+    z = UNIT @ [1, 1j]
+    z0 = 0.3 + 0.3j
+
+    def folded(c):
+        w = z - z * z / (2 * z0) - c * np.conj(z - z0)
+        return np.column_stack([w.real, w.imag])
+
+    # The nodes, all corners and the middles of all sides, are further from z0 than 0.2 |z0|.
+    assert jacobian(folded(0.2), UNIT).min() > 0
+    assert inverted(folded(0.2)) and inverted(folded(0.01))
+
+
+def test_a_bound_that_is_too_low_inverts_nothing():
+    """z - z^2 / (2 z0) has the determinant |1 - z / z0|^2, positive but at z0: just beside the middle of a side."""
+    z, z0 = UNIT @ [1, 1j], 0.4 - 0.05j
+    w = z - z * z / (2 * z0)
+    places = np.column_stack([w.real, w.imag])
+    assert bound(places) < -0.5
+    assert not inverted(places)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(st.floats(-0.3, 0.3), min_size=12, max_size=12))
+def test_a_cell_is_inverted_where_its_jacobian_is(moves):
+    X = UNIT + np.reshape(moves, (6, 2))
+    grid = np.array([(i / 60, j / 60) for i in range(61) for j in range(61 - i)])
+    least = jacobian(X, grid).min()
+    # A quadratic lies below its values at the points of a grid by an eighth of its curvature over a step at most.
+    corners = jacobian(X, UNIT)
+    curvature = 16 * np.abs(corners).sum()
+    if least <= 0:
+        assert inverted(X)
+    elif least > curvature / 8 * (2 / 60**2):
+        assert not inverted(X)
+
+
+def test_what_has_no_number_is_inverted():
+    for i in range(6):
+        places = UNIT.copy()
+        places[i, 1] = np.nan
+        assert inverted(places)
+    straight = np.ascontiguousarray(CELL[:, :3])
+    assert list(k.inverted_cells(UNIT, np.zeros_like(UNIT), straight)) == []
+    assert list(k.inverted_cells(UNIT, np.full_like(UNIT, np.nan), straight)) == [0]
+
+
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.floats(-0.3, 0.3), min_size=12, max_size=12))
 def test_bound_is_below_the_jacobian_everywhere(moves):

@@ -50,7 +50,7 @@ def reference(element: str, X, x, cells, params, constrained) -> tuple[np.ndarra
     return K, np.where(fixed, 0.0, -residual.ravel())
 
 
-PLATE = np.array([2.0, 0.5, 1.5, 0.1, -0.2, 0.6, 0.4, 0.1, 0.5, 3.0, 0.2])
+PLATE = np.array([2.0, 0.5, 1.5, 0.1, -0.2, 0.6, 0.4, 0.1, 0.5, 3.0, 0.2, 1.0, 0.0, 1.0])
 
 
 def plate_of(box: tuple[np.ndarray, np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -40,7 +40,8 @@ class TestPlate(PlateCase):
 
     def test_rigid_motions_need_no_force(self, element):
         out = np.zeros((3, 3))
-        p = np.array([*self.params[:-1], 0.0])
+        p = self.p
+        p[10] = 0.0
         element.residual(self.X, rigid(self.X, 0.3, -0.7, 1.1), self.cells, p, out)
         np.testing.assert_allclose(out, 0.0, atol=1e-15)
 
@@ -53,6 +54,12 @@ class TestPlate(PlateCase):
         area = np.linalg.det(np.column_stack([np.ones(3), TRI3])) / 2
         force = -self.residual(element, self.X, np.zeros((3, 3)))
         np.testing.assert_allclose(force[:, 0].sum(), 0.4 * area, rtol=1e-13)
+
+
+class TestPlateWithFreeSides(TestPlate):
+    """All three: what they take leaves the element stiff."""
+
+    params = (*plate_params(WOOD, 0.7, load=0.4)[:11], 1.0, 1.0, 1.0)
 
 
 class TestWoodenPlate(TestPlate):
@@ -108,3 +115,40 @@ def test_thick_patch_holds_a_constant_shear(C):
     energy = k.Element("plate_tri3").energy(X, u, cells, p).sum()
     shear = np.array([-0.2, 0.6])
     np.testing.assert_allclose(energy, thickness / 2 * shear @ (5 / 6 * C[3:5, 3:5]) @ shear, rtol=1e-6)
+
+
+@pytest.mark.parametrize("sides, left", [(1, 0.59), (2, 0.18)])
+def test_free_sides_leave_triangles_stiff(sides, left):
+    """Each takes at most 2/(sqrt(6) 2) = 0.41 of the energy of any motion, whatever the triangle and the grain."""
+    rng, element, least = np.random.default_rng(3), k.Element("plate_tri3"), 1.0
+    for _ in range(400):
+        corners = rng.uniform(0, 1, (3, 2))
+        if np.linalg.det(corners[1:] - corners[0]) < 0.05:
+            continue
+        X = np.column_stack([corners, np.full(3, 10 ** rng.uniform(-2, 0.5))])
+        p = plate_params(
+            isotropic(1.0, rng.uniform(0, 0.45)) if rng.random() < 0.5 else turned(WOOD, rng.uniform(0, 3)), 1
+        )
+        free = p.copy()
+        free[11 : 11 + sides] = 1.0
+        size, motions = np.linalg.eigh(element.tangent_block(X, np.zeros((3, 3)), p))
+        motions = motions[:, 3:] / np.sqrt(size[3:])
+        least = min(
+            least, np.linalg.eigvalsh(motions.T @ element.tangent_block(X, np.zeros((3, 3)), free) @ motions)[0]
+        )
+    assert left - 1e-6 < least < 0.9
+
+
+def test_free_side_takes_the_energy_of_its_layer():
+    """Pure twist of a triangle far wider than thick: delta h^3/12 G kappa^2/2 a length, delta = h/sqrt(10)."""
+    h, G, kappa = 1e-4, 0.8, 0.3
+    x, y = TRI3.T
+    u = np.column_stack([kappa * x * y / 2, kappa * x / 2, -kappa * y / 2])
+    X, cells = np.column_stack([TRI3, np.full(3, h)]), np.array([[0, 1, 2]], np.int32)
+    p = plate_params(isotropic(2 * G * 1.25, 0.25), 1.0)
+    element, side = k.Element("plate_tri3"), TRI3[1] - TRI3[0]
+    free = p + np.eye(len(p))[11]
+    taken = element.energy(X, u, cells, p)[0] - element.energy(X, u, cells, free)[0]
+    length = np.linalg.norm(side)
+    twist = kappa * (side[0] ** 2 - side[1] ** 2) / length**2
+    np.testing.assert_allclose(taken, h / np.sqrt(10) * h**3 / 12 * G * twist**2 / 2 * length, rtol=1e-6)

@@ -106,3 +106,16 @@ def random_square(points: np.ndarray) -> Mesh:
     turned = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] < 0
     cells[turned] = cells[turned][:, ::-1]
     return mesh_of(polygon_outline(SQUARE), X, cells)
+
+
+def qualities(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Inscribed radius over longest edge (ne,), 1 for an equilateral triangle; negative where inverted."""
+    return 2 * np.sqrt(3) / author_ratios(X, cells)
+
+
+def author_ratios(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Longest edge x half perimeter / area (ne,), 2 sqrt(3) for an equilateral triangle; negative where inverted."""
+    corners = X[cells]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return sides.max(axis=1) * sides.sum(axis=1) / (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])

@@ -204,3 +204,22 @@ def test_reseated_field_is_the_old_one_at_the_new_place():
     body.follow(changed)
     assert flips > 0
     np.testing.assert_allclose(after, field(body.X), atol=1e-12)
+
+
+def test_rim_of_a_plate_is_its_boundary_also_after_flips():
+    """Sides of triangles without a neighbour: those of the outline and of holes, not those of regions."""
+    hole, region = [[0.2, 0.2], [0.4, 0.2], [0.4, 0.4], [0.2, 0.4]], [[0.6, 0.6], [0.9, 0.6], [0.9, 0.9]]
+    mesh = generate(polygon_outline(SQUARE, holes={"h": hole}, regions={"r": region}), MeshSpec(size=0.12))
+    plate = PlateMesh(mesh, 0.1)
+
+    def lonely():
+        sides = np.sort(np.stack([mesh.cells, np.roll(mesh.cells, -1, axis=1)], axis=2), axis=2)
+        _, index, count = np.unique(sides.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True)
+        return (count[index] == 1).reshape(-1, 3)
+
+    np.testing.assert_array_equal(plate.rim(), lonely())
+    mesh.X[:, 0] += 0.9 * mesh.X[:, 1]
+    flips, changed = Reconnection(mesh).flip(mesh.X)
+    plate.follow(changed)
+    assert flips > 0
+    np.testing.assert_array_equal(plate.rim(), lonely())

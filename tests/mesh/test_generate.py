@@ -6,6 +6,7 @@ import threading
 
 import numpy as np
 import pytest
+from mesh_samples import qualities
 
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.generate import generate
@@ -67,13 +68,6 @@ def doubled_areas(mesh: Mesh) -> np.ndarray:
     return np.cross(b - a, c - a)
 
 
-def qualities(mesh: Mesh) -> np.ndarray:
-    """Inscribed radius over the longest side, 1 for equilateral triangles."""
-    corners = [mesh.X[mesh.cells[:, i]] for i in range(3)]
-    sides = np.array([np.linalg.norm(corners[i] - corners[i - 1], axis=1) for i in range(3)])
-    return 2 * np.sqrt(3) * doubled_areas(mesh) / sides.sum(axis=0) / sides.max(axis=0)
-
-
 @pytest.mark.parametrize("name", SHAPES)
 def test_mesh_fills_its_outline(name):
     make, spec, worst = SHAPES[name]
@@ -82,7 +76,7 @@ def test_mesh_fills_its_outline(name):
     holes = sum(loop.kind == "hole" for loop in outline.loops)
     assert mesh.n_nodes - len(mesh.edge_nodes) + mesh.n_cells == 1 - holes
     assert doubled_areas(mesh).min() > 0
-    assert qualities(mesh).min() > worst
+    assert qualities(mesh.X, mesh.cells).min() > worst
     # A chord of length h cuts off about h^3 / (12 r) from a bend of radius r.
     straight = all(edge.kind == "line" for edge in outline.edges)
     assert 0.5 * doubled_areas(mesh).sum() == pytest.approx(outline.area(), rel=1e-12 if straight else 0.01)

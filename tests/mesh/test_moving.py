@@ -4,13 +4,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mesh_samples import SQUARE, mesh_of, polygon_outline
+from mesh_samples import SQUARE, author_ratios, mesh_of, polygon_outline, qualities
 
 from restshape.errors import ReplayProblem
 from restshape.mesh import moving
 from restshape.mesh.mesh import cells_left_of, edges_of_cells
 from restshape.mesh.moving import Advance, MovingMesh
-from restshape.mesh.quality import areas, author_ratios, qualities
+from restshape.mesh.quality import areas
 from restshape.mesh.reconnect import edges_between
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.shape import gesture as gestures

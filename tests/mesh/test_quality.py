@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from mesh_samples import l_mesh
+from mesh_samples import author_ratios, l_mesh, qualities
 
 from restshape import _kernels
-from restshape.mesh.quality import author_ratios, qualities, thresholds
+from restshape.mesh.quality import thresholds
 
 ONE = np.array([[0, 1, 2]], dtype=np.int32)
 EQUILATERAL = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, np.sqrt(3) / 2]])

@@ -6,7 +6,8 @@ from restshape.physics.pitch import frequency_of, note
 
 
 @pytest.mark.parametrize(
-    "frequency, name", [(440.0, "A4"), (261.6256, "C4"), (523.2511, "C5"), (27.5, "A0"), (4186.009, "C8"), (987.7666, "B5")]
+    "frequency, name",
+    [(440.0, "A4"), (261.6256, "C4"), (523.2511, "C5"), (27.5, "A0"), (4186.009, "C8"), (987.7666, "B5")],
 )
 def test_tones_of_the_piano(frequency, name):
     found, cents = note(frequency)

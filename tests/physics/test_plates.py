@@ -8,7 +8,7 @@ from vibrating_bodies import disc, lowest, matrix, rectangle
 
 from restshape import _kernels
 from restshape.mesh.plate import PlateMesh
-from restshape.physics.elasticity import isotropic, orthotropic, plane_stress, plate_params, turned
+from restshape.physics.elasticity import FREE_SIDES, isotropic, orthotropic, plane_stress, plate_params, turned
 from restshape.scene.expressions import Expression
 
 NU = 0.3
@@ -24,13 +24,14 @@ class Plate:
 
     Args:
         mesh: its triangles; thickness: number or formula [m]; C: stiffness (6, 6) [Pa]; rho: density [kg/m^3].
-        load: along z [Pa]; factor: of the shear moduli.
+        load: along z [Pa]; factor: of the shear moduli; free: sides of the boundary may twist.
     """
 
-    def __init__(self, mesh, thickness, C, rho=1.0, load=0.0, factor=5 / 6):
+    def __init__(self, mesh, thickness, C, rho=1.0, load=0.0, factor=5 / 6, free=True):
         self.body = PlateMesh(mesh, thickness)
         self.X, self.cells = self.body.X, self.body.cells
-        self.params = plate_params(C, rho, load, factor)
+        self.params = np.tile(plate_params(C, rho, load, factor), (len(self.cells), 1))
+        self.params[:, FREE_SIDES[0]] = free and self.body.rim()
         self.K = matrix("plate_tri3", self.X, self.cells, self.params)
         self.M = matrix("mass_plate_tri3", self.X, self.cells, self.params)
         self.held = np.zeros((len(self.X), 3), dtype=bool)
@@ -69,7 +70,7 @@ def test_thin_square_under_pressure_does_not_lock(thickness):
     """w_max D / (q a^4) is 0.00406235 with supported edges and 0.00126532 with clamped ones, at any thinness."""
     mesh = rectangle(1, 1, 0.05)
     for clamped, exact, tolerance in ((False, 0.00406235266, 2e-3), (True, 0.00126532, 6e-3)):
-        plate = Plate(mesh, thickness, UNIT, load=1.0).supported(*ALL, clamped=clamped)
+        plate = Plate(mesh, thickness, UNIT, load=1.0, free=False).supported(*ALL, clamped=clamped)
         assert plate.deflection()[:, 0].max() * thickness**3 == pytest.approx(exact, rel=tolerance)
 
 
@@ -77,7 +78,8 @@ def test_disc_under_pressure():
     """q a^4 / 64 D where it is clamped, times (5 + nu)/(1 + nu) where it is supported (softly, for it is round)."""
     mesh = disc(1.0, 0.1)
     for clamped, exact in ((True, 1 / 64), (False, (5 + NU) / (1 + NU) / 64)):
-        plate = Plate(mesh, 1e-3, UNIT, load=1.0).supported("outline", clamped=clamped, hard=False)
+        plate = Plate(mesh, 1e-3, UNIT, load=1.0, free=not clamped)
+        plate.supported("outline", clamped=clamped, hard=False)
         assert plate.deflection()[:, 0].max() * 1e-9 == pytest.approx(exact, rel=0.01)
 
 
@@ -93,14 +95,14 @@ def test_free_plate_of_the_benchmark_fv12():
     """NAFEMS FV12, 10 x 10 x 0.05 m: Mindlin's plate by a converged method [Hz]."""
     plate = Plate(rectangle(10, 10, 0.5), 0.05, isotropic(200e9, 0.3), rho=8000.0)
     exact = [1.61839, 2.35922, 2.92177, 4.18197, 4.18197, 7.35316]
-    np.testing.assert_allclose(plate.frequencies(6) / (2 * np.pi), exact, rtol=3e-3)
+    np.testing.assert_allclose(plate.frequencies(6) / (2 * np.pi), exact, rtol=1e-3)
 
 
 @pytest.mark.parametrize("thickness, size", [(1.0, 0.5), (1.0, 0.25), (0.05, 0.5)])
 def test_supported_plate_is_mindlins(thickness, size):
     """Closed form of Mindlin's plate with hard supports, rotary inertia and the factor pi^2/12 (NAFEMS FV52, FV13)."""
     E, rho, factor = 200e9, 8000.0, np.pi**2 / 12
-    plate = Plate(rectangle(10, 10, size), thickness, isotropic(E, 0.3), rho, factor=factor).supported(*ALL)
+    plate = Plate(rectangle(10, 10, size), thickness, isotropic(E, 0.3), rho, factor=factor, free=False).supported(*ALL)
     D, S, I = E * thickness**3 / 12 / 0.91, factor * E / 2.6 * thickness, rho * thickness**3 / 12
     exact = []
     for m, n in ((1, 1), (1, 2), (2, 1), (2, 2)):
@@ -115,7 +117,7 @@ def test_supported_plate_is_mindlins(thickness, size):
 
 def test_clamped_disc():
     """omega a^2 sqrt(rho h / D): roots of J_n I_n' = J_n' I_n squared."""
-    plate = Plate(disc(1.0, 0.08), 1e-3, UNIT).supported("outline", clamped=True)
+    plate = Plate(disc(1.0, 0.08), 1e-3, UNIT, free=False).supported("outline", clamped=True)
     exact = [10.2158262, 21.2603977, 21.2603977, 34.8770354, 34.8770354, 39.7711482]
     np.testing.assert_allclose(plate.frequencies(6) / 1e-3, exact, rtol=4e-3)
 
@@ -131,7 +133,7 @@ def test_frequencies_converge_with_the_square_of_the_size(case):
         exact["thick"] = np.sqrt((b - np.sqrt(b * b - 4 * 0.1 * I * S * D * q2**2)) / (2 * 0.1 * I))
     errors, sizes = [], []
     for size in (0.2, 0.1, 0.05):
-        plate = Plate(rectangle(1, 1, size), thickness, UNIT)
+        plate = Plate(rectangle(1, 1, size), thickness, UNIT, free=case == "free")
         if case != "free":
             plate.supported(*ALL)
         errors.append(abs(plate.frequencies(1)[0] / exact[case] - 1))
@@ -142,7 +144,7 @@ def test_frequencies_converge_with_the_square_of_the_size(case):
 def test_wooden_plate_supported_along_its_grain():
     """omega^2 = pi^4/(rho h) (D11 (m/a)^4 + 2 (D12 + 2 D66) (m n/a b)^2 + D22 (n/b)^4), thin (Leissa 1969, 9.1)."""
     a, b, h, rho = 0.4, 0.3, 4e-4, 800.0
-    plate = Plate(rectangle(a, b, 0.015), h, ROSEWOOD_LIKE, rho).supported(*ALL)
+    plate = Plate(rectangle(a, b, 0.015), h, ROSEWOOD_LIKE, rho, free=False).supported(*ALL)
     D = plane_stress(ROSEWOOD_LIKE) * h**3 / 12
     waves = [(m / a, n / b) for m in range(1, 5) for n in range(1, 5)]
     squares = [D[0, 0] * m**4 + 2 * (D[0, 1] + 2 * D[2, 2]) * (m * n) ** 2 + D[1, 1] * n**4 for m, n in waves]
@@ -199,3 +201,42 @@ def test_design_derivative_of_a_frequency(what):
         assert np.log2(abs(values[0] / values[1])) > 1.9
     else:
         assert slope == pytest.approx(-2 * value if what == "size" else 0, rel=1e-7, abs=1e-7 * value)
+
+
+BARS = {100: [2089.35, 4008.1, 5737.3, 8358.8, 11128.5], 200: [523.31, 1443.0, 1984.5, 2828.2, 4027.2]}
+"""Frequencies [Hz] out of the plane of aluminium bars L x 30 x 4 mm in three-dimensional elasticity, by L [mm]."""
+
+
+@pytest.mark.parametrize("length", BARS)
+@pytest.mark.parametrize("size", [0.01, 0.007, 0.005, 0.0025])
+def test_bar_twists_like_a_solid_at_any_size(length, size):
+    """Free sides take the layer that triangles do not resolve; without it torsion is up to 4.7 % too stiff."""
+    aluminium = isotropic(70e9, 0.33)
+    mesh = rectangle(length * 1e-3, 0.03, size)
+    ours = Plate(mesh, 0.004, aluminium, 2700.0).frequencies(5) / (2 * np.pi)
+    np.testing.assert_allclose(ours, BARS[length], rtol=6e-3)
+    bare = Plate(mesh, 0.004, aluminium, 2700.0, free=False).frequencies(5) / (2 * np.pi)
+    assert np.abs(bare / BARS[length] - 1).max() > 0.009
+
+
+def test_layer_along_free_sides_vanishes_as_triangles_resolve_it():
+    """A thick free square, whose sides twist in a third of its thickness: the same with and without, when fine."""
+    gaps = []
+    for size in (0.1, 0.05, 0.025):
+        mesh = rectangle(1, 1, size)
+        with_layer, bare = (Plate(mesh, 0.2, UNIT, free=free).frequencies(1)[0] for free in (True, False))
+        gaps.append(bare / with_layer - 1)
+    assert gaps[0] > 4 * gaps[1] > 16 * gaps[2] > 0
+
+
+@pytest.mark.parametrize("grain", [None, 0.0, 0.7, np.pi / 2])
+def test_coarse_plates_with_a_layer_are_near_those_that_resolve_it(grain):
+    """A thick square, or a wooden bar with its grain aslant; the fine triangles are a third as wide as the layer."""
+    if grain is None:
+        C, thickness, measures, sizes = UNIT, 0.2, (1.0, 1.0), (0.2, 0.025)
+    else:
+        C, thickness, measures, sizes = turned(ROSEWOOD_LIKE, grain), 0.004, (0.1, 0.03), (0.005, 0.0012)
+    fine = Plate(rectangle(*measures, sizes[1]), thickness, C, free=False).frequencies(5)
+    coarse = rectangle(*measures, sizes[0])
+    errors = [np.abs(Plate(coarse, thickness, C, free=free).frequencies(5) / fine - 1).max() for free in (True, False)]
+    assert errors[0] < min(0.6 * errors[1], 0.02)

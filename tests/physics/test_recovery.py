@@ -2,26 +2,12 @@
 
 import numpy as np
 import pytest
+from small_scenes import HEAD, block
 
 from restshape import _kernels
 from restshape.replay.still import still
 
-PARALLEL = """
-format = "restshape-scene"
-version = 1
-app = "solid"
-[shape]
-outline = ["bottom", "right", "top", "left"]
-[shape.vertices]
-a = [0, 0]
-b = [1, 0]
-c = [1, 0.5]
-d = [0, 0.5]
-[shape.edges]
-bottom = { line = ["a", "b"] }
-right = { line = ["b", "c"] }
-top = { line = ["c", "d"] }
-left = { line = ["d", "a"] }
+TWO_MATERIALS = """
 [shape.regions]
 soft = { polygon = [[0.2, 0.1], [0.8, 0.1], [0.8, 0.4], [0.2, 0.4]] }
 [material.stiff]
@@ -44,6 +30,7 @@ most = { stress = "xx", take = "max" }
 least = { stress = "xx", take = "min" }
 border_most = { stress = "xx", at = "soft.1", take = "max" }
 """
+PARALLEL = HEAD + block(1.0, 0.5) + TWO_MATERIALS
 
 
 def test_each_material_has_its_own_stress_at_their_border(tmp_path):

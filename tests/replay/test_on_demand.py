@@ -2,9 +2,11 @@
 
 import json
 
+import modal
 import numpy as np
 import pytest
 from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, STEEL
+from vibrating import dynamics, tower
 
 from restshape.cli.main import main
 from restshape.errors import UserError
@@ -99,10 +101,39 @@ def test_what_is_not_analysed_cannot_be_predicted(files, capsys):
     assert "cannot be predicted" in capsys.readouterr().err
 
 
+def test_modes_are_found_on_demand(tmp_path):
+    """Frequencies in plane stress go as one over the size of the body."""
+    edits = [{"format": "restshape-edits", "version": 1, "units": "m", "analysis": "on demand"}]
+    edits += [{"t": 0.1, "do": "scale", "on": "outline", "factor": 1.6, "frames": 4}, {"t": 0.5, "do": "analyse"}]
+    (tmp_path / "edits.jsonl").write_text("".join(json.dumps(line) + "\n" for line in edits))
+    name, overrides = modal.SMALL["plane"]
+    overrides = [*overrides, "solve.tolerance=1e-9"]
+    rows = [dict(row) for row in modal.replay(name, tmp_path / "edits.jsonl", overrides).frames()]
+    assert [row["do"] for row in rows] == ["start", *["scale"] * 4, "analyse"]
+    assert np.isfinite([row["q_first"] for row in rows]).tolist() == [True, *[False] * 4, True]
+    assert rows[-1]["q_first"] == pytest.approx(rows[0]["q_first"] / 1.6, rel=1e-9)
+
+
+@pytest.mark.parametrize("command", ["check", "replay"])
+def test_a_motion_is_not_analysed_on_demand(tmp_path, capsys, command):
+    scene = tower(tmp_path, dynamics())
+    edits = tmp_path / "edits.jsonl"
+    edits.write_text(
+        '{"format": "restshape-edits", "version": 1, "analysis": "on demand"}\n{"t": 0, "do": "analyse"}\n'
+    )
+    assert main([command, str(scene), *(["--edits"] if command == "replay" else []), str(edits)]) == 2
+    told = capsys.readouterr().err
+    assert "edits.jsonl: line 1: a motion goes on from frame to frame" in told and 'leave "analysis" out' in told
+
+
 def test_verdicts():
-    assert verdict({"a": 2.0}, {"a": 2.0, "b": 9.0}) == "holds"
-    assert verdict({"a": 2.0, "b": 3.0}, {"a": 1.0, "b": 3.1}) == "fails"
-    assert verdict({"a": 2.0}, {"a": float("nan")}) == verdict({}, {"a": 1.0}) == ""
+    most = (float("-inf"), 2.0)
+    assert verdict({"a": most}, {"a": 2.0, "b": 9.0}) == "holds"
+    assert verdict({"a": most, "b": most}, {"a": 1.0, "b": 2.1}) == "fails"
+    assert verdict({"a": most}, {"a": float("nan")}) == verdict({}, {"a": 1.0}) == ""
+    least = (1.0, float("inf"))
+    assert verdict({"a": least}, {"a": 1.0}) == verdict({"a": least}, {"a": float("inf")}) == "holds"
+    assert verdict({"a": least}, {"a": 0.999}) == "fails"
 
 
 def test_a_limit_has_the_unit_of_its_quantity(files):

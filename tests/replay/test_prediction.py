@@ -207,3 +207,19 @@ def test_two_ranks_predict_the_same(tmp_path, restshape, kind):
     assert found[0]["predicted"] == found[1]["predicted"] > 20
     for name, values in found[0]["quantities"].items():
         np.testing.assert_allclose(found[1]["quantities"][name], values, rtol=1e-6, err_msg=name)
+
+
+def test_supports_that_move_with_their_place_hold_in_predicted_frames(tmp_path):
+    held = '[supports.end]\non = "right"\nfix = { x = 0, y = "0.001*x^2" }\n'
+    text = plate().replace(PULLED, held)
+    scene = write_scene(tmp_path, text)
+    script = write_script(tmp_path, drag("right", (2.0, 0.5), across((2.0, 0.5), (2.3, 0.5), 5)))
+    for name in ("scene.toml", "large.toml"):
+        path = scene if name == "scene.toml" else write_scene(tmp_path, text + "[effects.large_deformation]\n", name)
+        made, gaps, predicted = make_replay(path, script, overrides=EXACT, predict="linear"), [], 0
+        for row in made.frames():
+            mesh = made.analysis.mesh
+            nodes = mesh.nodes_of("right")
+            gaps.append(np.abs(made.analysis.x[nodes, 1] - 0.001 * mesh.X[nodes, 0] ** 2).max())
+            predicted += row["predicted"]
+        assert predicted == 5 and max(gaps) < 1e-15

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_scenes import HEAD, HOLE, across, block, drag, make_replay, meshed, plate, rows_of, write_scene, write_script
+from small_scenes import PATCH, PATCH_GRADIENT, across, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape.application import application
 from restshape.mesh.space import LagrangeSpace
@@ -20,17 +20,7 @@ from restshape.report.scenery import scenery
 ORDER = "mesh.order=2"
 EVENTS = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.5, 0.5), 40))
 FLIPPING = {"relocation": "laplacian", "criterion": "author", "flip_everywhere": True}
-A = np.array([[1e-3, 4e-4], [-2e-4, 7e-4]])
-PATCH = (
-    HEAD
-    + block()
-    + HOLE
-    + '[material.m]\nE = 1e9\nnu = 0.3\n[effects.solid]\nmodel = "plane_strain"\n'
-    + '[supports.round]\non = ["outline", "window"]\n'
-    + 'fix = { x = "1*(1e-3*x + 4e-4*y)", y = "1*(-2e-4*x + 7e-4*y)" }\n'
-    + "[solve]\ntolerance = 1e-12\n"
-    + meshed(0.12)
-)
+A = np.array(PATCH_GRADIENT)
 
 
 def replayed(folder, name="auto", overrides=(), events=EVENTS, text=None, **changed):

@@ -7,7 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import small_scenes
+from matplotlib.figure import Figure
 from PIL import Image
+from small_scenes import across, drag, write_scene, write_script
 
 from restshape.cli.main import main
 from restshape.errors import UserError
@@ -20,6 +23,7 @@ from restshape.report.outlines import border
 from restshape.report.scenery import scenery
 from restshape.report.style import length_unit, si
 from restshape.report.tables import level_table, quantity_table, thesis_table
+from restshape.report.timeline import draw_timeline
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "replay"))
 from plates import COLUMNS, record_plate
@@ -147,6 +151,25 @@ def test_an_empty_recording_and_bad_words_are_bad_input(tmp_path, capsys, plate)
     messages = ("holds no frames", "no such recording", "at least one frame", "cannot be written", "greater than 0")
     for message in (*messages, "this is a folder", "this is a file"):
         assert message in printed
+
+
+def test_predicted_frames_are_hollow_in_the_timeline(tmp_path, monkeypatch):
+    scene = write_scene(tmp_path, small_scenes.plate(0.2))
+    edits = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.53, 0.5), 5)))
+    out, figures = tmp_path / "a.vtkhdf", []
+    call = ["replay", str(scene), "--edits", str(edits), "--out", str(out)]
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path: figures.append(figure))
+    for words, hollow in (["--predict", "linear"], [2.0, 3.0, 4.0, 5.0, 6.0]), ([], []):
+        assert main([*call, *words]) == 0
+        with Recording(out) as recording:
+            draw_timeline(recording, tmp_path / "a.png")
+        figure = figures.pop()
+        for axes in figure.axes:
+            white = [line for line in axes.lines if line.get_markerfacecolor() == "white"]
+            assert sorted(x for line in white for x in line.get_xdata()) == hollow
+        names = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert ("predicted, not solved (5)" in names) == bool(hollow)
+        assert len(names) == len(set(names))
 
 
 def test_captions_of_narrow_panels_take_lines(plate):

@@ -147,7 +147,7 @@ def test_an_error_in_the_shape_is_located(scene_file):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('fix = ["x", "y"]', 'fix = ["z"]', "'x' or 'y' is wanted"),
+        ('fix = ["x", "y"]', 'fix = ["z"]', "knows no direction 'z'"),
         ('fix = ["x", "y"]', "fix = []", "directions such as"),
         ('traction = ["P*(1 + y)", 0]', "traction = [1, 2]\nforce = [1, 2]", "exactly one of force"),
         ('traction = ["P*(1 + y)", 0]', "", "none of them"),

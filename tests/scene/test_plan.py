@@ -20,6 +20,7 @@ def test_only_what_is_named_is_on(scene_file):
         "solid": "the scene names it in [effects.solid]",
         "gravity": "the scene has no [effects.gravity]",
         "large_deformation": "the scene has no [effects.large_deformation]",
+        "buckling": "the scene has no [effects.buckling]",
     }
 
 

@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+from small_scenes import CURVED
+
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene, ShapeSpec
 from restshape.scene.script import Script, load_script
@@ -22,37 +24,6 @@ PLATE = {
     "points": {"probe": [1.0, 0.5]},
     "groups": {"pair": ["window", "patch"]},
 }
-SCENE = """
-format = "restshape-scene"
-version = 1
-app = "solid"
-[shape]
-outline = ["bottom", "right", "top", "left"]
-groups.pair = ["window", "top"]
-[shape.vertices]
-a = [0, 0]
-b = [2, 0]
-c = [2, 1]
-d = [0, 1]
-[shape.edges]
-bottom = { line = ["a", "b"] }
-right = { arc = ["b", "c"], through = [2.2, 0.5] }
-top = { spline = ["c", "d"], through = [[1.5, 1.1], [0.5, 1.1]] }
-left = { line = ["d", "a"] }
-[shape.holes.window]
-circle = { center = [0.5, 0.5], radius = 0.2 }
-[material.steel]
-E = "210 GPa"
-nu = 0.3
-[supports.left]
-on = "left"
-fix = ["x", "y"]
-[loads.right]
-on = "right"
-traction = [1e6, 0]
-[mesh]
-size = 0.1
-"""
 
 
 def plate() -> Outline:
@@ -73,9 +44,9 @@ def square(**tables) -> Outline:
     return shape(vertices=corners, edges=edges, outline=list(sides), **tables)
 
 
-def scene_and_script(folder: Path, events: list[dict]) -> tuple[Scene, Script]:
-    """The scene SCENE and a script of events, each in its own 20 ms."""
-    (folder / "plate.toml").write_text(SCENE)
+def scene_and_script(folder: Path, events: list[dict], text: str = CURVED) -> tuple[Scene, Script]:
+    """The scene with this text and a script of events, each in its own 20 ms."""
+    (folder / "plate.toml").write_text(text)
     header = {"format": "restshape-edits", "version": 1, "scene": "plate.toml", "units": "m"}
     lines = [header, *({"t": 0.02 * i, **event} for i, event in enumerate(events))]
     (folder / "edits.jsonl").write_text("\n".join(map(json.dumps, lines)) + "\n")

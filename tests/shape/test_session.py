@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from plain_check import fault
 from shape_scenes import plate, scene_and_script, square
+from small_scenes import CURVED
 
 from restshape.scene.script import EVENTS
 from restshape.shape import gesture as gestures
@@ -205,6 +206,19 @@ def test_setting_mesh_keys_asks_for_a_new_mesh(tmp_path):
     frames = frames_of(tmp_path, *({"do": "set", "key": key, "value": value} for key, value in sets.items()))
     assert [f.change for f in frames[1:]] == ["mesh", "values", "mesh"]
     assert frames[2].scene.material["steel"].nu == 0.25
+
+
+def test_an_effect_that_makes_another_analysis_is_not_switched(tmp_path):
+    on = {"do": "set", "key": "effects.large_deformation.load_steps", "value": 5}
+    off = {"do": "set", "key": "effects", "value": {"solid": {"model": "plane_stress"}}}
+    (start, refused, *_) = frames = frames_of(tmp_path, on, {"do": "set", "key": "effects.gravity.g", "value": [0, -1]})
+    assert "'large_deformation' cannot be switched on during an edit" in refused.refused
+    assert "make it two scenes" in refused.refused
+    assert refused.scene is start.scene and frames[2].refused is None
+    scene, script = scene_and_script(tmp_path, [on, off], CURVED + "[effects.large_deformation]\n")
+    frames = list(EditSession(scene, script).frames())
+    assert frames[1].change == "values" and frames[1].scene.effects["large_deformation"]["load_steps"] == 5
+    assert "'large_deformation' cannot be switched off" in frames[2].refused
 
 
 def test_one_drag_in_many_steps_ends_where_one_jump_ends(tmp_path):

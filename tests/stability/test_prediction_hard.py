@@ -28,10 +28,11 @@ FOLLOWING = PULLED.replace('traction = ["100 MPa", 0]', 'pressure = "-100 MPa"')
 
 
 @pytest.mark.parametrize("text", [plate(), plate() + LARGE, plate().replace(PULLED, FOLLOWING) + LARGE])
-def test_with_the_factor_of_the_start_after_a_long_drag(tmp_path, text):
-    # CG or GMRES on a factor that is never made anew, against a factor of the very matrix.
+def test_with_an_old_factor_after_a_long_drag(tmp_path, text):
+    # CG or GMRES on a factor that is never made anew, against a factor of the very matrix. Of large deformation the
+    # factors by which every tenth frame shows that it is stable are kept.
     never = replace(Calibration.load(), numeric_nonzero=1.0, ilu_numeric_nonzero=1.0, gamg_refresh_nonzero=1.0)
-    script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.62, 0.5), 40))[:2])
+    script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.62, 0.5), 39))[:2])
     found = []
     for name, calibration in (("auto", never), ("refactor", None)):
         scene = write_scene(tmp_path, text)
@@ -41,7 +42,8 @@ def test_with_the_factor_of_the_start_after_a_long_drag(tmp_path, text):
         assert all(row["level"] < 2 for row in rows[1:])
         found.append((rows, design_derivative(made.analysis, made.moving.field_motion, 1e-10)))
     (rows, stale), (_, fresh) = found
-    assert rows[-1]["age"] >= 40 and not any(row["refreshed"] for row in rows[1:])
+    refreshed = [row["index"] for row in rows if row["refreshed"]]
+    assert (rows[-1]["age"], len(refreshed)) == ((9, 4) if LARGE in text else (40, 1))
     np.testing.assert_allclose(stale, fresh, atol=1e-6 * np.abs(fresh).max())
 
 

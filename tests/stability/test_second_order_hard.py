@@ -9,6 +9,7 @@ from small_scenes import (
     QUANTITIES,
     STEEL,
     across,
+    block,
     drag,
     make_replay,
     meshed,
@@ -21,22 +22,9 @@ from small_scenes import (
 from restshape.mesh.space import quadratic_basis
 from restshape.replay.parity import Parity
 
-WAVY = """
-[shape]
-outline = ["bottom", "right", "top", "left"]
-
-[shape.vertices]
-a = [0, 0]
-b = [2, 0]
-c = [2, 1]
-d = [0, 1]
-
-[shape.edges]
-bottom = { line = ["a", "b"] }
-right = { line = ["b", "c"] }
-top = { spline = ["c", "d"], through = [[1.5, 1.08], [1, 0.9], [0.5, 1.05]] }
-left = { line = ["d", "a"] }
-"""
+WAVY = block(2.0, 1.0).replace(
+    'top = { line = ["c", "d"] }', 'top = { spline = ["c", "d"], through = [[1.5, 1.08], [1, 0.9], [0.5, 1.05]] }'
+)
 
 
 def jacobians(mesh) -> np.ndarray:

@@ -44,7 +44,7 @@ class SearchSpace:
         self.count = 0
 
     def begin(self, deflation: Deflation) -> None:
-        """Empty the space, for matrices that are others now; its memory is kept, for new pages cost more than a frame."""
+        """Empty the space, for matrices that are others now; its memory is kept: new pages cost more than a frame."""
         self.deflation, self.count = deflation, 0
 
     def append(self, rows: np.ndarray) -> int:
@@ -124,7 +124,7 @@ def davidson(
         limit: most iterations.
 
     Source: E. R. Davidson, J. Comput. Phys. 17 (1975) 87; G. L. G. Sleijpen and H. A. van der Vorst, SIAM J. Matrix
-        Anal. Appl. 17 (1996) 401; docs/theory.md, section 5.
+        Anal. Appl. 17 (1996) 401; docs/theory.md, section 7.
     """
     space.begin(deflation)
     for block in starts:

@@ -15,9 +15,9 @@ from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 
 SPARE = 2
-"""Modes beyond the wanted ones that are carried along: a mode that comes down from above is seen before it is wanted."""
+"""Modes beyond the wanted ones that are carried along: one that comes down from above is seen before it is wanted."""
 
-HISTORY = 4
+HISTORY = 3
 """Frames whose modes the search of the next one begins with."""
 
 COUNT_EVERY = 20
@@ -62,7 +62,7 @@ class EigenSolver:
         calibration: seconds a unit of counted work.
         stages: takes the time of factorizations and of iterations.
 
-    Source: docs/theory.md, section 5.
+    Source: docs/theory.md, section 7.
     """
 
     def __init__(self, method: str, tolerance: float, calibration: Calibration, stages: Stages) -> None:
@@ -132,7 +132,7 @@ class EigenSolver:
         return self.pencil.size - self.deflation.count
 
     def _start_shift(self) -> float:
-        """A shift a little below 0, where K - s M is positive definite, small beside the eigenvalues that are looked for.
+        """A shift a little below 0, where K - s M is positive definite, small beside the eigenvalues looked for.
 
         The Rayleigh quotient of a vector that is smoothed by nothing is far too large; so the lowest eigenvalue is
         guessed from the traces, which see the elements, and the number of unknowns, which sees the body.

@@ -13,13 +13,11 @@ EPSILON = 1e-3
 """Diagonal added to A, as a share of the eigenvalue that is looked for: the thesis's small number."""
 
 
-def inverse_iteration(
-    pencil: Pencil, deflation: Deflation, starts: np.ndarray, count: int, tolerance: float
-) -> Found:
+def inverse_iteration(pencil: Pencil, deflation: Deflation, starts: np.ndarray, count: int, tolerance: float) -> Found:
     """The lowest eigenpairs, ascending, by inverse iteration on K + eps M, a new factor each time it is called.
 
-    In the thesis A = L^-1 K L^-T with the Cholesky factor L of the lumped mass; psi = L^T phi makes its iteration the one
-    here: phi <- (K + eps M)^-1 M phi, made orthogonal to rigid motions and to the modes before, in the mass.
+    In the thesis A = L^-1 K L^-T with the Cholesky factor L of the lumped mass; psi = L^T phi makes its iteration the
+    one here: phi <- (K + eps M)^-1 M phi, made orthogonal to rigid motions and to the modes before, in the mass.
 
     Args:
         pencil: K, and the lumped M, as they stand; factored by the caller at a shift of -eps.

@@ -7,8 +7,11 @@ from restshape.algebra.davidson import Found
 from restshape.algebra.pencil import Deflation, Pencil
 from restshape.errors import ReplayProblem
 
+ROOM = 12
+"""Vectors of the basis beyond the wanted ones, at least, from nothing."""
 
-class _KeptFactor:
+
+class KeptFactor:
     """A preconditioner for SLEPc that is the pencil's factor: SLEPc's own would be made anew for each solve."""
 
     def __init__(self, pencil: Pencil) -> None:
@@ -25,6 +28,7 @@ def krylov_schur(
     start: np.ndarray | None,
     count: int,
     tolerance: float,
+    room: int | None = None,
 ) -> Found:
     """The `count` eigenpairs of (K, M) nearest to the shift of the pencil's factor, ascending.
 
@@ -34,11 +38,12 @@ def krylov_schur(
         start: (n,) a vector with a share of each mode that is wanted, such as the sum of those of the last frame.
         count: wanted.
         tolerance: of the residual |K phi - lambda M phi| relative to |lambda M phi|.
+        room: vectors of its basis beyond the wanted ones; by default as many as a start from nothing wants.
 
     Raises:
         ReplayProblem: not all of them converge.
 
-    Source: V. Hernandez, J. E. Roman, V. Vidal, ACM Trans. Math. Softw. 31 (2005) 351; docs/theory.md, section 5.
+    Source: V. Hernandez, J. E. Roman, V. Vidal, ACM Trans. Math. Softw. 31 (2005) 351; docs/theory.md, section 7.
     """
     # SLEPc finds PETSc's arguments already taken in; imported here, so that PETSc comes first.
     from slepc4py import SLEPc
@@ -55,14 +60,14 @@ def krylov_schur(
     solver = transform.getKSP()
     solver.setType("preonly")
     solver.getPC().setType(PETSc.PC.Type.PYTHON)
-    solver.getPC().setPythonContext(_KeptFactor(pencil))
+    solver.getPC().setPythonContext(KeptFactor(pencil))
     vectors = [PETSc.Vec().createWithArray(np.array(row), comm=PETSc.COMM_SELF) for row in deflation.rigid]
     eps.setDeflationSpace(vectors)
     if start is not None:
         first = PETSc.Vec().createWithArray(np.array(start), comm=PETSc.COMM_SELF)
         eps.setInitialSpace([first])
         vectors.append(first)
-    eps.setDimensions(count, max(2 * count, count + 12))
+    eps.setDimensions(count, count + (max(count, ROOM) if room is None else room))
     # SLEPc measures the residual of the inverted problem.
     eps.setTolerances(0.1 * tolerance, 300)
     eps.solve()

@@ -264,21 +264,25 @@ class LinearSolver:
     def negative_pivots(self) -> int:
         """Negative eigenvalues of the matrix that the complete factor was made from; 0 where there is none to ask.
 
+        Of a matrix that is not symmetric, the negative pivots of an elimination without exchanges: as many if it is
+        nearly symmetric, and an odd number where its determinant is negative.
+
         On several ranks, those of the ranks' own blocks: none of them has any where the matrix is positive definite.
         """
-        if self.kind != "cholesky":
+        if self.kind not in COMPLETE:
             return 0
         pc = self.ksp.getPC()
         parts = [ksp.getPC() for ksp in pc.getASMSubKSP()] if pc.getType() == "asm" else [pc]
-        found = sum(part.getFactorMatrix().getInertia()[0] for part in parts)
+        found = sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in parts)
         return found if self.comm.size == 1 else self.comm.tompi4py().allreduce(found)
 
-    def definite(self, mat: PETSc.Mat, places: np.ndarray | None) -> bool:
-        """Tell whether a symmetric matrix on the last pattern has no negative eigenvalue, by a new factor of it.
+    def definite(self, mat: PETSc.Mat, places: np.ndarray | None, new_system: bool = False) -> bool:
+        """Tell whether a matrix has no negative eigenvalue, by a new factor of it.
 
-        True where the preconditioner is no complete factor, which could tell.
+        True where the preconditioner is no complete factor, which could tell. Arguments as in `solve`.
         """
-        if self.kind != "cholesky":
+        self._begin(mat, new_system, False, False)
+        if self.kind not in COMPLETE:
             return True
         self._factor(mat, places)
         return self.negative_pivots() == 0
@@ -437,6 +441,20 @@ class LinearSolver:
             if self.keeps
             else f"the linear solve did not converge ({names.get(reason, reason)}, {done} iterations)"
         )
+
+
+def negative_pivots(factor: PETSc.Mat, kind: str) -> int:
+    """The negative pivots of a complete factor, `cholesky` or `lu`."""
+    if kind == "cholesky":
+        return factor.getInertia()[0]
+    if factor.getType() != "seqaij":
+        # Other solvers' LU factors exchange rows, and show no pivots.
+        return 0
+    # PETSc's own exchanges no rows, and its diagonal is that of U.
+    pivots = factor.getDiagonal()
+    found = int(np.count_nonzero(pivots.getArray(readonly=True) < 0.0))
+    pivots.destroy()
+    return found
 
 
 def true_residual(mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, scale: float | None = None) -> float:

@@ -12,12 +12,15 @@ from restshape.algebra.remainder import Remainder
 from restshape.errors import ReplayProblem
 
 Reason = PETSc.SNES.ConvergedReason
+INFINITE = PETSc.NormType.INFINITY
 MOST_STEPS = 15
 """Steps at full length after which the equations are better approached in steps of load."""
 MOST_SEARCHED = 60
 """Steps with a line search."""
 SEARCHED = 1e-3
 """Residual over load at which a line search ends."""
+STALLED = 0.5
+"""A step near rounding that leaves more than this part of the residual has met it."""
 GROWTH = 1e4
 """A residual that grows by more, from the first one or from the load, will not come back. (The first step of a slender
 body stretches it, for rotations are linear in it: its residual grows by the square of length over thickness.)"""
@@ -60,6 +63,7 @@ class Outcome:
         refreshed: a preconditioner was made.
         monotone: no step has made the residual larger.
         why: it did not converge, for people.
+        norm: of the last residual.
     """
 
     converged: bool
@@ -68,6 +72,7 @@ class Outcome:
     refreshed: bool
     monotone: bool
     why: str = ""
+    norm: float = 0.0
 
     def after(self, other: "Outcome") -> "Outcome":
         """This run as the last one after another."""
@@ -78,6 +83,7 @@ class Outcome:
             self.refreshed or other.refreshed,
             self.monotone,
             self.why,
+            self.norm,
         )
 
 
@@ -141,23 +147,40 @@ class Newton:
             self.current = True
         return self.mat
 
+    def definite(self, x: np.ndarray) -> bool:
+        """Tell whether the tangent at x (n, f) is positive definite, as far as the preconditioner can tell."""
+        new_system, self.new_system = self.new_system, False
+        return self.linear.definite(self.tangent(x), self.places, new_system)
+
     def begin(self, new_system: bool, patched: bool, places: np.ndarray) -> None:
         """A new frame: whether the mesh is another one, or has flips; `places` are those of this rank's nodes."""
         self.new_system, self.patched, self.places = new_system, patched, places
         self.current = False
 
-    def solve(self, x: np.ndarray, goal: float, searched: bool = False, offset: np.ndarray | None = None) -> Outcome:
+    def solve(
+        self,
+        x: np.ndarray,
+        goal: float,
+        scale: float,
+        searched: bool = False,
+        offset: np.ndarray | None = None,
+        rounding: float = 0.0,
+    ) -> Outcome:
         """Find r(x) = offset from the guess in x (n, f), which is set to the last iterate.
 
         Args:
             x: held unknowns have their prescribed values.
             goal: norm of the residual at which it ends.
+            scale: norm of the load, against which residuals are small or large, however small the goal is.
             searched: with line search, until the residual is small; an energy cannot tell the last digits.
             offset: (n, f) added load; None: none.
+            rounding: times the largest value, the norm below which a residual that steps do not lower any more is
+                rounding, and the end.
         """
+        self.scale, self.rounding = scale, rounding
         if not searched:
             return self._run(x, goal, False, offset)
-        rough = max(goal, SEARCHED * goal / self.linear.tolerance)
+        rough = max(goal, SEARCHED * scale)
         outcome = self._run(x, rough, True, offset)
         if outcome.converged and rough > goal:
             outcome = self._run(x, goal, False, offset).after(outcome)
@@ -183,7 +206,15 @@ class Newton:
         reason = snes.getConvergedReason()
         if reason < 0 and not self.why:
             self.why = WORDS.get(reason, "Newton's method fails")
-        return Outcome(reason > 0, snes.getIterationNumber(), self.iterations, self.refreshed, self.monotone, self.why)
+        return Outcome(
+            reason > 0,
+            snes.getIterationNumber(),
+            self.iterations,
+            self.refreshed,
+            self.monotone,
+            self.why,
+            self.last,
+        )
 
     # --- what SNES asks for ---------------------------------------------------------------------------------------
 
@@ -290,10 +321,11 @@ class Newton:
 
     def _test(self, snes: PETSc.SNES, steps: int, norms: tuple[float, float, float]) -> int:
         norm = norms[2]
+        stalled = steps > 0 and norm > STALLED * self.last and norm <= self.rounding * self.x.norm(INFINITE)
         if steps == 0:
             self.first = norm
-        elif self.searched:
-            # Shorter steps tell nothing of what full ones leave over.
+        elif self.searched or stalled:
+            # Shorter steps tell nothing of what full ones leave over, nor does rounding.
             pass
         elif self.chord:
             # A kept tangent that does not serve is given up.
@@ -304,13 +336,13 @@ class Newton:
         if steps and norm > self.last:
             self.monotone = False
         self.last = norm
-        if norm <= self.goal:
+        if norm <= self.goal or stalled:
             return Reason.CONVERGED_FNORM_ABS
         if not np.isfinite(norm):
             return Reason.DIVERGED_FNORM_NAN
         if self.searched:
             return Reason.ITERATING if steps < MOST_SEARCHED else Reason.DIVERGED_MAX_IT
-        if norm > GROWTH * max(self.first, self.goal / self.linear.tolerance):
+        if norm > GROWTH * max(self.first, self.scale):
             return Reason.DIVERGED_DTOL
         return Reason.ITERATING if steps < MOST_STEPS else Reason.DIVERGED_MAX_IT
 
@@ -353,6 +385,8 @@ class Newton:
         if searched and self.equations.potential:
             snes.setObjective(self._objective)
         snes.setConvergenceTest(self._test)
+        # The test counts the steps; SNES has a limit of its own, below that of a line search.
+        snes.setTolerances(max_it=2 * MOST_SEARCHED)
         ksp = snes.getKSP()
         ksp.setType("python")
         ksp.setPythonContext(Step(self))

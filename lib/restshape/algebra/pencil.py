@@ -172,7 +172,7 @@ class Deflation:
         rigid: (r, n) a basis of them at the places of the nodes now; r may be 0.
         pencil: of the frame.
 
-    Source: docs/theory.md, section 5.
+    Source: docs/theory.md, section 7.
     """
 
     def __init__(self, rigid: np.ndarray, pencil: Pencil) -> None:
@@ -185,7 +185,7 @@ class Deflation:
         self.rigid, self.weighted = np.ascontiguousarray(rigid), np.ascontiguousarray(weighted)
 
     def clean(self, rows: np.ndarray, heavy: np.ndarray | None = None) -> None:
-        """Make rows (k, n) orthogonal to the rigid motions in the mass, in place, and their products M phi with them."""
+        """Make rows (k, n) orthogonal to the rigid motions in the mass, in place; their products M phi go with them."""
         if self.count:
             parts = rows @ self.weighted.T
             rows -= parts @ self.rigid

@@ -36,15 +36,3 @@ def best_schedule(refresh_costs: np.ndarray, frame_costs: np.ndarray) -> tuple[f
         refreshes.append(at)
         at = int(before[at])
     return float(whole.min()), refreshes[::-1]
-
-
-def schedule_cost(refreshes: list[int], refresh_costs: np.ndarray, frame_costs: np.ndarray) -> float:
-    """The cost of refreshing in these frames, the first of which is 0; arguments as in `best_schedule`."""
-    n = len(frame_costs)
-    refresh = np.broadcast_to(refresh_costs, (n, n))
-    cost, last = 0.0, 0
-    for j in range(n):
-        if j in refreshes:
-            cost, last = cost + refresh[last, j], j
-        cost += frame_costs[last, j]
-    return float(cost)

@@ -25,6 +25,8 @@ class Equilibrium:
         self.potential, self.held = not physics.followers, physics.constrained
         self.dead, self.rest = np.zeros_like(physics.mesh.X), np.zeros_like(physics.mesh.X)
         self.free = np.where(physics.mask.reshape(self.dead.shape), 0.0, 1.0)
+        # The part of the pressures that is on: they follow the boundary, so that no dead load takes them away.
+        self.pressed = 1.0
         self._own: tuple[int, np.ndarray | None] = (-1, None)
 
     def begin(self) -> None:
@@ -59,8 +61,8 @@ class Equilibrium:
         """What the operator assembles at x (n, 2) [m]; the residual is added to the right side."""
         physics, X = self.physics, self.physics.mesh.X
         terms = [(0, physics.element, X, x, physics.params, 1.0, -1.0)]
-        for block, load in enumerate(physics.followers, 1):
-            terms.append((block, physics.pressure, X, x, load.pressure_params, 1.0, -1.0))
+        for block, (_, params) in enumerate(physics.pressures(self.pressed), 1):
+            terms.append((block, physics.pressure, X, x, params, 1.0, -1.0))
         return terms
 
     def energy(self, x: np.ndarray) -> float:
@@ -69,16 +71,16 @@ class Equilibrium:
         cells = physics.element.energy(physics.mesh.X, x, physics.mesh.cells, physics.params)
         return float(cells.sum() - np.vdot(self.dead, x))
 
-    def turned_over(self, x: np.ndarray) -> np.ndarray:
-        """Cells (k,) that the displacement x (n, 2) [m] turns over."""
-        return _kernels.turned_over_cells(self.physics.mesh.X, x, self.physics.mesh.cells)
+    def inverted_cells(self, x: np.ndarray) -> np.ndarray:
+        """Cells (k,) that the displacement x (n, 2) [m] turns inside out, wholly or in part."""
+        return _kernels.inverted_cells(self.physics.mesh.X, x, self.physics.mesh.cells)
 
     def _residual(self, x: np.ndarray, out: np.ndarray, subset: np.ndarray | None) -> None:
         physics = self.physics
         np.negative(self.dead, out=out)
         physics.element.residual(physics.mesh.X, x, physics.mesh.cells, physics.params, out, subset)
-        if physics.followers:
-            physics.follow(x, out)
+        for facets, params in physics.pressures(self.pressed):
+            physics.pressure.residual(physics.mesh.X, x, facets, params, out)
         out *= self.free
 
     def _own_cells(self) -> np.ndarray | None:

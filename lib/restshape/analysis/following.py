@@ -4,8 +4,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 SAME = 0.3
-"""Modal assurance criterion (MAC) above which two modes may be the same one. Modes that meet and part again share theirs:
-half each where they turn by 45 degrees in a frame."""
+"""Modal assurance criterion (MAC) above which two modes may be the same one. Modes that meet and part again share
+theirs: half each where they turn by 45 degrees in a frame."""
 
 
 class Following:
@@ -32,7 +32,7 @@ class Following:
         self._next = count + 1
 
     def __call__(self, before: np.ndarray, after: np.ndarray, heavy: np.ndarray) -> None:
-        """Number the modes of a frame as those of the frame before that look most like them, and turn them the same way.
+        """Number the modes of a frame as those before that look most like them, and turn them the same way.
 
         Args:
             before: (k, n) modes that `numbers` are of, on the nodes of now.

@@ -20,6 +20,7 @@ class Frame:
         scene: with the values that hold now.
         hand: the gesture, and the place of the hand in its coordinates.
         reseats: second order: what flips did to nodes in the middle of edges of the mesh that was solved on last.
+        settled: the frame moves nothing, so that an edit before it has come to its end.
     """
 
     mesh: Mesh | LagrangeSpace
@@ -28,6 +29,7 @@ class Frame:
     scene: Scene
     hand: tuple[object, tuple[float, float]]
     reseats: tuple[Reseat, ...] = ()
+    settled: bool = False
 
     def reseat(self, field: np.ndarray) -> np.ndarray:
         """A field (n, f) of the last frame's solution, at nodes of flipped edges taken where they are now."""

@@ -61,7 +61,7 @@ class ModalAnalysis:
         chosen: (modes,) indices of those that the scene asks for.
         following: numbers of the modes.
 
-    Source: docs/theory.md, section 5.
+    Source: docs/theory.md, section 7.
     """
 
     def __init__(
@@ -138,7 +138,7 @@ class ModalAnalysis:
 
     @property
     def x(self) -> np.ndarray:
-        """What is solved for, (k, k + n f): the stiffness that the modes see, of which eigenvalues are left, and the modes."""
+        """What is solved for, (k, k + n f): the stiffness that the modes see, which is diagonal, beside the modes."""
         return np.column_stack([np.diag(self.values), self.modes])
 
     def accept(self, x: np.ndarray) -> None:
@@ -167,7 +167,9 @@ class ModalAnalysis:
         numbers, shares, chosen = self._solved
         if len(set(order)) == len(order):
             self.following.numbers, self.shares = numbers[order], shares[order]
-            self.chosen = np.flatnonzero(np.isin(order, chosen))
+            wanted = np.zeros(len(order), dtype=bool)
+            wanted[chosen] = True
+            self.chosen = np.flatnonzero(wanted[order])
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the last solution."""
@@ -332,7 +334,7 @@ class ModalAnalysis:
         self.shares, self.chosen, self.report = shares, chosen, total
 
     def _turn(self) -> None:
-        """Make the component of largest size positive: the sign of a mode means nothing, but must not depend on luck."""
+        """Make the component of largest size positive: a mode's sign means nothing, but must not depend on luck."""
         for mode, weight in zip(self.modes, self.heavy):
             # The first one of nearly the largest, for symmetric modes have several.
             top = np.flatnonzero(np.abs(mode) > 0.999 * np.abs(mode).max())[0]
@@ -369,7 +371,7 @@ class ModalAnalysis:
         return tuple(whole_matrix(m, PETSc.COMM_SELF) for m in (self.solver.pencil.stiffness, self.solver.pencil.mass))
 
     def cold_differences(self) -> tuple[float, float]:
-        """Largest difference of the matrices' entries, and of the frequencies, from a solve with nothing kept; relative."""
+        """Largest differences of the matrices' entries and of frequencies from a solve with nothing kept; relative."""
         body = oscillator(self.scene, self.plan, self.mesh, self.policy.solver == "ilu")
         offsets, rest = np.array([0, len(body.mesh.X)], dtype=np.int32), np.zeros(body.mask.shape)
         entries, cold = 0.0, []

@@ -1,19 +1,23 @@
 """Solids of large deformation at rest: Newton's method on kept patterns and factors, in steps of load where it must."""
 
+from dataclasses import replace
+
 import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.gather import System, whole_matrix
-from restshape.algebra.linear import LinearReport, LinearSolver
+from restshape.algebra.linear import COMPLETE, LinearReport, LinearSolver
 from restshape.algebra.newton import INDEFINITE, Newton, Outcome
 from restshape.algebra.stages import Stages
+from restshape.analysis.buckling import BucklingAnalysis
 from restshape.analysis.equilibrium import Equilibrium
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import CurvedGuess
-from restshape.analysis.loading import Walk, walk
-from restshape.analysis.static import ROUND_OFF, SCALE_SLACK, StaticAnalysis
+from restshape.analysis.large import COLD, free, inversion, least_scale, rounding, rounding_note, tangent_solver
+from restshape.analysis.load_stepping import LoadPath, step_load
+from restshape.analysis.static import SCALE_SLACK, StaticAnalysis
 from restshape.calibration import Calibration
-from restshape.errors import ReplayProblem
+from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.policy import Policy, policy
 from restshape.scene.model import Scene
@@ -23,15 +27,19 @@ ROUGH = 1e-3
 """Tolerance of the states between steps of load."""
 NEAR = 2
 """Newton's steps from a guess so near that the equilibrium is believed to be stable as the one before."""
-COLD = 1e-4
-"""A cold solve's tolerance over the scene's."""
+MOST_BELIEVED = 10
+"""Of as many frames of a drag one at least shows by a factor of its tangent that the equilibrium is stable."""
 
 
 def static_analysis(
     scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
 ) -> StaticAnalysis:
     """The analysis of a solid at rest that its plan calls for; arguments as in `StaticAnalysis`."""
-    made = NonlinearStatic if plan.on("large_deformation") else StaticAnalysis
+    made = StaticAnalysis
+    if plan.on("large_deformation"):
+        made = NonlinearStatic
+    elif plan.on("buckling"):
+        made = BucklingAnalysis
     return made(scene, plan, comm, policy, calibration, stages)
 
 
@@ -40,7 +48,7 @@ class NonlinearStatic(StaticAnalysis):
 
     Newton's method starts at the guess along the drag. Where that fails, the force that the last state lacks on the new
     shape is put on as a load that keeps it, and taken away in steps; then the same from the rest shape, where these
-    steps are those of the load. An equilibrium counts if no cell is turned over and, unless the guess was near, if the
+    steps are those of the load. An equilibrium counts if no cell is inverted and, unless the guess was near, if the
     tangent is positive definite.
 
     Arguments as in `StaticAnalysis`.
@@ -57,6 +65,9 @@ class NonlinearStatic(StaticAnalysis):
         self.equations: Equilibrium | None = None
         self.made: list[Newton] = []
         self.frames = 0
+        # Frames since the tangent of an equilibrium, or of a guess at one, was last factored.
+        self.believed, self.tested = 0, False
+        self.left_over = 0.0
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the displacement `x` (n, 2) [m] up to date with a frame.
@@ -66,13 +77,15 @@ class NonlinearStatic(StaticAnalysis):
             UserError: the scene's supports no longer hold the body. In both cases `mesh` and `x` stay as they were.
         """
         try:
-            return super().solve(frame)
+            report = super().solve(frame)
+        except (ReplayProblem, UserError):
+            # The tangent that is assembled is that of the frame that failed.
+            if self.newton:
+                self.newton.take(self.equations)
+            raise
         finally:
-            # A SNES and the functions that it calls hold each other: it goes when it is told to.
-            for newton in self.made:
-                if newton is not self.newton:
-                    newton.destroy()
-            self.made[:] = [self.newton] if self.newton else []
+            free(self.made, self.newton)
+        return self._settled(report) if frame.settled and self.believed else report
 
     def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
         """The s (n, 2) of K s = rhs with the tangent stiffness K of the present state, on the kept preconditioner.
@@ -86,26 +99,24 @@ class NonlinearStatic(StaticAnalysis):
         super().accept(x)
         self.equations.begin()
         self.newton.current = False
+        self.left_over = 0.0
+
+    def row(self) -> dict[str, str]:
+        """What the frame's row tells besides."""
+        return rounding_note(self.left_over, self.solver.tolerance)
 
     def residual(self) -> float:
         """The forces out of balance over the load, or over internal forces where supports move; norms at free nodes."""
+        # Newton's last one was of this very displacement, unless it was predicted.
+        if not self.accepted:
+            return self.left_over
         norm = float(np.linalg.norm(self.equations.whole_residual(self.x)))
         return norm / self.scale if self.scale else norm
 
     # --- a frame --------------------------------------------------------------------------------------------------
 
     def _make_solver(self, scene: Scene) -> LinearSolver:
-        solve, kept = scene.solve, self.policy
-        return LinearSolver(
-            self.comm,
-            "solid_",
-            kept.solver,
-            solve.tolerance,
-            self.calibration,
-            self.stages,
-            memory=solve.factor_memory,
-            symmetric=all(load.pressure is None for load in scene.loads.values()),
-        )
+        return tangent_solver(self, "solid_", scene)
 
     def _allocate(self, mesh: Mesh) -> None:
         """Make what solves for the unknowns of a new mesh."""
@@ -127,42 +138,49 @@ class NonlinearStatic(StaticAnalysis):
         patched = not new_mesh and mesh.topology != self.topology
         self.newton.begin(new_mesh or self.failed, patched, self.mesh_places)
         # A drag goes on from a stable equilibrium in small steps; other edits may leap over a limit.
-        dragged = not new_mesh and frame.scene is self.scene
-        outcome, x = self._find(self.guess(self.x, frame.hand), dragged)
+        dragged = not (new_mesh or self.accepted) and frame.scene is self.scene
+        self.tested = False
+        outcome, x = self._find(self.guess(self.x, frame.hand), dragged and self.believed + 1 < MOST_BELIEVED)
+        refreshed = outcome.refreshed or (self.tested and self._told)
+        self.believed = 0 if self.tested else 1 if refreshed else self.believed + 1
+        self.left_over = outcome.norm / (self.scale or 1.0)
         self.guess.keep(x, frame.hand)
         self.x, self.observed, self.accepted = x, None, False
-        self.frames = 0 if outcome.refreshed else self.frames + 1
-        return LinearReport(outcome.iterations, outcome.refreshed, self.frames, self.solver.name, outcome.newton)
+        self.frames = 0 if refreshed else self.frames + 1
+        return LinearReport(outcome.iterations, refreshed, self.frames, self.solver.name, outcome.newton)
 
     def _find(self, guess: np.ndarray, near: bool) -> tuple[Outcome, np.ndarray]:
         """The equilibrium (n, 2) near a guess, by steps of load where Newton's method does not reach it."""
         x = guess.copy()
         self._hold(x)
         outcome, problem = self._attempt(x, near=near)
+        if not problem:
+            return outcome, x
         starts = [self.x] if self.x.any() else []
-        for start in [*starts, np.zeros_like(x)] if problem else []:
-            found = self._walk(start, outcome)
-            outcome, x, problem = found.outcome, found.x, found.why
+        for start in [*starts, np.zeros_like(x)]:
+            found = self._stepped(start, outcome)
+            outcome = found.outcome
             if found.reached == 1.0:
-                break
-        else:
-            if problem:
-                raise ReplayProblem(
-                    f"no equilibrium found beyond {100 * found.reached:.3g} % of the load: {problem} (St. Venant and "
-                    "Kirchhoff's law softens without bound in compression)"
-                )
-        return outcome, x
+                return outcome, found.x
+        raise ReplayProblem(f"no equilibrium found beyond {100 * found.reached:.3g} % of the load: {found.why}")
 
-    def _walk(self, start: np.ndarray, before: Outcome) -> Walk:
-        """The walk to this frame's equilibrium from a state (n, 2) [m], after other runs of Newton's method."""
+    def _stepped(self, start: np.ndarray, before: Outcome) -> LoadPath:
+        """Load steps to this frame's equilibrium from a state (n, 2) [m], after other runs of Newton's method."""
         constrained, prescribed = self.physics.constrained, self.physics.prescribed.ravel()
+        equations, at_rest = self.equations, not start.any()
 
-        def hold(x: np.ndarray, part: float) -> None:
+        def put_on(x: np.ndarray, part: float) -> None:
             held = (1.0 - part) * start.ravel() + part * prescribed
             x.ravel()[constrained] = held[constrained]
+            if at_rest and equations.pressed != part:
+                equations.pressed, self.newton.current = part, False
 
         steps = self.plan.settings("large_deformation").load_steps
-        return walk(self._attempt, start, self.equations.whole_residual(start), hold, before, steps)
+        try:
+            equations.pressed = 0.0 if at_rest else 1.0
+            return step_load(self._attempt, start, equations.whole_residual(start), put_on, before, steps)
+        finally:
+            equations.pressed = 1.0
 
     def _attempt(
         self, x: np.ndarray, added: np.ndarray | None = None, searched: bool = False, near: bool = False
@@ -175,39 +193,43 @@ class NonlinearStatic(StaticAnalysis):
         while True:
             self.scale = self._scale(x)
             goal = (self.solver.aim if added is None else ROUGH) * self.scale
-            outcome = self.newton.solve(x, goal, searched, added)
+            outcome = self.newton.solve(x, goal, self.scale, searched, added, rounding(self.physics))
             total = outcome if total is None else outcome.after(total)
             if not outcome.converged:
                 return total, outcome.why
             if added is not None or self.scale <= SCALE_SLACK * self._scale(x) or not outcome.newton:
-                straight = near and total.monotone and total.newton <= NEAR
-                # A solver that makes a factor of every tangent has seen whether they are definite.
-                return total, self._objection(x, straight or self.solver.method == "direct")
+                return total, self._objection(x, near and total.monotone and total.newton <= NEAR)
 
     def _objection(self, x: np.ndarray, stable: bool) -> str:
         """What speaks against the equilibrium x (n, 2) that Newton's method has found."""
-        over = self.equations.turned_over(x)
-        if len(over):
-            X, cell = self.mesh_now.X, self.mesh_now.cells[over[0]]
-            place = X[cell].mean(axis=0)
-            return f"{len(over)} triangles turn inside out, one at ({place[0]:.4g}, {place[1]:.4g}) m"
-        if stable or self.solver.definite(self._tangent(x), self.mesh_places):
-            return ""
-        return INDEFINITE
+        problem = inversion(self.physics, self.equations.inverted_cells(x))
+        if problem or stable:
+            return problem
+        self.tested = True
+        return "" if self.newton.definite(x) else INDEFINITE
+
+    def _settled(self, report: LinearReport) -> LinearReport:
+        """The report of a frame at the end of a drag, whose equilibrium is stable, as it was believed to be."""
+        self.newton.current = False
+        if self.newton.definite(self.x):
+            self.believed = self.frames = 0
+            return replace(report, refreshed=self._told, age=0) if self._told else report
+        before, self.believed = self.believed, MOST_BELIEVED
+        raise ReplayProblem(f"{INDEFINITE}; so may be those of up to {before} frames before")
+
+    @property
+    def _told(self) -> bool:
+        """Tell whether a test of stability makes a factor, for others cannot tell."""
+        return self.solver.kind in COMPLETE
 
     def _hold(self, x: np.ndarray) -> None:
         """Set the held unknowns of x (n, 2)."""
         constrained = self.physics.constrained
         x.ravel()[constrained] = self.physics.prescribed.ravel()[constrained]
 
-    def _tangent(self, x: np.ndarray | None = None) -> PETSc.Mat:
-        """The tangent stiffness at x (n, 2), by default at the last solution."""
-        return self.newton.tangent(self.x if x is None else x)
-
-    @property
-    def mesh_now(self) -> Mesh:
-        """The mesh of the frame that is being solved."""
-        return self.physics.mesh
+    def _tangent(self) -> PETSc.Mat:
+        """The tangent stiffness at the last solution."""
+        return self.newton.tangent(self.x)
 
     def _load(self) -> float:
         """The norm of the loads at free nodes [N]."""
@@ -215,12 +237,9 @@ class NonlinearStatic(StaticAnalysis):
 
     def _scale(self, x: np.ndarray) -> float:
         """What residuals are measured against [N]: the load, and internal forces where supports move."""
-        scale = max(self.load, self._round_off(x))
-        return max(scale, self.physics.internal_force(x)) if self.physics.displaced else scale
-
-    def _round_off(self, x: np.ndarray) -> float:
-        """Forces [N] below which, times the tolerance, a residual is rounding."""
-        return ROUND_OFF / self.solver.tolerance * self.physics.stiffest * float(np.abs(x).max(initial=0.0))
+        if not self.physics.displaced:
+            return self.load
+        return max(self.load, self.physics.internal_force(x), least_scale(self.physics, x, self.solver.tolerance))
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------
 

@@ -19,7 +19,7 @@ from restshape.mesh.transfer import transfer
 from restshape.physics.quantities import Observer, von_mises
 from restshape.physics.solid import PlaneSolid
 from restshape.policy import Policy
-from restshape.scene.model import Scene
+from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
 
@@ -95,8 +95,7 @@ class StaticAnalysis(DisplacedSolid):
                 self._bind(frame, new_mesh)
             if not new_mesh and mesh.topology != self.topology:
                 with self.stages("pattern"):
-                    self.operator.patch(0, frame.changed_cells)
-                    self._reseat(frame)
+                    self._flip(frame)
             report = self._solve(frame, new_mesh)
         except (ReplayProblem, UserError):
             # Mesh, solution and observer stay those of the last solution; without a scene the next frame binds anew.
@@ -126,9 +125,12 @@ class StaticAnalysis(DisplacedSolid):
     def accept(self, x: np.ndarray) -> None:
         """Take displacements x (n, 2) [m] for those of the mesh as it lies now, without a solve.
 
-        The next frame solves, from them.
+        Supports hold what they prescribe there, whatever x says. The next frame solves, from them.
         """
-        self.physics.move()
+        physics = self.physics
+        physics.move()
+        if physics.moving:
+            x = np.where(physics.mask, physics.prescribed, x)
         self.x, self.observed, self.geometry, self.accepted = x, None, -1, True
         self.guess.restart()
 
@@ -157,7 +159,7 @@ class StaticAnalysis(DisplacedSolid):
         with self.stages("pattern"):
             self.plan = planned(frame.scene, application(frame.scene.app))
             self.physics = PlaneSolid(frame.scene, self.plan, mesh)
-            self.observer = Observer(self.physics, frame.scene.quantities)
+            self.observer = self._make_observer(frame.scene.quantities)
             if new_mesh:
                 self.operator = Operator(
                     self.comm, 2, mesh.node_offsets, self.policy.backend, symmetric=self.solver.symmetric
@@ -175,8 +177,13 @@ class StaticAnalysis(DisplacedSolid):
             self.x = carried if carried is not None else np.zeros((len(mesh.X), 2))
             self.guess.restart()
 
-    def _reseat(self, frame: Frame) -> None:
-        """Let the last solutions follow the nodes of flipped edges, where there are such nodes."""
+    def _make_observer(self, quantities: dict[str, Quantity]) -> Observer:
+        """What evaluates quantities of the displacement."""
+        return Observer(self.physics, quantities)
+
+    def _flip(self, frame: Frame) -> None:
+        """Follow flipped edges: with the pattern and, where such edges have nodes, with the last solutions."""
+        self.operator.patch(0, frame.changed_cells)
         if frame.reseats:
             self.x = frame.reseat(self.x)
             self.guess.reseat(frame.reseat)
@@ -186,9 +193,7 @@ class StaticAnalysis(DisplacedSolid):
         """Nodes (m, k) of what has a tangent, block by block."""
         return [mesh.cells, *(load.facets for load in self.physics.followers)]
 
-    def _solve_aside(
-        self, mat: PETSc.Mat, rhs: np.ndarray, tolerance: float, same_matrix: bool = False
-    ) -> np.ndarray:
+    def _solve_aside(self, mat: PETSc.Mat, rhs: np.ndarray, tolerance: float, same_matrix: bool = False) -> np.ndarray:
         """Solve mat s = rhs beside the sequence of solves; arguments as in `linear_solve`.
 
         `same_matrix`: mat is that of the last solve.

@@ -13,7 +13,7 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.carry import project_velocity
 from restshape.analysis.effective import EffectiveSystem, State
 from restshape.analysis.frame import Frame
-from restshape.analysis.prediction import Prediction
+from restshape.analysis.increments import IncrementProjection
 from restshape.analysis.shown import DisplacedSolid
 from restshape.application import application
 from restshape.calibration import Calibration
@@ -103,7 +103,7 @@ class TransientAnalysis(DisplacedSolid):
 
     def begin(self, u: np.ndarray, v: np.ndarray, time: float = 0.0) -> None:
         """Let the motion go on from displacements u (n, 2) [m] and velocities v (n, 2) [m/s] at a time [s]."""
-        self.prediction = self._no_prediction()
+        self.increments = self._no_increments()
         self._enter(u - self.body.solid.prescribed, v, time)
         self.energy_before = self.energy() if self.tracked else 0.0
 
@@ -191,7 +191,7 @@ class TransientAnalysis(DisplacedSolid):
             self.body = VibratingSolid(scene, self.plan, mesh)
             if new_mesh:
                 self.system_now = self._make_system()
-                self.prediction = self._no_prediction()
+                self.increments = self._no_increments()
             else:
                 self.system_now.bind(self.body, self.newmark)
         if before is None:
@@ -271,7 +271,7 @@ class TransientAnalysis(DisplacedSolid):
             system.full[:] = state.y.ravel()
             system.solution.stateIncrease()
             if guessed:
-                system.full += self.prediction(system.force())
+                system.full += self.increments(system.force())
                 system.solution.stateIncrease()
             report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale)
         whole_vector(system.full, system.rows, self.comm)
@@ -283,16 +283,16 @@ class TransientAnalysis(DisplacedSolid):
             v -= step.a5 * state.a
             a = step.a0 * moved - step.a2 * state.v - step.a3 * state.a
         if guessed:
-            self.prediction.keep(moved.ravel())
+            self.increments.keep(moved.ravel())
         self.previous, self.state = state, State(y, v, a, time)
         self.motion.v, self.unsolved = v, False
         if self.observer.watched:
             self.observer.step(self.x)
         return report
 
-    def _no_prediction(self) -> Prediction:
+    def _no_increments(self) -> IncrementProjection:
         rows = self.system_now.rows
-        return Prediction(self.body.mesh.X.size, rows.stop - rows.start, self.comm)
+        return IncrementProjection(self.body.mesh.X.size, rows.stop - rows.start, self.comm)
 
     def _shaking(self, time: float) -> np.ndarray:
         return NO_SHAKING if self.ground is None else self.ground.acceleration(time)

@@ -1,6 +1,7 @@
 """The design derivative by dual numbers beside its two approximations by differences, over their step."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
@@ -33,16 +34,7 @@ class Held:
     """
 
     def __init__(self, request: Request) -> None:
-        replay = Replay(
-            request.scene,
-            request.script,
-            request.application,
-            request.policy,
-            PETSc.COMM_WORLD,
-            request.calibration,
-            None,
-            "linear",
-        )
+        replay = Replay.of(replace(request, predict="linear"), PETSc.COMM_WORLD)
         self.replay, self.analysis = replay, replay.analysis
         self.scene, self.script = request.scene, request.script
         frames = replay.frames()
@@ -62,7 +54,7 @@ class Held:
         return np.array(max(places, key=lambda c: c[0] ** 2 + c[1] ** 2))
 
     def lay(self, dX: np.ndarray) -> bool:
-        """Lay the nodes dX (n, 2) [m] from where they were held; tells whether no triangle is turned over."""
+        """Lay the nodes dX (n, 2) [m] from where they were held; tells whether no triangle is inverted."""
         self.mesh.X[...] = self.X + dX
         corners = np.ascontiguousarray(self.mesh.cells[:, :3])
         return _kernels.check_cells(self.mesh.X, corners, 0.0, 0.0)[1] == 0
@@ -123,7 +115,7 @@ def measure(request: Request) -> dict[str, Any]:
 def _answer(held: Held, dX: np.ndarray) -> np.ndarray:
     """The displacement (n, 2) [m] with the nodes moved by dX (n, 2) [m], from the one before."""
     if not held.lay(dX):
-        raise ReplayProblem("a triangle is turned over")
+        raise ReplayProblem("a triangle is inverted")
     held.solve(held.x)
     return held.analysis.x.copy()
 
@@ -142,7 +134,7 @@ def _semi(held: Held, dX: np.ndarray, h: float) -> np.ndarray:
     forces, places = [], []
     for part in (h, 0.0):
         if not held.lay(part * dX):
-            raise ReplayProblem("a triangle is turned over")
+            raise ReplayProblem("a triangle is inverted")
         physics.move()
         x = held.x.copy()
         x.ravel()[physics.constrained] = physics.prescribed.ravel()[physics.constrained]

@@ -4,10 +4,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from statistics import median
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.analysis.modal import ModalAnalysis
 from restshape.bench.job import Job, Outcome, Row, run
 from restshape.errors import UserError
 from restshape.replay.loop import Replay
@@ -114,17 +116,18 @@ def measure(request: Request) -> Row:
         request: with prediction.
 
     Returns: way: distance of the hand from where its prediction starts [m, or what the gesture's coefficients are];
-        error: norm of the displacement's error over its own; quantities: name -> error over the largest value; each for
+        of: what the error is of; error: the norm of that of the displacement, or of the frequencies of modes, over its
+        own; quantities: name -> error over the largest value; each for
         all predicted frames; at: part of the farthest way -> largest error up to there.
     """
-    ahead, behind = (_replay(replace(request, predict=kind)) for kind in ("linear", "none"))
+    ahead, behind = (Replay.of(replace(request, predict=kind), PETSc.COMM_WORLD) for kind in ("linear", "none"))
     way, error = [], []
     names = [f"q_{name}" for name in request.scene.quantities]
     quantities: dict[str, list[tuple[float, float]]] = {name: [] for name in names}
     for found, true in zip(ahead.frames(), behind.frames()):
         if not (found["predicted"] and found["level"]) or true["refused"]:
             continue
-        x, exact = ahead.analysis.x, behind.analysis.x
+        x, exact = (answer(replay.analysis) for replay in (ahead, behind))
         way.append(ahead.foresight.way)
         size = float(np.linalg.norm(exact))
         error.append(float(np.linalg.norm(x - exact)) / size if size > 0.0 else 0.0)
@@ -133,26 +136,24 @@ def measure(request: Request) -> Row:
     farthest = max(way, default=0.0)
     return {
         "way": way,
+        "of": "frequencies, norm over all" if modal(ahead.analysis) else "displacement, norm over all nodes",
         "error": error,
         "quantities": {name[2:]: _relative(pairs) for name, pairs in quantities.items()},
         "at": {str(s): max((e for w, e in zip(way, error) if w <= s * farthest), default=0.0) for s in SHARES},
     }
 
 
+def modal(analysis: Any) -> bool:
+    """Tell whether what is solved for are modes."""
+    return isinstance(analysis, ModalAnalysis)
+
+
+def answer(analysis: Any) -> np.ndarray:
+    """What is predicted: frequencies [Hz] of modes, whose own size and number mean nothing, or a displacement [m]."""
+    return analysis.frequencies if modal(analysis) else analysis.x
+
+
 def _relative(pairs: Sequence[tuple[float, float]]) -> list[float]:
     """Errors over the largest value; as they are where that is 0."""
     scale = max((size for _, size in pairs), default=0.0) or 1.0
     return [error / scale for error, _ in pairs]
-
-
-def _replay(request: Request) -> Replay:
-    return Replay(
-        request.scene,
-        request.script,
-        request.application,
-        request.policy,
-        PETSc.COMM_WORLD,
-        request.calibration,
-        None,
-        request.predict,
-    )

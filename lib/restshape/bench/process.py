@@ -48,16 +48,7 @@ def play(job: Job, tell: Any) -> None:
     asked = request(job)
     if job.count:
         PETSc.Log.begin()
-    replay = Replay(
-        asked.scene,
-        asked.script,
-        asked.application,
-        asked.policy,
-        PETSc.COMM_WORLD,
-        asked.calibration,
-        None,
-        asked.predict,
-    )
+    replay = Replay.of(asked, PETSc.COMM_WORLD)
     counts = EventCounts() if job.count else None
     left = {int(level): number for level, number in job.enough.items()}
     for row in islice(replay.frames(), job.frames):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from restshape.application import applications
-from restshape.cli import bench_design
+from restshape.cli import bench_design, bench_eigen, bench_order
 from restshape.cli.list import scene_of
 from restshape.cli.options import add_json, add_set, open_json, print_table, write_json
 from restshape.errors import UserError
@@ -51,9 +51,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     size.add_argument(
         "--seconds", type=float, default=330.0, metavar="S", help="for all sizes together (default: %(default)g)"
     )
-    for study in (reuse, size, *bench_design.arguments(studies)):
+    plain = (bench_order.arguments(studies), bench_eigen.arguments(studies))
+    for study in (*plain, *(drawing := (reuse, size, *bench_design.arguments(studies)))):
         add_set(study)
         add_json(study)
+    for study in drawing:
         study.add_argument(
             "--out", type=Path, default=PICTURES, metavar="DIR", help="of the picture (default: %(default)s)"
         )
@@ -62,7 +64,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Measure; 0 when it is done, 2 on bad input."""
     open_json(args)
-    return {"reuse": _reuse, "size": _size, "predict": _predict, "derivative": _derivative}[args.study](args)
+    studies = {"reuse": _reuse, "size": _size, "predict": _predict, "derivative": _derivative}
+    studies |= {"order": _order, "eigen": _eigen}
+    return studies[args.study](args)
 
 
 def _reuse(args: argparse.Namespace) -> int:
@@ -101,6 +105,22 @@ def _derivative(args: argparse.Namespace) -> int:
     from restshape.report.design import draw_derivative
 
     return _one(args, "sensitivity-epsilon.png", bench_design.derivative, draw_derivative)
+
+
+def _order(args: argparse.Namespace) -> int:
+    """Compare elements of first and second order."""
+    args.scenes = [args.scene]
+    (case,) = _cases(args)
+    write_json(args, bench_order.order(args, case, announce))
+    return 0
+
+
+def _eigen(args: argparse.Namespace) -> int:
+    """Compare eigensolvers."""
+    args.scenes = [args.scene]
+    (case,) = _cases(args)
+    write_json(args, bench_eigen.eigen(args, case, announce))
+    return 0
 
 
 def _one(args: argparse.Namespace, name: str, measure: Any, draw: Any) -> int:

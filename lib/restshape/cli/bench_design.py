@@ -66,7 +66,7 @@ def print_prediction(name: str, found: dict[str, Any]) -> None:
     print(f"of a predicted frame [ms]: {stages}")
     parts = list(found["at"])
     heads = ("largest error, relative", *(f"up to {100 * float(part):.0f} % of the way" for part in parts))
-    rows = [("displacement, norm over all nodes", *(f"{found['at'][part]:.2e}" for part in parts))]
+    rows = [(found["of"], *(f"{found['at'][part]:.2e}" for part in parts))]
     way = found["way"]
     for quantity, errors in found["quantities"].items():
         cells = [

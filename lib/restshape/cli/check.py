@@ -142,7 +142,7 @@ def made_of(material: Material) -> str:
         moduli = ", ".join(f"{E:.4g}" for E in grain.E)
         stiff = f"E {moduli} Pa along and across a grain at {math.degrees(material.grain):g} deg"
     thickness = material.thickness
-    thick = f"as thick as {thickness.text} m" if isinstance(thickness, Expression) else f"{thickness:g} m thick"
+    thick = f"thickness {thickness.text}" if isinstance(thickness, Expression) else f"{thickness:g} m thick"
     known = f"{material.name}: " if material.name else ""
     return f"{known}{stiff}, rho {material.rho:g} kg/m^3, {thick}"
 
@@ -163,6 +163,7 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     for name, q in scene.quantities.items():
         what = f"{q.kind} {getattr(q, q.kind)}" if q.kind != "area" else "area"
         limit = f", holds up to {q.limit:.6g}" if q.limit is not None else ""
+        limit += f", holds from {q.at_least:.6g} on" if q.at_least is not None else ""
         rows.append((f"quantity {name}", f"{q.take} of {what} at {q.at or 'all'}{limit}"))
     mesh, solve = scene.mesh, scene.solve
     rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))

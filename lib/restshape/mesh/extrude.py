@@ -26,7 +26,8 @@ class Extrusion:
     Over each plane node stands a column of nodes, ``levels`` of them from bottom to top: node k over plane node i is
     ``i * levels + k``. So each rank's nodes are contiguous, and a field (n, f) is ``field.reshape(-1, levels, f)`` by
     columns. In each layer three tetrahedra stand over a triangle; those of the plane cell e are the rows
-    ``3 * layers * e`` and on. Of second order curved sides of the plane mesh become curved walls.
+    ``3 * layers * e`` and on. Diagonals follow the plane nodes' `places`: they are the same on any number of ranks. Of
+    second order curved sides of the plane mesh become curved walls.
 
     Args:
         plane: held by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
@@ -61,7 +62,7 @@ class Extrusion:
         self.X = np.empty((len(plane.X) * self.levels, 3))
         self.cells = np.empty((3 * layers * len(plane.cells), 4 if self.order == 1 else 10), dtype=np.int32)
         self._h = self.thickness.at(plane.X)
-        _kernels.split_prisms(plane.cells, layers, self.cells)
+        _kernels.split_prisms(plane.cells, plane.places, layers, self.cells)
         self._place()
 
     @property
@@ -133,7 +134,7 @@ class Extrusion:
         self._place()
         if changed is None or not len(changed):
             return np.empty(0, dtype=np.int32)
-        _kernels.split_prisms(self.plane.cells, self.layers, self.cells, changed)
+        _kernels.split_prisms(self.plane.cells, self.plane.places, self.layers, self.cells, changed)
         return self.over(changed)
 
     def motion(self, motion: np.ndarray) -> np.ndarray:

@@ -96,6 +96,7 @@ def assemble(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndar
         node_param=node_param,
         vertex_node=number[: len(outline.vertex_names)],
         node_offsets=np.searchsorted(owner[order], np.arange(ranks + 1)),
+        places=np.argsort(node_order(X)).astype(np.int32),
     )
     if mesh.facet_cell.min() < 0:
         name = outline.edges[facet_edge[np.argmin(mesh.facet_cell)]].name

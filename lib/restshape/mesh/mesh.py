@@ -30,6 +30,7 @@ class Mesh:
         cell_region: (ne,) 0 or i + 1 for the innermost, i-th region loop.
         node_offsets: (ranks + 1,) nodes of rank r are node_offsets[r]:node_offsets[r + 1].
         outline: the outline whose entities the mesh resolves.
+        places: (n,) of the nodes in an order that does not hang on the number of ranks; default: their numbers.
         topology, geometry: versions; equal versions mean the same connectivity, the same positions.
     """
 
@@ -46,6 +47,7 @@ class Mesh:
     cell_region: np.ndarray
     node_offsets: np.ndarray
     outline: Outline
+    places: np.ndarray
     topology: int
     geometry: int = 0
 
@@ -66,6 +68,7 @@ class Mesh:
         vertex_node: np.ndarray,
         cell_region: np.ndarray | None = None,
         node_offsets: np.ndarray | None = None,
+        places: np.ndarray | None = None,
     ) -> Mesh:
         """A mesh from its primary arrays; see the class for their shapes."""
         cells = np.ascontiguousarray(cells, dtype=np.int32)
@@ -87,6 +90,7 @@ class Mesh:
             cell_region=np.ascontiguousarray(regions, dtype=np.int32),
             node_offsets=np.ascontiguousarray(offsets, dtype=np.int32),
             outline=outline,
+            places=np.arange(len(X), dtype=np.int32) if places is None else places,
             topology=next(_topologies),
         )
 

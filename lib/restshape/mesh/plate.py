@@ -91,6 +91,17 @@ class PlateMesh:
         """
         return self.plane.cells_of(name)
 
+    def rim(self) -> np.ndarray:
+        """Whether (ne, 3) the sides (0, 1), (1, 2), (2, 0) of each triangle are the plate's boundary."""
+        plane = self.plane
+        loops = [loop for loop in plane.outline.loops if loop.kind != "region"]
+        outer = np.isin(plane.facet_edge, [edge for loop in loops for edge, _ in loop.edges])
+        cells = plane.facet_cell[outer]
+        result = np.zeros(self.cells.shape, dtype=bool)
+        # The material is on the left, so that a facet begins where the side does.
+        result[cells, (self.cells[cells] == plane.facets[outer, :1]).argmax(axis=1)] = True
+        return result
+
     def follow(self, changed: np.ndarray | None = None) -> np.ndarray:
         """Go where the plane mesh is; tells which triangles (k,) are others than before: those that are given.
 

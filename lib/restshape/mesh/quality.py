@@ -1,4 +1,4 @@
-"""Shape quality of triangles, vectorised: the reference that the compiled check is held against, and for reports."""
+"""What triangles are held against: their areas, and the thresholds of the two criteria."""
 
 import numpy as np
 
@@ -22,30 +22,6 @@ def areas(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
     a, b, c = X[cells[:, 0]], X[cells[:, 1]], X[cells[:, 2]]
     u, v = b - a, c - a
     return 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-
-
-def edge_lengths(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Lengths (ne, 3) [m] of the edges opposite to the corners."""
-    corners = X[cells]
-    return np.linalg.norm(corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]], axis=2)
-
-
-def author_ratios(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Longest edge x half perimeter / area (ne,), 3.46 for an equilateral triangle; negative where inverted.
-
-    Source: docs/theory.md, section 1.
-    """
-    lengths = edge_lengths(X, cells)
-    return lengths.max(axis=1) * 0.5 * lengths.sum(axis=1) / areas(X, cells)
-
-
-def qualities(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Inscribed radius over longest edge (ne,), scaled to 1 for an equilateral triangle; negative where inverted.
-
-    Source: docs/theory.md, section 1; it equals 2 sqrt(3) over the author's ratio.
-    """
-    lengths = edge_lengths(X, cells)
-    return EQUILATERAL_RATIO * 2.0 * areas(X, cells) / (lengths.sum(axis=1) * lengths.max(axis=1))
 
 
 def thresholds(criterion: str, min_quality: float, X: np.ndarray, edge_nodes: np.ndarray) -> tuple[float, float]:

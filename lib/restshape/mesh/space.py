@@ -51,6 +51,7 @@ class LagrangeSpace:
         facets: (nf, 3) ends and middle of each facet of the mesh.
         corner_number: (corners,) node of each of the mesh's; side_number: (edges,) node of each mesh edge.
         node_offsets: (ranks + 1,) nodes of rank r are node_offsets[r]:node_offsets[r + 1].
+        places: (n,) those of the mesh's nodes; of nodes in the middle of sides it is not used.
         reseats: what the flips did to nodes since they were last taken in, by setting this to ().
     """
 
@@ -64,6 +65,8 @@ class LagrangeSpace:
         self.side_number[order] = ends[order] + 1 + np.arange(len(ends))
         self.node_offsets = (mesh.node_offsets + first[mesh.node_offsets]).astype(np.int32)
         self.X = np.empty((n + len(ends), 2))
+        self.places = np.zeros(len(self.X), dtype=np.int32)
+        self.places[self.corner_number] = mesh.places
         self.corners = np.empty_like(mesh.cells)
         self.cells = np.empty((len(mesh.cells), 6), dtype=np.int32)
         edges = edges_between(mesh.edge_nodes, mesh.facets)

@@ -9,6 +9,9 @@ from restshape.scene.model import Material
 SHEAR_FACTOR = 5.0 / 6.0
 """Share of the shear modulus that a plate's mean shear strain meets. Source: Reissner, J. Appl. Mech. 12 (1945) A69."""
 
+FREE_SIDES = slice(11, 14), (0.0, 0.0, 0.0)
+"""Columns of a plate's parameters that are 1 for each side that is free to twist, and what they are elsewhere."""
+
 PLANE = [0, 1, 5]
 """Rows of the strains in the plane."""
 
@@ -63,6 +66,11 @@ def plane_stress(C: np.ndarray) -> np.ndarray:
     return inner - np.outer(C[PLANE, 2], C[2, PLANE]) / C[2, 2]
 
 
+def plane_strain(C: np.ndarray) -> np.ndarray:
+    """Stiffness (3, 3) [Pa] of xx, yy, xy where nothing stretches along the normal of the plane, of C (6, 6)."""
+    return C[np.ix_(PLANE, PLANE)]
+
+
 def solid_params(C: np.ndarray) -> np.ndarray:
     """Parameters (24,) of the elements anisotropic_tet4 and anisotropic_tet10, without body force, of C (6, 6) [Pa]."""
     return np.concatenate([C[np.triu_indices(6)], np.zeros(3)])
@@ -74,7 +82,7 @@ def plane_params(Q: np.ndarray, thickness: float) -> np.ndarray:
 
 
 def plate_params(C: np.ndarray, rho: float, load: float = 0.0, factor: float = SHEAR_FACTOR) -> np.ndarray:
-    """Parameters (11,) of the elements plate_tri3 and mass_plate_tri3.
+    """Parameters (14,) of the elements plate_tri3 and mass_plate_tri3, of triangles without a free side.
 
     Args:
         C: stiffness (6, 6) [Pa], turned to the axes of the plane.
@@ -84,6 +92,5 @@ def plate_params(C: np.ndarray, rho: float, load: float = 0.0, factor: float = S
     """
     Q = plane_stress(C)
     shear = factor * C[3:5, 3:5]
-    return np.array(
-        [Q[0, 0], Q[0, 1], Q[1, 1], Q[0, 2], Q[1, 2], Q[2, 2], shear[0, 0], shear[0, 1], shear[1, 1], rho, load]
-    )
+    bending = [Q[0, 0], Q[0, 1], Q[1, 1], Q[0, 2], Q[1, 2], Q[2, 2]]
+    return np.array([*bending, shear[0, 0], shear[0, 1], shear[1, 1], rho, load, *FREE_SIDES[1]])

@@ -1,4 +1,4 @@
-"""Bodies that vibrate freely: stiffness, inertia, supports and rigid motions of plane solids, extruded solids, plates."""
+"""Bodies that vibrate freely, plane solids, extruded solids and plates: stiffness, inertia, supports, rigid motions."""
 
 from abc import ABC, abstractmethod
 from typing import Any
@@ -11,10 +11,18 @@ from restshape.mesh.extrude import Extrusion
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.plate import PlateMesh
 from restshape.mesh.space import LagrangeSpace, Reseat, reseated
-from restshape.physics.elasticity import isotropic, plate_params
+from restshape.physics.elasticity import (
+    FREE_SIDES,
+    plane_params,
+    plane_strain,
+    plane_stress,
+    plate_params,
+    solid_params,
+    stiffness_of,
+)
 from restshape.physics.places import nodes_on
-from restshape.scene.model import Material, Scene
 from restshape.scene.expressions import Value
+from restshape.scene.model import Material, Scene
 
 HELD = 1e-9
 """A rigid motion of which less than this is left at the supports is free."""
@@ -139,12 +147,17 @@ class PlaneOscillator(Oscillator):
         super().__init__(scene, plane)
         shape = {3: "tri3", 6: "tri6"}[plane.cells.shape[1]]
         self.mesh = plane
-        self.stiffness = _kernels.Element(f"linear_elastic_{shape}")
+        self.stiffness = _kernels.Element(f"{law(self.materials)}_{shape}")
         self.mass = _kernels.Element(f"lumped_mass_{shape}" if lumped else f"mass_{shape}")
-        rows = [(*lame(m, stress), plain_thickness(m), 0.0, 0.0, m.rho) for m in self.materials]
-        table = self.by_cell(np.array(rows), plane.cell_region)
-        self.stiffness_params = np.ascontiguousarray(table[..., :5])
-        self.mass_params = np.ascontiguousarray(table[..., 5:] * table[..., 2:3])
+        thickness = [plain_thickness(m) for m in self.materials]
+        if law(self.materials) == "anisotropic":
+            plane_law = plane_stress if stress else plane_strain
+            rows = [plane_params(plane_law(stiffness_of(m)), h) for m, h in zip(self.materials, thickness)]
+        else:
+            rows = [(*lame(m, stress), h, 0.0, 0.0) for m, h in zip(self.materials, thickness)]
+        masses = [[m.rho * h] for m, h in zip(self.materials, thickness)]
+        self.stiffness_params = self.by_cell(np.array(rows), plane.cell_region)
+        self.mass_params = self.by_cell(np.array(masses), plane.cell_region)
         self.mask = self.held()
 
     def rigid_motions(self) -> np.ndarray:
@@ -172,11 +185,14 @@ class SolidOscillator(Oscillator):
         super().__init__(scene, plane)
         self.mesh = Extrusion(plane, layers, one_thickness(scene), scene.parameters)
         shape = {4: "tet4", 10: "tet10"}[self.mesh.cells.shape[1]]
-        self.stiffness = _kernels.Element(f"linear_elastic_{shape}")
+        self.stiffness = _kernels.Element(f"{law(self.materials)}_{shape}")
         self.mass = _kernels.Element(f"lumped_mass_{shape}" if lumped else f"mass_{shape}")
         region = self.mesh.cell_region
-        stiffness = np.array([(*lame(m, False), 0.0, 0.0, 0.0) for m in self.materials])
-        self.stiffness_params = self.by_cell(stiffness, region)
+        if law(self.materials) == "anisotropic":
+            rows = [solid_params(stiffness_of(m)) for m in self.materials]
+        else:
+            rows = [(*lame(m, False), 0.0, 0.0, 0.0) for m in self.materials]
+        self.stiffness_params = self.by_cell(np.array(rows), region)
         self.mass_params = self.by_cell(np.array([[m.rho] for m in self.materials]), region)
         self.mask = self.held()
 
@@ -224,13 +240,27 @@ class PlateOscillator(Oscillator):
         super().__init__(scene, plane)
         self.mesh = PlateMesh(plane, one_thickness(scene), scene.parameters)
         self.stiffness, self.mass = _kernels.Element("plate_tri3"), _kernels.Element("mass_plate_tri3")
-        table = np.stack([plate_params(isotropic(m.E, m.nu), m.rho) for m in self.materials])
-        self.stiffness_params = self.mass_params = self.by_cell(table, plane.cell_region)
+        table = np.stack([plate_params(stiffness_of(m), m.rho) for m in self.materials])
+        self.stiffness_params = self.mass_params = np.ascontiguousarray(table[plane.cell_region])
         self.mask = self.held()
+        self._free_sides()
 
     def follow(self, changed: np.ndarray) -> np.ndarray:
         """Go where the plane mesh is; the changed cells."""
-        return self.mesh.follow(changed)
+        changed = self.mesh.follow(changed)
+        if len(changed) or self.mask[:, 1:].any():
+            self._free_sides()
+        return changed
+
+    def _free_sides(self) -> None:
+        """Tell the elements which sides may twist: those of the boundary along which no support holds the rotation."""
+        cells = self.mesh.cells
+        along = self.mesh.X[np.roll(cells, -1, axis=1), :2] - self.mesh.X[cells, :2]
+        straight = np.abs(along) <= 1e-9 * np.linalg.norm(along, axis=2, keepdims=True)
+        # The rotation along a side is made of ry where it runs in x, and of rx where it runs in y.
+        kept = self.mask[:, [2, 1]] != 0
+        fixed = [(kept[nodes] | straight).all(axis=2) for nodes in (cells, np.roll(cells, -1, axis=1))]
+        self.stiffness_params[:, FREE_SIDES[0]] = self.mesh.rim() & ~(fixed[0] & fixed[1])
 
     def motion(self, plane_motion: np.ndarray) -> np.ndarray:
         """Velocities (k, n, 3) of places and thickness from those (k, n, 2) of the plane nodes."""
@@ -254,6 +284,11 @@ class PlateOscillator(Oscillator):
     def normal_shares(self, modes: np.ndarray, heavy: np.ndarray) -> np.ndarray:
         """Ones (k,): what a plate does is out of its plane."""
         return np.ones(len(modes))
+
+
+def law(materials: list[Material]) -> str:
+    """The law of small strains that all materials have: "linear_elastic", or "anisotropic" if one has a grain."""
+    return "anisotropic" if any(m.orthotropic for m in materials) else "linear_elastic"
 
 
 def lame(material: Material, stress: bool) -> tuple[float, float]:

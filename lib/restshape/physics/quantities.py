@@ -8,6 +8,7 @@ from restshape import _kernels
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
 from restshape.physics.goals import GoalDistance
+from restshape.physics.means import mean_over
 from restshape.physics.recovery import NodalStress
 from restshape.physics.solid import PlaneSolid
 from restshape.scene.model import Quantity
@@ -97,7 +98,15 @@ class Observer:
             return self._distance(name, quantity)
         if quantity.frequency or quantity.mode:
             raise UserError(
-                "only free vibrations have frequencies", f"quantities.{name}", 'leave it out, or use app = "metallophone"'
+                "only free vibrations have frequencies",
+                f"quantities.{name}",
+                'leave it out, or use app = "metallophone"',
+            )
+        if quantity.load_factor:
+            raise UserError(
+                "without buckling there are no load factors",
+                f"quantities.{name}.load_factor",
+                'leave it out, or add [effects.buckling] to a scene of app = "solid"',
             )
         nodes = self._nodes(name, quantity)
         take = TAKES[quantity.take]
@@ -108,7 +117,11 @@ class Observer:
             component = COMPONENTS[quantity.stress]
             cells = self.mesh.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
             rows = self.recovery.rows(nodes, cells)
+            if quantity.take == "mean":
+                take = mean_over(self.mesh, quantity.at, self.recovery.nodes[rows])
             return lambda x: take(component(self.nodal_stress(x)[rows]))
+        if quantity.take == "mean":
+            take = mean_over(self.mesh, quantity.at, nodes)
         if quantity.displacement == "magnitude":
             return lambda x: take(np.hypot(x[nodes, 0], x[nodes, 1]))
         column = "xy".index(quantity.displacement)

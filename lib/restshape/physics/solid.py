@@ -7,6 +7,7 @@ from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
 from restshape.physics.held import require_held
 from restshape.physics.places import cells_on, facets_on, nodes_on
+from restshape.physics.thickness import thickness_stretch
 from restshape.physics.values import Nodal, evaluate, varies
 from restshape.scene.model import Load, Material, Scene
 from restshape.scene.plan import Plan
@@ -112,10 +113,10 @@ class PlaneSolid:
         if self.tractions or self.forces or self.nodal_bodies:
             rhs.ravel()[self.constrained] = 0.0
 
-    def follow(self, x: np.ndarray, out: np.ndarray) -> None:
-        """Add the residual [N] of the pressures that follow the boundary displaced by x (n, 2) [m] to `out` (n, 2)."""
-        for load in self.followers:
-            self.pressure.residual(self.mesh.X, x, load.facets, load.pressure_params, out)
+    def pressures(self, part: float = 1.0) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Facets and parameters of the element `pressure` of each load that follows the boundary, or of a part of it."""
+        # A part of the thickness takes a part of the load.
+        return [(load.facets, load.pressure_params * (1.0, 1.0, part)) for load in self.followers]
 
     # --- what is observed --------------------------------------------------------------------------------------
 
@@ -158,7 +159,8 @@ class PlaneSolid:
         out = self.residual(x, subset)
         for facets in self.tractions:
             self.traction.residual(self.mesh.X, x, facets.facets, facets.params, out)
-        self.follow(x, out)
+        for facets, params in self.pressures():
+            self.pressure.residual(self.mesh.X, x, facets, params, out)
         self._add_forces(out, -1.0)
         self._add_bodies(out, -1.0, subset)
         return out
@@ -168,7 +170,7 @@ class PlaneSolid:
         return self.element.energy(self.mesh.X, x, self.mesh.cells, self.stiffness_params)
 
     def stress(self, x: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
-        """Stresses [Pa] of each cell: xx, yy, xy, zz.
+        """Cauchy's stresses [Pa] of each cell: xx, yy, xy, zz; not numbers where plane stress thins a cell to nothing.
 
         Args:
             x: (n, 2) displacement [m].
@@ -181,8 +183,11 @@ class PlaneSolid:
         out = np.empty(shape)
         self.element.stress(self.mesh.X, x, self.mesh.cells, self.stiffness_params, out, points)
         if self.model == "plane_stress":
-            # The element knows lambda* only, with which its zz means nothing.
+            # The element knows lambda* and a thickness that stays, with which its zz means nothing.
             out[..., 3] = 0.0
+            if self.law == "stvk":
+                ratio = 0.5 * self.stiffness_params[..., 0] / self.stiffness_params[..., 1]
+                out /= thickness_stretch(self.mesh.X, x, self.mesh.cells, ratio, points)[..., None]
         return out
 
     # --- parts ---------------------------------------------------------------------------------------------------

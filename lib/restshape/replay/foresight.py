@@ -4,10 +4,12 @@ from typing import Any
 
 import numpy as np
 
+from restshape.analysis.buckling import BucklingAnalysis
 from restshape.analysis.modal import ModalAnalysis
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.moving import Advance, MovingMesh
 from restshape.policy import Policy
+from restshape.sensitivity.buckling import buckling_derivative
 from restshape.sensitivity.modal import modal_derivative
 from restshape.sensitivity.prediction import Prediction
 from restshape.sensitivity.static import design_derivative
@@ -15,6 +17,7 @@ from restshape.shape.session import EditFrame, EditSession
 
 SPRINGS = "not predicted: nodes that springs relax do not follow the hand linearly"
 ARC = "not predicted: bending an arc is not linear"
+DERIVATIVES = {ModalAnalysis: modal_derivative, BucklingAnalysis: buckling_derivative}
 
 
 class Foresight:
@@ -39,7 +42,7 @@ class Foresight:
     def __init__(self, analysis: Any, moving: MovingMesh, session: EditSession, policy: Policy) -> None:
         if not hasattr(analysis, "accept"):
             raise UserError(
-                "only bodies at rest and their modes are predicted: a motion depends on its past, not on its shape alone",
+                "only bodies at rest and modes are predicted: a motion depends on its past, not on its shape alone",
                 "--predict linear",
                 "leave it out",
             )
@@ -76,7 +79,7 @@ class Foresight:
         """Let the solve of a frame start at its prediction, where there is one."""
         self._before = None
         if self.made is not None and edit.change == "move" and edit.gesture is self.made.gesture:
-            self._before = self.analysis.x
+            self._before = self._state
             self.analysis.accept(self.made(edit.c))
 
     def take_back(self) -> None:
@@ -107,9 +110,16 @@ class Foresight:
             self.note = SPRINGS
             return
         try:
-            derivative = modal_derivative if isinstance(self.analysis, ModalAnalysis) else design_derivative
-            s = derivative(self.analysis, self.moving.field_motion, edit.scene.solve.tolerance)
+            s = DERIVATIVES.get(type(self.analysis), design_derivative)(
+                self.analysis, self.moving.field_motion, edit.scene.solve.tolerance
+            )
         except ReplayProblem as problem:
             self.note = f"not predicted: {problem}"
             return
-        self.made = Prediction(gesture, edit.c, self.analysis.x, s)
+        self.made = Prediction(gesture, edit.c, self._state, s)
+
+    @property
+    def _state(self) -> np.ndarray:
+        """What the analysis predicts: by default its solution."""
+        analysis = self.analysis
+        return analysis.state if hasattr(analysis, "state") else analysis.x

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from time import perf_counter
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from petsc4py import PETSc
@@ -21,7 +21,8 @@ from restshape.physics.quantities import areas
 from restshape.policy import Policy
 from restshape.replay.foresight import Foresight
 from restshape.replay.recorder import Recorder
-from restshape.replay.verdict import verdict
+from restshape.replay.request import Request
+from restshape.replay.verdict import limits_of, verdict
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script
@@ -85,8 +86,14 @@ class Replay:
         self.recorded_topology: tuple[int, int] | None = None
         self.solved = False
         self.known = False
-        self.limits = {name: q.limit for name, q in scene.quantities.items() if q.limit is not None}
+        self.limits = limits_of(scene.quantities)
         self.row: dict[str, Any] = {}
+
+    @classmethod
+    def of(cls, request: Request, comm: PETSc.Comm, recorder: Recorder | None = None) -> Self:
+        """The replay that is asked for; PETSc's options are the caller's to set."""
+        scene, script, application = request.scene, request.script, request.application
+        return cls(scene, script, application, request.policy, comm, request.calibration, recorder, request.predict)
 
     def frames(self) -> Iterator[dict[str, Any]]:
         """The row of each frame, as soon as it is computed and handed to the recorder.
@@ -164,7 +171,9 @@ class Replay:
         }
         self.row.update({f"q_{name}": value for name, value in quantities.items()})
         if self.known and hasattr(self.analysis, "row"):
-            self.row.update(self.analysis.row())
+            own = self.analysis.row()
+            notes = self.row["note"], own.get("note", "")
+            self.row.update(own, note="; ".join(filter(None, notes)))
         return self.row
 
     def _solve(self, edit: EditFrame, advance: Advance, solved: bool) -> LinearReport:
@@ -175,7 +184,8 @@ class Replay:
         changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
         if self.foresight:
             self.foresight.start(edit)
-        report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand, reseats))
+        settled = edit.change == "none"
+        report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand, reseats, settled))
         self.solved = self.known = True
         if mesh.reseats:
             mesh.reseats = ()

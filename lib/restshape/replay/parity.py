@@ -14,8 +14,8 @@ ENTRIES = 1e-13
 class Parity:
     """Compares the frames of a replay with cold ones: new pattern, new values, new factor, no guess.
 
-    Entries are compared relative to the largest; solutions in the energy norm, relative to that of the displacement, and
-    frequencies as they are.
+    Entries are compared relative to the largest; solutions in the energy norm, relative to that of the displacement;
+    of modes, frequencies.
     The iteration ends on the residual, so that the solver tolerance bounds this difference only up to the spread of the
     stiffness: that it stays below is checked, not a theorem.
 

@@ -67,15 +67,14 @@ def measure(request: Request, window: int = WINDOW) -> dict[str, Any]:
 
     Returns: run, best [s], ratio; schedule (frames refreshed), refreshes and iterations, each of run and best; frames.
     """
-    comm = PETSc.COMM_WORLD
-    replay = Replay(request.scene, request.script, request.application, request.policy, comm, request.calibration)
+    replay = Replay.of(request, PETSc.COMM_WORLD)
     segments = _replay(replay)
     run = best = 0.0
     schedule: dict[str, list[int]] = {"run": [], "best": []}
     iterations = {"run": 0, "best": 0}
     for segment in segments:
         solves = segment.solves
-        counts = _table(segment, comm, window)
+        counts = _table(segment, PETSc.COMM_WORLD, window)
         refresh = _refresh_costs(segment)
         # A schedule that was run may keep a preconditioner for longer than the window.
         cost, spent = _cost_of_run(segment, refresh)

@@ -73,16 +73,7 @@ def run_replay(
 def _replay(request: Request, recorder: Recorder | None) -> Replay:
     """The replay, with its solvers set up."""
     try:
-        return Replay(
-            request.scene,
-            request.script,
-            request.application,
-            request.policy,
-            PETSc.COMM_WORLD,
-            request.calibration,
-            recorder,
-            request.predict,
-        )
+        return Replay.of(request, PETSc.COMM_WORLD, recorder)
     except PETSc.Error as error:
         if not request.petsc:
             raise

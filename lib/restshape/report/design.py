@@ -58,7 +58,8 @@ def draw_prediction(name: str, found: Mapping[str, Any], path: Path) -> None:
         ends = np.array([way[shown].min(), way[shown].max()])
         axes.loglog(ends, middle * ends**2, color=FAINT, linewidth=1.0, label="slope 2")
         axes.legend(loc="upper left")
-    axes.set(xlabel="way of the hand from the solved frame", ylabel="error of the displacement, relative")
+    # Only what a hand holds and drags is predicted: its way is a length.
+    axes.set(xlabel="way of the hand from the solved frame [m]", ylabel="error of the displacement, relative")
     axes.grid(True, color="#e6e6e6", linewidth=0.6)
     title = f"{name}: predicted frames ({found['fps']['predicted']:,.0f} a second) against solved ones"
     figure.suptitle(title, x=0.01, ha="left", color=INK)

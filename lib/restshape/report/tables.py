@@ -24,6 +24,11 @@ def refused(recording: Recording) -> np.ndarray:
     return np.array([bool(reason) for reason in reasons], dtype=bool)
 
 
+def predicted(recording: Recording) -> np.ndarray:
+    """Whether each frame (n,) was foretold, and not solved."""
+    return column(recording, "predicted", 0.0) == 1
+
+
 def with_values(recording: Recording) -> np.ndarray:
     """Whether each frame (n,) changed values only, such as a load: the shape rests, and the system was solved."""
     events = [event in ("set", "undo", "redo") for event in recording.table.get("do", [""] * recording.n)]

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, VALUES, new_figure
-from restshape.report.tables import column, refused, with_values
+from restshape.report.tables import column, predicted, refused, with_values
 
 NARROW, WIDE = 5.0, 100.0
 """Below the first ratio of the times their axis is linear, from the second on decades alone have labels."""
@@ -21,20 +21,22 @@ def draw_timeline(recording: Recording, path: Path) -> None:
     levels, times, iterations = figure.subplots(3, 1, sharex=True, height_ratios=(1, 2, 1.4))
     frames = np.arange(recording.n)
     level = np.nan_to_num(column(recording, "level")).astype(int)
-    stopped = refused(recording)
+    stopped, ahead = refused(recording), predicted(recording)
+    ms = column(recording, "ms")
     kind = np.where(with_values(recording), VALUES, level)
     for k in (k for k in LEVELS if k in kind):
-        chosen = kind == k
         look = {"linestyle": "none", "marker": LEVEL_MARKS[k], "color": LEVELS[k], "markersize": 3.5}
-        levels.plot(frames[chosen], level[chosen], label=LEVEL_NAMES[k], **look)
-        times.plot(frames[chosen], column(recording, "ms")[chosen], **look)
-        iterations.plot(frames[chosen], column(recording, "iterations")[chosen], **look)
+        levels.plot([], [], label=LEVEL_NAMES[k], **look)
+        # Hollow where nothing was solved.
+        for chosen, fill in ((kind == k) & ~ahead, LEVELS[k]), ((kind == k) & ahead, "white"):
+            for axes, values in (levels, level), (times, ms), (iterations, column(recording, "iterations")):
+                axes.plot(frames[chosen], values[chosen], markerfacecolor=fill, **look)
     for axes in (levels, times, iterations):
         axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
         axes.set_axisbelow(True)
         _mark(axes, frames[stopped])
     levels.set(ylabel="level", yticks=(0, 1, 2, 3), ylim=(-0.5, 3.5))
-    _scale_times(times, column(recording, "ms"))
+    _scale_times(times, ms)
     most = max(1.0, np.nanmax(column(recording, "iterations"), initial=1.0))
     iterations.set(ylabel="iterations", xlabel="frame", ylim=(-0.06 * most, 1.15 * most))
     iterations.yaxis.get_major_locator().set_params(integer=True)
@@ -43,6 +45,9 @@ def draw_timeline(recording: Recording, path: Path) -> None:
     name = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{name}: {recording.summary}", x=0.01, ha="left", color=INK)
     handles, names = levels.get_legend_handles_labels()
+    if ahead.any():
+        handles += levels.plot([], [], "o", color=INK, markerfacecolor="white", markersize=3.5)
+        names.append(f"predicted, not solved ({ahead.sum()})")
     if stopped.any():
         handles.append(levels.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3))
         names.append(f"refused ({stopped.sum()})")

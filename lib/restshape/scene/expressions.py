@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from restshape.scene import duals
 from restshape.scene.duals import Dual
+from restshape.scene.units import in_si
 
 FUNCTIONS: dict[str, tuple[Callable[..., NDArray[np.float64]], int]] = {
     "sqrt": (np.sqrt, 1),
@@ -39,7 +40,8 @@ class Expression:
     """A formula of the material coordinates ``x`` and ``y``, of ``pi`` and of the scene's parameters.
 
     Args:
-        text: for example ``"-P*(L - x)*y/I"``; ``^`` is a power, as ``**`` is.
+        text: for example ``"-P*(L - x)*y/I"``; ``^`` is a power, as ``**`` is, and numbers
+            may have a unit, as in ``3 mm*(1 - x/2)``.
 
     Raises:
         ExpressionError: not a formula of + - * / ** ^, numbers, names and the known functions.
@@ -51,8 +53,9 @@ class Expression:
         self.text = text
         if len(text) > LONGEST:
             raise ExpressionError(f"the formula is {len(text)} characters long: {LONGEST} are allowed")
+        plain = in_si(text)
         try:
-            tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
+            tree = ast.parse(plain.strip().replace("^", "**"), mode="eval")
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             raise ExpressionError(f"{text!r} is not a formula") from error
         names: set[str] = set()

@@ -350,7 +350,7 @@ class Goal(Strict):
 
 
 def _read_limit(raw: Any, info: ValidationInfo) -> float:
-    """The largest value of a quantity that holds, in the unit of its kind."""
+    """The largest or smallest value of a quantity that holds, in the unit of its kind."""
     kind = next((kind for kind in LIMIT_DIMENSIONS if info.data.get(kind) is not None), None)
     return quantity(raw, LIMIT_DIMENSIONS[kind] if kind else None)
 
@@ -365,6 +365,7 @@ LIMIT_DIMENSIONS = {
     "distance": "length",
     "frequency": "frequency",
     "mode": "frequency",
+    "load_factor": "number",
 }
 
 
@@ -373,9 +374,11 @@ class Quantity(Strict):
 
     ``distance = "NAME"`` is the distance between a goal and the deformed edges, counted from both: "mean" is half the
     mean along the edges of their distance from the goal plus half the mean along the goal of its distance from them.
-    ``frequency = 2`` is the second lowest frequency, ``mode = 2`` that of the mode that was the second one at the start,
-    wherever it has gone since.
-    With a ``limit`` the quantity gives a verdict: it holds as long as its value is not above.
+    ``frequency = 2`` is the second lowest frequency, ``mode = 2`` that of the mode that was the second one at the
+    start, wherever it has gone since.
+    ``load_factor = 1`` is the lowest multiple of all loads at which the body buckles; infinite where there is none.
+    With a ``limit`` the quantity gives a verdict: it holds as long as its value is not above; with ``at_least``, as
+    long as it is not below.
 
     "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
     Energies: "strain", "kinetic" (relative to the ground), "total" of both, "edit" (work of all edits so far) and
@@ -391,6 +394,7 @@ class Quantity(Strict):
         "distance",
         "frequency",
         "mode",
+        "load_factor",
     )
     usual: ClassVar[dict[str, str]] = {
         "displacement": "mean",
@@ -401,6 +405,7 @@ class Quantity(Strict):
         "distance": "mean",
         "frequency": "sum",
         "mode": "sum",
+        "load_factor": "sum",
     }
 
     displacement: Literal["x", "y", "magnitude"] | None = None
@@ -411,13 +416,15 @@ class Quantity(Strict):
     distance: str | None = None
     frequency: Annotated[int, Field(ge=1)] | None = None
     mode: Annotated[int, Field(ge=1)] | None = None
+    load_factor: Annotated[int, Field(ge=1)] | None = None
     at: str | None = None
     take: Literal["max", "min", "mean", "sum", "absmax", "peak"] | None = None
     limit: Annotated[float, BeforeValidator(_read_limit), WithJsonSchema(LIMIT_SCHEMA)] | None = None
+    at_least: Annotated[float, BeforeValidator(_read_limit), WithJsonSchema(LIMIT_SCHEMA)] | None = None
 
     @property
     def kind(self) -> str:
-        """Which of displacement, reaction, stress, energy, area, distance, frequency and mode this quantity is."""
+        """Which of displacement, reaction, stress, energy, area, distance and the rest this quantity is."""
         return only_one(self, self.kinds)
 
     @model_validator(mode="before")

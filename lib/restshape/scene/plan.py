@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pydantic import BaseModel
 
 from restshape.application import Application, Deciding, Decision
+from restshape.errors import UserError
 from restshape.scene.model import Scene
 
 
@@ -64,6 +65,19 @@ def plan(scene: Scene, application: Application) -> Plan:
         orders.append(decision.order)
     wanted = [order for order in orders if order in application.orders]
     return Plan(tuple(planned), wanted[0] if wanted else application.orders[0])
+
+
+def refuse_switched(old: Scene, new: Scene, application: Application) -> None:
+    """Refuses an edit from one scene to another that switches an effect with which the analysis is another one.
+
+    Raises:
+        UserError: such an effect is on in one of them only.
+    """
+    for name, effect in application.effects.items():
+        if effect.fixed and not effect.required and (name in old.effects) != (name in new.effects):
+            way = "off" if name in old.effects else "on"
+            do = f"make it two scenes, one with [effects.{name}] and one without"
+            raise UserError(f"the effect {name!r} cannot be switched {way} during an edit", do=do)
 
 
 def _decision(settings: BaseModel, scene: Scene) -> Decision:

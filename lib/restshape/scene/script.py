@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, NoReturn, Self, get_args
 from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, WithJsonSchema, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
+from restshape.application import application
 from restshape.errors import UserError
 from restshape.scene.model import Scene, only_one
 from restshape.scene.problems import user_error
@@ -278,7 +279,8 @@ def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = 
         keep_good: with a bad line, give the events before it and the error as `Script.error`, rather than raise.
 
     Raises:
-        UserError: the header is missing or of another version, or (without keep_good) a line is bad.
+        UserError: the header is missing, of another version, or asks for analysis on demand where the scene moves in
+            time; or (without keep_good) a line is bad.
     """
     path = Path(path)
     text = read_text(path, "edit script")
@@ -287,6 +289,7 @@ def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = 
         raise UserError("the edit script is empty", path.name, _first_line())
     reader = _Reader(path, whole=text.endswith("\n"), last=lines[-1][0])
     header = reader.header(*lines[0])
+    _check_analysis(header, scene, path, lines[0][0])
     try:
         for number, line in lines[1:]:
             reader.event(number, line)
@@ -302,6 +305,17 @@ def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = 
 def _first_line() -> str:
     """What to do about a missing header."""
     return f'let the first line be {{"format": "{FORMAT}", "version": {VERSION}, "scene": "my.toml", "units": "m"}}'
+
+
+def _check_analysis(header: Header, scene: Scene | None, path: Path, line: int) -> None:
+    """Refuses analysis on demand of what moves in time."""
+    if header.analysis == "every frame" or scene is None or not application(scene.app).transient:
+        return
+    raise UserError(
+        f"a motion goes on from frame to frame, so that none can be left out: {scene.app!r} has no analysis on demand",
+        f"{path.name}: line {line}",
+        'leave "analysis" out',
+    )
 
 
 def _warnings(header: Header, scene: Scene | None) -> tuple[str, ...]:

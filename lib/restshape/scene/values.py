@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema
 
 from restshape.scene.expressions import Expression, Value
-from restshape.scene.units import EXAMPLES, UnitError, in_si, quantity, reads_as_quantity
+from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 RESERVED = ("all", "outline")
@@ -40,7 +40,7 @@ def value_of(dimension: str) -> Any:
         if isinstance(raw, Expression):
             return raw
         if isinstance(raw, str) and not reads_as_quantity(raw):
-            return Expression(in_si(raw))
+            return Expression(raw)
         return quantity(raw, dimension)
 
     def write(value: Value) -> float | str:

@@ -33,45 +33,54 @@ def clusters(values: np.ndarray, width: float = CLUSTER) -> list[np.ndarray]:
 
 
 def frequency_derivatives(analysis: ModalAnalysis, velocity: np.ndarray) -> np.ndarray:
-    """Derivatives (modes,) [Hz] of the frequencies that the scene asks for when nodes move with a velocity (n, d).
+    """Derivatives (modes,) [Hz] of the frequencies that the scene asks for, where nodes move with a velocity (n, d).
 
-    Those of eigenvalues that coincide are the eigenvalues of Phi^T (K' - lambda M') Phi, ascending: they belong to modes
-    that the direction chooses.
+    Those of eigenvalues that coincide are the eigenvalues of Phi^T (K' - lambda M') Phi, ascending: they belong to
+    modes that the direction chooses.
 
     Args:
         analysis: solved on the mesh as it lies.
         velocity: of the nodes of the body, such as `Oscillator.motion` gives it from that of the plane mesh.
 
-    Source: docs/theory.md, section 5.
+    Source: docs/theory.md, section 7.
     """
-    known = _known(analysis)
+    known = known_modes(analysis)
+    return rates(analysis, known, *design_products(analysis, analysis.modes[known], velocity))
+
+
+def rates(analysis: ModalAnalysis, known: np.ndarray, stiff: np.ndarray, heavy: np.ndarray) -> np.ndarray:
+    """Derivatives (modes,) of the frequencies that the scene asks for, from K' phi and M' phi of the known modes.
+
+    Args:
+        analysis: solved on the mesh as it lies.
+        known: (k,) indices of modes that have converged, those of clusters together.
+        stiff, heavy: (k, n f) K' phi and M' phi.
+    """
     modes, values = analysis.modes[known], analysis.values[known]
-    stiff, heavy = design_products(analysis, modes, velocity)
-    rates = np.empty(len(known))
+    found = np.empty(len(known))
     for group in clusters(values):
         middle = values[group].mean()
         small = modes[group] @ (stiff[group] - middle * heavy[group]).T
-        rates[group] = np.linalg.eigvalsh(0.5 * (small + small.T))
-    wanted = analysis.chosen
-    return rates[wanted] / (8.0 * np.pi**2 * analysis.frequencies)
+        found[group] = np.linalg.eigvalsh(0.5 * (small + small.T))
+    return found[analysis.chosen] / (8.0 * np.pi**2 * analysis.frequencies)
 
 
-def _known(analysis: ModalAnalysis) -> np.ndarray:
+def known_modes(analysis: ModalAnalysis) -> np.ndarray:
     """Indices of the modes that have converged: those up to the last one that is asked for, and its like."""
     last = int(analysis.chosen[-1])
     return np.arange(max(last + 1, min(analysis.count, len(analysis.values))))
 
 
-# --- along a drag -------------------------------------------------------------------------------------------------------
+# --- along a drag --------------------------------------------------------------------------------------------------
 
 
 def modal_derivative(analysis: ModalAnalysis, plane_motion: np.ndarray, tolerance: float) -> np.ndarray:
     """Derivatives (2, k, k + n f) of `ModalAnalysis.x` along the two directions of the hand.
 
-    All modes that are known are one cluster to the subspace rule: H' = Phi^T (K' - (lambda_i + lambda_j)/2 M') Phi, so that
-    a prediction H + c H' knows of crossings between them. A mode changes by its turning among them, which is left to the
-    eigenvectors of H, by -1/2 Phi^T M' Phi, which keeps them orthonormal, by rigid motions, and by all that is beyond:
-    (K - lambda M) v = -(K' - lambda M') phi there, which is the bordered system less what is known of its solution.
+    All modes that are known are one cluster to the subspace rule: H' = Phi^T (K' - (lambda_i + lambda_j)/2 M') Phi, so
+    that a prediction H + c H' knows of crossings between them. A mode changes by its turning among them, which is left
+    to the eigenvectors of H, by -1/2 Phi^T M' Phi, which keeps them orthonormal, by rigid motions, and by all that is
+    beyond: (K - lambda M) v = -(K' - lambda M') phi there, the bordered system less what is known of its solution.
 
     Args:
         analysis: solved on the mesh as it lies.
@@ -81,9 +90,9 @@ def modal_derivative(analysis: ModalAnalysis, plane_motion: np.ndarray, toleranc
     Raises:
         ReplayProblem: a solve does not converge.
 
-    Source: docs/theory.md, section 5; (D.7), (D.9) of the thesis, mended.
+    Source: docs/theory.md, section 7; (D.7), (D.9) of the thesis, mended.
     """
-    known, x = _known(analysis), analysis.x
+    known, x = known_modes(analysis), analysis.x
     result = np.zeros((2, *x.shape))
     count = len(x)
     modes, values = analysis.modes[known], analysis.values[known]
@@ -145,11 +154,11 @@ def _beyond(
     return part - (rigid.rigid @ force / value) @ rigid.rigid if rigid.count else part
 
 
-# --- by nodes, along the outline ----------------------------------------------------------------------------------------
+# --- by nodes, along the outline -----------------------------------------------------------------------------------
 
 
 def nodal_gradient(analysis: ModalAnalysis, mode: int) -> np.ndarray:
-    """The gradient (n, d) of an eigenvalue with respect to the places of the nodes of the body: phi^T (K_X - lambda M_X) phi.
+    """The gradient (n, d) of an eigenvalue by the places of the body's nodes: phi^T (K_X - lambda M_X) phi.
 
     Each node of each cell is moved by itself, all cells at once: as many design derivatives as a cell has coordinates.
 
@@ -180,7 +189,8 @@ def nodal_gradient(analysis: ModalAnalysis, mode: int) -> np.ndarray:
 def material_derivatives(analysis: ModalAnalysis, mode: int) -> dict[str, dict[str, float]]:
     """Derivatives of a frequency [Hz] by each material's `E` [Hz/Pa] and `rho` [Hz m^3/kg], its Poisson's ratios kept.
 
-    K is proportional to E in the cells of a material, and M to rho.
+    K is proportional to E in the cells of a material, and M to rho. Of a material with a grain `stiffness` [Hz] is the
+    derivative by a factor on all of its moduli, in place of E.
 
     Args:
         analysis: solved on the mesh as it lies.
@@ -195,8 +205,9 @@ def material_derivatives(analysis: ModalAnalysis, mode: int) -> dict[str, dict[s
     for name, material in analysis.scene.material.items():
         regions = [k for k, own in enumerate(body.materials) if own is material]
         cells = np.isin(body.mesh.cell_region, regions)
+        key, size = ("stiffness", 1.0) if material.E is None else ("E", material.E)
         result[name] = {
-            "E": scale * float(stiff[cells].sum()) / material.E,
+            key: scale * float(stiff[cells].sum()) / size,
             "rho": -scale * value * float(heavy[cells].sum()) / material.rho,
         }
     return result

@@ -68,7 +68,7 @@ def _of_corners(plane: Mesh | LagrangeSpace, gradient: np.ndarray) -> np.ndarray
 def outline_density(analysis: ModalAnalysis, mode: int) -> OutlineDensity:
     """The density of a frequency's derivative along the outline; arguments as in `plane_gradient`.
 
-    Source: docs/theory.md, section 5.
+    Source: docs/theory.md, section 7.
     """
     plane = analysis.mesh
     mesh = plane.mesh if isinstance(plane, LagrangeSpace) else plane
@@ -79,19 +79,67 @@ def outline_density(analysis: ModalAnalysis, mode: int) -> OutlineDensity:
     row[nodes] = np.arange(len(nodes))
     # Facets between regions have material on both sides: they are no boundary.
     outer = np.array([loop_kind != "region" for loop_kind in _loop_kinds(mesh)])[mesh.facet_edge]
-    ends = mesh.facets[outer]
-    along = mesh.X[ends[:, 1]] - mesh.X[ends[:, 0]]
-    across = np.column_stack([along[:, 1], -along[:, 0]])
-    normal, length = np.zeros((len(nodes), 2)), np.zeros(len(nodes))
-    for end in ends.T:
-        np.add.at(normal, row[end], across)
-        np.add.at(length, row[end], 0.5 * np.linalg.norm(along, axis=1))
-    size = np.linalg.norm(normal, axis=1)
-    lies = size > 0.0
-    normal[lies] /= size[lies, None]
+    normal, length = _across(mesh, mesh.facets[outer], row, len(nodes))
+    lies = length > 0.0
     density = np.full(len(nodes), np.nan)
     density[lies] = (gradient[lies] * normal[lies]).sum(axis=1) / length[lies]
     return OutlineDensity(nodes, gradient, normal, length, density, mesh.node_edge[nodes])
+
+
+@dataclass(frozen=True)
+class EdgeDensity:
+    """The same on one edge of the outline, its ends included: there its own normal counts, not that of both edges.
+
+    Args:
+        nodes: (m,) nodes of the mesh of corners.
+        normal: (m, 2) out of the material, across this edge.
+        length: (m,) [m] half of this edge's facets beside each node.
+        density: (m,) [Hz/m^2].
+    """
+
+    nodes: np.ndarray
+    normal: np.ndarray
+    length: np.ndarray
+    density: np.ndarray
+
+
+def edge_densities(analysis: ModalAnalysis, found: OutlineDensity) -> dict[str, EdgeDensity]:
+    """The density on each edge that is boundary, by the edge's name.
+
+    Args:
+        analysis: solved on the mesh as it lies.
+        found: `outline_density` of a mode.
+    """
+    plane = analysis.mesh
+    mesh = plane.mesh if isinstance(plane, LagrangeSpace) else plane
+    row = np.full(len(mesh.X), -1)
+    row[found.nodes] = np.arange(len(found.nodes))
+    densities = {}
+    for number, (edge, kind) in enumerate(zip(mesh.outline.edges, _loop_kinds(mesh))):
+        ends = mesh.facets[mesh.facet_edge == number]
+        if kind == "region" or not len(ends):
+            continue
+        normal, length = _across(mesh, ends, row, len(found.nodes))
+        own = np.flatnonzero(length)
+        density = (found.gradient[own] * normal[own]).sum(axis=1) / length[own]
+        densities[edge.name] = EdgeDensity(found.nodes[own], normal[own], length[own], density)
+    return densities
+
+
+def _across(mesh: Mesh, ends: np.ndarray, row: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Unit normals (count, 2), out of the material, and half lengths (count,) [m] beside nodes of facets (nf, 2).
+
+    Args:
+        mesh: that the facets belong to; row: (n,) place of each node among the `count`.
+    """
+    along = mesh.X[ends[:, 1]] - mesh.X[ends[:, 0]]
+    across = np.column_stack([along[:, 1], -along[:, 0]])
+    normal, length = np.zeros((count, 2)), np.zeros(count)
+    for end in ends.T:
+        np.add.at(normal, row[end], across)
+        np.add.at(length, row[end], 0.5 * np.linalg.norm(along, axis=1))
+    size = np.linalg.norm(normal, axis=1, keepdims=True)
+    return np.divide(normal, size, out=normal, where=size > 0.0), length
 
 
 def _loop_kinds(mesh: Mesh) -> list[str]:

@@ -23,5 +23,9 @@ class Prediction:
 
     def __call__(self, c: tuple[float, float]) -> np.ndarray:
         """The displacement (n, 2) [m] with the hand at c."""
-        weights = np.array((1.0, c[0] - self.c[0], c[1] - self.c[1]))
-        return (weights @ self._terms).reshape(self._shape)
+        x = self._terms[0].copy()
+        # Term by term: a product with so few rows costs three times as much.
+        for way, term in zip((c[0] - self.c[0], c[1] - self.c[1]), self._terms[1:]):
+            if way:
+                x += way * term
+        return x.reshape(self._shape)

@@ -13,7 +13,7 @@ from restshape.application import application as application_named
 from restshape.errors import UserError
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
-from restshape.scene.plan import plan
+from restshape.scene.plan import plan, refuse_switched
 from restshape.scene.script import Script
 from restshape.scene.source import split_key
 from restshape.shape import gesture as gestures
@@ -327,6 +327,7 @@ class EditSession:
         try:
             self.scene = revise(self.scene, event.key, event.value)
             refuse_lost_names(self.scene, self.outline)
+            refuse_switched(before[1], self.scene, self._application)
         except UserError as error:
             self.scene = before[1]
             yield self._refusal(error)

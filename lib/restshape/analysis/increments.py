@@ -7,7 +7,7 @@ KEPT = 3
 RIDGE = 1e-10
 
 
-class Prediction:
+class IncrementProjection:
     """The combination of the last increments whose forces come closest to the force of the next.
 
     An increment d is what the system A d = g of a step is solved for. Where A stays, this is the projection of Fischer

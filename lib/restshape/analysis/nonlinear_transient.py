@@ -9,9 +9,8 @@ from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
 from restshape.analysis.effective import State
 from restshape.analysis.frame import Frame
+from restshape.analysis.large import COLD, free, inversion, least_scale, rounding, rounding_note, tangent_solver
 from restshape.analysis.newmark import MotionSystem
-from restshape.analysis.nonlinear import COLD
-from restshape.analysis.static import ROUND_OFF
 from restshape.analysis.transient import TransientAnalysis
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
@@ -21,7 +20,7 @@ from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
 GAIN = 0.5
-"""Energy that a frame of a motion without damping may gain from nothing, over the largest that it has had."""
+"""Energy that a motion may gain from nothing, over the largest that it has had less this gain."""
 
 
 def transient_analysis(
@@ -49,7 +48,10 @@ class NonlinearTransient(TransientAnalysis):
         super().__init__(scene, plan, comm, policy, calibration, stages)
         self.made: list[Newton] = []
         self.scale = 0.0
-        self.largest = 0.0
+        # The gain of energy from nothing since the start, or since the scene got the values that it has.
+        self.gained = self.largest = 0.0
+        self.gained_under: Scene | None = None
+        self.left_over = 0.0
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the displacement `x` (n, 2) [m] and the velocity `v` (n, 2) [m/s] up to date with a frame.
@@ -61,12 +63,7 @@ class NonlinearTransient(TransientAnalysis):
         try:
             return super().solve(frame)
         finally:
-            # A SNES and the functions that it calls hold each other: it goes when it is told to.
-            now = self.system_now.newton if self.body else None
-            for newton in self.made:
-                if newton is not now:
-                    newton.destroy()
-            self.made[:] = [now] if now else []
+            free(self.made, self.system_now.newton if self.body else None)
 
     def residual(self) -> float:
         """The residual of the last step, relative to its forces of inertia or to the load."""
@@ -74,19 +71,20 @@ class NonlinearTransient(TransientAnalysis):
             return 0.0
         return float(np.linalg.norm(self.system_now.equations.whole_residual(self.x))) / self.scale
 
+    def row(self) -> dict[str, str]:
+        """What the frame's row tells besides."""
+        return rounding_note(self.left_over, self.solver.tolerance)
+
     # --- a new frame ----------------------------------------------------------------------------------------------
 
+    def _read(self, scene: Scene) -> None:
+        super()._read(scene)
+        # The frame after a refused one takes up the scene again, whose values are not new.
+        if scene is not self.gained_under:
+            self.gained_under, self.gained = scene, 0.0
+
     def _make_solver(self, scene: Scene) -> LinearSolver:
-        return LinearSolver(
-            self.comm,
-            "motion_",
-            self.policy.solver,
-            scene.solve.tolerance,
-            self.calibration,
-            self.stages,
-            memory=scene.solve.factor_memory,
-            symmetric=all(load.pressure is None for load in scene.loads.values()),
-        )
+        return tangent_solver(self, "motion_", scene)
 
     def _make_system(self) -> MotionSystem:
         return self._system_of(self.body, self.policy.backend, self.solver)
@@ -107,15 +105,15 @@ class NonlinearTransient(TransientAnalysis):
         if stale and steps:
             with self.stages("values"):
                 self.system_now.equations.begin()
-        before = self.whole_energy() if watched else 0.0
+        before, self.left_over = self.whole_energy() if watched else 0.0, 0.0
         report = super()._run(stale, new_system, steps)
         if watched:
-            after = self.whole_energy()
+            self.gained += self.whole_energy() - before
             self.largest = max(self.largest, self.energy())
-            if not after - before <= GAIN * self.largest:
+            if not self.gained <= GAIN * (self.largest - max(self.gained, 0.0)):
                 raise ReplayProblem(
-                    f"the motion has gained {after - before:.3g} J from nothing in this frame: the time step is too "
-                    "long for so large a deformation; make effects.dynamics.time_step smaller"
+                    f"the motion has gained {self.gained:.3g} J from nothing: the time step is too long for so large a "
+                    "deformation; make effects.dynamics.time_step smaller"
                 )
         return report
 
@@ -129,17 +127,19 @@ class NonlinearTransient(TransientAnalysis):
             equations.start(state, self._shaking(state.time), self._shaking(time))
         newton.begin(new_system, stale, system.places)
         x = self._guess(state)
-        self.scale = max(equations.load_norm, equations.force_norm, self._round_off(x))
-        outcome = newton.solve(x, self.solver.aim * self.scale)
-        if not outcome.converged or len(equations.turned_over(x)):
+        solid, tolerance = self.body.solid, self.solver.tolerance
+        self.scale = max(equations.load_norm, equations.force_norm, least_scale(solid, x, tolerance))
+        goal, rounded = self.solver.aim * self.scale, rounding(solid)
+        outcome = newton.solve(x, goal, self.scale, rounding=rounded)
+        if not outcome.converged or len(equations.inverted_cells(x)):
             x = equations.before.copy()
-            outcome = newton.solve(x, self.solver.aim * self.scale, searched=True).after(outcome)
-            over = equations.turned_over(x)
-            if not outcome.converged or len(over):
-                why = f"{len(over)} triangles turn inside out" if len(over) else outcome.why
+            outcome = newton.solve(x, goal, self.scale, searched=True, rounding=rounded).after(outcome)
+            why = inversion(solid, equations.inverted_cells(x)) or outcome.why
+            if why:
                 raise ReplayProblem(
                     f"no state is found at {time:.6g} s: {why}; make effects.dynamics.time_step smaller, or the load"
                 )
+        self.left_over = max(self.left_over, outcome.norm / self.scale if self.scale else 0.0)
         self.previous, self.state = state, self._after(state, x - self.body.solid.prescribed, time)
         self.motion.v, self.unsolved = self.state.v, False
         if self.observer.watched:
@@ -164,10 +164,6 @@ class NonlinearTransient(TransientAnalysis):
         same = self.previous.time < state.time and self.previous.v.shape == state.v.shape
         gained = state.v - self.previous.v if same else 0.0
         return x + dt * (state.v + 0.5 * gained)
-
-    def _round_off(self, x: np.ndarray) -> float:
-        """Forces [N] below which, times the tolerance, a residual is rounding."""
-        return ROUND_OFF / self.solver.tolerance * self.body.solid.stiffest * float(np.abs(x).max(initial=0.0))
 
     def whole_energy(self) -> float:
         """Strain and kinetic energy less the work of the dead loads [J]: constant on still ground, undamped."""
@@ -202,7 +198,7 @@ class NonlinearTransient(TransientAnalysis):
             equations.start(before, self._shaking(before.time), self._shaking(now.time))
             x = equations.before.copy()
             newton.begin(True, False, cold.places)
-            newton.solve(x, solver.tolerance * self.scale)
+            newton.solve(x, solver.tolerance * self.scale, self.scale, rounding=rounding(body.solid))
             solution = x - body.solid.prescribed
         newton.current = False
         matrix = whole_matrix(newton.tangent(self.x), self.comm)

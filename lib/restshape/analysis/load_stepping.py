@@ -1,4 +1,4 @@
-"""Equilibria followed in steps of load from a state that is known."""
+"""Load stepping: equilibria followed from a state that is known, in steps of load whose length adapts."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 from restshape.algebra.newton import Outcome
 
 SHORTEST = 2.0**-7
-"""The shortest step, as a part of the way: a shorter one finds no equilibrium that this one does not."""
+"""The shortest step, as a part of the load: a shorter one finds no equilibrium that this one does not."""
 SEARCHED = 2.0**-5
 """Steps as short as this are tried again with line search."""
 EASY = 6
@@ -18,14 +18,14 @@ Attempt = Callable[[np.ndarray, "np.ndarray | None", bool], tuple[Outcome, str]]
 
 
 @dataclass
-class Walk:
-    """Where a walk has led.
+class LoadPath:
+    """How far the equilibria were followed.
 
     Args:
         x: (n, 2) the last equilibrium [m].
-        reached: the part of the way, 1 at its end.
+        reached: the part of the load, 1 at the end.
         outcome: of all runs of Newton's method.
-        why: the next step failed.
+        why: it ends before that.
     """
 
     x: np.ndarray
@@ -34,14 +34,14 @@ class Walk:
     why: str = ""
 
 
-def walk(
+def step_load(
     attempt: Attempt,
     start: np.ndarray,
     lacking: np.ndarray,
-    hold: Callable[[np.ndarray, float], None],
+    put_on: Callable[[np.ndarray, float], None],
     before: Outcome,
     most: int,
-) -> Walk:
+) -> LoadPath:
     """Follow the equilibria under the load that keeps `start` where it is, while this load is taken away.
 
     From the rest shape these are steps of the scene's own load. A step that fails is halved; one that was easy is
@@ -52,28 +52,29 @@ def walk(
             and tells what speaks against the result.
         start: (n, 2) [m].
         lacking: (n, 2) forces out of balance there [N].
-        hold: sets the held unknowns of a guess to their values at a part of the way.
+        put_on: sets the held unknowns of a guess to their values at a part of the load, and what else dead loads are
+            not.
         before: runs of Newton's method that went before.
         most: steps that are tried.
     """
-    found = Walk(start, 0.0, before)
+    found = LoadPath(start, 0.0, before)
     step, last = 1.0, None
     for _ in range(most):
         part = min(1.0, found.reached + step)
         guess = found.x.copy()
         if last is not None:
             guess += (found.x - last.x) * ((part - found.reached) / (found.reached - last.reached))
-        hold(guess, part)
+        put_on(guess, part)
         added = None if part == 1.0 else (1.0 - part) * lacking
         outcome, problem = attempt(guess, added, False)
         found.outcome = outcome.after(found.outcome)
         if problem and step <= SEARCHED:
             guess = found.x.copy()
-            hold(guess, part)
+            put_on(guess, part)
             outcome, problem = attempt(guess, added, True)
             found.outcome = outcome.after(found.outcome)
         if not problem:
-            last, found = found, Walk(guess, part, found.outcome)
+            last, found = found, LoadPath(guess, part, found.outcome)
             if part == 1.0:
                 return found
             step *= 2.0 if outcome.newton <= EASY else 1.0
@@ -81,4 +82,6 @@ def walk(
         found.why, last, step = problem, None, 0.5 * step
         if step < SHORTEST:
             break
+    else:
+        found.why = f"more than {most} load steps would be needed; raise effects.large_deformation.load_steps"
     return found

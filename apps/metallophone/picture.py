@@ -1,0 +1,74 @@
+"""Pictures of a plate: its modes with the lines where they are still, and where rasping its edge moves a tone.
+
+python -m restshape_apps.metallophone.picture SCENE [--edits FILE] [--out FILE] [--rasp FILE]
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from restshape_apps.metallophone.stage import add_scene, analysed
+
+from restshape.analysis.modal import ModalAnalysis
+from restshape.errors import UserError
+from restshape.mesh.space import LagrangeSpace
+from restshape.physics.pitch import note
+from restshape.report.modes import draw_modes, draw_outline_density
+from restshape.sensitivity.outline import outline_density
+
+QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
+"""Nodes of the four triangles that a second-order one is drawn as."""
+
+
+def draw(analysis: ModalAnalysis, path: Path) -> None:
+    """Draw the modes that the scene asks for, each with its frequency and tone."""
+    a4 = analysis.plan.settings("modal").a4
+    names = []
+    for k, f in enumerate(analysis.frequencies, 1):
+        tone, cents = note(float(f), a4)
+        names.append(f"mode {k}: {f:.1f} Hz, {tone} {cents:+.0f} cents")
+    fields, _ = analysis.fields()
+    shapes = np.stack(list(fields.values()))
+    cells = analysis.mesh.cells
+    triangles = cells if cells.shape[1] == 3 else np.concatenate([cells[:, part] for part in QUARTERS])
+    draw_modes(path, analysis.mesh.X, triangles, shapes, names, analysis.scene.title)
+
+
+def draw_rasp(analysis: ModalAnalysis, path: Path) -> None:
+    """Draw along the outline what rasping does to the first tone."""
+    found = outline_density(analysis, int(analysis.chosen[0]))
+    plane = analysis.mesh
+    mesh = plane.mesh if isinstance(plane, LagrangeSpace) else plane
+    density = np.full(len(mesh.X), np.nan)
+    density[found.nodes] = found.density
+    title = f"{analysis.scene.title}: {analysis.frequencies[0]:.1f} Hz"
+    draw_outline_density(path, mesh.X, mesh.cells, mesh.facets, density, title)
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Draw; 0 on success, 2 on bad input."""
+    parser = argparse.ArgumentParser(prog="python -m restshape_apps.metallophone.picture", description=__doc__)
+    add_scene(parser)
+    parser.add_argument("--out", type=Path, metavar="FILE", help="modes and nodal lines (.png)")
+    parser.add_argument(
+        "--rasp", type=Path, metavar="FILE", help="what rasping the outline does to the first tone (.png)"
+    )
+    args = parser.parse_args(words)
+    try:
+        if not (args.out or args.rasp):
+            raise UserError("no picture is asked for", "--out", "--out modes.png, or --rasp rasp.png")
+        analysis = analysed(args)
+        for path, drawn in ((args.out, draw), (args.rasp, draw_rasp)):
+            if path:
+                drawn(analysis, path)
+                print(f"wrote {path}")
+    except UserError as error:
+        print(f"picture: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

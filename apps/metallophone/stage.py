@@ -1,0 +1,45 @@
+"""What the commands of this application share: the modes of a scene, or of a scene after its edits."""
+
+import argparse
+from pathlib import Path
+
+from petsc4py import PETSc
+
+from restshape.analysis.modal import ModalAnalysis
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.errors import UserError
+from restshape.policy import policy
+from restshape.replay.loop import Replay
+from restshape.scene.load import load_scene
+from restshape.scene.script import Script, load_script
+
+
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments that name a scene and a frame of it."""
+    parser.add_argument("scene", type=Path, metavar="SCENE", help="scene file of a metallophone")
+    parser.add_argument("--edits", type=Path, metavar="FILE", help="edit script; what is shown is its last frame")
+    parser.add_argument("--frame", type=int, metavar="N", help="frame of the edits that is shown instead")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another value for a key")
+
+
+def analysed(args: argparse.Namespace) -> ModalAnalysis:
+    """The modes of the frame that the arguments name.
+
+    Raises:
+        UserError: the scene is not a metallophone's, or has no such frame.
+    """
+    scene = load_scene(args.scene, args.set)
+    if scene.app != "metallophone":
+        raise UserError(f"the scene is one of {scene.app!r}", str(args.scene), 'use a scene with app = "metallophone"')
+    script = load_script(args.edits, scene) if args.edits else Script.empty(scene)
+    chosen = policy(scene.solve.policy)
+    replay = Replay(scene, script, application(scene.app), chosen, PETSc.COMM_WORLD, Calibration.load())
+    last = None
+    for row in replay.frames():
+        last = row["index"]
+        if last == args.frame:
+            break
+    if args.frame is not None and last != args.frame:
+        raise UserError(f"the edits have {last + 1} frames", "--frame", f"use 0 to {last}")
+    return replay.analysis

@@ -1,0 +1,63 @@
+"""A picture of the modes in which a solid buckles, each with its load factor.
+
+python -m restshape_apps.solid.picture SCENE [--set key=value] --out FILE
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from restshape.analysis.buckling import BucklingAnalysis
+from restshape.errors import UserError
+from restshape.replay.still import still
+from restshape.report.modes import draw_modes
+
+QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
+"""Nodes of the four triangles that a second-order one is drawn as."""
+SHOWN = 0.15
+"""The largest displacement, as a part of the body's size."""
+
+
+def draw(analysis: BucklingAnalysis, path: Path) -> None:
+    """Draw the modes that the scene asks for on the body bent by them.
+
+    Raises:
+        UserError: there are none.
+    """
+    count = len(analysis.load_factors)
+    if not count:
+        raise UserError("nothing buckles: there is no mode to draw", str(analysis.scene.path), "change the load")
+    mesh, cells = analysis.mesh, analysis.mesh.cells
+    triangles = cells if cells.shape[1] == 3 else np.concatenate([cells[:, part] for part in QUARTERS])
+    shapes = np.zeros((count, len(mesh.X), 3))
+    shapes[:, :, :2] = analysis.modes.reshape(count, -1, 2)
+    shapes /= np.linalg.norm(shapes, axis=2).max(axis=1)[:, None, None]
+    names = [f"load factor {factor:.4g}" for factor in analysis.load_factors]
+    size = SHOWN * float(np.ptp(mesh.X, axis=0).max())
+    draw_modes(path, mesh.X, triangles, shapes, names, analysis.scene.title, size)
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Draw; 0 on success, 2 on bad input."""
+    parser = argparse.ArgumentParser(prog="python -m restshape_apps.solid.picture", description=__doc__)
+    parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.toml) with [effects.buckling]")
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="changes a value of the scene")
+    parser.add_argument("--out", metavar="FILE", type=Path, required=True, help="the picture (.png)")
+    args = parser.parse_args(words)
+    try:
+        analysis = still(args.scene, args.set).analysis
+        if not isinstance(analysis, BucklingAnalysis):
+            raise UserError("the scene does not ask for buckling", str(args.scene), "add [effects.buckling]")
+        draw(analysis, args.out)
+    except UserError as error:
+        print(f"picture: {error}", file=sys.stderr)
+        return 2
+    print(f"wrote {args.out}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

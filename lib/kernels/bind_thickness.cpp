@@ -1,0 +1,77 @@
+// How the thickness of a plane body changes where it stretches in its plane.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+namespace py = pybind11;
+using Reals = py::array_t<double, py::array::c_style>;
+using Ints = py::array_t<int, py::array::c_style>;
+
+namespace {
+
+// Derivatives of a triangle's basis functions by its two coordinates.
+struct Slopes {
+    double b[6] = {-1, 1, 0}, c[6] = {-1, 0, 1};
+};
+
+Slopes slopes(int nodes, double b, double c) {
+    if (nodes == 3) return {};
+    const double a = 1 - b - c;
+    return {{1 - 4 * a, 4 * b - 1, 0, 4 * (a - b), 4 * c, -4 * c},
+            {1 - 4 * a, 0, 4 * c - 1, -4 * b, 4 * b, 4 * (a - c)}};
+}
+
+// The products u.u, v.v and u.v of the tangents u, v along both coordinates.
+std::array<double, 3> metric(const double (*P)[2], int nodes, const Slopes& d) {
+    double u[2] = {}, v[2] = {};
+    for (int i = 0; i < nodes; ++i)
+        for (int a = 0; a < 2; ++a) u[a] += d.b[i] * P[i][a], v[a] += d.c[i] * P[i][a];
+    return {u[0] * u[0] + u[1] * u[1], v[0] * v[0] + v[1] * v[1], u[0] * v[0] + u[1] * v[1]};
+}
+
+// The trace of F^T F follows from the metrics of the tangents before and after.
+double stretch(const double (*P)[2], const double (*now)[2], int nodes, const Slopes& d, double ratio) {
+    const auto [a, b, c] = metric(P, nodes, d);
+    const auto [now_a, now_b, now_c] = metric(now, nodes, d);
+    const double trace = (now_a * b + now_b * a - 2 * now_c * c) / (a * b - c * c);
+    const double square = 1 - ratio * (trace - 2);
+    return square > 0 ? std::sqrt(square) : std::numeric_limits<double>::quiet_NaN();
+}
+
+py::array_t<double> thickness_stretch(const Reals& X, const Reals& u, const Ints& cells, const Reals& ratio,
+                                      const Reals& points) {
+    const int nodes = static_cast<int>(cells.shape(1));
+    const py::ssize_t ne = cells.shape(0), m = points.shape(0);
+    if ((nodes != 3 && nodes != 6) || X.size() != u.size() || X.shape(1) != 2 || ratio.size() != ne)
+        throw std::invalid_argument("X and u must be (n, 2), cells (ne, 3) or (ne, 6), ratio (ne,)");
+    std::vector<Slopes> at;
+    for (py::ssize_t k = 0; k < m; ++k) at.push_back(slopes(nodes, points.at(k, 0), points.at(k, 1)));
+    py::array_t<double> out({ne, m});
+    double* found = out.mutable_data();
+    for (py::ssize_t e = 0; e < ne; ++e) {
+        double P[6][2], now[6][2];
+        for (int i = 0; i < nodes; ++i)
+            for (int a = 0; a < 2; ++a) {
+                const py::ssize_t k = 2 * py::ssize_t(cells.data()[nodes * e + i]) + a;
+                P[i][a] = X.data()[k];
+                now[i][a] = P[i][a] + u.data()[k];
+            }
+        for (const Slopes& d : at) *found++ = stretch(P, now, nodes, d, ratio.data()[e]);
+    }
+    return out;
+}
+
+}  // namespace
+
+void bind_thickness(py::module_& m) {
+    m.def("thickness_stretch", &thickness_stretch, py::arg("X").noconvert(), py::arg("u").noconvert(),
+          py::arg("cells").noconvert(), py::arg("ratio"), py::arg("points"),
+          "Thickness (ne, m) over that at rest at reference coordinates (m, 2) of triangles of either order, for the "
+          "displacement u (n, 2), in plane stress under the law of St. Venant and Kirchhoff: sqrt(1 - 2 ratio tr E), "
+          "ratio nu/(1 - nu) a cell; not a number where nothing is left.");
+}

@@ -1,0 +1,234 @@
+"""Critical load factors of one frame after the other: what is kept between them, and how they are counted."""
+
+import math
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.davidson import Found, SearchSpace, davidson
+from restshape.algebra.eigen import COUNT_EVERY, HISTORY, ROOM, SPARE, EigenReport
+from restshape.algebra.load_pencil import UNLOADED, LoadPencil, load_modes
+from restshape.algebra.pencil import Deflation
+from restshape.algebra.stages import Stages
+from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem
+
+WIDEST = 1.5
+"""A count goes so far beyond the last load factor at most, for what lies farther is hardly known."""
+
+ROUNDS = 4
+"""Factors at most in search of load factors that a count has shown to be missing."""
+
+MOST_SOUGHT = 12
+"""Of those as many at once."""
+
+LEAST, USUAL = 4, 12
+"""Iterations that are always granted, and with a new factor."""
+
+ROUNDING = 64.0 * np.finfo(float).eps
+"""A residual below this share of what its products are summed up from is rounding."""
+
+
+class BucklingSolver:
+    """The lowest positive load factors mu of K phi = -mu G phi, frame after frame.
+
+    Args:
+        follows: begin at the modes of the last frames, with an old factor for as long as counted work says that it
+            pays; else each frame is solved from nothing.
+        tolerance: of the residual |K phi + mu G phi| relative to |K phi|.
+        calibration: seconds a unit of counted work.
+        stages: takes the time of factorizations and of iterations.
+
+    Attributes:
+        reach: the tolerance, or what rounding leaves of it.
+
+    Source: docs/theory.md, section 8.
+    """
+
+    def __init__(self, follows: bool, tolerance: float, calibration: Calibration, stages: Stages) -> None:
+        self.follows, self.tolerance, self.calibration, self.stages = follows, tolerance, calibration, stages
+        self.pencil = LoadPencil(stages)
+        self.space: SearchSpace | None = None
+        self.history: list[np.ndarray] = []
+        self.age = self.uncounted = self.known = 0
+        self.excess = 0.0
+        self.reach = tolerance
+
+    def restart(self, modes: np.ndarray | None) -> None:
+        """Begin a new system with modes (k, n) as guess, or with none."""
+        self.history = [] if modes is None or not len(modes) else [modes]
+
+    def solve(
+        self, stiffness: PETSc.Mat, geometric: PETSc.Mat, held: np.ndarray, count: int, most: float, new_system: bool
+    ) -> tuple[Found, EigenReport]:
+        """The lowest positive load factors, as eigenvalues -1/mu in ascending order, at most `count` of them.
+
+        Args:
+            stiffness: K, positive definite.
+            geometric: G, on the same pattern.
+            held: indices of unknowns that supports hold.
+            count: wanted.
+            most: load factors beyond this one are none; infinite where there is no load.
+            new_system: the unknowns are others than in the last solve.
+
+        Raises:
+            ReplayProblem: no convergence, or no factor.
+        """
+        pencil = self.pencil
+        pencil.take(geometric, stiffness, new_system)
+        self.deflation = Deflation(np.empty((0, pencil.size)), pencil)
+        self.held = held
+        substitutions, factorizations = pencil.substitutions, pencil.factorizations
+        self.report = EigenReport(0, False, 0, "davidson")
+        found = self._follow(min(count, self.known), new_system) if self.follows and self.history else None
+        end = -1.0 / most
+        if found is not None and len(lowest_below(found, end, count)) < count:
+            # Fewer than asked for: so that none comes unseen, they are counted in each frame.
+            self.report.counted = True
+            if end == 0.0 or pencil.below(end) != len(lowest_below(found, end, count)):
+                found = None
+        if found is None:
+            found = self._anew(count, end)
+        within = lowest_below(found, end, count)
+        self.known = len(within)
+        self.history = [found.modes, *self.history[: HISTORY - 1]] if len(within) else []
+        report = self.report
+        report.iterations = pencil.substitutions - substitutions
+        report.refreshed, report.age = pencil.factorizations > factorizations, self.age
+        return Found(within, found.modes[: len(within)], found.residuals[: len(within)], 0, True), report
+
+    # --- from nothing -------------------------------------------------------------------------------------------------
+
+    def _anew(self, count: int, end: float) -> Found:
+        """Count first, for where there is none an iteration would not end; then Krylov-Schur with a factor of K."""
+        pencil, report = self.pencil, self.report
+        report.method, report.counted = "krylov-schur", True
+        self.age = self.uncounted = 0
+        there = pencil.below(end) if end < 0.0 else 0
+        if not there:
+            return Found(np.empty(0), np.empty((0, pencil.size)), np.empty(0), 0, True)
+        pencil.factor(UNLOADED)
+        start = self.history[0].sum(axis=0) if self.history and self.follows else self._random(1)[0]
+        with self.stages("krylov"):
+            modes = load_modes(pencil, start, min(count + SPARE, there), self.tolerance)
+        self.history = []
+        return self._settle([modes], min(count, there))
+
+    def _settle(self, starts: list[np.ndarray], count: int) -> Found:
+        """Iterate with a new factor, at a load factor behind the wanted ones, which counts those before it.
+
+        Raises:
+            ReplayProblem: some are missing even so, or do not converge.
+        """
+        missing = 0
+        for _ in range(ROUNDS):
+            # The last modes alone: what else older ones span looks like load factors that there are not.
+            values = self._ritz(starts[0])
+            if values[0] >= 0.0:
+                raise ReplayProblem("buckling: the modes at hand belong to no positive load factor")
+            shift, _ = gap(values, count)
+            counted = self.pencil.factor(shift)
+            self.age = self.uncounted = 0
+            self.excess = 0.0
+            self._see_rounding(starts[0][:count])
+            if missing:
+                starts = [*starts, self.pencil.solve(self._random(min(missing, MOST_SOUGHT) + SPARE))]
+            found = self._iterate(starts, count, USUAL)
+            missing = max(0, counted - int(np.sum(found.values < shift)))
+            if found.converged and not missing:
+                self.report.counted = True
+                return found
+            self.report.missed += missing
+            starts = [found.modes]
+        raise ReplayProblem(
+            f"buckling: {missing} load factors were not found"
+            if missing
+            else f"buckling: load factors do not converge (residual {found.residuals[:count].max():.1e})"
+        )
+
+    def _random(self, count: int) -> np.ndarray:
+        """Rows (count, n) that have a share of every mode; 0 where the body is held."""
+        rows = np.random.default_rng(7).uniform(-1.0, 1.0, (count, self.pencil.size))
+        rows[:, self.held] = 0.0
+        return rows
+
+    # --- from the frames before ---------------------------------------------------------------------------------------
+
+    def _follow(self, count: int, new_system: bool) -> Found | None:
+        """Davidson's iteration with an old factor; where that is too dear, with a new one; None where that fails."""
+        self.age, self.uncounted = self.age + 1, self.uncounted + 1
+        price = self._price()
+        if new_system or not self.pencil.ready or self.excess >= price:
+            return self._settled(count)
+        found = self._iterate(self.history, count, max(LEAST, math.ceil(price / count)))
+        if not found.converged:
+            self.history = [found.modes, *self.history]
+            return self._settled(count)
+        self.excess += max(0, found.iterations - 1) * count
+        if self.uncounted >= COUNT_EVERY:
+            shift, _ = gap(found.values, count)
+            self.uncounted, self.report.counted = 0, True
+            missing = self.pencil.below(shift) - int(np.sum(found.values < shift))
+            if missing > 0:
+                self.report.missed += missing
+                return None
+        return found
+
+    def _settled(self, count: int) -> Found | None:
+        """The iteration with a new factor from the modes of the last frames; None where that fails."""
+        try:
+            return self._settle(self.history[:HISTORY], count)
+        except ReplayProblem:
+            return None
+
+    def _iterate(self, starts: list[np.ndarray], count: int, limit: int) -> Found:
+        # Of older frames only what was wanted, which had converged.
+        blocks = [starts[0], *(block[: count + SPARE] for block in starts[1:])]
+        capacity = sum(map(len, blocks)) + max(ROOM, 4 * (count + SPARE))
+        size = self.pencil.size
+        if self.space is None or self.space.capacity < capacity or self.space.rows.shape[1] != size:
+            self.space = SearchSpace(self.pencil, capacity)
+        with self.stages("krylov"):
+            return davidson(self.space, self.deflation, blocks, count, SPARE, self.reach, limit)
+
+    def _ritz(self, rows: np.ndarray) -> np.ndarray:
+        """The Ritz values of rows (k, n), ascending."""
+        space = SearchSpace(self.pencil, len(rows))
+        space.begin(self.deflation)
+        space.append(rows)
+        return space.ritz(len(rows))[0]
+
+    def _see_rounding(self, rows: np.ndarray) -> None:
+        """Set `reach` to what residuals of modes such as rows (k, n) can be brought down to."""
+        forces = np.empty_like(rows)
+        self.pencil.apply(self.pencil.mass, rows, forces)
+        sizes = np.linalg.norm(rows, axis=1) / np.linalg.norm(forces, axis=1)
+        largest = self.pencil.mass.norm(PETSc.NormType.NORM_INFINITY)
+        self.reach = max(self.tolerance, ROUNDING * largest * float(sizes.max()))
+
+    def _price(self) -> float:
+        """Substitutions, each with its products, that cost as much as a new factor."""
+        known, pencil = self.calibration, self.pencil
+        work = (pencil.size, pencil.entries, pencil.nonzeros or 3.0 * pencil.entries)
+        return max(1.0, known.refresh_seconds(*work) / known.iteration_seconds(*work))
+
+
+def lowest_below(found: Found, end: float, count: int) -> np.ndarray:
+    """The eigenvalues below `end`, at most `count`."""
+    values = found.values[:count]
+    return values[values < end]
+
+
+def gap(values: np.ndarray, count: int) -> tuple[float, int]:
+    """A shift behind the `count` lowest of eigenvalues -1/mu (k,), in the widest gap, and how many lie below it.
+
+    The first is below 0. The shift is never far beyond the last load factor before it.
+    """
+    factors = np.where(values < 0.0, -1.0 / np.where(values < 0.0, values, -1.0), np.inf)
+    last = len(factors) - 1
+    places = [k for k in range(min(count, last), last + 1) if k > 0 and np.isfinite(factors[k - 1])]
+    if not places:
+        return -1.0 / (WIDEST * float(factors[0])), 1
+    k = max(places, key=lambda place: factors[place] / factors[place - 1])
+    before = float(factors[k - 1])
+    return -1.0 / min(WIDEST * before, before + 0.4 * (float(factors[k]) - before)), k

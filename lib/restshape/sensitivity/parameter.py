@@ -1,0 +1,96 @@
+"""How frequencies follow the numbers of a scene that leave its outline alone: materials, thickness, parameters."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from restshape.analysis.modal import ModalAnalysis
+from restshape.errors import UserError
+from restshape.physics.bodies import oscillator
+from restshape.physics.oscillator import Oscillator
+from restshape.scene.load import revise
+from restshape.sensitivity.modal import known_modes, rates
+
+STEP = 1e-4
+"""Of the differences of K and M at fixed modes, a share of the value: their error is its square."""
+
+KEYS = ("material", "parameters")
+"""Tables whose numbers change matrices and no mesh."""
+
+
+def parameter_derivatives(analysis: ModalAnalysis, key: str) -> np.ndarray:
+    """Derivatives (modes,) [Hz a SI unit of the number] of the frequencies that the scene asks for.
+
+    K and M are differenced at fixed modes, which no solve enters: phi (K' - lambda M') phi, and for eigenvalues that
+    coincide the subspace rule.
+
+    Args:
+        analysis: solved on the mesh as it lies.
+        key: dotted, such as "material.brass.E", "material.wood.orthotropic.G.0" or "parameters.depth".
+
+    Raises:
+        UserError: no such number, or one that moves the mesh.
+
+    Source: docs/theory.md, section 7.
+    """
+    value = number_at(analysis, key)
+    step = STEP * abs(value) or STEP
+    known, ends = known_modes(analysis), []
+    for changed in (value + step, value - step):
+        scene = revise(analysis.scene, *_revision(analysis, key, changed))
+        body = oscillator(scene, analysis.plan, analysis.mesh, analysis.policy.solver == "ilu")
+        ends.append([_products(body, analysis.modes[known], which) for which in ("stiffness", "mass")])
+    stiff, heavy = ((ahead - behind) / (2.0 * step) for ahead, behind in zip(*ends))
+    return rates(analysis, known, stiff, heavy)
+
+
+def number_at(analysis: ModalAnalysis, key: str) -> float:
+    """The number [SI] that a key names.
+
+    Raises:
+        UserError: it names none, or one that moves the mesh.
+    """
+    parts = key.split(".")
+    if parts[0] not in KEYS:
+        raise UserError(
+            f"{key!r} is neither of a material nor a parameter",
+            "--by",
+            "name one like material.brass.E; for the outline ask for --outline",
+        )
+    here = _at(analysis.scene, parts)
+    if isinstance(here, bool) or not isinstance(here, int | float):
+        raise UserError(f"{key!r} is no number of this scene", "--by", "name one like material.brass.E")
+    return float(here)
+
+
+def _at(here: Any, parts: Sequence[str]) -> Any:
+    """What lies there in a scene; None where nothing does."""
+    for part in parts:
+        if isinstance(here, dict):
+            here = here.get(part)
+        elif isinstance(here, list | tuple):
+            here = here[int(part)] if part.isdigit() and int(part) < len(here) else None
+        else:
+            here = getattr(here, part, None)
+    return here
+
+
+def _revision(analysis: ModalAnalysis, key: str, value: float) -> tuple[str, Any]:
+    """The key to change and its new value: of a list the whole of it."""
+    whole, _, place = key.rpartition(".")
+    around = _at(analysis.scene, whole.split("."))
+    if not isinstance(around, list | tuple):
+        return key, value
+    return whole, [value if k == int(place) else known for k, known in enumerate(around)]
+
+
+def _products(body: Oscillator, modes: np.ndarray, which: str) -> np.ndarray:
+    """K phi or M phi (k, n f) of modes (k, n f)."""
+    element, params = getattr(body, which), getattr(body, f"{which}_params")
+    products = np.zeros((len(modes), *body.mask.shape))
+    for mode, product in zip(modes, products):
+        phi = np.ascontiguousarray(mode.reshape(body.mask.shape))
+        element.residual(body.mesh.X, phi, body.mesh.cells, params, product)
+    products[:, body.mask != 0] = 0.0
+    return products.reshape(len(modes), -1)

@@ -1,0 +1,108 @@
+"""Load stepping: the whole load or none of it, against paths and bent strips that are known."""
+
+import numpy as np
+import pytest
+from elastica import pressed_elastica, stretched_elastica
+from large import beam, solid
+from petsc4py import PETSc
+from small_scenes import make_replay, rows_of, write_scene
+
+from restshape.algebra.newton import Outcome
+from restshape.analysis.load_stepping import SEARCHED, SHORTEST, step_load
+from restshape.application import application
+from restshape.errors import UserError
+from restshape.replay.still import still
+
+ELASTICA = application("solid").folder / "scenes" / "elastica.toml"
+DONE = Outcome(True, 0, 0, False, True)
+
+
+class Path:
+    """Equilibria x = s^2 at the part s of the load; a guess is good enough within a radius, or with a line search."""
+
+    def __init__(self, radius, end=1.0, searched_radius=0.0):
+        self.radius, self.end, self.searched_radius = radius, end, searched_radius
+        self.parts, self.searches, self.newton = [], 0, 0
+
+    def attempt(self, x, added, searched):
+        part = 1.0 if added is None else 1.0 - added[0, 0]
+        self.parts.append(part)
+        self.searches += searched
+        near = abs(x[0, 0] - part**2) <= (self.searched_radius if searched else self.radius)
+        if not near or part > self.end:
+            x[:] = np.nan
+            self.newton += 15
+            return Outcome(False, 15, 0, False, False), "too far"
+        x[:] = part**2
+        self.newton += 3
+        return Outcome(True, 3, 0, False, True), ""
+
+    def follow(self, most=1000):
+        zero = np.zeros((1, 1))
+        return step_load(self.attempt, zero, np.ones((1, 1)), lambda x, part: None, DONE, most)
+
+
+def test_steps_are_halved_and_doubled():
+    path = Path(0.07)
+    found = path.follow()
+    assert found.reached == 1.0 and not found.why and found.x[0, 0] == 1.0
+    # s^2 leaves a guess at a^2 behind by more than 0.07 until steps are short enough; an easy one is doubled.
+    assert path.parts[:7] == [1.0, 0.5, 0.25, 0.75, 0.5, 0.375, 0.3125]
+    assert path.parts[-1] == 1.0 and found.outcome.newton == path.newton and not path.searches
+
+
+def test_the_whole_load_or_none_of_it():
+    path = Path(0.07)
+    path.follow()
+    enough = len(path.parts)
+    for most in range(1, enough):
+        found = Path(0.07).follow(most)
+        assert found.reached < 1.0 and f"more than {most} load steps" in found.why and "load_steps" in found.why
+        # What it holds is the equilibrium that it says.
+        assert found.x[0, 0] == found.reached**2
+    assert Path(0.07).follow(enough).reached == 1.0
+
+
+def test_a_limit_is_met_within_the_shortest_step():
+    found = Path(0.07, end=0.6).follow()
+    assert found.why == "too far" and 0.6 - 2 * SHORTEST <= found.reached <= 0.6
+    assert found.x[0, 0] == found.reached**2
+
+
+def test_short_steps_are_searched():
+    path = Path(1e-5, searched_radius=0.07)
+    assert path.follow().reached == 1.0 and path.searches > 0
+    assert Path(1e-5).follow().reached < SEARCHED
+
+
+@pytest.mark.parametrize("steps", [1, 2, 3, 4, 8])
+def test_too_few_load_steps_are_refused(steps):
+    with pytest.raises(UserError, match=f"more than {steps} load steps would be needed"):
+        still(ELASTICA, [f"effects.large_deformation.load_steps={steps}"], PETSc.COMM_WORLD)
+
+
+def test_enough_load_steps_bear_the_whole_load():
+    # K. Mattiasson, Int. J. Numer. Meth. Engng 17 (1981) 145.
+    row = still(ELASTICA, ["effects.large_deformation.load_steps=12"], PETSc.COMM_WORLD).row
+    assert (-row["q_down"], -row["q_back"]) == pytest.approx((0.493457, 0.160642), rel=2e-4)
+
+
+def test_the_other_reference_agrees_with_elliptic_integrals():
+    assert stretched_elastica(10, 1e-4) == pytest.approx((0.810609, 0.554996), rel=1e-4)
+
+
+@pytest.mark.parametrize("load", [100, 1000])
+def test_a_strip_far_softer_in_bending_than_in_tension(load):
+    # The goal is far below the forces of stretching that steps along the bent strip bring up.
+    row = still(ELASTICA, [f"parameters.load={load}"], PETSc.COMM_WORLD).row
+    assert (-row["q_down"], -row["q_back"]) == pytest.approx(stretched_elastica(load), rel=2e-3)
+
+
+def test_a_pressure_that_follows_is_put_on_in_steps(tmp_path):
+    # No dead load takes it away: a strip that curls up by 116 degrees is not met by steps that try to.
+    height, pressure = 0.02, 10.0
+    strip = beam(solid(), f'\n[loads.p]\non = "top"\npressure = {pressure}\n', height=height, size=0.02)
+    (row,) = rows_of(make_replay(write_scene(tmp_path, strip), overrides=["mesh.order=2"]))
+    x, y, angle = pressed_elastica(pressure, 1e6 * height**3 / 12 / (1 - 0.3**2))
+    corner = x - height / 2 * np.sin(angle) - 1, y + height / 2 * (np.cos(angle) - 1)
+    assert angle < -2 and (row["q_x"], row["q_y"]) == pytest.approx(corner, abs=0.012)

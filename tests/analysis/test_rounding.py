@@ -1,0 +1,43 @@
+"""Residuals that rounding keeps above the tolerance are told, and measured against the load all the same."""
+
+import numpy as np
+import pytest
+from large import beam
+from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
+
+from restshape.application import application
+from restshape.replay.still import still
+
+
+@pytest.mark.parametrize(("tolerance", "reached"), [(1e-6, True), (1e-10, False)])
+def test_a_tolerance_below_rounding_is_told(tolerance, reached):
+    # Forces along a strip of 1:100 are 10^4 times those that bend it, and so is their rounding.
+    scene = application("solid").folder / "scenes" / "elastica.toml"
+    made = still(scene, ["parameters.load=10", f"solve.tolerance={tolerance}"])
+    row, equations = made.row, made.analysis.equations
+    assert ("out of reach" in row["note"]) == (not reached)
+    # What the row tells is the residual over the load itself, whatever could be reached.
+    left, load = (np.linalg.norm(equations.whole_residual(x)) for x in (made.analysis.x, 0 * made.analysis.x))
+    force = 10 * 12e6 * 0.01**3 / 12
+    assert equations.whole_residual(0 * made.analysis.x)[:, 1].sum() == pytest.approx(force)
+    assert row["residual"] == pytest.approx(left / load) and (row["residual"] <= tolerance) == reached
+    # K. Mattiasson, Int. J. Numer. Meth. Engng 17 (1981) 145.
+    assert (-row["q_down"], -row["q_back"]) == pytest.approx((0.810609, 0.554996), rel=3e-4)
+
+
+def test_a_drag_goes_on_where_rounding_ends_each_frame(tmp_path):
+    text = beam() + "\n[solve]\ntolerance = 1e-16\n"
+    script = write_script(tmp_path, drag("b", (1, 0), across((1, 0), (1.1, -0.05), 5)))
+    made = make_replay(write_scene(tmp_path, text), script)
+    areas = []
+
+    def look(row):
+        X, cells = made.analysis.mesh.X, made.analysis.mesh.cells
+        a, b = (X[cells[:, k]] - X[cells[:, 0]] for k in (1, 2))
+        areas.append(0.5 * np.abs(np.cross(a, b)).sum())
+
+    rows = rows_of(made, look)
+    for row, area in zip(rows, areas):
+        assert not row["refused"] and row["note"] == "a tolerance of 1e-16 is out of reach of rounding"
+        assert 1e-16 < row["residual"] < 1e-11
+        assert row["q_wall_y"] == pytest.approx(1000 * 10 * area, rel=1e-11)

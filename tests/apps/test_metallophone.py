@@ -1,0 +1,110 @@
+"""The application metallophone: columns of tones, recordings, pictures and sounds, and what a user can get wrong."""
+
+import json
+import wave
+from pathlib import Path
+
+import numpy as np
+import pytest
+from modal import EDITS, SCENES
+from restshape_apps.metallophone import picture, sound
+
+from restshape.cli.main import main
+from restshape.replay.recording import Recording
+from restshape.report.sound import struck, write_wav
+
+QUICK = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="8 mm"']
+
+
+def settings(*overrides: str) -> list[str]:
+    return [word for override in (*QUICK, *overrides) for word in ("--set", override)]
+
+
+def test_recording_holds_frequencies_tones_and_modes(restshape, tmp_path):
+    scene, edits = SCENES / "bar_100.toml", EDITS / "bar_100.jsonl"
+    done = restshape("replay", scene, "--edits", edits, *settings(), "--out", "bar.vtkhdf", "--json", "bar.json")
+    assert done.returncode == 0, done.stderr
+    recording = Recording(tmp_path / "bar.vtkhdf")
+    table = recording.table
+    assert np.all(np.diff(np.column_stack([table[f"f_{k}"] for k in (1, 2, 3)]), axis=1) > 0.0)
+    first = recording.field(0, "mode_1")
+    assert first.shape[1] == 3 and np.abs(first).max() == pytest.approx(1.0)
+    told = json.loads((tmp_path / "bar.json").read_text())["quantities"]["pitch"]
+    assert told[0] == pytest.approx(table["f_1"][0])
+    # 2090 Hz lies 3 cents below C7 (2093.0 Hz).
+    assert table["tone"][0] in (b"C7", "C7") and table["cents"][0] == pytest.approx(-2, abs=3)
+
+
+def test_report_draws_a_recording_of_modes(restshape, tmp_path):
+    scene, edits = SCENES / "bar_100.toml", EDITS / "bar_100.jsonl"
+    restshape("replay", scene, "--edits", edits, *settings(), "--out", "bar.vtkhdf")
+    done = restshape("report", "bar.vtkhdf", "--animation", "none")
+    assert done.returncode == 0, done.stderr
+    assert list(tmp_path.glob("bar-report/*.png"))
+
+
+def test_pictures_are_drawn(tmp_path):
+    words = [str(SCENES / "fish.toml"), "--set", "effects.modal.modes=2", "--set", 'mesh.size="12 mm"']
+    modes, rasp = tmp_path / "modes.png", tmp_path / "rasp.png"
+    assert picture.main([*words, "--out", str(modes), "--rasp", str(rasp)]) == 0
+    assert modes.stat().st_size > 10_000 and rasp.stat().st_size > 10_000
+
+
+def test_sound_has_the_frequencies_of_the_modes(tmp_path):
+    path = tmp_path / "bar.wav"
+    words = [str(SCENES / "bar_200.toml"), *settings(), "--out", str(path), "--seconds", "1", "--at", "0.1", "0.015"]
+    assert sound.main(words) == 0
+    samples, rate = heard(path)
+    spectrum = np.abs(np.fft.rfft(samples))
+    loudest = np.argmax(spectrum) * rate / len(samples)
+    # 3D elasticity of the free bar: bending 523 Hz and, struck in the middle, 2828 Hz; twisting is not heard there.
+    assert min(abs(loudest / f - 1) for f in (523.3, 2828.2)) < 0.02
+
+
+def heard(path: Path) -> tuple[np.ndarray, int]:
+    with wave.open(str(path)) as file:
+        assert (file.getnchannels(), file.getsampwidth()) == (1, 2)
+        return np.frombuffer(file.readframes(file.getnframes()), dtype="<i2").astype(float), file.getframerate()
+
+
+def test_sum_of_modes_dies_away_as_its_damping_says(tmp_path):
+    f, damping = 500.0, 2e-3
+    tone = struck(np.array([f]), np.array([1.0]), damping, 1.0)
+    period = round(44100 / f)
+    early, late = (np.abs(tone[k : k + 4 * period]).max() for k in (4410, 22050))
+    assert late / early == pytest.approx(np.exp(-damping * 2 * np.pi * f * 0.4), rel=0.01)
+    path = tmp_path / "tone.wav"
+    write_wav(path, tone)
+    assert np.abs(heard(path)[0]).max() == pytest.approx(0.9 * 32767, abs=1)
+
+
+def test_modes_beyond_the_rate_are_left_out():
+    assert np.array_equal(struck(np.array([30000.0]), np.array([1.0]), 0.0, 0.01), np.zeros(441))
+
+
+@pytest.mark.parametrize("command", [picture.main, sound.main])
+def test_bad_input_ends_with_2(command, tmp_path, capsys):
+    out = ["--out", str(tmp_path / "x")]
+    assert command([str(tmp_path / "nothing.toml"), *out]) == 2
+    plate = SCENES.parents[1] / "solid" / "scenes" / "plate.toml"
+    assert command([str(plate), *out]) == 2
+    assert "metallophone" in capsys.readouterr().err
+
+
+def test_new_scene_and_check(tmp_path, capsys):
+    assert main(["new", "metallophone", str(tmp_path / "bar")]) == 0
+    assert main(["check", str(tmp_path / "bar" / "scene.toml"), str(tmp_path / "bar" / "edits.jsonl")]) == 0
+
+
+@pytest.mark.parametrize(
+    "scene, override, told",
+    [
+        ("solid/scenes/plate.toml", "mesh.layers=2", "layers"),
+        ("solid/scenes/plate.toml", 'supports.wall.fix=["z"]', "no direction 'z'"),
+        ("solid/scenes/plate.toml", "material.steel.thickness='0.01 + 0*x'", "one thickness"),
+    ],
+)
+def test_plane_applications_refuse_what_has_a_thickness(capsys, scene, override, told):
+    folder = SCENES.parents[1]
+    assert main(["check", str(folder / scene), "--set", override]) == 2
+    assert told in capsys.readouterr().err

@@ -1,0 +1,27 @@
+"""`restshape bench eigen`: solvers that share nothing find the same frequencies; no time is asserted."""
+
+import json
+
+from modal import EDITS, SCENES
+
+SMALL = ("--set", 'mesh.size="12 mm"', "--set", "mesh.layers=1", "--set", "effects.modal.modes=3")
+
+
+def test_all_solvers_find_the_same(tmp_path, restshape):
+    done = restshape("bench", "eigen", SCENES / "bar_100.toml", *SMALL, "--json", "a.json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert found["frames"] == 120 - 1
+    solvers = found["solvers"]
+    assert {"restshape", "Krylov-Schur", "GD", "JD", "LOBPCG"} <= set(solvers)
+    for name in ("restshape", "Krylov-Schur", "GD", "GD, modes of three frames"):
+        assert solvers[name]["problems"] == 0, name
+        assert solvers[name]["residual"] <= 1.1e-3 and solvers[name]["error"] < 1e-5, name
+    assert solvers["restshape"]["substitutions"] < solvers["GD"]["substitutions"]
+    assert "substitutions a frame" in done.stdout and "LOBPCG" in done.stdout
+
+
+def test_what_has_no_modes_is_refused(restshape):
+    plate = SCENES.parents[1] / "solid" / "scenes" / "plate.toml"
+    done = restshape("bench", "eigen", plate, "--edits", EDITS.parents[1] / "solid" / "edits" / "plate.jsonl")
+    assert done.returncode == 2 and "no eigenproblem" in done.stderr

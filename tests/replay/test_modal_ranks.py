@@ -1,0 +1,30 @@
+"""Modes on two ranks: each computes all of them by itself, and they are those of one rank."""
+
+import json
+
+import numpy as np
+import pytest
+from modal import EDITS, SCENES
+
+pytestmark = pytest.mark.mpi
+
+SOLID = ("--set", 'mesh.size="9 mm"', "--set", "mesh.layers=1", "--set", "effects.modal.modes=3")
+PLATE = (*SOLID[:2], "--set", "effects.modal.model=plate", "--set", "effects.modal.modes=3")
+
+
+@pytest.mark.parametrize("words", [SOLID, PLATE], ids=["tetrahedra", "plate"])
+@pytest.mark.parametrize("name", ["auto", "thesis", "refactor"])
+def test_frequencies_are_those_of_one_rank(tmp_path, restshape, words, name):
+    scene, edits, found = SCENES / "bar_100.toml", EDITS / "bar_100.jsonl", []
+    for ranks in (1, 2):
+        told = ("--json", f"{ranks}.json", "--csv", f"{ranks}.csv", "--policy", name, "--parity")
+        done = restshape("replay", scene, "--edits", edits, *words, *told, ranks=ranks)
+        assert done.returncode == 0, done.stdout + done.stderr
+        lines = [line.split(",") for line in (tmp_path / f"{ranks}.csv").read_text().splitlines()]
+        columns = [lines[0].index(f"f_{k}") for k in (1, 2, 3)]
+        found.append(np.array([[float(line[c]) for c in columns] for line in lines[1:]]))
+    one, two = (json.loads((tmp_path / f"{ranks}.json").read_text()) for ranks in (1, 2))
+    assert (one["ranks"], two["ranks"]) == (1, 2) and one["frames"] == two["frames"] == len(found[0])
+    assert one["parity"]["holds"] and two["parity"]["holds"]
+    # The mesh is numbered by ranks, so that sums round otherwise.
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-5)
