@@ -51,7 +51,8 @@ class Solid(BaseModel):
         if not stiff:
             return Decision(settings)
         if order == 1:
-            return Decision(settings, f"first-order triangles lock, for {cause}: leave out mesh.order, or set it to 2")
+            why = f"first-order triangles lock, for {cause}: leave out mesh.order, or set it to 2"
+            return Decision(settings, why, warns=True)
         return Decision(settings, f"displacement elements as the scene asks, slow to converge, for {cause}", 2)
 
     def _refuse_senseless(self, order: int | None) -> None:

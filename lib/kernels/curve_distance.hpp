@@ -9,7 +9,7 @@ namespace restshape {
 
 // Straight pieces, stored by coordinate so that one point meets several of them at once.
 class Pieces {
-  public:
+ public:
     Pieces(const double* starts, const double* ends, std::ptrdiff_t n) : x_(n), y_(n), dx_(n), dy_(n), scale_(n) {
         for (std::ptrdiff_t i = 0; i < n; ++i) {
             x_[i] = starts[2 * i];
@@ -28,7 +28,7 @@ class Pieces {
         return std::sqrt(((ax - t * dx_).square() + (ay - t * dy_).square()).minCoeff());
     }
 
-  private:
+ private:
     Eigen::ArrayXd x_, y_, dx_, dy_, scale_;
 };
 

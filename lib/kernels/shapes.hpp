@@ -250,7 +250,7 @@ using Tri6Mass = Solid<Quadratic<2>, TriRule12>;  // exact for products of two d
 using Tet4 = Solid<Linear<3>, TetRule1>;
 using Tet10 = Solid<Quadratic<3>, TetRule8>;
 using Tet10Straight = Solid<Quadratic<3>, TetRule4>;  // exact for small strains on straight sides
-using Tet10Mass = Solid<Quadratic<3>, TetRule14>;  // exact for products of two displacements, on straight sides
+using Tet10Mass = Solid<Quadratic<3>, TetRule14>;     // exact for products of two displacements, on straight sides
 using Line2 = Side<Linear<1>, LineRule2>;
 using Line3 = Side<Quadratic<1>, LineRule3>;
 

@@ -26,11 +26,13 @@ class Decision:
         settings: its keys, with nothing left open.
         why: for people; empty where there was nothing to decide.
         order: the element order that it wants where the scene names none; None: it does not matter.
+        warns: the scene's own keys make the answer bad, which is why.
     """
 
     settings: BaseModel
     why: str = ""
     order: int | None = None
+    warns: bool = False
 
 
 @runtime_checkable

@@ -26,7 +26,7 @@ def row(level=1, ms=1.0, **other):
     """A frame as a replay tells it."""
     times = {f"ms_{stage}": 0.1 for stage in (*STAGES, "python")}
     counts = {"refused": "", "refreshed": 0, "iterations": 2, "unknowns": 1000, "elements": 900, "rss_mb": 100.0}
-    counts |= {"preconditioner": "cholesky", "predicted": 0, "newton": 0, "verdict": "", "note": ""}
+    counts |= {"preconditioner": "cholesky", "predicted": 0, "newton": 0, "verdict": "", "broken": "", "note": ""}
     return {"level": level, "ms": ms, **times, **counts, "events": {"KSPSolve": 1}, **other}
 
 

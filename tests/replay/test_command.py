@@ -40,7 +40,7 @@ def test_json_for_programs(tmp_path, restshape, scene, script):
     found = read_json(tmp_path / "a.json")
     assert (found["frames"], found["refused"], found["ranks"], found["policy"]) == (FRAMES, 1, 1, "auto")
     assert found["levels"] == {"1": 3, "2": 0, "3": 0}
-    assert set(found["ms"]) == {"all", "1", "2", "3"}
+    assert set(found["ms"]) == {"all", "1", "2", "3", "still"}
     for times in found["ms"].values():
         assert set(times) == {"p50", "p95", "p99"} and times["p50"] <= times["p95"] <= times["p99"]
     assert 0 < found["python_ms"]["p50"] < found["ms"]["all"]["p50"]

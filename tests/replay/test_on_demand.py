@@ -12,7 +12,7 @@ from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
 from restshape.replay.run import replay_files
-from restshape.replay.verdict import verdict
+from restshape.replay.verdict import broken, verdict
 from restshape.scene.load import load_scene
 
 REST = """
@@ -83,7 +83,8 @@ def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
     told = json.loads(numbers.read_text())
     assert told["quantities"]["strength"][2] is None and told["quantities"]["score"][2] > 1.9
     assert told["verdict"]["holds"] + told["verdict"]["fails"] == 8
-    assert f"verdict: {told['verdict']['last']} at the end" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert f"verdict: {told['verdict']['last']} at the end" in printed and "solved where nothing moved" in printed
     with Recording(out) as recording:
         assert recording.verify() == []
         assert np.isfinite(recording.field(1, "displacement")).all()
@@ -131,6 +132,7 @@ def test_verdicts():
     assert verdict({"a": most}, {"a": 2.0, "b": 9.0}) == "holds"
     assert verdict({"a": most, "b": most}, {"a": 1.0, "b": 2.1}) == "fails"
     assert verdict({"a": most}, {"a": float("nan")}) == verdict({}, {"a": 1.0}) == ""
+    assert broken({"a": most, "b": most}, {"a": 1.0, "b": 2.1}) == ["b"]
     least = (1.0, float("inf"))
     assert verdict({"a": least}, {"a": 1.0}) == verdict({"a": least}, {"a": float("inf")}) == "holds"
     assert verdict({"a": least}, {"a": 0.999}) == "fails"

@@ -157,6 +157,8 @@ def _cases(args: argparse.Namespace) -> list[Any]:
             raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")
         load_script(edits, scene)
         name = path.stem if stems.count(path.stem) == 1 else f"{scene.app}/{path.stem}"
+        if not args.edits:
+            announce(f"{name}: script {edits}")
         cases.append(Case(name, path, edits))
     return cases
 

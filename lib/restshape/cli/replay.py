@@ -14,7 +14,12 @@ from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
 
 KINDS = ("none", "linear")
-LEVELS = {"1": "relocation", "2": "reconnection", "3": "reconstruction"}
+LEVELS = {
+    "1": "1 relocation",
+    "2": "2 reconnection",
+    "3": "3 reconstruction",
+    "still": "solved where nothing moved",
+}
 SUMMARY = "replay an edit script against a scene: result, cost and error of every frame"
 
 
@@ -42,6 +47,7 @@ def run(args: argparse.Namespace) -> int:
     from restshape.application import application
     from restshape.calibration import Calibration
     from restshape.replay.request import Request
+    from restshape.scene.plan import plan
     from restshape.scene.script import Script, load_script
 
     scene = read_scene(args)
@@ -53,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     request = Request(scene, script, app, chosen, Calibration.load(args.calibration), tuple(args.petsc), args.predict)
     first = first_rank()
     if first:
-        for warning in script.warnings:
+        for warning in (*plan(scene, app).warnings, *script.warnings):
             print(f"note: {warning}", file=sys.stderr)
     recorder = _start_recorder(args.out, request) if args.out and first else None
     try:
@@ -148,10 +154,11 @@ def print_summary(summary: dict[str, Any]) -> None:
     _print_reasons(summary["rows"], "refused")
     _print_reasons(summary["rows"], "note")
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]")
-    counts, times = summary["levels"], summary["ms"]
+    counts, times = summary["levels"] | {"still": summary["still"]}, summary["ms"]
     rows = [
-        (f"{k} {name}", counts[k], *(f"{v:.3f}" if counts[k] else "-" for v in times[k].values()))
+        (name, counts[k], *(f"{v:.3f}" if counts[k] else "-" for v in times[k].values()))
         for k, name in LEVELS.items()
+        if counts[k] or k != "still"
     ]
     print_table("time a frame", heads, rows, right=heads[1:])
     # Frames that were not analysed have none.
@@ -168,7 +175,8 @@ def print_summary(summary: dict[str, Any]) -> None:
     values = [(name, *_ends(v)) for name, v in summary["quantities"].items()]
     print_table("quantities (SI units)", heads, values, right=heads[1:])
     if verdict := summary["verdict"]:
-        print(f"verdict: {verdict['last']} at the end; holds in {verdict['holds']} frames, fails in {verdict['fails']}")
+        last = f"{verdict['last']} at the end{verdict['broken'] and ' for ' + verdict['broken']}"
+        print(f"verdict: {last}; holds in {verdict['holds']} frames, fails in {verdict['fails']}")
     if "parity" in summary:
         parity = summary["parity"]
         print(

@@ -114,7 +114,7 @@ class PlaneSolid:
             rhs.ravel()[self.constrained] = 0.0
 
     def pressures(self, part: float = 1.0) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Facets and parameters of the element `pressure` of each load that follows the boundary, or of a part of it."""
+        """Facets and parameters of the element `pressure` of each load that follows the boundary, or part of it."""
         # A part of the thickness takes a part of the load.
         return [(load.facets, load.pressure_params * (1.0, 1.0, part)) for load in self.followers]
 

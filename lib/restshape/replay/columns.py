@@ -25,6 +25,7 @@ def columns(quantities: list[str], own: dict[str, Any] | None = None) -> dict[st
         "preconditioner": "S24",
         "note": "S160",
         "verdict": "S8",
+        "broken": "S160",
         "refused": str,
         **(own or {}),
     }

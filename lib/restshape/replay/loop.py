@@ -22,7 +22,7 @@ from restshape.policy import Policy
 from restshape.replay.foresight import Foresight
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
-from restshape.replay.verdict import limits_of, verdict
+from restshape.replay.verdict import broken, limits_of, verdict
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script
@@ -167,6 +167,7 @@ class Replay:
             "predicted": int(predicted),
             "note": self.foresight.note if self.foresight else "",
             "verdict": verdict(self.limits, quantities),
+            "broken": ", ".join(broken(self.limits, quantities)) if quantities else "",
             "refused": refused,
         }
         self.row.update({f"q_{name}": value for name, value in quantities.items()})

@@ -27,16 +27,22 @@ def summarise(rows: list[dict[str, Any]], policy: str, ranks: int) -> dict[str, 
     level = np.array([row["level"] for row in later], dtype=int)
     moved = level > 0
     predicted = np.array([row["predicted"] for row in later], dtype=bool)
+    still = ~moved & np.array([row["iterations"] > 0 for row in later], dtype=bool)
     return {
         "frames": len(rows),
         "refused": sum(bool(row["refused"]) for row in rows),
         "ranks": ranks,
         "policy": policy,
         "levels": {str(k): int((level == k).sum()) for k in (1, 2, 3)},
+        "still": int(still.sum()),
         "idle": int((level == 0).sum()),
         "predicted": int(predicted.sum()),
         "predicted_ms": percentiles(times[predicted & moved]),
-        "ms": {"all": percentiles(times[moved]), **{str(k): percentiles(times[level == k]) for k in (1, 2, 3)}},
+        "ms": {
+            "all": percentiles(times[moved]),
+            **{str(k): percentiles(times[level == k]) for k in (1, 2, 3)},
+            "still": percentiles(times[still]),
+        },
         "python_ms": {
             "p50": percentiles(np.array([row["ms_python"] for row in later])[moved])["p50"],
             "1": percentiles(np.array([row["ms_python"] for row in later])[level == 1])["p50"],

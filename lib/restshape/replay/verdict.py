@@ -1,7 +1,7 @@
 """Verdicts: whether the quantities of a frame keep the limits that the scene gives them."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from restshape.scene.model import Quantity
@@ -29,13 +29,21 @@ def verdict(limits: Limits, quantities: Mapping[str, float]) -> str:
         limits: by quantity.
         quantities: values by name.
     """
-    values = [(least, quantities[name], most) for name, (least, most) in limits.items()]
-    if not values or any(value != value for _, value, _ in values):
+    if not limits or any(math.isnan(quantities[name]) for name in limits):
         return ""
-    return HOLDS if all(least <= value <= most for least, value, most in values) else FAILS
+    return FAILS if broken(limits, quantities) else HOLDS
 
 
-def counted(rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """How many frames hold and fail, and the verdict of the last frame that has one; empty where none has."""
+def broken(limits: Limits, quantities: Mapping[str, float]) -> list[str]:
+    """Names of the quantities beyond their limits; arguments as in `verdict`."""
+    return [name for name, (least, most) in limits.items() if quantities[name] < least or quantities[name] > most]
+
+
+def counted(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """How many frames hold and fail, the verdict of the last frame that has one, and the quantities that broke their
+    limits there; empty where no frame has one."""
     verdicts = [row["verdict"] for row in rows if row["verdict"]]
-    return {"holds": verdicts.count(HOLDS), "fails": verdicts.count(FAILS), "last": verdicts[-1]} if verdicts else {}
+    if not verdicts:
+        return {}
+    told = {"holds": verdicts.count(HOLDS), "fails": verdicts.count(FAILS), "last": verdicts[-1]}
+    return told | {"broken": next(row["broken"] for row in reversed(rows) if row["verdict"])}

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from restshape.replay.recording import Recording
 from restshape.report.scenery import Drawing, Scenery
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
-from restshape.report.tables import refused, with_values
+from restshape.report.tables import column, refused, with_values
 
 WIDTH = 9.5
 NARROWEST = 1.2
@@ -22,8 +22,9 @@ LINE = 0.15
 
 
 def chosen_frames(recording: Recording, count: int) -> np.ndarray:
-    """Indices of at most ``count`` frames, spread over those that were not refused, first and last too."""
-    good = np.flatnonzero(~refused(recording))
+    """Indices of at most ``count`` frames, first and last too, spread over those that were analysed and not refused."""
+    good = np.flatnonzero(~refused(recording) & (column(recording, "residual") >= 0.0))
+    good = good if len(good) else np.flatnonzero(~refused(recording))
     good = good if len(good) else np.arange(recording.n)
     return good[np.unique(np.linspace(0, len(good) - 1, min(count, len(good))).round().astype(int))]
 

@@ -38,13 +38,14 @@ def with_values(recording: Recording) -> np.ndarray:
 def level_table(recording: Recording) -> list[dict[str, Any]]:
     """A row a level: level, frames, p50, p95, p99 [ms], iterations (mean a frame).
 
-    The first frame is left out, as it is made from nothing; "values" are frames that changed values only, "all" is
-    every later frame whose shape moved.
+    The first frame is left out, as it is made from nothing; "values" are frames that changed values only, "analysed"
+    those that were solved when asked to, "all" is every later frame whose shape moved.
     """
     later = np.arange(recording.n) > 0
     level, ms, iterations = (column(recording, name) for name in ("level", "ms", "iterations"))
     valued, rows = with_values(recording), []
-    rests = [("idle", (level == 0) & ~valued), ("values", valued)]
+    asked = np.array([event == "analyse" for event in recording.table.get("do", [""] * recording.n)]) & (level == 0)
+    rests = [("idle", (level == 0) & ~valued & ~asked), ("values", valued), ("analysed", asked)]
     for name, chosen in [*rests, *((str(k), level == k) for k in (1, 2, 3)), ("all", level > 0)]:
         chosen = chosen & later
         times, counts = ms[chosen], iterations[chosen]

@@ -33,10 +33,12 @@ class Plan:
     Args:
         effects: in the application's order.
         order: of the elements.
+        warnings: what makes answers bad, for people.
     """
 
     effects: tuple[PlannedEffect, ...]
     order: int = 1
+    warnings: tuple[str, ...] = ()
 
     def on(self, name: str) -> bool:
         """Whether the effect is simulated."""
@@ -53,7 +55,7 @@ def plan(scene: Scene, application: Application) -> Plan:
     Raises:
         UserError: an effect cannot be had in this scene.
     """
-    planned, orders = [], [scene.mesh.order]
+    planned, orders, warnings = [], [scene.mesh.order], []
     for name, effect in application.effects.items():
         if name not in scene.effects and not effect.required:
             planned.append(PlannedEffect(name, False, f"the scene has no [effects.{name}]"))
@@ -63,8 +65,9 @@ def plan(scene: Scene, application: Application) -> Plan:
         decision = _decision(effect.model.model_validate(scene.effects[name] if named else {}), scene)
         planned.append(PlannedEffect(name, True, f"{why}; {decision.why}" if decision.why else why, decision.settings))
         orders.append(decision.order)
+        warnings += [f"effects.{name}: {decision.why}"] if decision.warns else []
     wanted = [order for order in orders if order in application.orders]
-    return Plan(tuple(planned), wanted[0] if wanted else application.orders[0])
+    return Plan(tuple(planned), wanted[0] if wanted else application.orders[0], tuple(warnings))
 
 
 def refuse_switched(old: Scene, new: Scene, application: Application) -> None:
