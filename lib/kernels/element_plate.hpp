@@ -272,8 +272,15 @@ struct PlateElement : PlateParts {
     // so that two of them leave it stiff.
     template <class SX>
     struct Rim {
-        SX v[3], weight;  // the twisting moment is v . m; -weight/2 its square, of moments a unit of h^3/12, the energy
+        // The twisting moment, less what the moment across the side brings along, is v . m; -weight/2 its square, of
+        // moments a unit of h^3/12, is the energy.
+        SX v[3], weight;
     };
+
+    template <class A, class B>
+    static auto dot(const A (&a)[3], const B (&b)[3]) {
+        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    }
 
     template <class SX>
     static Rim<SX> rim_of(const Geometry<SX>& g, const SX* X, int k, const double* p) {
@@ -281,10 +288,17 @@ struct PlateElement : PlateParts {
         const SX xx = g.d[k][0] * g.d[k][0], yy = g.d[k][1] * g.d[k][1], xy = g.d[k][0] * g.d[k][1];
         const SX inverse = 1.0 / g.square[k], h = thickness(centre, X);
         Rim<SX> side{{-xy * inverse, xy * inverse, (xx - yy) * inverse}, SX(0.0)};
+        // No moment and no force across the side change in the layer: where the grain is aslant the bending and the
+        // shear across it give way.
+        const SX across[3] = {yy * inverse, xx * inverse, -2 * xy * inverse};
         SX turned[3];
+        moments(across, p, turned);
+        const SX coupled = dot(side.v, turned) / dot(across, turned);
+        for (int a = 0; a < 3; ++a) side.v[a] -= coupled * across[a];
         moments(side.v, p, turned);
-        const SX twist = side.v[0] * turned[0] + side.v[1] * turned[1] + side.v[2] * turned[2];
-        const SX shear = (xx * p[8] + yy * p[6] + xy * (2 * p[7])) * inverse;
+        const SX twist = dot(side.v, turned);
+        const SX along = xx * p[8] + yy * p[6] + xy * (2 * p[7]), normal = yy * p[8] + xx * p[6] - xy * (2 * p[7]);
+        const SX mixed = xy * (p[8] - p[6]) + (yy - xx) * p[7], shear = (along - mixed * mixed / normal) * inverse;
         const SX width2 = (h * h) * twist / (12.0 * shear), height2 = g.twice_area * g.twice_area * inverse;
         const SX missing = sqrt(width2) * height2 / (height2 + 6.0 * width2);
         side.weight = missing * sqrt(g.square[k]) * (h * h * h) * (p[rim + k] / 12) / twist;
@@ -296,7 +310,7 @@ struct PlateElement : PlateParts {
         R kappa[3], m[3];
         curvature(g, centre, x, c, kappa);
         moments(kappa, p, m);
-        return m[0] * side.v[0] + m[1] * side.v[1] + m[2] * side.v[2];
+        return dot(m, side.v);
     }
 
     template <class SX, class Sx, class R>

@@ -10,7 +10,7 @@ def followed(before, after):
     following = Following()
     following.begin(len(before), np.arange(len(before)))
     after, heavy = after.copy(), after.copy()
-    following(before, after, heavy)
+    following(before, after, heavy, np.ones(len(before)))
     return following.numbers, after
 
 
@@ -27,6 +27,21 @@ def test_sign_follows_the_mode():
 def test_mode_from_above_gets_a_new_number_and_an_old_one_keeps_its_own():
     numbers, _ = followed(np.eye(4)[:2], np.eye(4)[[3, 0]])
     assert list(numbers) == [3, 1]
+
+
+def test_a_stranger_that_looks_a_little_like_a_lost_mode_does_not_get_its_number():
+    leak = 1e-4
+    stranger = np.array([0.0, leak, np.sqrt(1 - leak**2), 0.0])
+    numbers, _ = followed(np.eye(4)[:2], np.stack([np.eye(4)[0], stranger]))
+    assert list(numbers) == [1, 3]
+
+
+def test_modes_on_another_mesh_are_compared_in_its_mass():
+    following = Following()
+    following.begin(2, np.arange(2))
+    after = np.eye(2)[[1, 0]]
+    following(3.0 * np.eye(2), after, after.copy(), np.full(2, 9.0))
+    assert list(following.numbers) == [2, 1]
 
 
 def test_modes_that_turn_in_a_pair_keep_the_nearer_number():

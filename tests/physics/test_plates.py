@@ -240,3 +240,13 @@ def test_coarse_plates_with_a_layer_are_near_those_that_resolve_it(grain):
     coarse = rectangle(*measures, sizes[0])
     errors = [np.abs(Plate(coarse, thickness, C, free=free).frequencies(5) / fine - 1).max() for free in (True, False)]
     assert errors[0] < min(0.6 * errors[1], 0.02)
+
+
+@pytest.mark.parametrize("degrees", [30, 45, 60])
+def test_layer_where_the_grain_is_aslant_to_the_side(degrees):
+    """A wooden bar against one whose triangles resolve the layer; across its sides bending and shear give way."""
+    C = turned(ROSEWOOD_LIKE, np.radians(degrees))
+    fine = Plate(rectangle(0.1, 0.02, 0.0012), 0.004, C, free=False).frequencies(5)
+    found, bare = (Plate(rectangle(0.1, 0.02, 0.008), 0.004, C, free=free).frequencies(5) for free in (True, False))
+    np.testing.assert_allclose(found, fine, rtol=0.03)
+    assert np.abs(bare / fine - 1).max() > 0.07

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from restshape.application import application
 from restshape.errors import UserError
 from restshape.physics.elasticity import isotropic, orthotropic, plane_stress, stiffness_of, turned
 from restshape.scene.expressions import Expression
@@ -156,3 +157,9 @@ def test_a_grain_is_refused_where_bodies_are_isotropic(tmp_path):
     path.write_text(scene_text("solid", 'name = "rosewood"'))
     with pytest.raises(UserError, match="knows isotropic materials only"):
         load_scene(path)
+
+
+def test_a_thickness_that_names_what_is_not_there_is_refused():
+    scene = application("metallophone").folder / "scenes" / "bar_100.toml"
+    with pytest.raises(UserError, match="names 'foo'"):
+        load_scene(scene, ["material.aluminium.thickness=4 mm*(1 - foo*x)"])

@@ -125,3 +125,11 @@ def test_an_edit_does_not_override_an_order_that_is_named(rubber):
     revised = revise(scene, "material.steel.nu", 0.4999)
     assert revised.mesh is scene.mesh
     assert "first-order triangles lock" in plan(revised, SECOND_ORDER).effects[0].why
+
+
+def test_what_makes_an_answer_bad_is_a_warning():
+    app = application("solid")
+    column = app.folder / "scenes" / "column.toml"
+    assert plan(load_scene(column), app).warnings == ()
+    (told,) = plan(load_scene(column, ["mesh.order=1"]), app).warnings
+    assert told.startswith("effects.buckling: first-order triangles bend too stiffly")

@@ -67,6 +67,12 @@ class Pencil:
         for row, product in zip(rows, out):
             _through(matrix.mult, row, product)
 
+    def norms(self, rows: np.ndarray) -> np.ndarray:
+        """The squared norms phi^T M phi (k,) of rows (k, n) in the mass."""
+        heavy = np.empty_like(rows)
+        self.apply(self.mass, rows, heavy)
+        return np.einsum("ki,ki->k", rows, heavy)
+
     def factor(self, shift: float) -> int:
         """Factor K - shift M as they stand, and keep it; the number of eigenvalues below the shift.
 

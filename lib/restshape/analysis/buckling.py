@@ -236,7 +236,7 @@ class BucklingAnalysis(StaticAnalysis):
         pencil = self.critical.pencil
         pencil.apply(pencil.mass, self.modes, self.heavy)
         if len(before) and len(self.modes):
-            self.following(before, self.modes, self.heavy)
+            self.following(before, self.modes, self.heavy, pencil.norms(before))
         elif len(self.modes):
             self._turn()
             self.following.begin(len(self.modes), np.arange(len(self.modes)))

@@ -31,16 +31,17 @@ class Following:
         self.numbers[order] = np.arange(1, count + 1)
         self._next = count + 1
 
-    def __call__(self, before: np.ndarray, after: np.ndarray, heavy: np.ndarray) -> None:
+    def __call__(self, before: np.ndarray, after: np.ndarray, heavy: np.ndarray, sizes: np.ndarray) -> None:
         """Number the modes of a frame as those before that look most like them, and turn them the same way.
 
         Args:
             before: (k, n) modes that `numbers` are of, on the nodes of now.
             after: (m, n) modes of now, whose signs are changed in place; heavy: (m, n) their products M phi, likewise.
+            sizes: (k,) phi^T M phi of the modes before, in the mass of now.
         """
         overlap = before @ heavy.T
-        # Carried to other nodes the old modes are not of unit mass any more; new ones are.
-        mac = overlap**2 / np.maximum((overlap**2).sum(axis=1, keepdims=True), 1e-300)
+        # Carried to another mesh the old modes are not of unit mass any more; new ones are.
+        mac = overlap**2 / sizes[:, None]
         rows, columns = linear_sum_assignment(-mac)
         numbers = np.full(len(after), -1)
         for row, column in zip(rows, columns):

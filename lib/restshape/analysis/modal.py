@@ -35,6 +35,10 @@ NORMAL = 0.5
 MOST_BESIDE = 24
 """Modes in the plane that may lie below the last one out of the plane that is wanted."""
 
+CLUSTER = 1e-3
+"""Eigenvalues that differ by less than this share of themselves belong together: they are solved for, and followed
+along a change of the shape, all or none."""
+
 COLD = 1e-10
 """Residual that a cold solve for comparison goes down to."""
 
@@ -255,7 +259,10 @@ class ModalAnalysis:
         self._find(stiffness, mass, rigid, new_mesh or new_scene)
         with self.stages("observe"):
             if len(before):
-                self.following(before, self.modes, self.heavy)
+                # In a frame of a drag the mass changes little.
+                another = new_mesh or new_scene
+                sizes = self.solver.pencil.norms(before) if another else np.ones(len(before))
+                self.following(before, self.modes, self.heavy, sizes)
             else:
                 self._turn()
                 self.following.begin(len(self.modes), self.chosen)
@@ -324,7 +331,11 @@ class ModalAnalysis:
                 sought = shares >= NORMAL
             chosen = np.flatnonzero(sought[: self.count])[: settings.modes]
             if len(chosen) == settings.modes:
-                break
+                whole = cluster_end(found.values, int(chosen[-1]))
+                if whole <= self.count or self.count >= settings.modes + MOST_BESIDE:
+                    break
+                self.count = whole
+                continue
             if self.count >= settings.modes + MOST_BESIDE:
                 raise ReplayProblem(
                     f"only {len(chosen)} of the {self.count} lowest modes are out of the plane, not {settings.modes}"
@@ -387,6 +398,12 @@ class ModalAnalysis:
         found = krylov_schur(pencil, Deflation(body.rigid(), pencil), None, int(self.chosen[-1]) + 1, COLD)
         reference = np.sqrt(found.values[self.chosen]) / (2.0 * np.pi)
         return entries, float(np.max(np.abs(self.frequencies / reference - 1.0)))
+
+
+def cluster_end(values: np.ndarray, k: int) -> int:
+    """How many of values (m,), ascending, there are up to the last one of the cluster of the k-th, from 0."""
+    gaps = np.flatnonzero(np.diff(values[k:]) > CLUSTER * np.abs(values[k + 1 :]))
+    return k + 1 + int(gaps[0]) if len(gaps) else len(values)
 
 
 def relative_difference(a: sp.csr_matrix, b: sp.csr_matrix) -> float:

@@ -25,6 +25,9 @@ SUMMARY = "check a scene and an edit script without solving anything"
 
 LOAD_UNITS = {"force": "N", "traction": "Pa", "pressure": "Pa", "body": "N/m^3"}
 
+OF_THE_BODY = ("frequency", "mode", "load_factor")
+"""Quantities that belong to no place."""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
@@ -162,9 +165,10 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     ]
     for name, q in scene.quantities.items():
         what = f"{q.kind} {getattr(q, q.kind)}" if q.kind != "area" else "area"
+        place = f"{q.take} of {what} at {q.at or 'all'}" if q.kind not in OF_THE_BODY else what.replace("_", " ")
         limit = f", holds up to {q.limit:.6g}" if q.limit is not None else ""
         limit += f", holds from {q.at_least:.6g} on" if q.at_least is not None else ""
-        rows.append((f"quantity {name}", f"{q.take} of {what} at {q.at or 'all'}{limit}"))
+        rows.append((f"quantity {name}", f"{place}{limit}"))
     mesh, solve = scene.mesh, scene.solve
     rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))

@@ -72,7 +72,9 @@ def draw_outline_density(
     """
     width, height = np.ptp(X, axis=0)
     factor, unit = length_unit(float(max(width, height)))
-    figure = new_figure(8.0, 1.6 + 7.0 * min(1.4, height / width))
+    # Beside a flat body the scale would be shorter than its label.
+    flat = height < 0.5 * width
+    figure = new_figure(8.0, (1.9 if flat else 1.6) + 7.0 * min(1.4, height / width))
     axes = figure.subplots()
     axes.triplot(Triangulation(*(factor * X).T, triangles), color="#dddddd", lw=0.4)
     # Corners have no normal, and sharp ones outshine all else.
@@ -83,6 +85,7 @@ def draw_outline_density(
     axes.set_aspect("equal")
     axes.set_xlabel(f"x [{unit}]")
     axes.set_ylabel(f"y [{unit}]")
-    figure.colorbar(lines, ax=axes, label="change of the tone by what is rasped off [Hz/mm²]", shrink=0.8)
+    way = {"orientation": "horizontal", "aspect": 40} if flat else {"shrink": 0.8}
+    figure.colorbar(lines, ax=axes, label="change of the tone by what is rasped off [Hz/mm²]", **way)
     axes.set_title(title)
     figure.savefig(path)

@@ -158,6 +158,7 @@ def _check_load(name: str, load: Load, kinds: dict[str, str], source: Source) ->
 def _check_formulas(scene: Scene, source: Source) -> None:
     """Refuses formulas that name what is neither a coordinate nor a parameter."""
     places = [(("supports", n, "fix", axis), v) for n, s in scene.supports.items() for axis, v in s.fix.items()]
+    places += [(("material", n, "thickness"), m.thickness) for n, m in scene.material.items()]
     for name, load in scene.loads.items():
         value = getattr(load, load.kind)
         places += [(("loads", name, load.kind), v) for v in (value if isinstance(value, tuple) else (value,))]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from restshape.analysis.buckling import BucklingAnalysis
-from restshape.sensitivity.modal import clusters
+from restshape.sensitivity.modal import parted
 from restshape.sensitivity.static import design_derivative
 
 
@@ -38,7 +38,7 @@ def load_factor_rates(analysis: BucklingAnalysis, dX: np.ndarray, s: np.ndarray)
 
 
 def load_factor_derivatives(analysis: BucklingAnalysis, dX: np.ndarray, tolerance: float) -> np.ndarray:
-    """Derivatives (k,) of the load factors where nodes move with dX (n, 2); of coinciding ones ascending.
+    """Derivatives (k,) of the load factors where nodes move with dX (n, 2), those of close ones as `parted` gives them.
 
     Args:
         analysis: solved on the mesh as it lies.
@@ -48,10 +48,7 @@ def load_factor_derivatives(analysis: BucklingAnalysis, dX: np.ndarray, toleranc
         ReplayProblem: that solve does not converge.
     """
     s = design_derivative(analysis, np.stack([dX, np.zeros_like(dX)]), tolerance)[0]
-    rates, result = load_factor_rates(analysis, dX, s), np.empty(len(analysis.load_factors))
-    for group in clusters(analysis.load_factors):
-        result[group] = np.linalg.eigvalsh(rates[np.ix_(group, group)])
-    return result
+    return parted(analysis.load_factors, load_factor_rates(analysis, dX, s), analysis.critical.reach)
 
 
 def buckling_derivative(analysis: BucklingAnalysis, Psi: np.ndarray, tolerance: float) -> np.ndarray:

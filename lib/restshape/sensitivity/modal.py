@@ -1,13 +1,15 @@
 """How frequencies and modes follow the shape: along a drag, by nodes, along the outline, with the material."""
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from restshape.algebra.minimal_residual import minimal_residual
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal import CLUSTER, ModalAnalysis
 from restshape.errors import ReplayProblem
 
-CLUSTER = 1e-3
-"""Eigenvalues that differ by less than this share of themselves are differentiated together."""
+COINCIDE, ROUNDING = 100.0, 1e-9
+"""Eigenvalues whose distance, as a share of themselves, is below that many squares of the tolerance of residuals, or
+below rounding, coincide: the solve does not tell their modes apart."""
 
 MOST = 120
 """Iterations of one solve for the derivative of a mode."""
@@ -35,8 +37,7 @@ def clusters(values: np.ndarray, width: float = CLUSTER) -> list[np.ndarray]:
 def frequency_derivatives(analysis: ModalAnalysis, velocity: np.ndarray) -> np.ndarray:
     """Derivatives (modes,) [Hz] of the frequencies that the scene asks for, where nodes move with a velocity (n, d).
 
-    Those of eigenvalues that coincide are the eigenvalues of Phi^T (K' - lambda M') Phi, ascending: they belong to
-    modes that the direction chooses.
+    Those of a cluster are the eigenvalues of Phi^T (K' - lambda M') Phi, as `parted` gives them to its members.
 
     Args:
         analysis: solved on the mesh as it lies.
@@ -57,18 +58,44 @@ def rates(analysis: ModalAnalysis, known: np.ndarray, stiff: np.ndarray, heavy: 
         stiff, heavy: (k, n f) K' phi and M' phi.
     """
     modes, values = analysis.modes[known], analysis.values[known]
-    found = np.empty(len(known))
-    for group in clusters(values):
-        middle = values[group].mean()
-        small = modes[group] @ (stiff[group] - middle * heavy[group]).T
-        found[group] = np.linalg.eigvalsh(0.5 * (small + small.T))
+    middle = 0.5 * (values[:, None] + values[None, :])
+    found = parted(values, modes @ stiff.T - middle * (modes @ heavy.T), analysis.solver.tolerance)
     return found[analysis.chosen] / (8.0 * np.pi**2 * analysis.frequencies)
 
 
+def parted(values: np.ndarray, rates: np.ndarray, tolerance: float) -> np.ndarray:
+    """Derivatives (k,) of eigenvalues (k,), ascending, from the rates (k, k) of the matrix that their modes see.
+
+    The rates in a cluster are the eigenvalues of its block. Where the modes are told apart, each goes to the mode that
+    its eigenvector is most of: modes that the direction does not mix have the rates on the diagonal. Eigenvalues that
+    coincide have theirs in ascending order, as they lie after a step ahead. After a step of any length the values so
+    foretold, sorted, are as far off as half of the cluster's width, besides terms of second order.
+
+    Args:
+        values, rates: of the known modes, those of clusters together.
+        tolerance: of the residuals of the modes.
+
+    Source: docs/theory.md, section 7.
+    """
+    found, coincide = np.empty(len(values)), max(COINCIDE * tolerance**2, ROUNDING)
+    for group in clusters(values):
+        block = rates[np.ix_(group, group)]
+        own, basis = np.linalg.eigh(0.5 * (block + block.T))
+        own = own[linear_sum_assignment(-(basis**2))[1]]
+        for same in clusters(values[group], coincide):
+            own[same] = np.sort(own[same])
+        found[group] = own
+    return found
+
+
 def known_modes(analysis: ModalAnalysis) -> np.ndarray:
-    """Indices of the modes that have converged: those up to the last one that is asked for, and its like."""
-    last = int(analysis.chosen[-1])
-    return np.arange(max(last + 1, min(analysis.count, len(analysis.values))))
+    """Indices of the modes that have converged: those up to the last one that is asked for and its cluster, at least."""
+    return np.arange(min(analysis.count, len(analysis.values)))
+
+
+def stands_alone(analysis: ModalAnalysis, mode: int) -> bool:
+    """Whether the eigenvalue of a mode, an index among `modes`, is in no cluster with others."""
+    return any(len(group) == 1 and group[0] == mode for group in clusters(analysis.values))
 
 
 # --- along a drag --------------------------------------------------------------------------------------------------
