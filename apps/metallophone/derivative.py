@@ -16,7 +16,7 @@ from restshape_apps.metallophone.stage import add_scene, analysed
 from restshape.analysis.modal import ModalAnalysis
 from restshape.cli.options import print_table
 from restshape.errors import UserError
-from restshape.sensitivity.modal import clusters
+from restshape.sensitivity.modal import stands_alone
 from restshape.sensitivity.outline import edge_densities, outline_density
 from restshape.sensitivity.parameter import number_at, parameter_derivatives
 
@@ -34,9 +34,8 @@ def keys_of(analysis: ModalAnalysis) -> list[str]:
 def along_outline(analysis: ModalAnalysis) -> list[dict[str, Any]]:
     """Of each mode that stands alone, edge by edge: places [m] and the density [Hz/m^2] there."""
     found = []
-    single = {int(group[0]) for group in clusters(analysis.values) if len(group) == 1}
     for rank, mode in enumerate(analysis.chosen, 1):
-        if int(mode) not in single:
+        if not stands_alone(analysis, int(mode)):
             continue
         edges = {
             name: {

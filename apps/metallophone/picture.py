@@ -16,6 +16,7 @@ from restshape.errors import UserError
 from restshape.mesh.space import LagrangeSpace
 from restshape.physics.pitch import note
 from restshape.report.modes import draw_modes, draw_outline_density
+from restshape.sensitivity.modal import stands_alone
 from restshape.sensitivity.outline import outline_density
 
 QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
@@ -37,8 +38,20 @@ def draw(analysis: ModalAnalysis, path: Path) -> None:
 
 
 def draw_rasp(analysis: ModalAnalysis, path: Path) -> None:
-    """Draw along the outline what rasping does to the first tone."""
-    found = outline_density(analysis, int(analysis.chosen[0]))
+    """Draw along the outline what rasping does to the first tone.
+
+    Raises:
+        UserError: others lie so close to it that rasping mixes their modes, which no density tells.
+    """
+    first = int(analysis.chosen[0])
+    if not stands_alone(analysis, first):
+        f = float(analysis.frequencies[0])
+        raise UserError(
+            f"the first tone, {f:.1f} Hz, does not stand alone: what rasping does to it hangs on where else one rasps",
+            "--rasp",
+            "break the symmetry of the shape or of its supports a little, or leave --rasp out",
+        )
+    found = outline_density(analysis, first)
     plane = analysis.mesh
     mesh = plane.mesh if isinstance(plane, LagrangeSpace) else plane
     density = np.full(len(mesh.X), np.nan)

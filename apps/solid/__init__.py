@@ -119,7 +119,7 @@ class Buckling(Strict):
                 "add [loads.NAME], [effects.gravity] or a support that moves the body",
             )
         if scene.mesh.order == 1:
-            why = "first-order triangles bend too stiffly, so that load factors come out too large: leave out mesh.order"
+            why = "first-order triangles bend too stiffly: load factors come out too large; leave out mesh.order"
             return Decision(self, why, 2, warns=True)
         return Decision(self, "" if scene.mesh.order else "second-order elements, for the first bend too stiffly", 2)
 

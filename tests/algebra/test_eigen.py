@@ -110,6 +110,35 @@ def test_mode_that_the_start_knows_nothing_of_is_counted_and_found():
     assert found.values[:2] == pytest.approx(chain_values(40, 2), rel=1e-10)
 
 
+@pytest.mark.parametrize(("n", "count", "copies"), [(40, 2, 4), (40, 1, 5), (60, 4, 3), (30, 3, 2), (25, 6, 8)])
+def test_first_frame_of_equal_bodies_has_each_eigenvalue_as_often_as_there_are_bodies(n, count, copies):
+    """A Krylov space grown from one vector knows one of them."""
+    chain = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    size = n * copies
+    auto = solver("auto", 1e-8)
+    found, report = auto.solve(
+        matrix(np.kron(np.eye(copies), chain)), matrix(np.eye(size)), np.empty((0, size)), count, True
+    )
+    exact = np.repeat(4.0 * np.sin(np.arange(1, n + 1) * np.pi / (2 * (n + 1))) ** 2, copies)
+    assert found.values[:count] == pytest.approx(exact[:count], rel=1e-10)
+    assert report.counted and np.all(found.residuals[:count] <= 1e-8)
+
+
+@pytest.mark.parametrize("method", ["auto", "direct"])
+def test_body_whose_mode_comes_down_is_found_where_a_count_is_asked_for(method):
+    """Two chains that do not couple; the second one loses its stiffness while the modes of the first are followed."""
+    n = 40
+    chain = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    mass, rigid, own, still = matrix(np.eye(2 * n)), np.empty((0, 2 * n)), solver(method, 1e-6), np.zeros((n, n))
+    lowest = 4.0 * np.sin(np.arange(1, 3) * np.pi / (2 * (n + 1))) ** 2
+    for frame in range(9):
+        softer = 60.0 * 0.5**frame
+        K = matrix(np.block([[chain, still], [still, softer * chain]]))
+        found, report = own.solve(K, mass, rigid, 2, frame == 0, certain=frame == 8)
+    assert report.counted
+    assert found.values[:2] == pytest.approx(softer * lowest, rel=1e-9)
+
+
 def test_davidson_gives_up_at_its_limit():
     K, M, rigid = spring_chain(60)
     pencil = pencil_of(K, M)

@@ -11,6 +11,7 @@ from restshape_apps.metallophone import picture, sound
 
 from restshape.cli.main import main
 from restshape.replay.recording import Recording
+from restshape.replay.still import still
 from restshape.report.sound import struck, write_wav
 
 QUICK = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="8 mm"']
@@ -50,6 +51,13 @@ def test_pictures_are_drawn(tmp_path):
     assert modes.stat().st_size > 10_000 and rasp.stat().st_size > 10_000
 
 
+def test_rasping_is_not_drawn_for_one_of_a_pair(tmp_path, capsys):
+    rasp = tmp_path / "rasp.png"
+    words = [str(SCENES / "disc.toml"), "--set", "supports={}", "--set", "mesh.size=0.2"]
+    assert picture.main([*words, "--rasp", str(rasp)]) == 2
+    assert "does not stand alone" in capsys.readouterr().err and not rasp.exists()
+
+
 def test_sound_has_the_frequencies_of_the_modes(tmp_path):
     path = tmp_path / "bar.wav"
     words = [str(SCENES / "bar_200.toml"), *settings(), "--out", str(path), "--seconds", "1", "--at", "0.1", "0.015"]
@@ -76,6 +84,34 @@ def test_sum_of_modes_dies_away_as_its_damping_says(tmp_path):
     path = tmp_path / "tone.wav"
     write_wav(path, tone)
     assert np.abs(heard(path)[0]).max() == pytest.approx(0.9 * 32767, abs=1)
+
+
+def peak(samples: np.ndarray, rate: int, f: float) -> float:
+    """The largest size of the spectrum within 3 % of a frequency."""
+    windowed = samples * np.hanning(len(samples))
+    spectrum = np.abs(np.fft.rfft(windowed, 8 * len(samples)))
+    at = np.fft.rfftfreq(8 * len(samples), 1.0 / rate)
+    return float(spectrum[np.abs(at / f - 1.0) < 0.03].max())
+
+
+def test_modes_sound_as_they_are_struck_and_heard():
+    """A blow gives a mode phi; its speed at the same place is phi again, and its acceleration grows with f."""
+    f, phi = (500.0, 1250.0), (0.8, -0.5)
+    tone = struck(np.array(f), np.array(phi), 0.0, 1.0)
+    heard_ratio = peak(tone, 44100, f[1]) / peak(tone, 44100, f[0])
+    assert heard_ratio == pytest.approx((1250.0 * 0.25) / (500.0 * 0.64), rel=5e-3)
+
+
+def test_corner_of_a_bar_twists_louder_than_it_bends(tmp_path):
+    """Of unit mass m, ends move with 2 / sqrt(m) in bending, and corners with sqrt(6) / sqrt(m) in torsion."""
+    path, scene = tmp_path / "corner.wav", str(SCENES / "bar_200.toml")
+    words = ["--seconds", "1", "--damping", "0", "--at", "0", "0"]
+    assert sound.main([scene, *settings(), "--out", str(path), *words]) == 0
+    analysis = still(SCENES / "bar_200.toml", QUICK).analysis
+    bends, twists = float(analysis.frequencies[0]), float(analysis.frequencies[2])
+    samples, rate = heard(path)
+    ratio = peak(samples, rate, twists) / peak(samples, rate, bends)
+    assert ratio == pytest.approx(6.0 / 4.0 * twists / bends, rel=0.06)
 
 
 def test_modes_beyond_the_rate_are_left_out():

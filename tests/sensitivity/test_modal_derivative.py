@@ -2,16 +2,21 @@
 
 import numpy as np
 import pytest
-from modal import SMALL, solved
+from modal import SCENES, SMALL, solved
 
 from restshape.analysis.frame import Frame
+from restshape.analysis.modal import CLUSTER
+from restshape.replay.still import still
 from restshape.sensitivity.modal import (
     clusters,
     design_products,
     frequency_derivatives,
+    known_modes,
     material_derivatives,
     modal_derivative,
     nodal_gradient,
+    parted,
+    stands_alone,
 )
 from restshape.sensitivity.outline import outline_density, plane_gradient
 
@@ -88,13 +93,63 @@ def test_predicted_pair_opens_as_the_full_solve_does():
     assert predicted == pytest.approx(full, abs=0.05 * opened)
 
 
-def solved_square():
-    from restshape.replay.still import still
+def solved_square(*overrides):
+    settings = ["mesh.size=0.8", "effects.modal.modes=3", "solve.tolerance=1e-9"]
+    return still(SCENES / "supported.toml", [*settings, *overrides]).analysis
 
-    from modal import SCENES  # isort: skip
 
-    overrides = ["mesh.size=0.8", "effects.modal.modes=3", "solve.tolerance=1e-9"]
-    return still(SCENES / "supported.toml", overrides).analysis
+class Stretched(Moved):
+    """Full solves with the plate stretched along x."""
+
+    def __init__(self, analysis):
+        super().__init__(analysis)
+        self.direction = np.column_stack([self.X[:, 0], np.zeros(len(self.X))])
+
+    @property
+    def rates(self):
+        return frequency_derivatives(self.analysis, self.analysis.body.motion(self.direction[None])[0])
+
+
+@pytest.mark.parametrize("length", [9.997, 9.998, 10.001, 10.003])
+def test_close_frequencies_keep_their_own_rates(length):
+    sides = [f"shape.vertices.{corner}=[{length}, {y}]" for corner, y in (("b", 0), ("c", 10))]
+    moved = Stretched(solved_square("mesh.size=0.5", "solve.tolerance=1e-10", *sides))
+    low, high = moved.analysis.values[1:3]
+    assert 1e-5 < high / low - 1.0 < 1e-3
+    told, h = moved.rates, 1e-5
+    ahead, behind = (moved.solve(step)[2] for step in (h, -h))
+    assert told[1:3] == pytest.approx((ahead - behind)[1:3] / (2.0 * h), rel=1e-3)
+
+
+def test_rates_of_eigenvalues_that_coincide_do_not_hang_on_the_basis():
+    rates = np.array([[1.0, 2.0, 9.0], [2.0, 1.0, 9.0], [9.0, 9.0, 5.0]])
+    assert parted(np.array([1.0, 1.0 + 1e-12, 1.1]), rates, 1e-9) == pytest.approx([-1.0, 3.0, 5.0])
+    assert parted(np.array([1.0, 1.0001, 1.1]), rates, 1e-9) == pytest.approx([1.0, 1.0, 5.0])
+    # What is solved for to 1e-2 only does not tell them apart.
+    assert parted(np.array([1.0, 1.0001, 1.1]), rates, 1e-2) == pytest.approx([-1.0, 3.0, 5.0])
+
+
+@pytest.mark.parametrize("size", [0.5, 0.33])
+def test_a_pair_is_not_cut(size):
+    """Modes 4 and 5 of a free square plate are one pair: with either asked for, both are solved for and foretold."""
+    plates = []
+    for modes in (4, 5):
+        overrides = [f"effects.modal.modes={modes}", f"mesh.size={size}", "solve.tolerance=1e-9"]
+        plates.append(Stretched(still(SCENES / "square.toml", overrides).analysis))
+    four, five = plates
+    assert len(four.analysis.frequencies) == 4 and list(known_modes(four.analysis)) == [0, 1, 2, 3, 4]
+    assert not stands_alone(four.analysis, 3) and stands_alone(four.analysis, 0)
+    assert four.rates == pytest.approx(five.rates[:4], rel=1e-6)
+    velocity = four.analysis.body.motion(four.direction[None])[0]
+    together = [frequency_derivatives(plate.analysis, velocity, CLUSTER) for plate in plates]
+    assert together[0] == pytest.approx(together[1][:4], rel=1e-6)
+    x, motion = four.analysis.x.copy(), np.stack([four.direction, 0 * four.direction])
+    four.analysis.accept(x + 0.005 * modal_derivative(four.analysis, motion, 1e-9)[0])
+    predicted, before = four.analysis.frequencies[3], five.analysis.frequencies
+    full = five.solve(0.005)[2]
+    assert full[4] - full[3] > 10 * (before[4] - before[3])
+    assert together[1][3:] == pytest.approx((full[3:] - before[3:].mean()) / 0.005, rel=0.03)
+    assert predicted == pytest.approx(full[3], abs=0.02 * (full[4] - full[3]))
 
 
 @pytest.mark.parametrize("model", ["tet4", "tet10", "plate"])

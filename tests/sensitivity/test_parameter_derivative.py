@@ -43,6 +43,25 @@ def test_parameter_in_the_formula_of_a_thickness_is_the_thickness(tmp_path):
     assert by_parameter == pytest.approx(direct, rel=1e-6)
 
 
+@pytest.mark.parametrize("value", ["0", "1e-12", "-1e-7", "1e-5"])
+def test_what_is_added_to_a_thickness_is_the_thickness_however_small(tmp_path, value):
+    """Near 0 a number does not tell its scale: steps of 1e-4 of it, or of 0.1 mm, would be too short or too long."""
+    scene = tmp_path / "bar.toml"
+    text = (SCENES / "bar_100.toml").read_text()
+    scene.write_text(text.replace("[shape]", f"[parameters]\nmore = {value}\n\n[shape]", 1))
+    formula = [*PLATE, f"material.aluminium.thickness='0.004 - ({value}) + more + 0*x'"]
+    by_parameter = parameter_derivatives(still(scene, formula).analysis, "parameters.more")
+    direct = parameter_derivatives(still(SCENES / "bar_100.toml", PLATE).analysis, "material.aluminium.thickness")
+    assert by_parameter == pytest.approx(direct, rel=5e-6)
+
+
+def test_number_without_effect(tmp_path):
+    scene = tmp_path / "bar.toml"
+    text = (SCENES / "bar_100.toml").read_text()
+    scene.write_text(text.replace("[shape]", "[parameters]\nidle = 0\n\n[shape]", 1))
+    assert not parameter_derivatives(still(scene, PLATE).analysis, "parameters.idle").any()
+
+
 def test_moduli_of_wood_add_up_to_half_the_frequency():
     plate = still(SCENES / "rosewood.toml", ["effects.modal.modes=2", 'mesh.size="20 mm"']).analysis
     wood = plate.scene.material["wood"].orthotropic

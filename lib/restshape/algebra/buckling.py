@@ -6,7 +6,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.davidson import Found, SearchSpace, davidson
-from restshape.algebra.eigen import COUNT_EVERY, HISTORY, ROOM, SPARE, EigenReport
+from restshape.algebra.eigen import COUNT_EVERY, HISTORY, MOST_SOUGHT, ROOM, ROUNDS, SPARE, EigenReport, apart, fallen
 from restshape.algebra.load_pencil import UNLOADED, LoadPencil, load_modes
 from restshape.algebra.pencil import Deflation
 from restshape.algebra.stages import Stages
@@ -15,12 +15,6 @@ from restshape.errors import ReplayProblem
 
 WIDEST = 1.5
 """A count goes so far beyond the last load factor at most, for what lies farther is hardly known."""
-
-ROUNDS = 4
-"""Factors at most in search of load factors that a count has shown to be missing."""
-
-MOST_SOUGHT = 12
-"""Of those as many at once."""
 
 LEAST, USUAL = 4, 12
 """Iterations that are always granted, and with a new factor."""
@@ -52,6 +46,7 @@ class BucklingSolver:
         self.history: list[np.ndarray] = []
         self.age = self.uncounted = self.known = 0
         self.excess = 0.0
+        self.doubtful = False
         self.reach = tolerance
 
     def restart(self, modes: np.ndarray | None) -> None:
@@ -59,7 +54,14 @@ class BucklingSolver:
         self.history = [] if modes is None or not len(modes) else [modes]
 
     def solve(
-        self, stiffness: PETSc.Mat, geometric: PETSc.Mat, held: np.ndarray, count: int, most: float, new_system: bool
+        self,
+        stiffness: PETSc.Mat,
+        geometric: PETSc.Mat,
+        held: np.ndarray,
+        count: int,
+        most: float,
+        new_system: bool,
+        certain: bool = False,
     ) -> tuple[Found, EigenReport]:
         """The lowest positive load factors, as eigenvalues -1/mu in ascending order, at most `count` of them.
 
@@ -70,6 +72,7 @@ class BucklingSolver:
             count: wanted.
             most: load factors beyond this one are none; infinite where there is no load.
             new_system: the unknowns are others than in the last solve.
+            certain: load factors are counted in this frame, and found where they are missing.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
@@ -80,11 +83,14 @@ class BucklingSolver:
         self.held = held
         substitutions, factorizations = pencil.substitutions, pencil.factorizations
         self.report = EigenReport(0, False, 0, "davidson")
-        found = self._follow(min(count, self.known), new_system) if self.follows and self.history else None
+        found = None
+        if self.follows and self.history:
+            # A mode that has just come down among the others may be lost again in the next frame.
+            found = self._follow(min(count, self.known), new_system, certain or self.doubtful)
         end = -1.0 / most
         if found is not None and len(lowest_below(found, end, count)) < count:
             # Fewer than asked for: so that none comes unseen, they are counted in each frame.
-            self.report.counted = True
+            self.report.counted, self.uncounted = True, 0
             if end == 0.0 or pencil.below(end) != len(lowest_below(found, end, count)):
                 found = None
         if found is None:
@@ -93,6 +99,7 @@ class BucklingSolver:
         self.known = len(within)
         self.history = [found.modes, *self.history[: HISTORY - 1]] if len(within) else []
         report = self.report
+        self.doubtful = report.missed > 0
         report.iterations = pencil.substitutions - substitutions
         report.refreshed, report.age = pencil.factorizations > factorizations, self.age
         return Found(within, found.modes[: len(within)], found.residuals[: len(within)], 0, True), report
@@ -120,8 +127,8 @@ class BucklingSolver:
         Raises:
             ReplayProblem: some are missing even so, or do not converge.
         """
-        missing = 0
-        for _ in range(ROUNDS):
+        missing, wanted = 0, count
+        for turn in range(ROUNDS):
             # The last modes alone: what else older ones span looks like load factors that there are not.
             values = self._ritz(starts[0])
             if values[0] >= 0.0:
@@ -132,53 +139,54 @@ class BucklingSolver:
             self.excess = 0.0
             self._see_rounding(starts[0][:count])
             if missing:
-                starts = [*starts, self.pencil.solve(self._random(min(missing, MOST_SOUGHT) + SPARE))]
-            found = self._iterate(starts, count, USUAL)
-            missing = max(0, counted - int(np.sum(found.values < shift)))
-            if found.converged and not missing:
+                starts = [*starts, self.pencil.solve(self._random(min(missing, MOST_SOUGHT) + SPARE, turn))]
+            # As long as known modes alone were asked for, the search would end at them.
+            found = self._iterate(starts, min(wanted, max(count, counted)), USUAL)
+            known = int(np.sum(found.values < shift))
+            missing = max(0, counted - known)
+            if not missing and apart(found, count, shift, self.reach):
                 self.report.counted = True
                 return found
-            self.report.missed += missing
-            starts = [found.modes]
+            self.report.missed = max(self.report.missed, missing)
+            starts, wanted = [found.modes], max(count, known + min(missing, MOST_SOUGHT))
         raise ReplayProblem(
             f"buckling: {missing} load factors were not found"
             if missing
             else f"buckling: load factors do not converge (residual {found.residuals[:count].max():.1e})"
         )
 
-    def _random(self, count: int) -> np.ndarray:
+    def _random(self, count: int, turn: int = 0) -> np.ndarray:
         """Rows (count, n) that have a share of every mode; 0 where the body is held."""
-        rows = np.random.default_rng(7).uniform(-1.0, 1.0, (count, self.pencil.size))
+        rows = np.random.default_rng(7 + turn).uniform(-1.0, 1.0, (count, self.pencil.size))
         rows[:, self.held] = 0.0
         return rows
 
     # --- from the frames before ---------------------------------------------------------------------------------------
 
-    def _follow(self, count: int, new_system: bool) -> Found | None:
+    def _follow(self, count: int, new_system: bool, certain: bool) -> Found | None:
         """Davidson's iteration with an old factor; where that is too dear, with a new one; None where that fails."""
         self.age, self.uncounted = self.age + 1, self.uncounted + 1
         price = self._price()
         if new_system or not self.pencil.ready or self.excess >= price:
-            return self._settled(count)
+            return self._settled(self.history[:HISTORY], count)
         found = self._iterate(self.history, count, max(LEAST, math.ceil(price / count)))
         if not found.converged:
-            self.history = [found.modes, *self.history]
-            return self._settled(count)
+            return self._settled([found.modes, *self.history[: HISTORY - 1]], count)
         self.excess += max(0, found.iterations - 1) * count
-        if self.uncounted >= COUNT_EVERY:
-            shift, _ = gap(found.values, count)
-            self.uncounted, self.report.counted = 0, True
-            missing = self.pencil.below(shift) - int(np.sum(found.values < shift))
-            if missing > 0:
-                self.report.missed += missing
-                return None
+        if certain or self.uncounted >= COUNT_EVERY:
+            settled = self._settled([found.modes], count)
+            if settled is not None:
+                self.report.missed = max(self.report.missed, fallen(found, settled, count, self.reach))
+            return settled
         return found
 
-    def _settled(self, count: int) -> Found | None:
-        """The iteration with a new factor from the modes of the last frames; None where that fails."""
+    def _settled(self, starts: list[np.ndarray], count: int) -> Found | None:
+        """The iteration with a new factor from known modes; None where that fails."""
         try:
-            return self._settle(self.history[:HISTORY], count)
+            return self._settle(starts, count)
         except ReplayProblem:
+            # What has failed as a start is none for the solve from nothing.
+            self.history = []
             return None
 
     def _iterate(self, starts: list[np.ndarray], count: int, limit: int) -> Found:

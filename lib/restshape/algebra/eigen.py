@@ -21,7 +21,13 @@ HISTORY = 3
 """Frames whose modes the search of the next one begins with."""
 
 COUNT_EVERY = 20
-"""Frames after which the eigenvalues are counted, at the latest: so long at most a missed mode stays missed."""
+"""Frames that are solved after which the eigenvalues are counted, at the latest, whatever else asks for it before."""
+
+ROUNDS = 4
+"""Factors at most in search of modes that a count has shown to be missing."""
+
+MOST_SOUGHT = 12
+"""Of those as many at once."""
 
 ROOM = 40
 """Rows of the search space beside those that it begins with."""
@@ -74,6 +80,7 @@ class EigenSolver:
         self.age = self.uncounted = 0
         self.excess = 0.0
         self.fresh_below = 0
+        self.doubtful = False
         self.davidson_cost, self.krylov_cost = PRIOR_DAVIDSON, PRIOR_KRYLOV
 
     def restart(self, modes: np.ndarray | None) -> None:
@@ -81,7 +88,13 @@ class EigenSolver:
         self.history = [] if modes is None else [modes]
 
     def solve(
-        self, stiffness: PETSc.Mat, mass: PETSc.Mat, rigid: np.ndarray, count: int, new_system: bool
+        self,
+        stiffness: PETSc.Mat,
+        mass: PETSc.Mat,
+        rigid: np.ndarray,
+        count: int,
+        new_system: bool,
+        certain: bool = False,
     ) -> tuple[Found, EigenReport]:
         """The `count` lowest eigenpairs, and under `auto` some more, rigid motions left out.
 
@@ -90,6 +103,7 @@ class EigenSolver:
             rigid: (r, n) the rigid motions.
             count: wanted.
             new_system: the unknowns are others than in the last solve.
+            certain: eigenvalues are counted in this frame, and found where they are missing; `ilu` never counts.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
@@ -97,12 +111,15 @@ class EigenSolver:
         self.pencil.take(stiffness, mass, new_system)
         self.deflation = Deflation(rigid, self.pencil)
         substitutions, factorizations = self.pencil.substitutions, self.pencil.factorizations
+        # A mode that has just come down among the others may be lost again in the next frame.
+        certain = certain or self.doubtful
         if self.method == "direct" or not self.history:
-            found, report = self._anew(count)
+            found, report = self._anew(count, certain)
         elif self.method == "ilu":
             found, report = self._thesis(count)
         else:
-            found, report = self._follow(count, new_system)
+            found, report = self._follow(count, new_system, certain)
+        self.doubtful = report.missed > 0
         report.iterations = self.pencil.substitutions - substitutions
         report.refreshed = self.pencil.factorizations > factorizations
         self.history = [found.modes, *self.history[: HISTORY - 1]]
@@ -110,7 +127,7 @@ class EigenSolver:
 
     # --- from nothing -------------------------------------------------------------------------------------------------
 
-    def _anew(self, count: int) -> tuple[Found, EigenReport]:
+    def _anew(self, count: int, certain: bool = True) -> tuple[Found, EigenReport]:
         """Krylov-Schur about 0 with a new factor; from nothing no better shift is known."""
         shift = self._start_shift()
         self.pencil.factor(shift)
@@ -121,9 +138,12 @@ class EigenSolver:
         self.krylov_cost = found.iterations / wanted
         self.age, self.excess = 0, 0.0
         report = EigenReport(0, True, 0, "krylov-schur")
-        if self.method in ("auto", "stale"):
+        if self.method in ("auto", "stale") or (certain and self.method == "direct"):
             self.history = []
-            self._move_shift(found, count, report)
+            # The factor's shift is that which serves the frames to come.
+            found = self._completed(found, count, report)
+        elif self.method == "direct":
+            self.uncounted += 1
         return found, report
 
     @property
@@ -168,7 +188,7 @@ class EigenSolver:
 
     # --- from the frames before ---------------------------------------------------------------------------------------
 
-    def _follow(self, count: int, new_system: bool) -> tuple[Found, EigenReport]:
+    def _follow(self, count: int, new_system: bool, certain: bool) -> tuple[Found, EigenReport]:
         """Davidson's iteration with an old factor; where that is too dear, with a new one; else Krylov-Schur."""
         self.age += 1
         self.uncounted += 1
@@ -190,10 +210,13 @@ class EigenSolver:
         if new_system:
             self.davidson_cost = found.iterations
         self.excess += max(0, found.iterations - 1) * count
-        self._count(found, count, report)
-        if report.missed:
-            again, _ = self._anew(count)
-            return again, EigenReport(0, True, 0, "krylov-schur", True, report.missed)
+        try:
+            found = self._checked(found, count, certain, report)
+        except ReplayProblem:
+            self.history = []
+            again, anew = self._anew(count)
+            anew.missed += report.missed
+            return again, anew
         report.age = self.age
         return found, report
 
@@ -224,31 +247,62 @@ class EigenSolver:
         self.fresh_below = self.pencil.factor(shift)
         self.age, self.excess = 0, 0.0
 
-    def _move_shift(self, found: Found, count: int, report: EigenReport) -> None:
-        """After a solve from nothing: a factor at a shift that serves the frames to come, and counts."""
-        shift, below = gap(found.values, count)
-        counted = self.pencil.factor(shift)
-        self.fresh_below = counted
-        report.counted = counted == below + self.deflation.count
-        self.uncounted = 0
-        if counted > below + self.deflation.count:
-            raise ReplayProblem(
-                f"{counted - below - self.deflation.count} modes below the {below + 1}th were not found"
-            )
+    # --- counting -----------------------------------------------------------------------------------------------------
 
-    def _count(self, found: Found, count: int, report: EigenReport) -> None:
-        """Compare the eigenvalues that were found with how many there are: free after a refresh, else now and then."""
-        if self.age == 0:
-            shift, counted = self.pencil.shift, self.fresh_below
-        elif self.uncounted >= COUNT_EVERY:
+    def _checked(self, found: Found, count: int, certain: bool, report: EigenReport) -> Found:
+        """`found`, with what a count has shown to be missing: free with a new factor, else where one is due."""
+        free = self.age == 0 and self.pencil.shift > found.values[:count][-1]
+        missing = self._missing(found) if free else 0
+        if free and not missing and apart(found, count, self.pencil.shift, self.tolerance):
+            self.uncounted, report.counted = 0, True
+            return found
+        if missing <= 0 and not certain and self.uncounted < COUNT_EVERY:
+            return found
+        return self._completed(found, count, report)
+
+    def _completed(self, found: Found, count: int, report: EigenReport) -> Found:
+        """`found`, with all modes below the shift of a new factor behind the wanted ones, which counts them.
+
+        What is missing is sought from random rows that the factor has smoothed: among equal eigenvalues, or on bodies
+        that do not couple, no search that starts at known modes comes to the others.
+
+        Raises:
+            ReplayProblem: some are missing even so, or do not converge.
+        """
+        first = found
+        for turn in range(ROUNDS):
             shift, _ = gap(found.values, count)
-            counted = self.pencil.below(shift)
-        else:
-            return
-        known = int(np.sum(found.values < shift)) + self.deflation.count
-        self.uncounted = 0
-        report.counted = True
-        report.missed = max(0, counted - known)
+            self.fresh_below = self.pencil.factor(shift)
+            self.age, self.excess = 0, 0.0
+            missing = self._missing(found)
+            if missing <= 0 and apart(found, count, shift, self.tolerance):
+                self.uncounted, report.counted = 0, missing == 0
+                report.missed = max(report.missed, fallen(first, found, count, self.tolerance))
+                return found
+            report.missed = max(report.missed, missing)
+            found = self._sought(found, count, min(max(0, missing), MOST_SOUGHT), turn)
+        raise ReplayProblem(
+            f"{missing} modes were not found"
+            if missing > 0
+            else f"modes do not converge (residual {found.residuals[:count].max():.1e})"
+        )
+
+    def _missing(self, found: Found) -> int:
+        """How many more eigenvalues the kept factor has counted below its shift than were found there."""
+        return self.fresh_below - self.deflation.count - int(np.sum(found.values < self.pencil.shift))
+
+    def _sought(self, found: Found, count: int, missing: int, turn: int) -> Found:
+        """`found` with as many modes more, as far as random rows lead to them."""
+        wanted = max(count, int(np.sum(found.values < self.pencil.shift)) + missing)
+        starts = [found.modes]
+        if missing:
+            rows = np.random.default_rng(7 + turn).uniform(-1.0, 1.0, (missing + SPARE, self.pencil.size))
+            # Smoothed twice, so that next to nothing is left of what supports hold.
+            starts.append(self.pencil.solve(self.pencil.solve(rows)))
+        space = SearchSpace(self.pencil, sum(map(len, starts)) + max(ROOM, 4 * (wanted + SPARE)))
+        limit = math.ceil(self.krylov_cost * (wanted + SPARE))
+        with self.stages("krylov"):
+            return davidson(space, self.deflation, starts, wanted, SPARE, self.tolerance, limit)
 
 
 def gap(values: np.ndarray, count: int) -> tuple[float, int]:
@@ -263,6 +317,24 @@ def gap(values: np.ndarray, count: int) -> tuple[float, int]:
         return 1.5 * float(values[0]), 1
     k = max(ratios, key=lambda place: ratios[place])
     return float(0.6 * values[k - 1] + 0.4 * values[k]), k
+
+
+def apart(found: Found, count: int, shift: float, tolerance: float) -> bool:
+    """Tell whether the `count` lowest stay so: none of the others below a shift is still to come down among them.
+
+    As many values below a shift as there are eigenvalues say nothing yet of the lowest, where one of them has not
+    converged: it may stand for any. By a residual its eigenvalue is no farther off than that share.
+    """
+    below = max(count, int(np.sum(found.values < shift)))
+    values, residuals = found.values[:below], found.residuals[:below]
+    above = values - residuals * np.abs(values) > values[:count][-1]
+    return bool(np.all((residuals <= tolerance) | above))
+
+
+def fallen(before: Found, after: Found, count: int, tolerance: float) -> int:
+    """1 where the `count` lowest are others than before, as a lower one has come in among them; else 0."""
+    old, new = before.values[:count], after.values[:count]
+    return int(len(old) != len(new) or bool(np.any(new < old - tolerance * np.abs(old))))
 
 
 def _rayleigh(pencil: Pencil, rows: np.ndarray) -> float:

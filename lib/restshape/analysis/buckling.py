@@ -1,5 +1,7 @@
 """Solids at rest under a load, and the multiples of it at which they buckle, frame after frame."""
 
+from dataclasses import replace
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -9,6 +11,7 @@ from restshape.algebra.linear import LinearReport, LinearSolver
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.analysis.cold_buckling import cold_differences
+from restshape.analysis.counted import Counted
 from restshape.analysis.following import Following
 from restshape.analysis.frame import Frame
 from restshape.analysis.shown import Fields
@@ -59,6 +62,7 @@ class BucklingAnalysis(StaticAnalysis):
         self.load_factors = np.empty(0)
         self.modes = self.heavy = np.empty((0, 0))
         self.following = Following()
+        self.counted = Counted()
         self.sign, self.most = 1.0, np.inf
         # A recording has the columns that it began with.
         self.shown = plan.settings("buckling").modes
@@ -68,7 +72,10 @@ class BucklingAnalysis(StaticAnalysis):
     def solve(self, frame: Frame) -> LinearReport:
         """Bring displacement and load factors up to date with a frame; as `StaticAnalysis.solve`."""
         try:
-            return super().solve(frame)
+            report = super().solve(frame)
+            if not report.iterations:
+                self.eigen = replace(self.eigen, missed=0)
+            return self._confirm(report) if frame.settled and self.critical.uncounted else report
         except (ReplayProblem, UserError):
             # What was solved for at rest may be of a mesh that is gone.
             self.guess.restart()
@@ -217,12 +224,36 @@ class BucklingAnalysis(StaticAnalysis):
             if self.comm.size > 1:
                 terms = [(0, physics.element, X, rest, physics.stiffness_params, 1.0)]
                 stiffness = self.whole[1].assemble(terms, None)
-        count, self.most = self.plan.settings("buckling").modes, self._most()
+        self.most = self._most()
         new_system = new_mesh or self.failed or frame.scene is not self.scene
-        found, self.eigen = self.critical.solve(stiffness, geometric, physics.constrained, count, self.most, new_system)
+        certain = frame.settled or self.counted.due(frame.mesh)
+        self._find(stiffness, geometric, before, new_system, certain)
+        if self.eigen.counted:
+            self.counted.take(frame.mesh)
+        return self._told(report)
+
+    def _find(
+        self, stiffness: PETSc.Mat, geometric: PETSc.Mat, before: np.ndarray, new_system: bool, certain: bool
+    ) -> None:
+        """Solve for the load factors; modes are numbered after those before."""
+        held, count = self.physics.constrained, self.plan.settings("buckling").modes
+        found, self.eigen = self.critical.solve(stiffness, geometric, held, count, self.most, new_system, certain)
         self.load_factors, self.modes, self.predicted = -1.0 / found.values, found.modes.copy(), False
         with self.stages("observe"):
             self._number(before)
+
+    def _confirm(self, report: LinearReport) -> LinearReport:
+        """Count the load factors of the last solution, now that the hand rests, and find those that are missing."""
+        pencil = self.critical.pencil
+        self._find(pencil.mass, pencil.stiffness, self.modes, False, True)
+        # The same modes twice say nothing of where the next ones lie.
+        self.critical.history = self.critical.history[:1]
+        self.observed = None
+        self.counted.take(self.mesh)
+        return self._told(report)
+
+    def _told(self, report: LinearReport) -> LinearReport:
+        """The report of a solve at rest and of what was found for it."""
         return LinearReport(
             report.iterations + self.eigen.iterations,
             report.refreshed or self.eigen.refreshed,

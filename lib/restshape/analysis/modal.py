@@ -1,5 +1,7 @@
 """Free vibrations of a body whose shape is edited: its lowest modes, frame after frame."""
 
+from dataclasses import replace
+
 import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
@@ -11,6 +13,7 @@ from restshape.algebra.linear import LinearReport
 from restshape.algebra.operator import Operator
 from restshape.algebra.pencil import Deflation, Pencil
 from restshape.algebra.stages import Stages
+from restshape.analysis.counted import Counted
 from restshape.analysis.following import Following
 from restshape.analysis.frame import Frame
 from restshape.analysis.shown import Fields
@@ -78,6 +81,7 @@ class ModalAnalysis:
         self.topology = self.geometry = -1
         self.solver = EigenSolver(policy.solver, scene.solve.tolerance, calibration, stages)
         self.following = Following()
+        self.counted = Counted()
         self.values = self.shares = np.empty(0)
         self.heavy = self._modes = np.empty((0, 0))
         self._mixed: tuple[np.ndarray, np.ndarray] | None = None
@@ -85,7 +89,7 @@ class ModalAnalysis:
         self.quantities: dict[str, Quantity] = {}
         self.count = 0
         self.failed = self.predicted = False
-        self._solved = (self.following.numbers, self.shares, self.chosen)
+        self._solved = (self.following.numbers, self.shares)
         self.report = EigenReport(0, False, 0, "")
 
     def solve(self, frame: Frame) -> LinearReport:
@@ -98,7 +102,9 @@ class ModalAnalysis:
         mesh = frame.mesh
         new_mesh, new_scene = mesh is not self.mesh, frame.scene is not self.scene
         if not (new_mesh or new_scene or mesh.topology != self.topology or mesh.geometry != self.geometry):
-            self.report.age += 1
+            if frame.settled and self.solver.uncounted:
+                return self._confirm()
+            self.report = replace(self.report, age=self.report.age + 1, missed=0)
             return LinearReport(0, False, self.report.age, self.report.method)
         kept = self.__dict__.copy()
         try:
@@ -111,6 +117,8 @@ class ModalAnalysis:
         self.failed = self.predicted = False
         self.mesh, self.scene, self.topology, self.geometry = mesh, frame.scene, mesh.topology, mesh.geometry
         report = self.report
+        if report.counted:
+            self.counted.take(mesh)
         return LinearReport(report.iterations, report.refreshed, report.age, report.method)
 
     @property
@@ -167,13 +175,12 @@ class ModalAnalysis:
         Where the prediction leaves and comes back, the order is that of the solution again.
         """
         if not self.predicted:
-            self._solved = (self.following.numbers, self.shares, self.chosen)
-        numbers, shares, chosen = self._solved
+            self._solved = (self.following.numbers, self.shares)
+        numbers, shares = self._solved
         if len(set(order)) == len(order):
             self.following.numbers, self.shares = numbers[order], shares[order]
-            wanted = np.zeros(len(order), dtype=bool)
-            wanted[chosen] = True
-            self.chosen = np.flatnonzero(wanted[order])
+            # By rank, as a solve chooses; what had not converged is not foretold.
+            self.chosen = self._choose(self.shares, order < self.count)
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the last solution."""
@@ -256,7 +263,8 @@ class ModalAnalysis:
                 )
             )
             rigid = body.rigid()
-        self._find(stiffness, mass, rigid, new_mesh or new_scene)
+        certain = frame.settled or self.counted.due(frame.mesh)
+        self._find(stiffness, mass, rigid, new_mesh or new_scene, certain)
         with self.stages("observe"):
             if len(before):
                 # In a frame of a drag the mass changes little.
@@ -266,6 +274,18 @@ class ModalAnalysis:
             else:
                 self._turn()
                 self.following.begin(len(self.modes), self.chosen)
+
+    def _confirm(self) -> LinearReport:
+        """Count the modes of the last solution, now that the hand rests, and find those that are missing."""
+        before, pencil = self.modes, self.solver.pencil
+        self._find(pencil.stiffness, pencil.mass, self.body.rigid(), False, True)
+        # The same modes twice say nothing of where the next ones lie.
+        self.solver.history = self.solver.history[:1]
+        with self.stages("observe"):
+            self.following(before, self.modes, self.heavy, np.ones(len(before)))
+        self.counted.take(self.mesh)
+        report = self.report
+        return LinearReport(report.iterations, report.refreshed, report.age, report.method)
 
     def _bind(self, frame: Frame, new_mesh: bool) -> np.ndarray:
         """Set up what depends on the mesh topology or on the scene's values; the modes before, on the new nodes."""
@@ -316,20 +336,17 @@ class ModalAnalysis:
                 self.modes = reseat(self.modes)
                 self.solver.history = [reseat(block) for block in self.solver.history]
 
-    def _find(self, stiffness: PETSc.Mat, mass: PETSc.Mat, rigid: np.ndarray, new_system: bool) -> None:
+    def _find(self, stiffness: PETSc.Mat, mass: PETSc.Mat, rigid: np.ndarray, new_system: bool, certain: bool) -> None:
         """Solve for as many modes as it takes to have those that the scene asks for."""
         settings = self.plan.settings("modal")
         total = None
         while True:
-            found, report = self.solver.solve(stiffness, mass, rigid, self.count, new_system and total is None)
+            found, report = self.solver.solve(stiffness, mass, rigid, self.count, new_system and total is None, certain)
             total = report if total is None else _sum(total, report)
             heavy = np.empty_like(found.modes)
             self.solver.pencil.apply(mass, found.modes, heavy)
             shares = self.body.normal_shares(found.modes, heavy)
-            sought = np.ones(len(shares), dtype=bool)
-            if "z" in self.body.axes and not settings.in_plane:
-                sought = shares >= NORMAL
-            chosen = np.flatnonzero(sought[: self.count])[: settings.modes]
+            chosen = self._choose(shares, np.arange(len(shares)) < self.count)
             if len(chosen) == settings.modes:
                 whole = cluster_end(found.values, int(chosen[-1]))
                 if whole <= self.count or self.count >= settings.modes + MOST_BESIDE:
@@ -343,6 +360,13 @@ class ModalAnalysis:
             self.count += max(1, settings.modes - len(chosen))
         self.values, self.modes, self.heavy = found.values, found.modes, heavy
         self.shares, self.chosen, self.report = shares, chosen, total
+
+    def _choose(self, shares: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Indices of the lowest modes that the scene asks for, among known (k,) ones with shares (k,)."""
+        settings = self.plan.settings("modal")
+        if "z" in self.body.axes and not settings.in_plane:
+            known = known & (shares >= NORMAL)
+        return np.flatnonzero(known)[: settings.modes]
 
     def _turn(self) -> None:
         """Make the component of largest size positive: a mode's sign means nothing, but must not depend on luck."""

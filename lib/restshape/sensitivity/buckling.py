@@ -38,7 +38,7 @@ def load_factor_rates(analysis: BucklingAnalysis, dX: np.ndarray, s: np.ndarray)
 
 
 def load_factor_derivatives(analysis: BucklingAnalysis, dX: np.ndarray, tolerance: float) -> np.ndarray:
-    """Derivatives (k,) of the load factors where nodes move with dX (n, 2), those of close ones as `parted` gives them.
+    """Derivatives (k,) of the load factors where nodes move with dX (n, 2), those of coinciding ones ascending.
 
     Args:
         analysis: solved on the mesh as it lies.

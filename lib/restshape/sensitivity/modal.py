@@ -1,7 +1,6 @@
 """How frequencies and modes follow the shape: along a drag, by nodes, along the outline, with the material."""
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from restshape.algebra.minimal_residual import minimal_residual
 from restshape.analysis.modal import CLUSTER, ModalAnalysis
@@ -34,62 +33,62 @@ def clusters(values: np.ndarray, width: float = CLUSTER) -> list[np.ndarray]:
     return np.split(np.arange(len(values)), cuts)
 
 
-def frequency_derivatives(analysis: ModalAnalysis, velocity: np.ndarray) -> np.ndarray:
+def frequency_derivatives(analysis: ModalAnalysis, velocity: np.ndarray, width: float = 0.0) -> np.ndarray:
     """Derivatives (modes,) [Hz] of the frequencies that the scene asks for, where nodes move with a velocity (n, d).
 
-    Those of a cluster are the eigenvalues of Phi^T (K' - lambda M') Phi, as `parted` gives them to its members.
+    phi^T (K' - lambda M') phi; of eigenvalues that coincide the eigenvalues of Phi^T (K' - lambda M') Phi, ascending:
+    they belong to modes that the direction chooses.
 
     Args:
         analysis: solved on the mesh as it lies.
         velocity: of the nodes of the body, such as `Oscillator.motion` gives it from that of the plane mesh.
+        width: share below which eigenvalues coincide, beyond those that the solve does not tell apart: with `CLUSTER` a
+            pair that the mesh parts has the rates of one that it does not.
 
     Source: docs/theory.md, section 7.
     """
     known = known_modes(analysis)
-    return rates(analysis, known, *design_products(analysis, analysis.modes[known], velocity))
+    return rates(analysis, known, *design_products(analysis, analysis.modes[known], velocity), width)
 
 
-def rates(analysis: ModalAnalysis, known: np.ndarray, stiff: np.ndarray, heavy: np.ndarray) -> np.ndarray:
+def rates(
+    analysis: ModalAnalysis, known: np.ndarray, stiff: np.ndarray, heavy: np.ndarray, width: float = 0.0
+) -> np.ndarray:
     """Derivatives (modes,) of the frequencies that the scene asks for, from K' phi and M' phi of the known modes.
 
     Args:
         analysis: solved on the mesh as it lies.
         known: (k,) indices of modes that have converged, those of clusters together.
-        stiff, heavy: (k, n f) K' phi and M' phi.
+        stiff, heavy: (k, n f) K' phi and M' phi; width: as in `frequency_derivatives`.
     """
     modes, values = analysis.modes[known], analysis.values[known]
     middle = 0.5 * (values[:, None] + values[None, :])
-    found = parted(values, modes @ stiff.T - middle * (modes @ heavy.T), analysis.solver.tolerance)
+    found = parted(values, modes @ stiff.T - middle * (modes @ heavy.T), analysis.solver.tolerance, width)
     return found[analysis.chosen] / (8.0 * np.pi**2 * analysis.frequencies)
 
 
-def parted(values: np.ndarray, rates: np.ndarray, tolerance: float) -> np.ndarray:
+def parted(values: np.ndarray, rates: np.ndarray, tolerance: float, width: float = 0.0) -> np.ndarray:
     """Derivatives (k,) of eigenvalues (k,), ascending, from the rates (k, k) of the matrix that their modes see.
 
-    The rates in a cluster are the eigenvalues of its block. Where the modes are told apart, each goes to the mode that
-    its eigenvector is most of: modes that the direction does not mix have the rates on the diagonal. Eigenvalues that
-    coincide have theirs in ascending order, as they lie after a step ahead. After a step of any length the values so
-    foretold, sorted, are as far off as half of the cluster's width, besides terms of second order.
+    Those on its diagonal, as long as the solve tells the modes apart: residuals of a share eps leave modes whose
+    eigenvalues differ by a share g turned by some eps^2/g into each other. Below g = `COINCIDE` eps^2 the eigenvalues
+    of the block, which no turning changes, in ascending order: so they lie after a step ahead.
 
     Args:
-        values, rates: of the known modes, those of clusters together.
-        tolerance: of the residuals of the modes.
+        values, rates: of the known modes.
+        tolerance: eps of the modes; width: g, where it is more.
 
     Source: docs/theory.md, section 7.
     """
-    found, coincide = np.empty(len(values)), max(COINCIDE * tolerance**2, ROUNDING)
-    for group in clusters(values):
+    found = np.empty(len(values))
+    for group in clusters(values, max(COINCIDE * tolerance**2, ROUNDING, width)):
         block = rates[np.ix_(group, group)]
-        own, basis = np.linalg.eigh(0.5 * (block + block.T))
-        own = own[linear_sum_assignment(-(basis**2))[1]]
-        for same in clusters(values[group], coincide):
-            own[same] = np.sort(own[same])
-        found[group] = own
+        found[group] = np.linalg.eigvalsh(0.5 * (block + block.T))
     return found
 
 
 def known_modes(analysis: ModalAnalysis) -> np.ndarray:
-    """Indices of the modes that have converged: those up to the last one that is asked for and its cluster, at least."""
+    """Indices of the modes that have converged: at least those up to the last one that is asked for and its cluster."""
     return np.arange(min(analysis.count, len(analysis.values)))
 
 
@@ -191,7 +190,7 @@ def nodal_gradient(analysis: ModalAnalysis, mode: int) -> np.ndarray:
 
     Args:
         analysis: solved on the mesh as it lies.
-        mode: index among `modes`; its eigenvalue is simple.
+        mode: index among `modes`; its eigenvalue stands alone.
     """
     body = analysis.body
     cells, value = body.mesh.cells, analysis.values[mode]
@@ -221,7 +220,7 @@ def material_derivatives(analysis: ModalAnalysis, mode: int) -> dict[str, dict[s
 
     Args:
         analysis: solved on the mesh as it lies.
-        mode: index among `modes`; its eigenvalue is simple.
+        mode: index among `modes`; its eigenvalue stands alone.
     """
     body, value = analysis.body, float(analysis.values[mode])
     phi = np.ascontiguousarray(analysis.modes[mode].reshape(body.mask.shape))

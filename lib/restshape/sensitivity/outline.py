@@ -39,7 +39,7 @@ def plane_gradient(analysis: ModalAnalysis, mode: int) -> np.ndarray:
 
     Args:
         analysis: solved on the mesh as it lies.
-        mode: index among `modes`; its eigenvalue is simple.
+        mode: index among `modes`; its eigenvalue stands alone.
     """
     body, plane = analysis.body, analysis.mesh
     scale = 1.0 / (4.0 * np.pi * np.sqrt(analysis.values[mode]))

@@ -6,14 +6,23 @@ from typing import Any
 import numpy as np
 
 from restshape.analysis.modal import ModalAnalysis
-from restshape.errors import UserError
+from restshape.errors import ReplayProblem, UserError
 from restshape.physics.bodies import oscillator
 from restshape.physics.oscillator import Oscillator
 from restshape.scene.load import revise
 from restshape.sensitivity.modal import known_modes, rates
 
 STEP = 1e-4
-"""Of the differences of K and M at fixed modes, a share of the value: their error is its square."""
+"""Of the differences of K and M at fixed modes, a share of the value, or for 0 this [SI]: the first that is tried."""
+
+LONGER = 1.7
+"""Each step is checked by one that is longer by this; no whole number, so that both are not rounded alike."""
+
+AGREED = 1e-6
+"""Difference of both, as a share of the largest derivative, with which a step is taken."""
+
+FACTORS = (1.0, 1e3, 1e-3, 1e6, 1e-6, 1e9, 1e12)
+"""Steps that are tried one after the other: near 0 a value does not tell the scale of its number."""
 
 KEYS = ("material", "parameters")
 """Tables whose numbers change matrices and no mesh."""
@@ -23,7 +32,9 @@ def parameter_derivatives(analysis: ModalAnalysis, key: str) -> np.ndarray:
     """Derivatives (modes,) [Hz a SI unit of the number] of the frequencies that the scene asks for.
 
     K and M are differenced at fixed modes, which no solve enters: phi (K' - lambda M') phi, and for eigenvalues that
-    coincide the subspace rule.
+    coincide the subspace rule. The step is the first, of `FACTORS`, that a longer one confirms within `AGREED` of the
+    largest derivative; where none does, the one that the longer one comes nearest to, which for a number that hardly
+    does anything leaves rounding.
 
     Args:
         analysis: solved on the mesh as it lies.
@@ -31,17 +42,46 @@ def parameter_derivatives(analysis: ModalAnalysis, key: str) -> np.ndarray:
 
     Raises:
         UserError: no such number, or one that moves the mesh.
+        UserError, ReplayProblem: the scene makes no sense a step aside, however short.
 
     Source: docs/theory.md, section 7.
     """
     value = number_at(analysis, key)
-    step = STEP * abs(value) or STEP
+    best, error, refusal = None, np.inf, None
+    for factor in FACTORS:
+        step = factor * STEP * (abs(value) or 1.0)
+        try:
+            found, longer = (_differenced(analysis, key, value, h) for h in (step, LONGER * step))
+        except (ReplayProblem, UserError) as refused:
+            refusal = refusal or refused
+            continue
+        size = float(np.abs(found).max())
+        apart = float(np.abs(found - longer).max())
+        # A step that is lost in rounding gives 0, so that 0 is believed where no step gives anything else.
+        apart = apart / size if size > 0.0 else np.inf
+        if best is None or apart < error:
+            best, error = found, apart
+        if error <= AGREED:
+            break
+    if best is None:
+        raise refusal
+    return best
+
+
+def _differenced(analysis: ModalAnalysis, key: str, value: float, step: float) -> np.ndarray:
+    """The derivatives (modes,) by central differences with a step.
+
+    Raises:
+        UserError, ReplayProblem: the scene makes no sense there.
+    """
     known, ends = known_modes(analysis), []
     for changed in (value + step, value - step):
         scene = revise(analysis.scene, *_revision(analysis, key, changed))
         body = oscillator(scene, analysis.plan, analysis.mesh, analysis.policy.solver == "ilu")
         ends.append([_products(body, analysis.modes[known], which) for which in ("stiffness", "mass")])
     stiff, heavy = ((ahead - behind) / (2.0 * step) for ahead, behind in zip(*ends))
+    if not (np.isfinite(stiff).all() and np.isfinite(heavy).all()):
+        raise UserError(f"{value:g} +- {step:g} makes no sense", key, "choose another value")
     return rates(analysis, known, stiff, heavy)
 
 
