@@ -174,6 +174,14 @@ def test_gap_is_the_widest_one_behind_the_wanted():
     assert below == 3 and 2.001 < shift < 6.0
 
 
+def test_gap_is_no_trap_of_values_that_have_not_converged():
+    """A value far above the others may stand for any mode: the shift stays near those that are known."""
+    shift, below = gap(np.array([1.0, 2.0, 2.5, 900.0]), 2)
+    assert below == 3 and 2.5 < shift < 3.1
+    shift, below = gap(np.array([1.0, 2.0, 400.0, 900.0]), 2)
+    assert below == 2 and 2.0 < shift < 2.5
+
+
 def test_minimal_residual_solves_what_lapack_solves():
     rng = np.random.default_rng(3)
     A, b = rng.standard_normal((20, 20)), rng.standard_normal(20)

@@ -1,11 +1,12 @@
 """Hard cases of modes under edit: very thin, nearly cut, violent, tiny holes, and a mode too many close by."""
 
 import json
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import pytest
-from modal import SCENES, replay
+from modal import EDITS, SCENES, replay
 from scipy.linalg import eigh
 
 from restshape.replay.parity import Parity
@@ -213,3 +214,12 @@ def test_the_tone_after_a_bar_has_been_pulled_tall(tmp_path):
     rows = list(made.frames())
     assert not any(row["refused"] for row in rows)
     assert rows[-1]["do"] == "release" and rows[-1]["f_1"] == pytest.approx(lowest(made.analysis)[0], rel=1e-5)
+
+
+def test_spare_modes_that_have_not_converged_draw_no_factor_up():
+    """Where a search ends with far values among its spare ones, the next factor would lie above hundreds of modes."""
+    solid = ["effects.modal.modes=5", "mesh.order=2", "mesh.layers=1", 'mesh.size="10 mm"']
+    made = replay("bar_200.toml", EDITS / "bar_200.jsonl", solid)
+    rows = list(islice(made.frames(), 30))
+    assert not any(row["refused"] for row in rows)
+    assert max(row["iterations"] for row in rows[1:]) < 60 and max(row["missed"] for row in rows) < 3

@@ -32,6 +32,10 @@ MOST_SOUGHT = 12
 ROOM = 40
 """Rows of the search space beside those that it begins with."""
 
+WIDE = 1.5
+"""A ratio of neighbouring eigenvalues that is wide enough: beyond it the upper one may be a search that has not found
+the next mode yet, and a factor midway would lie above hundreds of modes."""
+
 PRIOR_DAVIDSON, PRIOR_KRYLOV = 5.0, 3.0
 """Iterations a mode on a new mesh, and substitutions a mode from nothing, before any has been counted."""
 
@@ -306,17 +310,18 @@ class EigenSolver:
 
 
 def gap(values: np.ndarray, count: int) -> tuple[float, int]:
-    """A shift in the widest gap behind the `count` lowest of values (k,), k > count, and how many lie below it.
+    """A shift in the first wide or else the widest gap behind the `count` lowest of values (k,), k > count, and how
+    many lie below it.
 
     Nearer to the lower end: the upper values of an iteration that has not converged for them come down yet.
     """
     last = len(values) - 1
     places = range(min(count, last), last + 1)
-    ratios = {k: values[k] / values[k - 1] for k in places if k > 0}
+    ratios = {k: min(WIDE, values[k] / values[k - 1]) for k in places if k > 0}
     if not ratios:
         return 1.5 * float(values[0]), 1
     k = max(ratios, key=lambda place: ratios[place])
-    return float(0.6 * values[k - 1] + 0.4 * values[k]), k
+    return float(values[k - 1] * (0.6 + 0.4 * ratios[k])), k
 
 
 def apart(found: Found, count: int, shift: float, tolerance: float) -> bool:
