@@ -11,6 +11,7 @@
 
 namespace py = pybind11;
 using restshape::Element;
+using restshape::Purpose;
 
 namespace {
 
@@ -107,6 +108,7 @@ void residual(const Element& e, const Doubles& X, const Doubles& x, const Cells&
     loop.require_output(out, loop.nodes, e.fields);
     double* target = out.mutable_data();
     const py::ssize_t count = subset ? subset->size() : loop.count;
+    e.tally->add(Purpose::residual, count);
     restshape::with_sizes(
         e, [&](auto sizes) { add_residuals(sizes, loop, subset ? subset->data() : nullptr, count, target); });
 }
@@ -116,6 +118,7 @@ void design(const Element& e, const Doubles& X, const Doubles& dX, const Doubles
     Loop loop(e, X, x, cells, params);
     require(dX.size() == X.size(), "dX must have the shape of X");
     require(!dx || dx->size() == x.size(), "dx must have the shape of x");
+    e.tally->add(Purpose::design, loop.count);
     loop.require_output(out, loop.nodes, e.fields);
     double* target = out.mutable_data();
     double dXe[restshape::max_coordinates], dxe[restshape::max_unknowns], r[restshape::max_unknowns];
@@ -135,6 +138,7 @@ py::array_t<double> energy(const Element& e, const Doubles& X, const Doubles& x,
                            const Doubles& params) {
     Loop loop(e, X, x, cells, params);
     require(e.energy != nullptr, e.name + " has no energy");
+    e.tally->add(Purpose::energy, loop.count);
     py::array_t<double> out(loop.count);
     for (py::ssize_t k = 0; k < loop.count; ++k) {
         loop.gather(k);
@@ -153,6 +157,7 @@ void stress(const Element& e, const Doubles& X, const Doubles& x, const Cells& c
     const double* at = points ? points->data() : centre;
     const py::ssize_t count = points ? points->shape(0) : 1;
     loop.require_output(out, loop.count, count * e.stress_components);
+    e.tally->add(Purpose::stress, loop.count);
     double* target = out.mutable_data();
     for (py::ssize_t k = 0; k < loop.count; ++k) {
         loop.gather(k);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "calls.hpp"
 #include "field_recovery.hpp"
 #include "mesh_curved.hpp"
 
@@ -26,6 +27,8 @@ void recover(const Reals& X, const Ints& cells, const Reals& stress, Reals out) 
     if (stress.shape(0) != ne || stress.shape(1) != 4 || out.shape(0) != n || out.shape(1) != 4)
         throw std::invalid_argument("stress must be (ne, 4) and out (n, 4)");
     const int stride = static_cast<int>(cells.shape(1));
+    static restshape::Tally& tally = restshape::tallies()["recover"];
+    tally.add(restshape::Purpose::field, ne);
     restshape::PatchRecovery(X.data(), cells.data(), stride, stress.data(), static_cast<int>(n), static_cast<int>(ne))
         .run(out.mutable_data());
 }
@@ -79,6 +82,8 @@ py::array_t<int> inverted_cells(const Reals& X, const Reals& u, const Ints& cell
     const int nodes = static_cast<int>(cells.shape(1));
     if ((nodes != 3 && nodes != 6) || X.size() != u.size() || X.shape(1) != 2)
         throw std::invalid_argument("X and u must be (n, 2), cells (ne, 3) or (ne, 6)");
+    static restshape::Tally& tally = restshape::tallies()["inverted_cells"];
+    tally.add(restshape::Purpose::field, cells.shape(0));
     std::vector<int> found;
     for (py::ssize_t e = 0; e < cells.shape(0); ++e) {
         double P[6][2];

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "calls.hpp"
 #include "field_recovery_quadratic.hpp"
 #include "mesh_curved.hpp"
 
@@ -42,6 +43,8 @@ void recover(const Reals& X, const Ints& cells, const Reals& stress, Reals out) 
     if (stress.size() != ne * restshape::TriRule3::points * 4 || out.ndim() != 2 || out.shape(0) != n ||
         out.shape(1) != 4)
         throw std::invalid_argument("stress must be (ne, 3, 4) and out (n, 4)");
+    static restshape::Tally& tally = restshape::tallies()["recover_quadratic"];
+    tally.add(restshape::Purpose::field, ne);
     restshape::QuadraticPatchRecovery(X.data(), cells.data(), stress.data(), static_cast<int>(n), static_cast<int>(ne))
         .run(out.mutable_data());
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "calls.hpp"
 #include "dual.hpp"
 
 namespace restshape {
@@ -29,6 +30,8 @@ struct Element {
     Design design;             // dr/dX . dX + dr/dx . dx; without the second where dx is null
     Energy energy;             // null where there is none
     Stress stress;             // at reference coordinates xi; null where there is none
+
+    Tally* tally = nullptr;  // of the registered element of this name
 
     int unknowns() const { return nodes * fields; }
 };

@@ -14,8 +14,15 @@
 
 namespace restshape {
 
-const std::vector<Element>& elements() {
-    static const std::vector<Element> all = {
+std::map<std::string, Tally>& tallies() {
+    static std::map<std::string, Tally> all;
+    return all;
+}
+
+namespace {
+
+std::vector<Element> registered() {
+    std::vector<Element> all = {
         element_of<SolidElement<Tri3, LinearElastic<2>>>("linear_elastic_tri3"),
         element_of<SolidElement<Tri6Small, LinearElastic<2>>>("linear_elastic_tri6"),
         element_of<SolidElement<Tet4, LinearElastic<3>>>("linear_elastic_tet4"),
@@ -49,6 +56,14 @@ const std::vector<Element>& elements() {
         element_of<PressureElement<Line2>>("pressure_edge2"),
         element_of<PressureElement<Line3>>("pressure_edge3"),
     };
+    for (Element& e : all) e.tally = &tallies()[e.name];
+    return all;
+}
+
+}  // namespace
+
+const std::vector<Element>& elements() {
+    static const std::vector<Element> all = registered();
     return all;
 }
 

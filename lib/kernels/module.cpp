@@ -5,6 +5,7 @@ namespace py = pybind11;
 
 void bind_boundary(py::module_&);
 void bind_build(py::module_&);
+void bind_calls(py::module_&);
 void bind_curves(py::module_&);
 void bind_elements(py::module_&);
 void bind_extrude(py::module_&);
@@ -22,6 +23,7 @@ PYBIND11_MODULE(_kernels, m) {
     m.doc() = "Compiled kernels of restshape: elements, assembly, mesh operations.";
     bind_boundary(m);
     bind_build(m);
+    bind_calls(m);
     bind_curves(m);
     bind_elements(m);
     bind_extrude(m);

@@ -25,6 +25,12 @@ const Events& events() {
     return registered;
 }
 
+std::set<const Operator*>& registered() {
+    // Never destroyed: Python may let go of operators after everything else.
+    static auto* all = new std::set<const Operator*>;
+    return *all;
+}
+
 class Logged {
  public:
     explicit Logged(PetscLogEvent event) : event_(event) { (void)PetscLogEventBegin(event_, 0, 0, 0, 0); }
@@ -76,9 +82,11 @@ Operator::Operator(bool world, int fields, std::vector<int32_t> node_offsets, in
     events();
     mask_.assign(static_cast<size_t>(nodes()) * fields_, 0);
     diagonal_.assign(mask_.size(), 0.0);
+    registered().insert(this);
 }
 
 Operator::~Operator() {
+    registered().erase(this);
     // petsc4py may have finalised PETSc before Python lets go of the operator.
     PetscBool finished = PETSC_FALSE;
     PetscFinalized(&finished);
@@ -86,6 +94,8 @@ Operator::~Operator() {
     for (Mat& mat : retired_) (void)MatDestroy(&mat);
     if (mat_) (void)MatDestroy(&mat_);
 }
+
+const std::set<const Operator*>& Operator::living() { return registered(); }
 
 const Block& Operator::block(int k) const {
     if (k < 0 || k >= block_count())
@@ -165,6 +175,8 @@ void Operator::add(int k, const Terms& terms) {
                                         std::to_string(e.fields) + " fields; block " + std::to_string(k) + " has " +
                                         std::to_string(block(k).nodes) + ", the operator " + std::to_string(fields_));
     }
+    for (const Term& term : terms.list)
+        term.element->tally->add(term.element->residual_tangent ? Purpose::tangent : Purpose::residual, block(k).count);
     assemble(k, terms);
 }
 

@@ -4,6 +4,7 @@
 #include <petscmat.h>
 
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,7 @@ class Operator {
     virtual int64_t nonzeros() const = 0;
     int fields() const { return fields_; }
     int nodes() const { return node_offsets_.back(); }
+    static const std::set<const Operator*>& living();  // all that exist
     int block_count() const { return static_cast<int>(blocks_.size()); }
     const Block& block(int k) const;
 

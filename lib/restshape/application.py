@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -56,12 +56,38 @@ class Effect:
         summary: one line for people.
         required: the application makes no sense without it.
         fixed: the analysis is another one with it, so that an edit can switch it neither on nor off.
+        drives: it loads the body or sets it in motion.
+        quantities: kinds of quantities that there are with it only.
     """
 
     model: type[BaseModel]
     summary: str
     required: bool = False
     fixed: bool = False
+    drives: bool = False
+    quantities: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Implied:
+    """A part of the physics that no ``[effects.NAME]`` names: it follows from what else a scene holds.
+
+    Args:
+        summary: one line for people.
+        cause: why a scene calls for it; empty where nothing does.
+        idle: what is said where nothing does.
+        without: the plain tables of a scene, copied, with nothing left that calls for it; None where it is no part that
+            could be left out.
+        drives: it loads the body or sets it in motion.
+        needs: the effect without which it cannot be.
+    """
+
+    summary: str
+    cause: Callable[[Scene], str]
+    idle: str
+    without: Callable[[dict[str, Any]], dict[str, Any]] | None = None
+    drives: bool = False
+    needs: str = ""
 
 
 @dataclass(frozen=True)
@@ -82,6 +108,7 @@ class Application:
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
         transient: a frame goes on from the one before it, so that none can be left out.
+        implied: parts of its physics that follow from a scene without being named, by name.
     """
 
     name: str
@@ -96,6 +123,7 @@ class Application:
     layered: bool = False
     columns: str = ""
     transient: bool = False
+    implied: dict[str, Implied] = field(default_factory=dict)
 
     def make_analysis(self) -> Callable[..., Any]:
         """The factory of this application's analysis, imported now."""

@@ -98,7 +98,7 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
         )
         try:
             _, stderr = process.communicate(job.dumps(), timeout=seconds)
-            problem = _ending(process.returncode, stderr)
+            problem = ending(process.returncode, stderr)
         except subprocess.TimeoutExpired:
             problem = f"stopped after {seconds:.0f} s"
         finally:
@@ -108,7 +108,7 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
         return _read(told, problem)
 
 
-def _ending(code: int, stderr: str) -> str:
+def ending(code: int, stderr: str) -> str:
     """What the end of a process means; nothing where all went well, or where the process itself told why."""
     if code == 0:
         return ""

@@ -96,7 +96,7 @@ def assemble(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndar
         node_param=node_param,
         vertex_node=number[: len(outline.vertex_names)],
         node_offsets=np.searchsorted(owner[order], np.arange(ranks + 1)),
-        places=np.argsort(node_order(X)).astype(np.int32),
+        places=np.argsort(node_order(X)).astype(np.int32) if ranks > 1 else None,
     )
     if mesh.facet_cell.min() < 0:
         name = outline.edges[facet_edge[np.argmin(mesh.facet_cell)]].name
@@ -164,12 +164,12 @@ def _facets(outline: Outline, boundary: Boundary) -> tuple[np.ndarray, np.ndarra
     for loop in loops:
         for edge, forward in loop.edges:
             direction.setdefault(edge, forward)
-    pairs, owners = [], []
-    for edge, chain in enumerate(boundary.chains):
-        nodes = chain if direction.get(edge, True) else chain[::-1]
-        pairs.append(np.stack([nodes[:-1], nodes[1:]], axis=1))
-        owners.append(np.full(len(nodes) - 1, edge, dtype=np.int32))
-    return np.concatenate(pairs), np.concatenate(owners)
+    chains = [chain if direction.get(i, True) else chain[::-1] for i, chain in enumerate(boundary.chains)]
+    sides = [len(chain) - 1 for chain in chains]
+    pairs = np.empty((sum(sides), 2), dtype=np.int32)
+    np.concatenate([chain[:-1] for chain in chains], out=pairs[:, 0])
+    np.concatenate([chain[1:] for chain in chains], out=pairs[:, 1])
+    return pairs, np.repeat(np.arange(len(chains), dtype=np.int32), sides)
 
 
 def _areas(X: np.ndarray, cells: np.ndarray) -> np.ndarray:

@@ -42,6 +42,17 @@ class NodalStress:
             chosen &= np.isin(self.region, self.mesh.cell_region[cells])
         return np.flatnonzero(chosen)
 
+    def cell_rows(self) -> np.ndarray:
+        """Rows (ne, nodes) int32 of the cells' nodes, as the region of each cell sees them."""
+        cells = self.mesh.cells
+        if not self._cells:
+            return cells
+        rows, first = np.empty_like(cells), 0
+        for chosen, nodes in zip(self._cells, self._parts):
+            rows[chosen] = first + np.searchsorted(nodes, cells[chosen])
+            first += len(nodes)
+        return rows
+
     def __call__(self, stress: np.ndarray) -> np.ndarray:
         """Recovered stresses, one row each (see the class), from the cells' stresses [Pa].
 

@@ -112,10 +112,11 @@ class Outline:
         bulges: (n_edges,) tan(angle/4) of arcs, 0 elsewhere.
     """
 
-    __slots__ = ("bulges", "layout", "points")
+    __slots__ = ("_area", "bulges", "layout", "points")
 
     def __init__(self, layout: Layout, points: np.ndarray, bulges: np.ndarray) -> None:
         self.layout, self.points, self.bulges = layout, points, bulges
+        self._area: float | None = None
 
     @classmethod
     def from_spec(cls, spec: Any, scene_dir: Path | str = ".") -> Outline:
@@ -245,7 +246,7 @@ class Outline:
         else:
             z = curves.arc_fraction(bulge, s)
             p = a * (1.0 - z) + b * z
-        return np.stack([p.real, p.imag], axis=1)
+        return p.view(np.float64).reshape(-1, 2)
 
     def length(self, edge: int) -> float:
         """Length of an edge [m]; exact but for splines (Gauss quadrature)."""
@@ -285,7 +286,9 @@ class Outline:
 
     def area(self) -> float:
         """Area of the material [m^2]: the outline less the holes, exact for every kind of edge."""
-        return sum(self.loop_area(i) for i, loop in enumerate(self.loops) if loop.kind != "region")
+        if self._area is None:
+            self._area = sum(self.loop_area(i) for i, loop in enumerate(self.loops) if loop.kind != "region")
+        return self._area
 
     def loop_area(self, loop: int) -> float:
         """Signed area of a loop [m^2]: positive counter-clockwise, so negative for holes."""
