@@ -131,3 +131,13 @@ def test_schemas_name_every_key(tmp_path, capsys):
     names = {definition["properties"].get("do", {}).get("const") for definition in script_schema["$defs"].values()}
     assert {"press", "drag", "release", "hole", "undo"} <= names
     assert "line" not in script_schema["$defs"]["Press"]["properties"]
+
+
+def test_a_thickness_without_a_sign_is_refused_and_a_thin_one_is_not(capsys):
+    """The undercut 4 mm - d sin(pi x / L) leaves 4 mm - d in the middle."""
+    bar = next(app for name, app in applications().items() if name == "metallophone").folder / "scenes" / "bar_100.toml"
+    key = "material.aluminium.thickness"
+    assert check(bar, "--set", f'{key}="4e-3 - 3.9e-3 * sin(pi * x / 0.1)"') == 0
+    assert check(bar, "--set", f'{key}="4e-3 - 4.1e-3 * sin(pi * x / 0.1)"') == 2
+    told = capsys.readouterr().err
+    assert key in told and "the thickness is -" in told

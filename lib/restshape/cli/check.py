@@ -11,8 +11,10 @@ import numpy as np
 
 from restshape.application import application
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
-from restshape.errors import UserError
+from restshape.errors import ReplayProblem, UserError
+from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.sizing import refuse_endless
+from restshape.mesh.thickness import Thickness
 from restshape.physics.held import require_held
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.model import Load, Material, Scene, Support
@@ -28,6 +30,9 @@ LOAD_UNITS = {"force": "N", "traction": "Pa", "pressure": "Pa", "body": "N/m^3"}
 OF_THE_BODY = ("frequency", "mode", "load_factor")
 """Quantities that belong to no place."""
 
+GRID = 60
+"""Places in each direction at which a thickness is looked at."""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
@@ -42,6 +47,7 @@ def run(args: argparse.Namespace) -> int:
     effects = plan(scene, app)
     outline = starting_outline(scene)
     check_supports(scene, outline)
+    check_thickness(scene, outline)
     if scene.mesh.size and not scene.mesh.file:
         try:
             refuse_endless(outline, scene.mesh.size, scene.mesh.near)
@@ -101,6 +107,28 @@ def check_supports(scene: Scene, outline: Outline) -> None:
             masks.append(np.tile([axis in support.fix for axis in "xy"], (len(found), 1)))
     body = np.concatenate([outline.points, *points])
     require_held(body, np.concatenate([np.zeros_like(outline.points), *masks]), scene)
+
+
+def check_thickness(scene: Scene, outline: Outline) -> None:
+    """Makes sure that thicknesses given by formulas are positive all over the outline.
+
+    Raises:
+        UserError: one is not, or is not a number, somewhere.
+    """
+    formulas = {name: m.thickness for name, m in scene.material.items() if isinstance(m.thickness, Expression)}
+    if not formulas:
+        return
+    low, high = outline.bounds()
+    axes = (np.linspace(a, b, GRID) for a, b in zip(low, high))
+    places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    border = loop_polygon(outline, outline.loops[0])
+    places = np.concatenate([border, places[contains(border, places)]])
+    for name, formula in formulas.items():
+        try:
+            Thickness(formula, scene.parameters).at(places)
+        except ReplayProblem as problem:
+            do = "change the formula, so that the body has a thickness everywhere"
+            raise scene.located(UserError(str(problem), f"material.{name}.thickness", do)) from problem
 
 
 def used_names(scene: Scene) -> list[tuple[str, str]]:

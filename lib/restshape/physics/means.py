@@ -26,13 +26,18 @@ def mean_over(mesh: Mesh | LagrangeSpace, at: str | None, nodes: np.ndarray | sl
     elif len(facets):
         places, weigh = mesh.facets[facets], facet_weights
     else:
-        return np.mean
+        return plain_mean
 
     def mean(values: np.ndarray) -> float:
         weights = weigh(mesh.X, places)
         return np.average(values, weights=np.bincount(places.ravel(), weights.ravel(), len(mesh.X))[nodes])
 
     return mean
+
+
+def plain_mean(values: np.ndarray) -> float:
+    """The mean of values (m,); numpy's own takes five times as long for so few."""
+    return values.sum() / len(values)
 
 
 def facet_weights(X: np.ndarray, facets: np.ndarray) -> np.ndarray:
