@@ -5,6 +5,8 @@ restshape := .venv/bin/restshape
 plate := apps/solid/scenes/plate.toml
 plate_edits := apps/solid/edits/plate.jsonl
 cantilever := apps/cantilever/scenes/cantilever.toml
+bridge := apps/bridge/scenes/bridge.toml
+building := apps/vibration/scenes/building.toml
 fish := apps/metallophone/scenes/fish.toml
 bar := apps/metallophone/scenes/bar_200.toml
 cantilever_edits := apps/cantilever/edits/cantilever.jsonl
@@ -50,6 +52,8 @@ results: setup
 	.venv/bin/python -m restshape_apps.metallophone.accuracy --picture results/metallophone-accuracy.png
 	.venv/bin/python -m restshape_apps.solid.picture apps/solid/scenes/column.toml --out results/column-modes.png
 	$(restshape) bench eigen $(bar) --set effects.modal.modes=5 --json results/bench-eigen.json
+	$(restshape) accuracy $(plate) $(cantilever) $(bridge) $(building) $(fish) --out results/accuracy \
+		--json results/accuracy/accuracy.json
 
 lint:
 	@scripts/setup.sh develop

@@ -8,18 +8,21 @@ from pathlib import Path
 from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
 from restshape.application import Application, Effect
+from restshape.scene.implied import SOLID
 
 application = Application(
     name="bridge",
     summary="bridges that bear a weight with little material",
     effects={
         "solid": Effect(Solid, "elasticity", required=True),
-        "gravity": Effect(Gravity, "weight of the body"),
+        "gravity": Effect(Gravity, "weight of the body", drives=True),
         "large_deformation": LARGE_DEFORMATION,
     },
+    implied=SOLID,
     folder=Path(__file__).parent,
     analysis="restshape.analysis.nonlinear:static_analysis",
     validation="restshape_apps.bridge.validation:CASES",
+    stability="restshape_apps.bridge.stability:CASES",
     thesis="restshape_apps.bridge.thesis:rows",
     orders=(1, 2),
 )

@@ -9,6 +9,7 @@ from pathlib import Path
 from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
 from restshape.application import Application, Effect
+from restshape.scene.implied import SOLID
 
 application = Application(
     name="cantilever",
@@ -16,11 +17,13 @@ application = Application(
     effects={
         "solid": Effect(Solid, "elasticity", required=True),
         "large_deformation": replace(LARGE_DEFORMATION, required=True),
-        "gravity": Effect(Gravity, "weight of the body"),
+        "gravity": Effect(Gravity, "weight of the body", drives=True),
     },
+    implied=SOLID,
     folder=Path(__file__).parent,
     analysis="restshape.analysis.nonlinear:static_analysis",
     validation="restshape_apps.cantilever.validation:CASES",
+    stability="restshape_apps.cantilever.stability:CASES",
     thesis="restshape_apps.cantilever.thesis:rows",
     orders=(1, 2),
 )

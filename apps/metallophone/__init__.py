@@ -9,8 +9,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from restshape.application import Application, Decision, Effect
+from restshape.application import Application, Decision, Effect, Implied, Knob
 from restshape.errors import UserError
+from restshape.scene.implied import REGIONS
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -59,16 +60,46 @@ def columns(scene: Scene) -> dict[str, Any]:
     }
 
 
+def in_plane(scene: Scene, _: frozenset[str]) -> str:
+    """Why modes in the plane count; empty where they are passed over."""
+    modal = Modal.model_validate(scene.effects.get("modal", {}))
+    if modal.model in ("plane_stress", "plane_strain"):
+        return f'effects.modal.model = "{modal.model}": all modes are in the plane'
+    return "effects.modal.in_plane: modes in the plane count too" if modal.model == "solid" and modal.in_plane else ""
+
+
+def only_normal(raw: dict[str, Any], _: frozenset[str]) -> dict[str, Any]:
+    """The tables of a scene in which modes in the plane do not count."""
+    modal = {**raw.get("effects", {}).get("modal", {}), "in_plane": False}
+    return {**raw, "effects": {**raw.get("effects", {}), "modal": modal}}
+
+
+def grain(scene: Scene, _: frozenset[str]) -> str:
+    """Why stiffness depends on the direction; empty where it does not."""
+    names = [f"material.{name}" for name, material in scene.material.items() if material.orthotropic]
+    return f"{', '.join(names)}: stiffness along and across a grain" if names else ""
+
+
 application = Application(
     name="metallophone",
     summary="plates that sound when struck: eigenfrequencies and modes",
     effects={"modal": Effect(Modal, "free vibrations", required=True)},
+    implied={
+        "in_plane_modes": Implied("modes in the plane", in_plane, "modes in the plane are passed over", only_normal),
+        "grain": Implied("materials with a grain", grain, "all materials are isotropic"),
+        "regions": REGIONS,
+    },
     folder=Path(__file__).parent,
     analysis="restshape.analysis.modal:ModalAnalysis",
     validation="restshape_apps.metallophone.validation:CASES",
+    stability="restshape_apps.metallophone.stability:CASES",
     thesis="restshape_apps.metallophone.thesis:rows",
     orders=(2, 1),
     directions=("x", "y", "z", "rx", "ry"),
     layered=True,
     columns="restshape_apps.metallophone:columns",
+    knobs=(
+        Knob("effects.modal.model", ("solid", "plate"), reference="solid", grid=True),
+        Knob("mesh.layers", (1, 2, 3), reference=2),
+    ),
 )

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from restshape.application import Application, Decision, Effect
 from restshape.errors import UserError
+from restshape.scene.implied import SOLID
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict
 
@@ -140,13 +141,17 @@ application = Application(
     summary="elastic solids in the plane, at rest",
     effects={
         "solid": Effect(Solid, "linear elasticity", required=True),
-        "gravity": Effect(Gravity, "weight of the body"),
+        "gravity": Effect(Gravity, "weight of the body", drives=True),
         "large_deformation": LARGE_DEFORMATION,
-        "buckling": Effect(Buckling, "critical load factors and modes of buckling", fixed=True),
+        "buckling": Effect(
+            Buckling, "critical load factors and modes of buckling", fixed=True, quantities=("load_factor",)
+        ),
     },
+    implied=SOLID,
     folder=Path(__file__).parent,
     analysis="restshape.analysis.nonlinear:static_analysis",
     validation="restshape_apps.solid.validation:CASES",
+    stability="restshape_apps.solid.stability:CASES",
     thesis="restshape_apps.solid.thesis:rows",
     orders=(1, 2),
     columns="restshape_apps.solid:columns",

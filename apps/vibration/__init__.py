@@ -13,7 +13,8 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
-from restshape.application import Application, Effect
+from restshape.application import Application, Effect, Knob
+from restshape.scene.implied import SOLID
 from restshape.scene.units import UnitError
 from restshape.scene.values import Length, Strict, number_of
 
@@ -89,16 +90,24 @@ application = Application(
     name="vibration",
     summary="elastic solids that vibrate, on shaking ground",
     effects={
-        "dynamics": Effect(Dynamics, "motion in time by Newmark's method", required=True),
+        "dynamics": Effect(
+            Dynamics, "motion in time by Newmark's method", required=True, kernels=("mass_", "lumped_mass_")
+        ),
         "solid": Effect(Solid, "linear elasticity", required=True),
-        "ground": Effect(Ground, "ground that shakes at one frequency"),
+        "ground": Effect(Ground, "ground that shakes at one frequency", drives=True),
         "damping": Effect(Damping, "Rayleigh damping"),
-        "gravity": Effect(Gravity, "weight of the body, which acts at once"),
+        "gravity": Effect(Gravity, "weight of the body, which acts at once", drives=True),
         "large_deformation": LARGE_DEFORMATION,
     },
+    implied=SOLID,
     folder=Path(__file__).parent,
     analysis="restshape.analysis.nonlinear_transient:transient_analysis",
     validation="restshape_apps.vibration.validation:CASES",
+    stability="restshape_apps.vibration.stability:CASES",
     orders=(1, 2),
     transient=True,
+    knobs=(
+        Knob("effects.dynamics.time_step", factors=(2.0, 0.5), reference=0.25, against="effects.dynamics.steps"),
+        Knob("effects.dynamics.mass", ("consistent", "lumped"), reference="consistent"),
+    ),
 )

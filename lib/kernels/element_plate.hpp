@@ -157,6 +157,7 @@ struct PlateParts {
 
 struct PlateElement : PlateParts {
     using Rule = TriRule6;  // bending of a linear thickness is of degree 5
+    static constexpr int stress_components = 4;
 
     template <class SX, class Sx, class R>
     [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const double* p, R* r) {
@@ -203,6 +204,19 @@ struct PlateElement : PlateParts {
         for (int k = 0; k < 3; ++k)
             if (p[rim + k] != 0.0) total += rim_energy(g, X, k, x, c, p);
         return total;
+    }
+
+    // Moments xx yy xy a unit of length [N], and 0, at reference coordinates xi, the third of which is not looked at.
+    static void stress(const double* X, const double* x, const double* p, const double* xi, double* s) {
+        Geometry<double> g;
+        prepare(X, p, g);
+        double c[3], kappa[3], m[3];
+        slips(g, x, c);
+        const double L[3] = {1.0 - xi[0] - xi[1], xi[0], xi[1]}, h = thickness(L, X);
+        curvature(g, L, x, c, kappa);
+        moments(kappa, p, m);
+        for (int a = 0; a < 3; ++a) s[a] = m[a] * (h * h * h) / 12;
+        s[3] = 0.0;
     }
 
  private:

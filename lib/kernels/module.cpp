@@ -8,6 +8,7 @@ void bind_build(py::module_&);
 void bind_calls(py::module_&);
 void bind_curves(py::module_&);
 void bind_elements(py::module_&);
+void bind_estimate(py::module_&);
 void bind_extrude(py::module_&);
 void bind_operator(py::module_&);
 void bind_mesh(py::module_&);
@@ -26,6 +27,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_calls(m);
     bind_curves(m);
     bind_elements(m);
+    bind_estimate(m);
     bind_extrude(m);
     bind_operator(m);
     bind_mesh(m);

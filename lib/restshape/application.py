@@ -58,6 +58,7 @@ class Effect:
         fixed: the analysis is another one with it, so that an edit can switch it neither on nor off.
         drives: it loads the body or sets it in motion.
         quantities: kinds of quantities that there are with it only.
+        kernels: how the names of elements begin that are there for it alone.
     """
 
     model: type[BaseModel]
@@ -66,6 +67,7 @@ class Effect:
     fixed: bool = False
     drives: bool = False
     quantities: tuple[str, ...] = ()
+    kernels: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -74,20 +76,44 @@ class Implied:
 
     Args:
         summary: one line for people.
-        cause: why a scene calls for it; empty where nothing does.
+        cause: why a scene with these effects on calls for it; empty where nothing does.
         idle: what is said where nothing does.
-        without: the plain tables of a scene, copied, with nothing left that calls for it; None where it is no part that
-            could be left out.
+        without: the plain tables of a scene with these effects on, copied, with nothing left that calls for it; None
+            where it is no part that could be left out.
         drives: it loads the body or sets it in motion.
         needs: the effect without which it cannot be.
     """
 
     summary: str
-    cause: Callable[[Scene], str]
+    cause: Callable[[Scene, frozenset[str]], str]
     idle: str
-    without: Callable[[dict[str, Any]], dict[str, Any]] | None = None
+    without: Callable[[dict[str, Any], frozenset[str]], dict[str, Any]] | None = None
     drives: bool = False
     needs: str = ""
+
+
+@dataclass(frozen=True)
+class Knob:
+    """A key of a scene that studies of accuracy vary, one at a time.
+
+    Args:
+        key: dotted, such as ``effects.modal.model``.
+        values: tried in place of the scene's own, which must be one of them, or left out.
+        factors: of the scene's own number, in place of values.
+        reference: value in the reference that errors are counted from, the scene's own where that is a larger number;
+            for factors a factor. None: the scene's own.
+        against: a whole number that is divided by the same factor, so that their product stays.
+        effect: the knob means something only with this effect; empty where it always does.
+        grid: each value is tried with every mesh size, not with the scene's own alone.
+    """
+
+    key: str
+    values: tuple[Any, ...] = ()
+    factors: tuple[float, ...] = ()
+    reference: Any = None
+    against: str = ""
+    effect: str = ""
+    grid: bool = False
 
 
 @dataclass(frozen=True)
@@ -107,7 +133,9 @@ class Application:
         layered: bodies have a thickness, which may be a formula, and layers of elements over it.
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
+        stability: path ``module:attribute`` of its hard cases by name.
         transient: a frame goes on from the one before it, so that none can be left out.
+        knobs: what studies of accuracy vary besides mesh, order, tolerance and policy.
         implied: parts of its physics that follow from a scene without being named, by name.
     """
 
@@ -122,7 +150,9 @@ class Application:
     directions: tuple[str, ...] = ("x", "y")
     layered: bool = False
     columns: str = ""
+    stability: str = ""
     transient: bool = False
+    knobs: tuple[Knob, ...] = ()
     implied: dict[str, Implied] = field(default_factory=dict)
 
     def make_analysis(self) -> Callable[..., Any]:
@@ -136,6 +166,10 @@ class Application:
     def thesis_rows(self, timed: bool = True) -> list[dict[str, Any]]:
         """The thesis's numbers beside ours, measured now; not `timed`: those alone that no clock decides."""
         return _attribute(self.thesis)(timed) if self.thesis else []
+
+    def hard_cases(self) -> dict[str, Any]:
+        """The cases of `restshape stability` by name, imported now."""
+        return _attribute(self.stability) if self.stability else {}
 
     def own_columns(self, scene: Scene) -> dict[str, Any]:
         """Names and types of the columns that only this application has."""

@@ -21,6 +21,7 @@ class Policy:
         criterion: distortion criterion in place of the scene's.
         flip_everywhere: level 2 makes the whole mesh Delaunay, not only around distorted triangles.
         backend: assembly backend, None for the default.
+        lumped_mass: modes are those of a mass on the diagonal.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Policy:
     criterion: str | None = None
     flip_everywhere: bool = False
     backend: str | None = None
+    lumped_mass: bool = False
 
 
 POLICIES = {
@@ -50,6 +52,7 @@ POLICIES = {
             relocation="laplacian",
             criterion="author",
             flip_everywhere=True,
+            lumped_mass=True,
         ),
         Policy(
             "auto",

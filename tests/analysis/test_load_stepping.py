@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from elastica import pressed_elastica, stretched_elastica
 from large import beam, solid
 from petsc4py import PETSc
+from restshape_apps.solid.elastica import pressed_elastica, stretched_elastica
 from small_scenes import make_replay, rows_of, write_scene
 
 from restshape.algebra.newton import Outcome

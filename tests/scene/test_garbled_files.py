@@ -9,31 +9,12 @@ from hypothesis import strategies as st
 from restshape.errors import UserError
 from restshape.scene.load import load_scene, revise
 from restshape.scene.script import load_script
+from restshape.stability.strategies import keys_of, spliced, splices, values
 
 DATA = Path(__file__).parents[1] / "data"
 SCENE = (DATA / "plate.toml").read_text()
 SCRIPT = (DATA / "plate.jsonl").read_text()
 quiet = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-splices = st.tuples(st.floats(0, 1), st.integers(0, 12), st.text(alphabet="{}[]\"=.,:-\n abxt019eN#'\\\0", max_size=6))
-values = st.recursive(
-    st.none() | st.booleans() | st.integers(-(10**30), 10**30) | st.floats() | st.text(max_size=8),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
-    max_leaves=5,
-)
-
-
-def spliced(text: str, changes: list[tuple[float, int, str]]) -> str:
-    """The text with pieces cut out and others put in."""
-    for place, length, piece in changes:
-        at = int(place * len(text))
-        text = text[:at] + piece + text[at + length :]
-    return text
-
-
-def keys_of(table: dict, before: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    """Every key of nested tables."""
-    inner = [k for key, value in table.items() if isinstance(value, dict) for k in keys_of(value, (*before, key))]
-    return [(*before, key) for key in table] + inner
 
 
 @quiet

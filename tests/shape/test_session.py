@@ -12,9 +12,10 @@ from shape_scenes import plate, scene_and_script, square
 from small_scenes import CURVED
 
 from restshape.scene.script import EVENTS
-from restshape.shape import gesture as gestures
+from restshape.shape import gesture as movements
 from restshape.shape.session import EditSession
 from restshape.shape.validity import MotionCheck, problem
+from restshape.stability.strategies import gestures, single_edits
 
 
 def frames_of(folder, *events):
@@ -44,19 +45,19 @@ def test_a_drag_moves_the_hole_with_the_cursor(tmp_path):
 
 def test_gestures_are_what_they_say():
     outline = plate()
-    turn = gestures.rotate(outline, outline.entity("window"), np.array([0.1, 0.2]))
+    turn = movements.rotate(outline, outline.entity("window"), np.array([0.1, 0.2]))
     angle = 0.7
     moved = turn.points((np.cos(angle) - 1.0, np.sin(angle)))
     own = outline.control_points(outline.entity("window"))
     matrix = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     np.testing.assert_allclose(moved[own], (outline.points[own] - [0.1, 0.2]) @ matrix.T + [0.1, 0.2], atol=1e-15)
-    grown = gestures.scale(outline, outline.entity("window"), np.array([0.5, 0.5])).points((0.5, 0.0))
+    grown = movements.scale(outline, outline.entity("window"), np.array([0.5, 0.5])).points((0.5, 0.0))
     assert outline.moved(grown).area() == pytest.approx(outline.area() - np.pi * 0.04 * 1.25, rel=1e-12)
 
 
 def test_inner_points_follow_one_end_along_the_chord():
     outline = plate()
-    moved = gestures.drag(outline, outline.entity("c")).points((0.3, 0.0))
+    moved = movements.drag(outline, outline.entity("c")).points((0.3, 0.0))
     edge = outline.edges[2]
     for p, t in zip(edge.inner, edge.knots[1:-1]):
         np.testing.assert_allclose(moved[p] - outline.points[p], [0.3 * (1.0 - t), 0.0], atol=1e-15)
@@ -221,6 +222,17 @@ def test_an_effect_that_makes_another_analysis_is_not_switched(tmp_path):
     assert "'large_deformation' cannot be switched off" in frames[2].refused
 
 
+def test_modes_beyond_the_columns_of_the_first_frame_are_refused(tmp_path):
+    text = CURVED.replace('app = "solid"', 'app = "metallophone"').replace("traction = [1e6, 0]", "")
+    text = text[: text.index("[loads")] + "[effects.modal]\nmodes = 3\n[mesh]\nsize = 0.1\n"
+    text = text.replace("nu = 0.3", "nu = 0.3\nrho = 8000\nthickness = 0.01")
+    values = [{"do": "set", "key": "effects.modal.modes", "value": modes} for modes in (2, 3, 5)]
+    scene, script = scene_and_script(tmp_path, values, text)
+    fewer, again, more = list(EditSession(scene, script).frames())[1:]
+    assert fewer.refused is None and again.refused is None and more.scene is again.scene
+    assert "f_4, f_5 is not among them" in more.refused
+
+
 def test_one_drag_in_many_steps_ends_where_one_jump_ends(tmp_path):
     path = [[0.5 + 0.1 * np.sin(0.3 * i), 0.5 + 0.05 * np.cos(0.2 * i)] for i in range(100)]
     frames = frames_of(tmp_path, PRESS, {"do": "drag", "path": path}, RELEASE)
@@ -231,7 +243,7 @@ def test_one_drag_in_many_steps_ends_where_one_jump_ends(tmp_path):
 def test_pieces_are_made_finer_when_a_curve_grows():
     tables = {"window": {"circle": {"center": [0.5, 0.5], "radius": 0.004}}}
     outline = square(holes=tables)
-    grow = gestures.scale(outline, outline.entity("window"), np.array([0.5, 0.5]))
+    grow = movements.scale(outline, outline.entity("window"), np.array([0.5, 0.5]))
     check = MotionCheck(outline, grow)
     # Eight pieces of the small circle would leave 0.001 between themselves and a circle of radius 0.4985.
     assert check.problem((0.499 / 0.004 - 1.0, 0.0)) is None
@@ -240,32 +252,11 @@ def test_pieces_are_made_finer_when_a_curve_grows():
 
 coordinate = st.floats(-0.4, 2.4, allow_nan=False).map(lambda v: round(v, 3))
 place = st.tuples(coordinate, coordinate).map(list)
-entity = st.sampled_from(["a", "b", "c", "d", "window", "window.v1", "window.2", "top", "bottom", "left", "q", "h1"])
-gesture = st.tuples(entity, st.lists(st.tuples(entity, place), min_size=1, max_size=4)).map(
-    lambda found: [
-        {"do": "press", "on": found[0]},
-        {"do": "drag", "path": [p for _, p in found[1]]},
-        {"do": "release"},
-    ]
-)
-single = st.one_of(
-    st.builds(lambda on, by: {"do": "rotate", "on": on, "by": by, "frames": 3}, entity, st.floats(-4, 4)),
-    st.builds(lambda on, by: {"do": "scale", "on": on, "factor": by, "frames": 3}, entity, st.floats(0.2, 4)),
-    st.builds(lambda on, by: {"do": "arc", "on": on, "bulge": by, "frames": 3}, entity, st.floats(-2, 2)),
-    st.builds(lambda on, at, n: {"do": "insert", "on": on, "at": at, "name": n}, entity, place, st.just("q")),
-    st.builds(lambda on: {"do": "delete", "on": on}, entity),
-    st.builds(
-        lambda n, at, r: {"do": "hole", "name": n, "center": at, "radius": r},
-        st.sampled_from(["h1", "h2"]),
-        place,
-        st.floats(0.01, 0.3),
-    ),
-    st.sampled_from([{"do": "undo"}, {"do": "redo"}]),
-).map(lambda event: [event])
+NAMES = ("a", "b", "c", "d", "window", "window.v1", "window.2", "top", "bottom", "left", "q", "h1")
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.lists(st.one_of(gesture, single), min_size=1, max_size=8))
+@given(st.lists(st.one_of(gestures(NAMES, place), single_edits(NAMES, place)), min_size=1, max_size=8))
 def test_no_edit_leaves_an_invalid_shape(tmp_path, edits):
     events = [event for part in edits for event in part]
     scene, script = scene_and_script(tmp_path, [])

@@ -6,7 +6,18 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.davidson import Found, SearchSpace, davidson
-from restshape.algebra.eigen import COUNT_EVERY, HISTORY, MOST_SOUGHT, ROOM, ROUNDS, SPARE, EigenReport, apart, fallen
+from restshape.algebra.eigen import (
+    COUNT_EVERY,
+    HISTORY,
+    MOST_SOUGHT,
+    ROOM,
+    ROUNDING,
+    ROUNDS,
+    SPARE,
+    EigenReport,
+    apart,
+    fallen,
+)
 from restshape.algebra.load_pencil import UNLOADED, LoadPencil, load_modes
 from restshape.algebra.pencil import Deflation
 from restshape.algebra.stages import Stages
@@ -18,9 +29,6 @@ WIDEST = 1.5
 
 LEAST, USUAL = 4, 12
 """Iterations that are always granted, and with a new factor."""
-
-ROUNDING = 64.0 * np.finfo(float).eps
-"""A residual below this share of what its products are summed up from is rounding."""
 
 
 class BucklingSolver:

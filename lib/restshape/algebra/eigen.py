@@ -29,6 +29,19 @@ ROUNDS = 4
 MOST_SOUGHT = 12
 """Of those as many at once."""
 
+ROUNDING = 64.0 * np.finfo(float).eps
+"""A residual below this share of what its products are summed up from may be rounding."""
+
+MOST_ROUNDING = 1e-6
+"""Residuals above this share are refused, though rounding may be to blame."""
+
+ROUNDING_SLACK = 4.0
+"""Residuals of later frames that rounding leaves over those that it was seen to leave."""
+
+LEAST_MASS = 0.25
+"""Least eigenvalue of the elements' masses over their diagonals: 1/2 of simplices of first order, 0.39 of triangles and
+1/4 of tetrahedra of second order, with straight sides."""
+
 ROOM = 40
 """Rows of the search space beside those that it begins with."""
 
@@ -86,6 +99,12 @@ class EigenSolver:
         self.fresh_below = 0
         self.doubtful = False
         self.davidson_cost, self.krylov_cost = PRIOR_DAVIDSON, PRIOR_KRYLOV
+        self.floor = 0.0
+
+    @property
+    def reach(self) -> float:
+        """The tolerance, or what rounding has been seen to leave of it."""
+        return max(self.tolerance, self.floor)
 
     def restart(self, modes: np.ndarray | None) -> None:
         """Begin a new system with modes (k, n) as guess, or with none."""
@@ -113,6 +132,7 @@ class EigenSolver:
             ReplayProblem: no convergence, or no factor.
         """
         self.pencil.take(stiffness, mass, new_system)
+        self.floor = 0.0 if new_system else self.floor
         self.deflation = Deflation(rigid, self.pencil)
         substitutions, factorizations = self.pencil.substitutions, self.pencil.factorizations
         # A mode that has just come down among the others may be lost again in the next frame.
@@ -133,6 +153,8 @@ class EigenSolver:
 
     def _anew(self, count: int, certain: bool = True) -> tuple[Found, EigenReport]:
         """Krylov-Schur about 0 with a new factor; from nothing no better shift is known."""
+        if count > self._elastic:
+            raise ReplayProblem(f"{count} modes are asked for, and the mesh has {self._elastic} only")
         shift = self._start_shift()
         self.pencil.factor(shift)
         start = self.history[0].sum(axis=0) if self.history and self.method != "direct" else None
@@ -150,10 +172,20 @@ class EigenSolver:
             self.uncounted += 1
         return found, report
 
+    def _rounding(self, found: Found, count: int) -> float:
+        """What rounding leaves of residuals that do not come to meet the tolerance; as before if it is not to blame."""
+        rows, worst = found.modes[:count], float(found.residuals[:count].max())
+        heavy = np.empty_like(rows)
+        self.pencil.apply(self.pencil.mass, rows, heavy)
+        sizes = np.linalg.norm(rows, axis=1) / (np.abs(found.values[:count]) * np.linalg.norm(heavy, axis=1))
+        largest = self.pencil.stiffness.norm(PETSc.NormType.NORM_INFINITY)
+        left = min(MOST_ROUNDING, ROUNDING * largest * float(sizes.max()))
+        return ROUNDING_SLACK * worst if worst <= left else self.floor
+
     @property
     def _elastic(self) -> int:
-        """Eigenvalues that are not of rigid motions."""
-        return self.pencil.size - self.deflation.count
+        """Eigenvalues that are finite, for there is mass, and not of rigid motions."""
+        return self.pencil.massive - self.deflation.count
 
     def _start_shift(self) -> float:
         """A shift a little below 0, where K - s M is positive definite, small beside the eigenvalues looked for.
@@ -187,7 +219,7 @@ class EigenSolver:
         guess = _rayleigh(self.pencil, starts[:1])
         self.pencil.factor(-EPSILON * guess)
         with self.stages("krylov"):
-            found = inverse_iteration(self.pencil, self.deflation, starts, count, self.tolerance)
+            found = inverse_iteration(self.pencil, self.deflation, starts, count, self.reach)
         return found, EigenReport(0, True, 0, "inverse iteration")
 
     # --- from the frames before ---------------------------------------------------------------------------------------
@@ -231,7 +263,7 @@ class EigenSolver:
         if self.space is None or self.space.capacity < capacity or self.space.rows.shape[1] != self.pencil.size:
             self.space = SearchSpace(self.pencil, capacity)
         with self.stages("krylov"):
-            return davidson(self.space, self.deflation, starts, count, SPARE, self.tolerance, limit)
+            return davidson(self.space, self.deflation, starts, count, SPARE, self.reach, limit)
 
     def _price(self) -> float:
         """Substitutions, each with its products, that cost as much as a new factor."""
@@ -257,7 +289,7 @@ class EigenSolver:
         """`found`, with what a count has shown to be missing: free with a new factor, else where one is due."""
         free = self.age == 0 and self.pencil.shift > found.values[:count][-1]
         missing = self._missing(found) if free else 0
-        if free and not missing and apart(found, count, self.pencil.shift, self.tolerance):
+        if free and not missing and apart(found, count, self.pencil.shift, self.reach, self._distances(found)):
             self.uncounted, report.counted = 0, True
             return found
         if missing <= 0 and not certain and self.uncounted < COUNT_EVERY:
@@ -279,9 +311,12 @@ class EigenSolver:
             self.fresh_below = self.pencil.factor(shift)
             self.age, self.excess = 0, 0.0
             missing = self._missing(found)
-            if missing <= 0 and apart(found, count, shift, self.tolerance):
-                self.uncounted, report.counted = 0, missing == 0
-                report.missed = max(report.missed, fallen(first, found, count, self.tolerance))
+            if missing <= 0 and turn == ROUNDS - 1:
+                self.floor = self._rounding(found, count)
+            if missing <= 0 and apart(found, count, shift, self.reach, self._distances(found)):
+                report.counted = missing == 0
+                self.uncounted = 0 if report.counted else self.uncounted
+                report.missed = max(report.missed, fallen(first, found, count, self.reach))
                 return found
             report.missed = max(report.missed, missing)
             found = self._sought(found, count, min(max(0, missing), MOST_SOUGHT), turn)
@@ -290,6 +325,22 @@ class EigenSolver:
             if missing > 0
             else f"modes do not converge (residual {found.residuals[:count].max():.1e})"
         )
+
+    def _distances(self, found: Found) -> np.ndarray:
+        """How far (k,) an eigenvalue is from each value at most: the residual's norm in the inverse of the mass.
+
+        Source: B. N. Parlett, The Symmetric Eigenvalue Problem, chapter 15; A. J. Wathen, IMA J. Numer. Anal. 7
+            (1987) 449, for the bound of the mass by its diagonal.
+        """
+        pencil, rows = self.pencil, found.modes
+        stiff, heavy = np.empty_like(rows), np.empty_like(rows)
+        pencil.apply(pencil.stiffness, rows, stiff)
+        pencil.apply(pencil.mass, rows, heavy)
+        diagonal = pencil.mass.getDiagonal()
+        weights = diagonal.getArray().copy()
+        diagonal.destroy()
+        weights[weights == 0.0] = np.inf
+        return np.sqrt(((stiff - found.values[:, None] * heavy) ** 2 / weights).sum(axis=1) / LEAST_MASS)
 
     def _missing(self, found: Found) -> int:
         """How many more eigenvalues the kept factor has counted below its shift than were found there."""
@@ -301,12 +352,14 @@ class EigenSolver:
         starts = [found.modes]
         if missing:
             rows = np.random.default_rng(7 + turn).uniform(-1.0, 1.0, (missing + SPARE, self.pencil.size))
-            # Smoothed twice, so that next to nothing is left of what supports hold.
-            starts.append(self.pencil.solve(self.pencil.solve(rows)))
+            heavy = np.empty_like(rows)
+            # What supports hold has no mass, so that nothing of it is left.
+            self.pencil.apply(self.pencil.mass, rows, heavy)
+            starts.append(self.pencil.solve(self.pencil.solve(heavy)))
         space = SearchSpace(self.pencil, sum(map(len, starts)) + max(ROOM, 4 * (wanted + SPARE)))
         limit = math.ceil(self.krylov_cost * (wanted + SPARE))
         with self.stages("krylov"):
-            return davidson(space, self.deflation, starts, wanted, SPARE, self.tolerance, limit)
+            return davidson(space, self.deflation, starts, wanted, SPARE, self.reach, limit)
 
 
 def gap(values: np.ndarray, count: int) -> tuple[float, int]:
@@ -324,15 +377,23 @@ def gap(values: np.ndarray, count: int) -> tuple[float, int]:
     return float(values[k - 1] * (0.6 + 0.4 * ratios[k])), k
 
 
-def apart(found: Found, count: int, shift: float, tolerance: float) -> bool:
+def apart(found: Found, count: int, shift: float, tolerance: float, distances: np.ndarray | None = None) -> bool:
     """Tell whether the `count` lowest stay so: none of the others below a shift is still to come down among them.
 
     As many values below a shift as there are eigenvalues say nothing yet of the lowest, where one of them has not
-    converged: it may stand for any. By a residual its eigenvalue is no farther off than that share.
+    converged: it may stand for any.
+
+    Args:
+        found: eigenpairs.
+        count: how many are wanted.
+        shift: below which they have been counted.
+        tolerance: of the residuals of those that have converged.
+        distances: (k,) how far an eigenvalue is from each value at most; default: the share of it that its residual is.
     """
     below = max(count, int(np.sum(found.values < shift)))
     values, residuals = found.values[:below], found.residuals[:below]
-    above = values - residuals * np.abs(values) > values[:count][-1]
+    distances = residuals * np.abs(values) if distances is None else distances[:below]
+    above = values - distances > values[:count][-1]
     return bool(np.all((residuals <= tolerance) | above))
 
 

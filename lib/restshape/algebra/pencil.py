@@ -45,6 +45,14 @@ class Pencil:
         return self.stiffness.getSize()[0]
 
     @property
+    def massive(self) -> int:
+        """Number of unknowns with mass: as many eigenvalues are finite."""
+        diagonal = self.mass.getDiagonal()
+        count = int(np.count_nonzero(diagonal.getArray()))
+        diagonal.destroy()
+        return count
+
+    @property
     def entries(self) -> float:
         """Nonzeros of each matrix."""
         return self.stiffness.getInfo()["nz_used"]
@@ -98,6 +106,13 @@ class Pencil:
         self.substitutions += len(rows)
         for row, solution in zip(rows, out):
             _through(self._kept.solve, row, solution)
+        return out
+
+    def solve_aside(self, rows: np.ndarray) -> np.ndarray:
+        """The same beside the work that is counted, for what decides nothing."""
+        before = self.substitutions
+        out = self.solve(rows)
+        self.substitutions = before
         return out
 
     def solve_vector(self, b: PETSc.Vec, x: PETSc.Vec) -> None:

@@ -11,9 +11,11 @@ from restshape.algebra.linear import LinearReport, LinearSolver
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.analysis.cold_buckling import cold_differences
+from restshape.analysis.correction import correction, largest_values, preconditioner
 from restshape.analysis.counted import Counted
 from restshape.analysis.following import Following
 from restshape.analysis.frame import Frame
+from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.shown import Fields
 from restshape.analysis.static import StaticAnalysis
 from restshape.calibration import Calibration
@@ -52,6 +54,8 @@ class BucklingAnalysis(StaticAnalysis):
 
     Source: docs/theory.md, section 8.
     """
+
+    estimated = "load factors"
 
     def __init__(
         self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
@@ -131,6 +135,49 @@ class BucklingAnalysis(StaticAnalysis):
             error.ravel()[physics.constrained] = 0.0
             worst = max(worst, float(np.linalg.norm(error) / np.linalg.norm(force)))
         return worst
+
+    def estimate(self) -> float:
+        """The largest estimated relative error of the load factors: that of the mesh in their modes, recovery-based.
+
+        What the mesh does to the stress at rest is not in it. Of a prediction its distance from the solution on the
+        same mesh, by a correction of displacement and modes with the kept preconditioner.
+        """
+        if not len(self.load_factors):
+            return float("nan")
+        if self.predicted:
+            return largest_difference(self.load_factors, self._corrected())
+        estimator = self.estimator_of(self.physics)
+        return max(estimator.relative(mode.reshape(-1, 2)) ** 2 for mode in self.modes)
+
+    @property
+    def foretold(self) -> np.ndarray | None:
+        """The predicted load factors, for `prediction_error` after the next solve; None where there are none."""
+        return self.load_factors if self.predicted else None
+
+    def prediction_error(self, foretold: np.ndarray) -> float:
+        """The largest relative difference of predicted load factors (k,) from the solved ones of the same rank."""
+        return largest_difference(foretold, self.load_factors)
+
+    def _corrected(self) -> np.ndarray:
+        """Load factors (k,) that modes and what they lack give together, at the corrected displacement."""
+        physics, rows = self.physics, self.operator.rows
+        params = self.geometric.params(self.x + correction(physics, self.x, self.solver, rows))
+
+        def products(modes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            """K phi and -G phi (k, 2 n) of modes (k, 2 n)."""
+            shapes = [mode.reshape(-1, 2) for mode in modes]
+            stiff = np.stack([self.stiffness_product(phi).ravel() for phi in shapes])
+            loaded = np.stack([-self.sign * self.geometric.product(params, phi).ravel() for phi in shapes])
+            loaded[:, physics.constrained] = 0.0
+            return stiff, loaded
+
+        stiff, loaded = products(self.modes)
+        values = np.einsum("ki,ki->k", self.modes, loaded) / np.einsum("ki,ki->k", self.modes, stiff)
+        lacking = loaded - values[:, None] * stiff
+        basis = np.concatenate([self.modes, list(map(preconditioner(self.solver, rows), lacking))])
+        stiff, loaded = products(basis)
+        found = largest_values(basis @ loaded.T, basis @ stiff.T, len(self.load_factors))
+        return np.sort(1.0 / found[found > 0.0])
 
     def stiffness_product(self, phi: np.ndarray) -> np.ndarray:
         """K phi (n, 2) at free unknowns, without a matrix."""

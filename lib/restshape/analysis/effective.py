@@ -69,7 +69,7 @@ class EffectiveSystem:
         self.inert_y, self.inert_v, self.inert_a = self.of_mass, step.a2 + lag * alpha, step.a5 * alpha
         for operator in (self.operator, self.mass):
             operator.set_topology([body.mesh.cells], body.solid.mask)
-        self.products_current = False
+        self.products_current, self._inertia_of_ones = False, None
 
     def patch(self, changed: np.ndarray) -> None:
         """Take in the cells (k,) that flips have changed."""
@@ -110,7 +110,7 @@ class EffectiveSystem:
         self.mass_matrix.multAdd(self._inert, self.b, self.b)
         self.rhs += self.constant
         if shaking.any():
-            self.rhs -= self.uniform * shaking
+            self.rhs -= self._uniform() * shaking
         self.b.stateIncrease()
 
     def force(self) -> np.ndarray:
@@ -129,12 +129,18 @@ class EffectiveSystem:
             self.stiff += self.stiff_a * state.a
             self.inert += self.inert_a * state.a
 
+    def _uniform(self) -> np.ndarray:
+        """The inertia (n, 2) [kg] of a body that moves as a whole: only shaking ground asks for it."""
+        if self._inertia_of_ones is None:
+            self._inertia_of_ones = self.body.inertia.apply(np.ones_like(self.body.mesh.X))
+            self._inertia_of_ones[self.body.held] = 0.0
+        return self._inertia_of_ones
+
     def _make_products(self) -> None:
         """Assemble what `right_side` multiplies by and adds."""
         body, inertia = self.body, self.body.inertia
         zero = np.zeros_like(body.mesh.X)
         self.mass_matrix = self.mass.assemble([(0, inertia.element, body.mesh.X, zero, inertia.params, 1.0)], None)
-        self.uniform = inertia.apply(np.ones_like(zero))
-        self.uniform[body.held] = 0.0
+        self._inertia_of_ones = None
         self.constant = body.static * self.load
         self.products_current = True

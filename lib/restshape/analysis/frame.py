@@ -20,7 +20,7 @@ class Frame:
         scene: with the values that hold now.
         hand: the gesture, and the place of the hand in its coordinates.
         reseats: second order: what flips did to nodes in the middle of edges of the mesh that was solved on last.
-        settled: the frame moves nothing, so that an edit before it has come to its end.
+        settled: an edit has come to its end in this frame, or before it.
     """
 
     mesh: Mesh | LagrangeSpace

@@ -1,4 +1,4 @@
-"""The lowest eigenfrequencies of a structure that is held."""
+"""The lowest eigenfrequencies of a structure that is held, and how far frequencies are from others."""
 
 import numpy as np
 import scipy.sparse as sp
@@ -48,3 +48,9 @@ def lowest_modes(stiffness: sp.spmatrix, mass: sp.spmatrix, count: int) -> tuple
         pairs.append((np.sqrt(value), phi / np.sqrt(phi @ (mass @ phi))))
     pairs.sort(key=lambda pair: pair[0])
     return np.array([omega for omega, _ in pairs]), np.column_stack([phi for _, phi in pairs])
+
+
+def largest_difference(found: np.ndarray, reference: np.ndarray) -> float:
+    """The largest difference of values (k,) from those of reference (m,) of the same rank, relative."""
+    count = min(len(found), len(reference))
+    return float(np.max(np.abs(found[:count] / reference[:count] - 1.0))) if count else float("nan")

@@ -16,12 +16,10 @@ COLD = 1e-4
 def tangent_solver(analysis: StaticAnalysis | TransientAnalysis, prefix: str, scene: Scene) -> LinearSolver:
     """The solver for the steps of Newton's method, which outlives all frames.
 
-    The tangent is symmetric on every mesh, but for pressures: they follow the boundary, and add a part that is not.
-
     Args:
-        analysis: its policy says what is reused.
+        analysis: its policy says what is reused, its plan whether the tangent is symmetric.
         prefix: of the solver's options in PETSc's database.
-        scene: loads and tolerance.
+        scene: the tolerance.
     """
     return LinearSolver(
         analysis.comm,
@@ -31,7 +29,7 @@ def tangent_solver(analysis: StaticAnalysis | TransientAnalysis, prefix: str, sc
         analysis.calibration,
         analysis.stages,
         memory=scene.solve.factor_memory,
-        symmetric=all(load.pressure is None for load in scene.loads.values()),
+        symmetric=analysis.plan.solver.symmetric,
     )
 
 
@@ -55,6 +53,16 @@ def inversion(physics: PlaneSolid, cells: np.ndarray) -> str:
     x, y = physics.mesh.X[physics.mesh.cells[cells[0]]].mean(axis=0)
     where = f"{len(cells)} triangles turn inside out, one at ({x:.4g}, {y:.4g}) m"
     return f"{where} (St. Venant and Kirchhoff's law softens without bound in compression)"
+
+
+def vanishing(physics: PlaneSolid, x: np.ndarray) -> str:
+    """What is wrong with a displacement x (n, 2) [m] that stretches a sheet until the law leaves it no thickness."""
+    cells = physics.vanished_cells(x)
+    if not len(cells):
+        return ""
+    x0, y0 = physics.mesh.X[physics.mesh.cells[cells[0]]].mean(axis=0)
+    where = f"{len(cells)} triangles are stretched to no thickness, one at ({x0:.4g}, {y0:.4g}) m"
+    return f"{where} (St. Venant and Kirchhoff's law in plane stress holds for small strains)"
 
 
 def rounding_note(left_over: float, tolerance: float) -> dict[str, str]:

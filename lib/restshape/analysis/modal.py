@@ -13,9 +13,11 @@ from restshape.algebra.linear import LinearReport
 from restshape.algebra.operator import Operator
 from restshape.algebra.pencil import Deflation, Pencil
 from restshape.algebra.stages import Stages
+from restshape.analysis.correction import largest_values
 from restshape.analysis.counted import Counted
 from restshape.analysis.following import Following
 from restshape.analysis.frame import Frame
+from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.shown import Fields
 from restshape.application import application
 from restshape.calibration import Calibration
@@ -24,6 +26,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.mesh.transfer import transfer
 from restshape.physics.bodies import oscillator
+from restshape.physics.estimate_modes import ModeEstimate, estimate_of
 from restshape.physics.oscillator import Oscillator
 from restshape.physics.pitch import note
 from restshape.physics.quantities import area
@@ -71,6 +74,8 @@ class ModalAnalysis:
     Source: docs/theory.md, section 7.
     """
 
+    estimated = "frequencies"
+
     def __init__(
         self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
     ) -> None:
@@ -91,6 +96,7 @@ class ModalAnalysis:
         self.failed = self.predicted = False
         self._solved = (self.following.numbers, self.shares)
         self.report = EigenReport(0, False, 0, "")
+        self._estimator: ModeEstimate | None = None
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring frequencies and modes up to date with a frame.
@@ -168,6 +174,7 @@ class ModalAnalysis:
         self._mixed = (turn, x[:, count:])
         self._renumber(numbers)
         self.geometry, self.predicted = -1, True
+        self.report = EigenReport(0, False, self.report.age, self.report.method)
 
     def _renumber(self, order: np.ndarray) -> None:
         """Let modes that have changed places keep their numbers: now k was order[k] at the last solution.
@@ -233,6 +240,48 @@ class ModalAnalysis:
             worst = max(worst, float(error / (abs(self.values[k]) * np.linalg.norm(weight[free]))))
         return worst
 
+    def estimate(self) -> float:
+        """The largest estimated relative error of the frequencies that the scene asks for: that of the mesh.
+
+        Of a prediction its distance from the solution on the same mesh: from the frequencies that the matrices of this
+        shape give in the space of the predicted modes and what these lack, by the kept factor.
+        """
+        if self.predicted:
+            return largest_difference(self.frequencies, self._corrected())
+        if self._estimator is None or self._estimator.body is not self.body:
+            self._estimator = estimate_of(self.body)
+        return float(np.max(0.5 * self._estimator(self.modes[self.chosen]) / self.values[self.chosen]))
+
+    @property
+    def foretold(self) -> np.ndarray | None:
+        """The predicted frequencies, for `prediction_error` after the next solve; None where there are none."""
+        return self.frequencies if self.predicted else None
+
+    def prediction_error(self, foretold: np.ndarray) -> float:
+        """The largest relative difference of predicted frequencies (modes,) from the solved ones."""
+        return largest_difference(foretold, self.frequencies)
+
+    def _corrected(self) -> np.ndarray:
+        """Frequencies (modes,) [Hz] of this shape in the space of the predicted modes and what these lack."""
+        body, modes = self.body, self.modes
+        body.follow(np.empty(0, dtype=np.int32))
+        free = body.mask.ravel() == 0
+
+        def weighed(rows: np.ndarray) -> np.ndarray:
+            """K phi and M phi (2, k, n f) of rows (k, n f), at free unknowns."""
+            products = np.array([self.products(row) for row in rows]).reshape(len(rows), 2, -1)
+            return np.where(free, products, 0.0).swapaxes(0, 1)
+
+        stiff, heavy = weighed(modes)
+        values = np.einsum("ki,ki->k", modes, stiff) / np.einsum("ki,ki->k", modes, heavy)
+        missing = self.solver.pencil.solve_aside(np.ascontiguousarray(values[:, None] * heavy - stiff))
+        # The rigid motions are those of the last solve: what is left of them is of higher order.
+        self.solver.deflation.clean(missing)
+        space = np.concatenate([modes, missing])
+        stiff, heavy = (np.concatenate(pair) for pair in zip((stiff, heavy), weighed(missing)))
+        values = np.sort(1.0 / largest_values(space @ heavy.T, space @ stiff.T, len(modes)))
+        return np.sqrt(np.maximum(values[self.chosen], 0.0)) / (2.0 * np.pi)
+
     def products(self, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """K phi and M phi (n, f) of a mode (n f,), without matrices."""
         body = self.body
@@ -262,6 +311,7 @@ class ModalAnalysis:
                     self.operators, (body.stiffness, body.mass), (body.stiffness_params, body.mass_params)
                 )
             )
+            without_held_mass(mass, self.held)
             rigid = body.rigid()
         certain = frame.settled or self.counted.due(frame.mesh)
         self._find(stiffness, mass, rigid, new_mesh or new_scene, certain)
@@ -292,11 +342,12 @@ class ModalAnalysis:
         old = self.body
         with self.stages("pattern"):
             self.plan = planned(frame.scene, application(frame.scene.app))
-            self.body = body = oscillator(frame.scene, self.plan, frame.mesh, self.policy.solver == "ilu")
+            self.body = body = oscillator(frame.scene, self.plan, frame.mesh, self.policy.lumped_mass)
             offsets = np.array([0, len(body.mesh.X)], dtype=np.int32)
             self.operators = [Operator(PETSc.COMM_SELF, body.fields, offsets, None) for _ in range(2)]
             for operator in self.operators:
                 operator.set_topology([body.mesh.cells], body.mask)
+            self.held = np.flatnonzero(body.mask)
         self.solver.tolerance, self.quantities = frame.scene.solve.tolerance, frame.scene.quantities
         self.count = max(self.count, self.plan.settings("modal").modes)
         carried = np.empty((0, body.mask.size))
@@ -407,15 +458,16 @@ class ModalAnalysis:
 
     def cold_differences(self) -> tuple[float, float]:
         """Largest differences of the matrices' entries and of frequencies from a solve with nothing kept; relative."""
-        body = oscillator(self.scene, self.plan, self.mesh, self.policy.solver == "ilu")
+        body = oscillator(self.scene, self.plan, self.mesh, self.policy.lumped_mass)
         offsets, rest = np.array([0, len(body.mesh.X)], dtype=np.int32), np.zeros(body.mask.shape)
-        entries, cold = 0.0, []
-        parts = ((body.stiffness, body.stiffness_params), (body.mass, body.mass_params))
-        for hot, (element, params) in zip(self.matrices(), parts):
+        cold = []
+        for element, params in ((body.stiffness, body.stiffness_params), (body.mass, body.mass_params)):
             operator = Operator(PETSc.COMM_SELF, body.fields, offsets, "coo")
             operator.set_topology([body.mesh.cells], body.mask)
             cold.append(operator.assemble([(0, element, body.mesh.X, rest, params, 1.0)], None).copy())
-            entries = max(entries, relative_difference(hot, whole_matrix(cold[-1], PETSc.COMM_SELF)))
+        without_held_mass(cold[1], np.flatnonzero(body.mask))
+        pairs = [(hot, whole_matrix(mat, PETSc.COMM_SELF)) for hot, mat in zip(self.matrices(), cold)]
+        entries = max(relative_difference(*pair) for pair in pairs)
         pencil = Pencil(self.stages)
         pencil.take(*cold, True)
         pencil.factor(-1e-2 * float(self.values[0]))
@@ -428,6 +480,15 @@ def cluster_end(values: np.ndarray, k: int) -> int:
     """How many of values (m,), ascending, there are up to the last one of the cluster of the k-th, from 0."""
     gaps = np.flatnonzero(np.diff(values[k:]) > CLUSTER * np.abs(values[k + 1 :]))
     return k + 1 + int(gaps[0]) if len(gaps) else len(values)
+
+
+def without_held_mass(mass: PETSc.Mat, held: np.ndarray) -> None:
+    """Take the mass of held unknowns (k,) out of a matrix: alone on their rows, they would be modes of their own."""
+    if len(held):
+        diagonal = mass.getDiagonal()
+        diagonal.getArray()[held] = 0.0
+        mass.setDiagonal(diagonal)
+        diagonal.destroy()
 
 
 def relative_difference(a: sp.csr_matrix, b: sp.csr_matrix) -> float:

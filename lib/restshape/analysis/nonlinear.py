@@ -13,7 +13,16 @@ from restshape.analysis.buckling import BucklingAnalysis
 from restshape.analysis.equilibrium import Equilibrium
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import CurvedGuess
-from restshape.analysis.large import COLD, free, inversion, least_scale, rounding, rounding_note, tangent_solver
+from restshape.analysis.large import (
+    COLD,
+    free,
+    inversion,
+    least_scale,
+    rounding,
+    rounding_note,
+    tangent_solver,
+    vanishing,
+)
 from restshape.analysis.load_stepping import LoadPath, step_load
 from restshape.analysis.static import SCALE_SLACK, StaticAnalysis
 from restshape.calibration import Calibration
@@ -36,7 +45,7 @@ def static_analysis(
 ) -> StaticAnalysis:
     """The analysis of a solid at rest that its plan calls for; arguments as in `StaticAnalysis`."""
     made = StaticAnalysis
-    if plan.on("large_deformation"):
+    if plan.solver.equations == "nonlinear":
         made = NonlinearStatic
     elif plan.on("buckling"):
         made = BucklingAnalysis
@@ -202,7 +211,7 @@ class NonlinearStatic(StaticAnalysis):
 
     def _objection(self, x: np.ndarray, stable: bool) -> str:
         """What speaks against the equilibrium x (n, 2) that Newton's method has found."""
-        problem = inversion(self.physics, self.equations.inverted_cells(x))
+        problem = inversion(self.physics, self.equations.inverted_cells(x)) or vanishing(self.physics, x)
         if problem or stable:
             return problem
         self.tested = True

@@ -9,7 +9,16 @@ from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
 from restshape.analysis.effective import State
 from restshape.analysis.frame import Frame
-from restshape.analysis.large import COLD, free, inversion, least_scale, rounding, rounding_note, tangent_solver
+from restshape.analysis.large import (
+    COLD,
+    free,
+    inversion,
+    least_scale,
+    rounding,
+    rounding_note,
+    tangent_solver,
+    vanishing,
+)
 from restshape.analysis.newmark import MotionSystem
 from restshape.analysis.transient import TransientAnalysis
 from restshape.calibration import Calibration
@@ -27,7 +36,7 @@ def transient_analysis(
     scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
 ) -> TransientAnalysis:
     """The analysis of a solid that moves that its plan calls for; arguments as in `TransientAnalysis`."""
-    made = NonlinearTransient if plan.on("large_deformation") else TransientAnalysis
+    made = NonlinearTransient if plan.solver.equations == "nonlinear" else TransientAnalysis
     return made(scene, plan, comm, policy, calibration, stages)
 
 
@@ -131,10 +140,10 @@ class NonlinearTransient(TransientAnalysis):
         self.scale = max(equations.load_norm, equations.force_norm, least_scale(solid, x, tolerance))
         goal, rounded = self.solver.aim * self.scale, rounding(solid)
         outcome = newton.solve(x, goal, self.scale, rounding=rounded)
-        if not outcome.converged or len(equations.inverted_cells(x)):
+        if not outcome.converged or len(equations.inverted_cells(x)) or vanishing(solid, x):
             x = equations.before.copy()
             outcome = newton.solve(x, goal, self.scale, searched=True, rounding=rounded).after(outcome)
-            why = inversion(solid, equations.inverted_cells(x)) or outcome.why
+            why = inversion(solid, equations.inverted_cells(x)) or vanishing(solid, x) or outcome.why
             if why:
                 raise ReplayProblem(
                     f"no state is found at {time:.6g} s: {why}; make effects.dynamics.time_step smaller, or the load"

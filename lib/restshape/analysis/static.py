@@ -8,6 +8,8 @@ from restshape.algebra.gather import System, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearReport, LinearSolver, true_residual
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
+from restshape.analysis.correction import correction
+from restshape.analysis.estimated import Estimated
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
 from restshape.analysis.shown import DisplacedSolid
@@ -30,7 +32,7 @@ ROUND_OFF = 1e-13
 """A residual below this share of the right side is rounding, as where supports only carry the body somewhere else."""
 
 
-class StaticAnalysis(DisplacedSolid):
+class StaticAnalysis(Estimated, DisplacedSolid):
     """The equilibrium of a linear elastic solid, frame after frame.
 
     What is stale is read from the versions of mesh topology, node places and scene; nobody tells the analysis.
@@ -75,6 +77,7 @@ class StaticAnalysis(DisplacedSolid):
             self.stages,
             memory=solve.factor_memory,
             directions=policy.directions,
+            symmetric=self.plan.solver.symmetric,
         )
 
     def solve(self, frame: Frame) -> LinearReport:
@@ -152,6 +155,26 @@ class StaticAnalysis(DisplacedSolid):
         scale = physics.internal_force(self.x) if physics.displaced else unbalanced(physics, physics.prescribed)
         error = unbalanced(physics, self.x)
         return error / scale if scale > 0 else error
+
+    def estimate(self) -> float:
+        """The estimated relative error of the displacement, in the energy norm: that of the mesh, recovery-based.
+
+        Of a prediction its distance from the solution on the same mesh, by a correction with the kept preconditioner.
+        """
+        estimator = self.estimator_of(self.physics)
+        if not self.accepted:
+            return estimator.relative(self.x)
+        missing = correction(self.physics, self.x, self.solver, self.operator.rows)
+        return estimator.distance(self.x, self.x + missing)
+
+    @property
+    def foretold(self) -> np.ndarray | None:
+        """The prediction that is shown, for `prediction_error` after the next solve; None where there is none."""
+        return self.x if self.accepted else None
+
+    def prediction_error(self, foretold: np.ndarray) -> float:
+        """The distance of a prediction on this mesh from the solution, relative, in the norm of `estimate`."""
+        return self.estimator_of(self.physics).distance(foretold, self.x)
 
     def _bind(self, frame: Frame, new_mesh: bool) -> None:
         """Set up what depends on the mesh topology or on the scene's values."""

@@ -11,10 +11,13 @@ from restshape.algebra.gather import System, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearReport, LinearSolver, true_residual
 from restshape.algebra.stages import Stages
 from restshape.analysis.carry import project_velocity
+from restshape.analysis.correction import preconditioner
 from restshape.analysis.effective import EffectiveSystem, State
+from restshape.analysis.estimated import Estimated
 from restshape.analysis.frame import Frame
 from restshape.analysis.increments import IncrementProjection
 from restshape.analysis.shown import DisplacedSolid
+from restshape.analysis.time_error import local_error
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
@@ -32,7 +35,7 @@ from restshape.scene.plan import plan as planned
 NO_SHAKING = np.zeros(2)
 
 
-class TransientAnalysis(DisplacedSolid):
+class TransientAnalysis(Estimated, DisplacedSolid):
     """The motion of a linear elastic solid relative to the ground, frame after frame.
 
     A frame takes the time steps that ``[effects.dynamics]`` asks for, on one matrix; the first frame takes none. When
@@ -63,6 +66,8 @@ class TransientAnalysis(DisplacedSolid):
         self.state = self.previous = State(np.zeros((0, 2)), np.zeros((0, 2)), None, 0.0)
         self.motion = Motion(self.state.v)
         self.energy_before = 0.0
+        # The largest displacement that errors of time steps have been related to.
+        self.farthest = 0.0
         self.unsolved, self.exact, self.failed = True, False, False
         self.observed: dict[str, float] | None = None
         self.calibration = calibration
@@ -78,6 +83,7 @@ class TransientAnalysis(DisplacedSolid):
             self.calibration,
             self.stages,
             memory=scene.solve.factor_memory,
+            symmetric=self.plan.solver.symmetric,
         )
 
     def solve(self, frame: Frame) -> LinearReport:
@@ -144,6 +150,21 @@ class TransientAnalysis(DisplacedSolid):
     def residual(self) -> float:
         """The true residual of the last step's solve, relative to its right side."""
         return true_residual(self.system_now.mat, self.system_now.b, self.system_now.solution)
+
+    def estimate(self) -> float:
+        """The estimated relative error of the mesh in the displacement after the last step, in the energy norm."""
+        return self.estimator_of(self.body.solid).relative(self.x)
+
+    def estimate_time(self) -> float:
+        """The estimated error of the last step alone over the largest displacement seen so far; NaN before any step."""
+        before, now = self.previous, self.state
+        if not before.time < now.time or before.y.shape != now.y.shape:
+            return float("nan")
+        shaken = self._shaking(before.time), self._shaking(now.time)
+        kept = preconditioner(self.solver, self.system_now.rows)
+        error = local_error(self.body, self.newmark, (before, now), shaken, kept)
+        self.farthest = max(self.farthest, float(np.linalg.norm(self.x, axis=1).max()))
+        return float(np.linalg.norm(error, axis=1).max()) / self.farthest if self.farthest else float("nan")
 
     # --- a new frame ----------------------------------------------------------------------------------------------
 

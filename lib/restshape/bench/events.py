@@ -1,5 +1,7 @@
 """How often PETSc did what: counts of its logged events."""
 
+from collections.abc import Sequence
+
 from petsc4py import PETSc
 
 NAMES = (
@@ -19,12 +21,16 @@ NAMES = (
 
 
 class EventCounts:
-    """Counts over all log stages that exist when this is made; PETSc's log must have begun."""
+    """Counts over all log stages that exist when this is made; PETSc's log must have begun.
 
-    def __init__(self) -> None:
-        self._events = {name: PETSc.Log.Event(name) for name in NAMES}
+    Args:
+        names: of events.
+    """
+
+    def __init__(self, names: Sequence[str] = NAMES) -> None:
+        self._events = {name: PETSc.Log.Event(name) for name in names}
         self._stages = range(PETSc.Log.Stage("restshape bench").id + 1)
-        self._last = dict.fromkeys(NAMES, 0)
+        self._last = dict.fromkeys(names, 0)
 
     def since_last(self) -> dict[str, int]:
         """Counts by event since the last call, or since the log began."""
@@ -33,4 +39,4 @@ class EventCounts:
             for name, event in self._events.items()
         }
         before, self._last = self._last, now
-        return {name: now[name] - before[name] for name in NAMES}
+        return {name: now[name] - before[name] for name in now}

@@ -15,6 +15,9 @@ from restshape.errors import UserError
 
 Row = dict[str, Any]
 
+STOPPED = "stopped"
+"""Begins what is said of a process that has used up its time."""
+
 
 @dataclass(frozen=True)
 class Job:
@@ -31,7 +34,9 @@ class Job:
         enough: stop after so many frames of a level, by level.
         regret: measure the regret of the schedule of refreshes, in place of the frames' times.
         predict: "none" or "linear", as after --predict.
-        measure: "prediction", "derivative" or "starts": what is measured in place of the frames' times.
+        measure: "prediction", "derivative" or "starts", or a module's full name: what is measured in place of the
+            frames' times.
+        details: what that module is told besides.
     """
 
     scene: str
@@ -45,6 +50,7 @@ class Job:
     regret: bool = False
     predict: str = "none"
     measure: str = ""
+    details: dict[str, Any] = field(default_factory=dict)
 
     def dumps(self) -> str:
         """The job as JSON."""
@@ -100,7 +106,7 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
             _, stderr = process.communicate(job.dumps(), timeout=seconds)
             problem = ending(process.returncode, stderr)
         except subprocess.TimeoutExpired:
-            problem = f"stopped after {seconds:.0f} s"
+            problem = f"{STOPPED} after {seconds:.0f} s"
         finally:
             if process.poll() is None:
                 process.kill()

@@ -70,8 +70,9 @@ def regret(job: Job, tell: Any) -> None:
 
 
 def measured(job: Job, tell: Any) -> None:
-    """Tell what a module of this package measures."""
-    tell("found", import_module(f"restshape.bench.{job.measure}").measure(request(job)))
+    """Tell what a module measures, one of this package where its name is not a full one."""
+    name = job.measure if "." in job.measure else f"restshape.bench.{job.measure}"
+    tell("found", import_module(name).measure(request(job), **job.details))
 
 
 def main() -> int:

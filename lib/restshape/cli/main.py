@@ -9,7 +9,22 @@ from restshape import __version__
 from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
 
-COMMANDS = ("new", "script", "check", "list", "schema", "info", "replay", "report", "validate", "bench", "tables")
+COMMANDS = (
+    "new",
+    "script",
+    "check",
+    "list",
+    "schema",
+    "info",
+    "replay",
+    "report",
+    "explain",
+    "validate",
+    "stability",
+    "accuracy",
+    "bench",
+    "tables",
+)
 LAST_WORD = 2.0
 """Seconds that the first rank has for its message."""
 EXIT_CODES = "exit codes: 0 success, 1 a check failed, 2 bad input, 130 interrupted"
@@ -39,7 +54,7 @@ def main(argv: list[str] | None = None) -> int:
     words = words[: words.index("--")] if "--" in words else words
     named = tuple(word for word in words[:1] if word in COMMANDS)
     args = parser_for(named or COMMANDS).parse_args(words)
-    args.petsc = petsc
+    args.petsc, args.words = petsc, words
     try:
         return args.run(args)
     except UserError as error:

@@ -4,6 +4,7 @@ import argparse
 import signal
 import sys
 import traceback
+from math import log2
 from pathlib import Path
 from typing import Any
 
@@ -171,6 +172,8 @@ def print_summary(summary: dict[str, Any]) -> None:
     if summary["predicted"]:
         ms = summary["predicted_ms"]["p50"]
         print(f"{summary['predicted']} frames predicted, {ms:.3f} ms each (p50), {1e3 / ms:,.0f} frames a second")
+    for line in estimates(summary):
+        print(line)
     heads = ("quantity", "first", "last", "least", "largest")
     values = [(name, *_ends(v)) for name, v in summary["quantities"].items()]
     print_table("quantities (SI units)", heads, values, right=heads[1:])
@@ -183,6 +186,32 @@ def print_summary(summary: dict[str, Any]) -> None:
             f"parity with cold solves: {'holds' if parity['holds'] else 'FAILS'}; entries differ by at most "
             f"{parity['entries']:.1e} relative, solutions by {parity['solution']:.1e} in the energy norm"
         )
+
+
+def estimates(summary: dict[str, Any]) -> list[str]:
+    """What a summary tells of errors, a line each: of mesh, time steps and predictions."""
+    mesh, step = summary["estimate"], summary["estimate_time"]
+    ahead, jump = summary["predicted_estimate"], summary["prediction_error"]
+    lines = []
+    if mesh["p50"] is not None:
+        lines.append(f"error estimate ({mesh['of']}): {_spread(mesh)}")
+    if step["p50"] is not None:
+        lines.append(f"error estimate of single time steps (over the largest displacement): {_spread(step)}")
+    if ahead["p50"] is not None:
+        lines.append(f"predicted frames, estimated distance from the solution: {_spread(ahead)}")
+    if jump["p50"] is not None:
+        most = jump["max"]
+        cents = f" ({1200 * log2(1 + most):.3g} cents)" if mesh["of"] == "frequencies" else ""
+        lines.append(f"predicted against solved, where a solve followed: at most {_percent(most)}{cents}")
+    return lines
+
+
+def _spread(found: dict[str, float]) -> str:
+    return f"median {_percent(found['p50'])}, largest {_percent(found['max'])}"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"
 
 
 def _ends(values: list[float | None]) -> list[str]:

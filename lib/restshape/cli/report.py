@@ -52,15 +52,20 @@ def run(args: argparse.Namespace) -> int:
 
 def _tables(recording: Any) -> dict[str, Any]:
     """Prints the tables and gives them back for programs."""
-    from restshape.report.tables import level_table, quantity_table, refused
+    from restshape.report.tables import estimate_table, level_table, quantity_table, refused
 
-    levels, quantities = level_table(recording), quantity_table(recording)
+    levels, quantities, errors = level_table(recording), quantity_table(recording), estimate_table(recording)
     stopped = int(refused(recording).sum())
     print(f"{recording.path}: {recording.summary}, {stopped} refused\n")
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations")
     keys = ("level", "frames", "p50", "p95", "p99", "iterations")
     rows = [[_short(row[key]) for key in keys] for row in levels if row["frames"] or row["level"] in "123"]
     print_table("time a level (without the first frame)", heads, rows, right=heads[1:])
+    if errors:
+        print()
+        heads = ("relative error", "frames", "median", "largest")
+        cells = [[row["error"], row["frames"], f"{row['p50']:.2g}", f"{row['max']:.2g}"] for row in errors]
+        print_table("error beside the answers", heads, cells, right=heads[1:])
     if quantities:
         print()
         heads = ("quantity", "first", "last", "min", "max")
@@ -71,6 +76,7 @@ def _tables(recording: Any) -> dict[str, Any]:
         "status": recording.status,
         "levels": levels,
         "quantities": quantities,
+        "estimates": errors,
         "writer": recording.writer,
     }
 

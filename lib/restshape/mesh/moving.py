@@ -12,7 +12,7 @@ from restshape import _kernels
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.generate import generate
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.quality import thresholds
+from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.relocate import Boundary, Extension, extension, motion
 from restshape.mesh.space import LagrangeSpace
@@ -30,6 +30,9 @@ ROUNDS = 2
 FRESH_SHARE = 0.75
 """A mesh counts as distorted only below this share of its quality when new: else an awkward shape would be meshed anew
 in every frame."""
+
+FRESH_AREA = 0.01
+"""A triangle counts as inverted only below this share of the smallest area when new: sizes may differ by much."""
 
 NO_CELLS = np.empty(0, dtype=np.int32)
 # Versions after flips count downwards, so that they never meet those of generated meshes.
@@ -369,10 +372,12 @@ class MovingMesh:
             mesh = self._broadcast(lambda: generate(frame.outline, self.spec, self.ranks))
         criterion = self._chosen_criterion or self.spec.criterion
         quality_floor, area_floor = thresholds(criterion, self.spec.min_quality, mesh.X, mesh.edge_nodes)
-        quality, inverted, _ = _kernels.check_cells(mesh.X, mesh.cells, area_floor, 0.0)
+        quality, inverted, _ = _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)
         if inverted or not len(mesh.cells):
             raise ReplayProblem(f"no valid mesh of the shape: {inverted} of {len(mesh.cells)} triangles have no area")
         self._adopt(mesh)
+        if area_floor:
+            area_floor = min(area_floor, FRESH_AREA * areas(mesh.X, mesh.cells).min())
         self._area_floor, self._quality_floor = area_floor, min(quality_floor, FRESH_SHARE * quality)
         self._flip_floor = 1.0 if self._flip_everywhere else self._quality_floor
         self._set_reference(self._c)

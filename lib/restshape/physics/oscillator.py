@@ -146,7 +146,7 @@ class PlaneOscillator(Oscillator):
     def __init__(self, scene: Scene, plane: Mesh | LagrangeSpace, stress: bool = True, lumped: bool = False) -> None:
         super().__init__(scene, plane)
         shape = {3: "tri3", 6: "tri6"}[plane.cells.shape[1]]
-        self.mesh = plane
+        self.mesh, self.stress = plane, stress
         self.stiffness = _kernels.Element(f"{law(self.materials)}_{shape}")
         self.mass = _kernels.Element(f"lumped_mass_{shape}" if lumped else f"mass_{shape}")
         thickness = [plain_thickness(m) for m in self.materials]

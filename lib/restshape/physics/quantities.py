@@ -1,6 +1,7 @@
 """Quantities of interest: numbers that a scene asks for, taken from a solid's displacement."""
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 
@@ -72,7 +73,6 @@ class Observer:
 
     def __init__(self, physics: PlaneSolid, quantities: dict[str, Quantity]) -> None:
         self.physics, self.mesh = physics, physics.mesh
-        self.recovery = NodalStress(self.mesh)
         self.functions = {name: self._function(name, quantity) for name, quantity in quantities.items()}
         self._nodal: np.ndarray | None = None
         self._cells: dict[str, tuple[int, np.ndarray]] = {}
@@ -81,6 +81,11 @@ class Observer:
         """All quantities at the displacement x (n, 2) [m]."""
         self._nodal = None
         return {name: float(function(x)) for name, function in self.functions.items()}
+
+    @cached_property
+    def recovery(self) -> NodalStress:
+        """What recovers stresses at nodes, made where a quantity is one."""
+        return NodalStress(self.mesh)
 
     def nodal_stress(self, x: np.ndarray) -> np.ndarray:
         """Recovered stresses [Pa] at the nodes, in the rows of `recovery`, computed once a frame."""

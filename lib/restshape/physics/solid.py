@@ -15,6 +15,9 @@ from restshape.scene.plan import Plan
 SHAPES = {3: ("tri3", "edge2"), 6: ("tri6", "edge3")}
 """Shapes of cells and facets, by the nodes of a cell."""
 
+REFERENCE_NODES = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0, 0.5], [0.5, 0]], dtype=float)
+"""Reference coordinates of a triangle's corners and the middles of its sides."""
+
 # Places along a facet, 0 to 1, where a load is taken: its ends, or with three nodes Gauss's two points, for the line
 # through the values there has the load's resultants up to a smaller error.
 GAUSS = np.array([0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)])
@@ -189,6 +192,15 @@ class PlaneSolid:
                 ratio = 0.5 * self.stiffness_params[..., 0] / self.stiffness_params[..., 1]
                 out /= thickness_stretch(self.mesh.X, x, self.mesh.cells, ratio, points)[..., None]
         return out
+
+    def vanished_cells(self, x: np.ndarray) -> np.ndarray:
+        """Cells (k,) of a sheet of large deformation that x (n, 2) [m] stretches until the law leaves no thickness."""
+        if self.model != "plane_stress" or self.law != "stvk":
+            return np.empty(0, dtype=np.int32)
+        ratio = 0.5 * self.stiffness_params[..., 0] / self.stiffness_params[..., 1]
+        corners = REFERENCE_NODES[: self.mesh.cells.shape[1]]
+        stretch = thickness_stretch(self.mesh.X, x, self.mesh.cells, ratio, corners)
+        return np.flatnonzero(~(stretch > 0.0).all(axis=1)).astype(np.int32)
 
     # --- parts ---------------------------------------------------------------------------------------------------
 

@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 
 STAGES = ("edit", "relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe", "record")
+ESTIMATES = ("estimate", "estimate_time", "prediction_error")
+"""What is estimated, or measured, of a frame's error."""
 
 
 def columns(quantities: list[str], own: dict[str, Any] | None = None) -> dict[str, Any]:
@@ -16,7 +18,7 @@ def columns(quantities: list[str], own: dict[str, Any] | None = None) -> dict[st
     """
     integers = ("index", "line", "level", "flips", "age", "refreshed", "iterations", "newton", "unknowns", "elements")
     integers += ("predicted",)
-    reals = ("t", "min_quality", "residual", "ms", *(f"ms_{name}" for name in STAGES), "ms_python")
+    reals = ("t", "min_quality", "residual", *ESTIMATES, "ms", *(f"ms_{name}" for name in STAGES), "ms_python")
     return {
         **dict.fromkeys(integers, np.int64),
         **dict.fromkeys(reals, np.float64),

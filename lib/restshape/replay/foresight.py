@@ -65,6 +65,11 @@ class Foresight:
         c, start = self._c, self.made.c
         return float(np.hypot(c[0] - start[0], c[1] - start[1]))
 
+    @property
+    def foretold(self) -> Any:
+        """The prediction that the analysis holds, for `prediction_error` after the next solve; None: there is none."""
+        return self.analysis.foretold
+
     def show(self, edit: EditFrame, advance: Advance) -> bool:
         """Tell whether a frame is shown without a solve; the analysis then holds its predicted displacement."""
         made = self.made

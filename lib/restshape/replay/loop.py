@@ -19,6 +19,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import Advance, MovingMesh
 from restshape.physics.quantities import areas
 from restshape.policy import Policy
+from restshape.replay.columns import ESTIMATES
 from restshape.replay.foresight import Foresight
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
@@ -86,6 +87,7 @@ class Replay:
         self.recorded_topology: tuple[int, int] | None = None
         self.solved = False
         self.known = False
+        self.foretold: Any = None
         self.limits = limits_of(scene.quantities)
         self.row: dict[str, Any] = {}
 
@@ -119,6 +121,7 @@ class Replay:
         """Compute one frame; one with a problem is recorded as refused, and all goes on from the last solution."""
         refused, predicted = edit.refused or "", False
         solved, self.solved = self.solved, False
+        self.foretold = None
         try:
             advance = self.moving.advance(edit)
             predicted = self.foresight is not None and self.foresight.show(edit, advance)
@@ -185,13 +188,16 @@ class Replay:
         changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
         if self.foresight:
             self.foresight.start(edit)
-        settled = edit.change == "none"
-        report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand, reseats, settled))
+        # On a new mesh, or one whose middle nodes have gone elsewhere, nothing is left to compare with.
+        stays = advance.level < 3 and not reseats
+        self.foretold = self.foresight.foretold if self.foresight and stays else None
+        report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand, reseats, edit.settled))
         self.solved = self.known = True
         if mesh.reseats:
             mesh.reseats = ()
         if self.foresight:
-            idle = edit.change == "none" and not self.foresight.shown
+            found = report.iterations or report.refreshed
+            idle = edit.change == "none" and not (self.foresight.shown or found)
             self.foresight.anchor(edit, idle)
         return report
 
@@ -209,8 +215,9 @@ class Replay:
         row["ms_python"] = row["ms"] - sum(seconds[name] for name in NATIVE) * 1e3
 
     def _record(self, edit: EditFrame, row: dict[str, Any], end: float) -> None:
-        """Hand the frame to the recorder; the true residual is measured here, off the frame's time."""
+        """Hand the frame to the recorder; residual and error are measured here, off the frame's time."""
         row["residual"] = self.analysis.residual() if self.known else np.nan
+        row.update(self._estimates(row))
         mesh = self.analysis.mesh if self.known else self.moving.field_mesh
         if self.recorder:
             version = (id(mesh), mesh.topology)
@@ -223,6 +230,18 @@ class Replay:
         row["ms_record"] = (perf_counter() - end) * 1e3
         if row["level"] > 1 or edit.change not in ("none", "move"):
             bury(self.comm)
+
+    def _estimates(self, row: dict[str, Any]) -> dict[str, float]:
+        """What is known of the error of the frame's answer; not numbers where it has none of its own."""
+        found = dict.fromkeys(ESTIMATES, np.nan)
+        if not self.known or row["refused"]:
+            return found
+        found["estimate"] = self.analysis.estimate()
+        if hasattr(self.analysis, "estimate_time"):
+            found["estimate_time"] = self.analysis.estimate_time()
+        if self.foretold is not None:
+            found["prediction_error"] = self.analysis.prediction_error(self.foretold)
+        return found
 
     def _imported(self, scene: Scene) -> tuple[Mesh | None, Outline | None]:
         """The mesh that the scene imports, if it does, and the outline of its boundary."""

@@ -64,7 +64,7 @@ def run_replay(
             if comm.size > 1 or not rows:
                 raise
             interrupted = True
-    summary = summarise(rows, request.policy.name, comm.size) | {"interrupted": interrupted}
+    summary = summarise(rows, request.policy.name, comm.size, replay.analysis.estimated) | {"interrupted": interrupted}
     if check:
         summary["parity"] = check.summary()
     return summary

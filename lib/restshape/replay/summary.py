@@ -20,8 +20,22 @@ def known(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
-def summarise(rows: list[dict[str, Any]], policy: str, ranks: int) -> dict[str, Any]:
-    """Counts, times and quantities of a replay from its rows; times leave out the first frame, made from nothing."""
+def spread(rows: list[dict[str, Any]], column: str, predicted: bool) -> dict[str, float | None]:
+    """Median and largest number in a column of the frames that were predicted, or not; None where there is none."""
+    values = [row.get(column, np.nan) for row in rows if bool(row["predicted"]) == predicted]
+    values = [value for value in values if np.isfinite(value)]
+    return {"p50": float(np.median(values)), "max": max(values)} if values else {"p50": None, "max": None}
+
+
+def summarise(rows: list[dict[str, Any]], policy: str, ranks: int, estimated: str = "") -> dict[str, Any]:
+    """Counts, times and quantities of a replay from its rows; times leave out the first frame, made from nothing.
+
+    Args:
+        rows: of all frames.
+        policy: its name.
+        ranks: how many.
+        estimated: what the error estimates are of.
+    """
     later = rows[1:]
     times = np.array([row["ms"] for row in later])
     level = np.array([row["level"] for row in later], dtype=int)
@@ -55,6 +69,10 @@ def summarise(rows: list[dict[str, Any]], policy: str, ranks: int) -> dict[str, 
         "unknowns": rows[-1]["unknowns"] if rows else 0,
         "elements": rows[-1]["elements"] if rows else 0,
         "verdict": counted(rows),
+        "estimate": {**spread(rows, "estimate", False), "of": estimated},
+        "estimate_time": spread(rows, "estimate_time", False),
+        "predicted_estimate": spread(rows, "estimate", True),
+        "prediction_error": spread(rows, "prediction_error", False),
         "quantities": {
             key[2:]: [known(row[key]) for row in rows] for key in (rows[0] if rows else {}) if key.startswith("q_")
         },

@@ -56,6 +56,25 @@ def level_table(recording: Recording) -> list[dict[str, Any]]:
     return rows
 
 
+def estimate_table(recording: Recording) -> list[dict[str, Any]]:
+    """A row a kind of error that the recording tells: error, frames, p50, max; without frames that lack it."""
+    ahead = predicted(recording)
+    kinds = (
+        ("estimate, of the mesh", "estimate", ~ahead),
+        ("estimate, of a time step", "estimate_time", ~ahead),
+        ("estimate, of predicted frames", "estimate", ahead),
+        ("predicted against solved", "prediction_error", ~ahead),
+    )
+    rows = []
+    for kind, name, chosen in kinds:
+        values = column(recording, name)[chosen]
+        values = values[np.isfinite(values)]
+        if len(values):
+            spread = {"p50": float(np.median(values)), "max": float(values.max())}
+            rows.append({"error": kind, "frames": len(values), **spread})
+    return rows
+
+
 def quantity_table(recording: Recording) -> list[dict[str, Any]]:
     """A row a quantity of interest: quantity, first, last, min, max, unit; None where there is no number."""
     units = quantity_units(recording.header)

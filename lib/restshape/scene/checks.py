@@ -1,6 +1,7 @@
 """What models alone cannot check in a scene: names that refer to each other, coverage, sense."""
 
 from collections.abc import Iterable
+from typing import Any
 
 from restshape.application import Application
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
@@ -162,11 +163,24 @@ def _check_formulas(scene: Scene, source: Source) -> None:
     for name, load in scene.loads.items():
         value = getattr(load, load.kind)
         places += [(("loads", name, load.kind), v) for v in (value if isinstance(value, tuple) else (value,))]
-    for place, value in places:
+    for place, value in [*places, *_closed_forms(scene, source)]:
         unknown = value.unknown(scene.parameters) if isinstance(value, Expression) else None
         if unknown:
             what, _, do = unknown.rpartition(": ")
             raise source.error(place, what, do)
+
+
+def _closed_forms(scene: Scene, source: Source) -> list[tuple[tuple[str, ...], Any]]:
+    """Places and values of closed forms of quantities.
+
+    Raises:
+        UserError: one of them is a formula of places.
+    """
+    found = [(("quantities", name, "exact"), quantity.exact) for name, quantity in scene.quantities.items()]
+    for place, value in found:
+        if isinstance(value, Expression) and value.names.intersection(COORDINATES):
+            raise source.error(place, "a closed form is one number: it cannot name x or y", "use [parameters] only")
+    return found
 
 
 def _check_mesh(scene: Scene, application: Application, source: Source) -> None:

@@ -67,6 +67,15 @@ def revise(scene: Scene, key: str, value: Any) -> Scene:
     return revised.model_copy(update=shared)
 
 
+def remade(scene: Scene, raw: dict[str, Any]) -> Scene:
+    """The scene of other plain tables in place of its own, validated anew.
+
+    Raises:
+        UserError: they make no scene.
+    """
+    return _scene(raw, scene._source)
+
+
 def _branched(raw: dict[str, Any], key: tuple[str, ...]) -> dict[str, Any]:
     """A copy of plain tables that shares with them all that does not lie on the way to the key."""
     top: dict[str, Any] = dict(raw)

@@ -20,7 +20,7 @@ from restshape.errors import UserError
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.materials import NAMES, named
 from restshape.scene.source import Source, split_key
-from restshape.scene.units import UnitError, quantity
+from restshape.scene.units import UnitError, quantity, reads_as_quantity
 from restshape.scene.values import Entities, Length, Name, Point, Strict, number_of, value_of
 
 FORMAT = "restshape-scene"
@@ -349,6 +349,13 @@ class Goal(Strict):
         return self
 
 
+def _read_exact(raw: Any, info: ValidationInfo) -> Value:
+    """The value of a quantity by a closed form, a formula or a number in the unit of its kind."""
+    if isinstance(raw, Expression) or (isinstance(raw, str) and not reads_as_quantity(raw)):
+        return raw if isinstance(raw, Expression) else Expression(raw)
+    return _read_limit(raw, info)
+
+
 def _read_limit(raw: Any, info: ValidationInfo) -> float:
     """The largest or smallest value of a quantity that holds, in the unit of its kind."""
     kind = next((kind for kind in LIMIT_DIMENSIONS if info.data.get(kind) is not None), None)
@@ -356,6 +363,7 @@ def _read_limit(raw: Any, info: ValidationInfo) -> float:
 
 
 LIMIT_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string"}], "description": "in SI units, or such as 180 MPa"}
+EXACT_SCHEMA = LIMIT_SCHEMA | {"description": "in SI units, such as 180 MPa, or a formula of the parameters"}
 LIMIT_DIMENSIONS = {
     "displacement": "length",
     "reaction": "force",
@@ -378,7 +386,8 @@ class Quantity(Strict):
     start, wherever it has gone since.
     ``load_factor = 1`` is the lowest multiple of all loads at which the body buckles; infinite where there is none.
     With a ``limit`` the quantity gives a verdict: it holds as long as its value is not above; with ``at_least``, as
-    long as it is not below.
+    long as it is not below. ``exact`` is its value on the first shape by a closed form, a number or a formula of the
+    parameters, which studies of accuracy count errors from.
 
     "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
     Energies: "strain", "kinetic" (relative to the ground), "total" of both, "edit" (work of all edits so far) and
@@ -421,6 +430,7 @@ class Quantity(Strict):
     take: Literal["max", "min", "mean", "sum", "absmax", "peak"] | None = None
     limit: Annotated[float, BeforeValidator(_read_limit), WithJsonSchema(LIMIT_SCHEMA)] | None = None
     at_least: Annotated[float, BeforeValidator(_read_limit), WithJsonSchema(LIMIT_SCHEMA)] | None = None
+    exact: Annotated[float | Expression, BeforeValidator(_read_exact), WithJsonSchema(EXACT_SCHEMA)] | None = None
 
     @property
     def kind(self) -> str:

@@ -1,12 +1,14 @@
-"""Which effects a scene calls for, and why: nothing else is simulated."""
+"""Which effects a scene calls for, and which solvers, and why: nothing else is simulated."""
 
 from dataclasses import dataclass
 
 from pydantic import BaseModel
 
-from restshape.application import Application, Deciding, Decision
+from restshape.application import Application, Deciding, Decision, Implied
 from restshape.errors import UserError
+from restshape.scene.implied import LARGE
 from restshape.scene.model import Scene
+from restshape.scene.solver import SolverPlan, solver_plan
 
 
 @dataclass(frozen=True)
@@ -17,13 +19,16 @@ class PlannedEffect:
         name: as the application names it.
         on: whether it is simulated.
         why: the reason, for people.
-        settings: its keys with defaults filled in; None when off.
+        settings: its keys with defaults filled in; None when off, and of implied effects.
+        cause: what calls for it: "named" in the scene, "required" by the application, or it "follows" from the scene;
+            "none" when off.
     """
 
     name: str
     on: bool
     why: str
     settings: BaseModel | None = None
+    cause: str = "none"
 
 
 @dataclass(frozen=True)
@@ -32,17 +37,23 @@ class Plan:
 
     Args:
         effects: in the application's order.
+        implied: effects that follow from the scene without being named, likewise.
+        solver: which equations there are, and how they are solved.
         order: of the elements.
+        order_why: the reason.
         warnings: what makes answers bad, for people.
     """
 
     effects: tuple[PlannedEffect, ...]
+    implied: tuple[PlannedEffect, ...]
+    solver: SolverPlan
     order: int = 1
+    order_why: str = ""
     warnings: tuple[str, ...] = ()
 
     def on(self, name: str) -> bool:
         """Whether the effect is simulated."""
-        return any(effect.on for effect in self.effects if effect.name == name)
+        return any(effect.on for effect in (*self.effects, *self.implied) if effect.name == name)
 
     def settings(self, name: str) -> BaseModel | None:
         """The effect's keys with defaults filled in; None when it is off or unknown."""
@@ -55,7 +66,8 @@ def plan(scene: Scene, application: Application) -> Plan:
     Raises:
         UserError: an effect cannot be had in this scene.
     """
-    planned, orders, warnings = [], [scene.mesh.order], []
+    planned, warnings = [], []
+    orders = [(scene.mesh.order, "the scene says so in mesh.order")]
     for name, effect in application.effects.items():
         if name not in scene.effects and not effect.required:
             planned.append(PlannedEffect(name, False, f"the scene has no [effects.{name}]"))
@@ -63,24 +75,53 @@ def plan(scene: Scene, application: Application) -> Plan:
         named = name in scene.effects
         why = f"the scene names it in [effects.{name}]" if named else f"{application.name} always has it"
         decision = _decision(effect.model.model_validate(scene.effects[name] if named else {}), scene)
-        planned.append(PlannedEffect(name, True, f"{why}; {decision.why}" if decision.why else why, decision.settings))
-        orders.append(decision.order)
+        why = f"{why}; {decision.why}" if decision.why else why
+        planned.append(PlannedEffect(name, True, why, decision.settings, "named" if named else "required"))
+        orders.append((decision.order, f"{name} asks for it{decision.why and ': ' + decision.why}"))
         warnings += [f"effects.{name}: {decision.why}"] if decision.warns else []
-    wanted = [order for order in orders if order in application.orders]
-    return Plan(tuple(planned), wanted[0] if wanted else application.orders[0], tuple(warnings))
+    on = frozenset(effect.name for effect in planned if effect.on)
+    implied = tuple(_implied(name, effect, scene, on) for name, effect in application.implied.items())
+    solver = solver_plan(scene, on, {effect.name: effect.settings for effect in planned})
+    usual = (application.orders[0], f"the usual one of {application.name}")
+    order, order_why = next((asked for asked in orders if asked[0] in application.orders), usual)
+    return Plan(tuple(planned), implied, solver, order, order_why, tuple(warnings))
+
+
+def as_written(scene: Scene) -> Scene:
+    """The scene with the element order that its user has written, None where they left it to the plan."""
+    order = scene.raw.get("mesh", {}).get("order")
+    return scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"order": order})})
+
+
+def _implied(name: str, effect: Implied, scene: Scene, on: frozenset[str]) -> PlannedEffect:
+    """Whether a scene calls for what it does not name."""
+    why = effect.cause(scene, on)
+    return PlannedEffect(name, bool(why), why or effect.idle, None, "follows" if why else "none")
 
 
 def refuse_switched(old: Scene, new: Scene, application: Application) -> None:
     """Refuses an edit from one scene to another that switches an effect with which the analysis is another one.
 
     Raises:
-        UserError: such an effect is on in one of them only.
+        UserError: such an effect is on in one of them only, or other pressures follow the boundary, or elsewhere.
     """
     for name, effect in application.effects.items():
         if effect.fixed and not effect.required and (name in old.effects) != (name in new.effects):
             way = "off" if name in old.effects else "on"
             do = f"make it two scenes, one with [effects.{name}] and one without"
             raise UserError(f"the effect {name!r} cannot be switched {way} during an edit", do=do)
+    if _followers(old, application) != _followers(new, application):
+        raise UserError(
+            "which pressures follow the boundary, and where, cannot change during an edit",
+            do="make it two scenes, or give the load in both and set it to 0",
+        )
+
+
+def _followers(scene: Scene, application: Application) -> dict[str, list[str]]:
+    """Where each pressure acts that follows the boundary: the pattern of the tangent depends on it."""
+    if not plan(scene, application).on(LARGE):
+        return {}
+    return {name: list(load.on) for name, load in scene.loads.items() if load.pressure is not None}
 
 
 def _decision(settings: BaseModel, scene: Scene) -> Decision:

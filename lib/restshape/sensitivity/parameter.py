@@ -77,7 +77,7 @@ def _differenced(analysis: ModalAnalysis, key: str, value: float, step: float) -
     known, ends = known_modes(analysis), []
     for changed in (value + step, value - step):
         scene = revise(analysis.scene, *_revision(analysis, key, changed))
-        body = oscillator(scene, analysis.plan, analysis.mesh, analysis.policy.solver == "ilu")
+        body = oscillator(scene, analysis.plan, analysis.mesh, analysis.policy.lumped_mass)
         ends.append([_products(body, analysis.modes[known], which) for which in ("stiffness", "mass")])
     stiff, heavy = ((ahead - behind) / (2.0 * step) for ahead, behind in zip(*ends))
     if not (np.isfinite(stiff).all() and np.isfinite(heavy).all()):

@@ -54,6 +54,7 @@ class EditFrame:
         outline: the valid shape of this frame; scene: what else holds.
         refused: why the event changed nothing; None when it was carried out.
         analysed: whether the script asks for a solution of this frame.
+        settled: nothing moves in it, or it is the last one of an event while no hand holds the shape.
     """
 
     index: int
@@ -67,6 +68,7 @@ class EditFrame:
     scene: Scene
     refused: str | None
     analysed: bool = True
+    settled: bool = False
 
 
 @dataclass(slots=True)
@@ -111,6 +113,7 @@ class EditSession:
         self.outline = outline if outline is not None else Outline.from_spec(scene.shape, scene.folder)
         refuse_lost_names(scene, self.outline)
         self._application = application or application_named(scene.app)
+        self._columns = self._application.own_columns(scene)
         self._script = script
         self._hold: Hold | None = None
         self._past: tuple[State, ...] = ()
@@ -125,10 +128,12 @@ class EditSession:
         for k, event in enumerate(events):
             room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
             analysed = always or event.do == "analyse"
-            pace = min(FRAME_TIME, room / self._count(event))
+            count = self._count(event)
+            pace = min(FRAME_TIME, room / count)
             for i, step in enumerate(self.steps(event)):
                 t = event.t + i * pace
                 gesture, c, refused = step.gesture, step.c, step.refused
+                settled = step.change == "none" or (self._hold is None and i == count - 1)
                 yield EditFrame(
                     index,
                     t,
@@ -141,6 +146,7 @@ class EditSession:
                     self.scene,
                     refused,
                     analysed,
+                    settled,
                 )
                 index += 1
 
@@ -328,6 +334,7 @@ class EditSession:
             self.scene = revise(self.scene, event.key, event.value)
             refuse_lost_names(self.scene, self.outline)
             refuse_switched(before[1], self.scene, self._application)
+            self._refuse_new_columns()
         except UserError as error:
             self.scene = before[1]
             yield self._refusal(error)
@@ -335,6 +342,13 @@ class EditSession:
         if self._hold is None:
             self._remember(before)
         yield Step(self._scene_change(before[1], self.scene), **self._held())
+
+    def _refuse_new_columns(self) -> None:
+        """Refuses what would show numbers, such as a further mode, that the replay's table has no column for."""
+        new = [name for name in self._application.own_columns(self.scene) if name not in self._columns]
+        if new:
+            what = f"the columns of a replay are those of its first frame, and {', '.join(new)} is not among them"
+            raise UserError(what, do="ask for as many from the start")
 
     def _do_insert(self, event: Any) -> Iterator[Step]:
         at = None if event.at is None else np.array(event.at)

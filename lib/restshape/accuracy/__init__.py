@@ -1,0 +1,1 @@
+"""Work-precision studies: what accuracy costs in time, for any scene."""

@@ -1,0 +1,140 @@
+"""The Pareto front of error and time, its slope, and the choice of a point on it."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from restshape.errors import UserError
+
+Row = dict[str, Any]
+
+CLEAR = 10.0
+"""How many times as large as what the solver leaves an error is that tells of the mesh."""
+
+
+def pareto(pairs: Sequence[tuple[float, float]]) -> list[bool]:
+    """Tell of each pair of costs whether no other pair is at least as small in both and smaller in one."""
+    order = sorted(range(len(pairs)), key=lambda i: pairs[i])
+    best, front = np.inf, [False] * len(pairs)
+    last: tuple[float, float] | None = None
+    for i in order:
+        # Equal pairs stand or fall together.
+        front[i] = pairs[i][1] < best or pairs[i] == last
+        if front[i]:
+            best, last = pairs[i][1], pairs[i]
+    return front
+
+
+def usable(records: Sequence[Row]) -> list[Row]:
+    """The records that have a time and an error."""
+    return [record for record in records if record["error"] is not None and record["frame_ms"]]
+
+
+def mark_pareto(records: Sequence[Row]) -> None:
+    """Set `pareto` in every record; errors that read alike in three digits count as equal."""
+    good = usable(records)
+    marks = pareto([(record["frame_ms"], float(f"{record['error']:.3g}")) for record in good])
+    for record in records:
+        record["pareto"] = False
+    for record, mark in zip(good, marks):
+        record["pareto"] = mark
+
+
+def front_of(records: Sequence[Row]) -> list[Row]:
+    """The records on the front, fastest first."""
+    return sorted((record for record in records if record["pareto"]), key=lambda record: record["frame_ms"])
+
+
+def exponent(x: Sequence[float], y: Sequence[float]) -> float | None:
+    """The p of y ~ x^p by least squares of logarithms; None with fewer than two different x, or where a y is 0."""
+    if len(set(x)) < 2 or min(y) <= 0.0:
+        return None
+    return float(np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+def slope(records: Sequence[Row]) -> float | None:
+    """The p of error ~ time^p along the front, without points that the reference cannot tell apart from itself."""
+    known = [record for record in front_of(records) if not record["below_reference"]]
+    return exponent([r["frame_ms"] for r in known], [r["error"] for r in known]) if len(known) > 2 else None
+
+
+def rates(records: Sequence[Row], policy: str) -> dict[str, dict[str, float]]:
+    """Measure or quantity -> order -> p of error ~ (mesh size)^p, over the points of the grid with a policy.
+
+    Points are left out whose error is below the reference's own uncertainty, or owed to the solver.
+    """
+    found: dict[str, dict[str, float]] = {}
+    grid = [r for r in usable(records) if not r["varied"] and r["policy"] == policy]
+    names = [*(grid[0]["errors"] if grid else {}), *(f"q_{name}" for name in (grid[0]["quantities"] if grid else {}))]
+    for name in names:
+        for order in sorted({record["order"] for record in grid}):
+            points = []
+            for record in (r for r in grid if r["order"] == order):
+                held = record["quantities"].get(name[2:]) if name.startswith("q_") else record["errors"].get(name)
+                known = held and held["worst"] and held["worst"] > max(held["uncertainty"], CLEAR * held["solver"])
+                if known:
+                    points.append((record["size"], held["worst"]))
+            if len(points) > 1:
+                p = exponent(*zip(*points))
+                if p is not None:
+                    found.setdefault(name, {})[str(order)] = p
+    return found
+
+
+def pick(records: Sequence[Row], within: float | None, error: float | None) -> Row:
+    """The most accurate record within a time, or the fastest below an error; with both, the most accurate of those.
+
+    Args:
+        records: of a study.
+        within: median time of a frame [ms].
+        error: relative.
+
+    Raises:
+        UserError: there is none.
+    """
+    good = usable(records)
+    if not good:
+        raise UserError("no point of the study has both a time and an error", "--within, --error", "see what failed")
+    kept = [r for r in good if within is None or r["frame_ms"] <= within]
+    if not kept:
+        nearest = min(good, key=lambda r: r["frame_ms"])
+        raise UserError(
+            f"no point is within {within:.4g} ms: the fastest, {nearest['name']}, takes {nearest['frame_ms']:.4g} ms "
+            f"with an error of {percent(nearest['error'])}",
+            "--within",
+            "allow that time, or try coarser ones: --sizes 4,2,1",
+        )
+    below = [r for r in kept if error is None or r["error"] < error]
+    if not below:
+        nearest = min(kept, key=lambda r: r["error"])
+        raise UserError(
+            f"no point{'' if within is None else ' within the time'} has an error below {percent(error)}: the most "
+            f"accurate, {nearest['name']}, has {percent(nearest['error'])} and takes {nearest['frame_ms']:.4g} ms",
+            "--error",
+            "allow that error, or try finer ones: --sizes 1,0.5,0.25",
+        )
+    return min(below, key=_by(within))
+
+
+def _by(within: float | None) -> Any:
+    """What is to be least: the error where the time is bounded, else the time."""
+    if within is not None:
+        return lambda record: (record["error"], record["frame_ms"])
+    return lambda record: (record["frame_ms"], record["error"])
+
+
+def percent(error: float | None) -> str:
+    """A relative error for people."""
+    return "–" if error is None else f"{100.0 * error:.3g} %"
+
+
+def finite(value: Any) -> Any:
+    """The same data with None for what is no finite number, as JSON wants it."""
+    if isinstance(value, Mapping):
+        return {key: finite(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(part) for part in value]
+    if isinstance(value, float):
+        return value if np.isfinite(value) else None
+    return value

@@ -1,0 +1,174 @@
+"""What a study counts errors from: the same shapes, solved far finer."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import sqrt
+from pathlib import Path
+from typing import Any
+
+from restshape.accuracy.setting import kind_of, knobs, present, refusal, scaled, shown, times, unknowns
+from restshape.application import Application, Knob
+from restshape.bench.job import STOPPED, Job, Outcome
+from restshape.errors import UserError
+from restshape.scene.load import load_scene
+from restshape.scene.model import CircleLoop, Scene
+from restshape.shape.outline import Outline
+
+Row = dict[str, Any]
+
+FINER = 4.0
+"""How many times as fine as the finest point the reference is, where so many unknowns are affordable."""
+COARSER = 1.5
+"""How many times as coarse as the reference the second one is, from which its own error is told."""
+COARSE_FACTOR = 2.0
+"""The same for time steps and other factors, which must leave whole numbers whole."""
+MOST_UNKNOWNS = {"plane": 1.3e5, "motion": 2.5e4, "space": 2.2e4}
+"""Of the reference, about."""
+CORNERS = {"plane": 16.0, "motion": 4.0, "space": 4.0}
+"""How many times as fine it is at the corners of the shape, where stresses may be singular."""
+MOST_CORNERS = 60
+TOLERANCES = {"plane": (1e-10, 1e-8, 1e-6), "motion": (1e-10, 1e-8, 1e-6), "space": (1e-7, 1e-6)}
+"""Of the reference, the next where rounding does not let a frame reach the first. Modes are those of bodies in space,
+whose frequencies are right to the square of it."""
+MODULE = "restshape.accuracy.replays"
+
+
+@dataclass
+class Plan:
+    """How the reference is solved.
+
+    Args:
+        factor: of the scene's mesh size; order: of the elements; corners: how many times as fine at corners.
+        policy: "rebuild", or "refactor" for motion, which goes on from frame to frame.
+        tolerances: of the solver, the next where one cannot be reached.
+        turned: keys of knobs and the values that they have in it, for people.
+        overrides: ``key=value`` of all but sizes.
+        coarse: the same of the coarser reference, whose factors of knobs are COARSE_FACTOR times as large.
+    """
+
+    factor: float
+    order: int
+    corners: float
+    policy: str
+    tolerances: tuple[float, ...]
+    turned: dict[str, str] = field(default_factory=dict)
+    overrides: tuple[str, ...] = ()
+    coarse: tuple[str, ...] = ()
+
+    def sizes(self, scene: Scene, coarser: float = 1.0) -> tuple[str, ...]:
+        """``key=value`` of the mesh sizes, or of those of a coarser reference."""
+        factor = coarser * self.factor
+        found = dict(pair.split("=") for pair in scaled(scene, factor)) if factor != 1.0 else {}
+        near = factor * scene.mesh.size / self.corners
+        for name in corners(scene):
+            key = f'mesh.near."{name}"'
+            found[key] = repr(min(near, float(found.get(key, near))))
+        return tuple(f"{key}={value}" for key, value in found.items())
+
+
+def corners(scene: Scene) -> list[str]:
+    """Vertices of a scene's shape but for those of circles; none where they are too many to be refined one by one."""
+    outline = Outline.from_spec(scene.shape, scene.folder)
+    round_holes = {
+        name for name, loop in (scene.shape.holes | scene.shape.regions).items() if isinstance(loop, CircleLoop)
+    }
+    names = [name for name in outline.vertex_names if name.rpartition(".")[0] not in round_holes]
+    return names if len(names) <= MOST_CORNERS else []
+
+
+def planned(path: Path, given: Sequence[str], application: Application, finest: float) -> Plan:
+    """How the reference of a scene is solved.
+
+    Args:
+        path: scene file; given: ``key=value`` as after --set.
+        application: of the scene.
+        finest: factor of the mesh size of the finest point.
+
+    Raises:
+        UserError: no reference can be had.
+    """
+    scene = load_scene(path, given)
+    kind = kind_of(application)
+    turned, overrides, coarse = {}, (), ()
+    for knob in knobs(scene, application):
+        if knob.reference is None:
+            continue
+        changed = _fine(scene, application, knob)
+        overrides += changed
+        coarse += (times(scene, application, knob, COARSE_FACTOR * knob.reference) if knob.factors else ()) or changed
+        turned |= {key: _plain(value) for key, _, value in (pair.partition("=") for pair in changed)}
+    whys = {}
+    for order in sorted(application.orders, reverse=True):
+        whys[order] = refusal(path, (*given, *overrides, f"mesh.order={order}"))
+        if not whys[order]:
+            break
+    else:
+        raise UserError(f"the reference cannot be had: {next(iter(whys.values()))}", str(path), "see restshape check")
+    overrides, coarse = ((*some, f"mesh.order={order}") for some in (overrides, coarse))
+    fine = load_scene(path, (*given, *overrides))
+    affordable = sqrt(unknowns(fine, application, 1.0, order) / MOST_UNKNOWNS[kind])
+    factor = max(finest / FINER, affordable)
+    policy = "refactor" if application.transient else "rebuild"
+    return Plan(factor, order, CORNERS[kind], policy, TOLERANCES[kind], turned, overrides, coarse)
+
+
+def _fine(scene: Scene, application: Application, knob: Knob) -> tuple[str, ...]:
+    """``key=value`` of a knob in the reference."""
+    if knob.factors:
+        return times(scene, application, knob, knob.reference)
+    own, value = present(scene, application, knob.key), knob.reference
+    if isinstance(value, int | float) and own is not None:
+        value = max(own, value)
+    return (f"{knob.key}={value}",)
+
+
+def _plain(value: str) -> str:
+    try:
+        return shown(float(value))
+    except ValueError:
+        return value
+
+
+def solve(
+    job: Job, scene: Scene, plan: Plan, folder: Path, frames: Sequence[int], play: Callable[[Job], Outcome]
+) -> tuple[Row, Row]:
+    """What the reference in ``folder/fine`` and the coarser one in ``folder/coarse`` took, and how far they differ.
+
+    Args:
+        job: scene, edits, overrides, number of frames.
+        scene: of the job.
+        plan: of the reference.
+        folder: for the files.
+        frames: wanted.
+        play: runs jobs.
+
+    Raises:
+        UserError: there is no reference.
+    """
+    told = []
+    kinds = ("coarse", COARSER, plan.coarse, ""), ("fine", 1.0, plan.overrides, "coarse")
+    for name, coarser, turned, other in kinds:
+        own = folder / name
+        own.mkdir()
+        for tolerance in plan.tolerances:
+            overrides = (*job.overrides, *turned, *plan.sizes(scene, coarser), f"solve.tolerance={tolerance!r}")
+            details = {"kind": "reference", "frames": list(frames), "folder": str(own)}
+            details["coarser"] = str(folder / other) if other else ""
+            own_job = Job(job.scene, job.edits, plan.policy, overrides, job.petsc, measure=MODULE, details=details)
+            try:
+                outcome = play(own_job)
+            except UserError as error:
+                if tolerance == plan.tolerances[-1]:
+                    raise
+                outcome = Outcome([], error.what)
+            out_of_time = outcome.problem.startswith(STOPPED)
+            if out_of_time or (outcome.found and not (set(outcome.found["refused"]) & set(map(str, frames)))):
+                break
+        if not outcome.found:
+            raise UserError(
+                f"the reference has no solution: {outcome.problem or 'it told nothing'}",
+                job.scene,
+                "fewer frames (--frames 10), coarser sizes (--sizes 2,1), or more time for it (--reference-seconds)",
+            )
+        told.append(outcome.found | {"tolerance": tolerance})
+    return told[1], told[0]

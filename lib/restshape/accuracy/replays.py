@@ -1,0 +1,248 @@
+"""What the processes of a study run: the replays of one point, and those of the reference.
+
+`restshape.bench.job.run` calls `measure` of this module in a process of its own.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.accuracy.distance import Reference
+from restshape.accuracy.sampling import SparseSession, changing, spread
+from restshape.accuracy.state import Sampled, State, state_of
+from restshape.errors import ReplayProblem, UserError
+from restshape.policy import Policy
+from restshape.replay.loop import Replay
+from restshape.replay.request import Request
+from restshape.scene.load import revise
+
+Row = dict[str, Any]
+
+TIGHT = (1e-3, 1e-2, 1e-1)
+"""Shares of a point's tolerance that its tight replays are tried with, the next where a frame has no solution."""
+
+TIGHTEST = 1e-12
+"""Tolerance beyond which rounding decides."""
+
+TIMED = 12
+"""Frames, about, that are timed of a replay that keeps nothing from frame to frame, and is slow for that."""
+
+HASTE = 0.02
+"""Seconds of a frame below which such a replay is timed in all its frames."""
+
+
+def measure(request: Request, kind: str, frames: Sequence[int], **details: Any) -> Row:
+    """What a process tells: "reference" writes files, "point" tells times and errors.
+
+    Args:
+        request: scene, script, policy.
+        kind: "reference" or "point".
+        frames: indices of the sampled frames, ascending, the first one 0.
+        details: as `reference` or `point` take them.
+    """
+    return {"reference": reference, "point": point}[kind](request, list(frames), **details)
+
+
+# --- the reference ----------------------------------------------------------------------------------------------------
+
+
+def reference(request: Request, frames: list[int], folder: str, coarser: str = "") -> Row:
+    """Writes a reference for each frame into a folder; tells what it took, and its distance from a coarser one.
+
+    Args:
+        request: of the fine scene.
+        frames: wanted.
+        folder: for the files, ``FRAME.npz``.
+        coarser: folder of another reference, of which the distances are told.
+    """
+    start = perf_counter()
+    transient = request.application.transient
+    states, refused, _ = _solve(request, request.policy, frames, leap=not transient, every=transient)
+    found: Row = {"unknowns": 0, "elements": 0, "refused": refused, "distances": {}, "quantities": {}}
+    for index, state in states.items():
+        own = Reference.of(state)
+        own.save(Path(folder) / f"{index}.npz")
+        found["unknowns"], found["elements"] = (max(found[key], state.row[key]) for key in ("unknowns", "elements"))
+        found["quantities"][str(index)] = state.quantities
+    if coarser:
+        for index, state in states.items():
+            path = Path(coarser) / f"{index}.npz"
+            if path.is_file():
+                other = Reference.load(path)
+                there = other.sampled(state)
+                found["distances"][str(index)] = other.distances(other.solution, there)
+    found["seconds"] = perf_counter() - start
+    return found
+
+
+# --- a point ----------------------------------------------------------------------------------------------------------
+
+
+def point(request: Request, frames: list[int], folder: str, total: int, whole: bool = False) -> Row:
+    """Times and errors of one setting.
+
+    Three replays on the same meshes: the setting's own, which is timed; the same at a tolerance near rounding; and one
+    with a complete factor made anew in each solve, which keeps nothing of the algebra.
+
+    Args:
+        request: of the setting.
+        frames: at which errors are taken.
+        folder: of the reference.
+        total: number of frames of the script that are replayed.
+        whole: time all frames, even of replays that keep nothing.
+    """
+    own, refused, timed = _timed(request, frames, total, whole)
+    tight, tolerance, lost = _tight(request, request.policy, frames, refused)
+    direct = tight
+    if request.policy.solver != "direct":
+        direct, _, more = _tight(request, replace(request.policy, solver="direct"), frames, refused, tolerance)
+        lost = more | lost
+    found = [_frame(Path(folder), index, own.get(index), tight.get(index), direct.get(index)) for index in frames]
+    for entry, index in zip(found, frames):
+        if index in refused:
+            entry["problem"] = f"refused: {refused[index]}"
+    return {**timed, "refused": refused, "lost": lost, "tight_tolerance": tolerance, "frames": found}
+
+
+def _frame(folder: Path, index: int, own: State | None, tight: State | None, direct: State | None) -> Row:
+    """Errors of one frame by measure, split into their parts, with the quantities."""
+    path = folder / f"{index}.npz"
+    if own is None or not path.is_file():
+        return {"index": index, "problem": "no solution" if own is None else "no reference"}
+    held = Reference.load(path)
+    if not held.same_shape(own):
+        return {"index": index, "problem": "another shape than the reference has: edits before were refused"}
+    u = held.sampled(own)
+    estimate = own.row.get("estimate", np.nan)
+    entry: Row = {"index": index, "errors": held.distances(held.solution, u), "quantities": own.quantities}
+    entry["estimate"] = float(estimate) if np.isfinite(estimate) else None
+    others = [state for state in (tight, direct) if state is not None]
+    if len(others) == 2 and all(other.grid.same(own.grid) for other in others):
+        a, b = (held.sampled(other) for other in others)
+        entry["parts"] = split(held, u, a, b)
+        entry["quantity_parts"] = quantity_parts(held.solution, u, a, b)
+    return entry
+
+
+def split(held: Reference, u: Sampled, tight: Sampled, direct: Sampled) -> dict[str, dict[str, float]]:
+    """Sizes by measure of reference - direct (discretisation), direct - tight (reuse), tight - u (algebraic)."""
+    parts = {
+        "discretisation": held.distances(held.solution, direct),
+        "reuse": held.distances(direct, tight),
+        "algebraic": held.distances(tight, u),
+    }
+    return {measure: {name: part[measure] for name, part in parts.items()} for measure in parts["reuse"]}
+
+
+def quantity_parts(whole: Sampled, u: Sampled, tight: Sampled, direct: Sampled) -> dict[str, dict[str, float]]:
+    """The same of each quantity, with their signs: the three sum to reference - u."""
+    return {
+        name: {
+            "discretisation": value - direct.quantities[name],
+            "reuse": direct.quantities[name] - tight.quantities[name],
+            "algebraic": tight.quantities[name] - u.quantities[name],
+        }
+        for name, value in whole.quantities.items()
+        if name in u.quantities
+    }
+
+
+# --- replays ----------------------------------------------------------------------------------------------------------
+
+
+def _timed(request: Request, frames: list[int], total: int, whole: bool) -> tuple[dict[int, State], dict, Row]:
+    """States of the sampled frames of the setting's own replay, its refusals, and its times."""
+    replay = Replay.of(request, PETSc.COMM_WORLD)
+    moving, _ = changing(request.scene, request.script, total)
+    some = spread(moving, frames, TIMED)
+    alike = request.policy.solver == "direct" and not request.application.transient and not whole
+    sparse: list[bool] = []
+
+    def solved(index: int) -> bool:
+        if index == 1:
+            # Its frames are all alike, for it keeps nothing: some of them tell the time of all.
+            sparse.append(alike and replay.row["ms"] > 1e3 * HASTE and not replay.row["newton"])
+            replay.session.leap = sparse[0] and request.policy.regenerate
+        return not (index and sparse[0]) or index in some
+
+    replay.session = SparseSession(replay.session, solved, total - 1)
+    states, refused, rows = _look(replay, frames)
+    later = [row for row in rows[1:] if not sparse[0] or row["index"] in some]
+    moved = [row["ms"] for row in later if row["level"]] or [row["ms"] for row in later if row["iterations"]]
+    seconds = (rows[0]["ms"] + sum(row["ms"] for row in later)) / 1e3
+    if sparse[0] and moved:
+        seconds += (len(moving) - len(moved)) * sum(moved) / len(moved) / 1e3
+    timed = {
+        "frame_ms": median(moved) if moved else None,
+        "total_s": seconds,
+        "timed_frames": len(moved),
+        "replayed": total,
+        "unknowns": max(row["unknowns"] for row in rows),
+        "elements": max(row["elements"] for row in rows),
+    }
+    return states, refused, timed
+
+
+def _tight(
+    request: Request, policy: Policy, frames: list[int], refused: dict[int, str], tolerance: float | None = None
+) -> tuple[dict[int, State], float, dict[int, str]]:
+    """States of the sampled frames with a policy at a tolerance near rounding, that tolerance, and refusals."""
+    own = request.scene.solve.tolerance
+    chosen = [tolerance] if tolerance else [max(TIGHTEST, share * own) for share in TIGHT]
+    states: dict[int, State] = {}
+    lost: dict[int, str] = {}
+    for chosen_tolerance in chosen:
+        scene = revise(request.scene, "solve.tolerance", chosen_tolerance)
+        keeps = request.application.transient or policy.solver != "direct"
+        leap = policy.regenerate and not request.application.transient
+        try:
+            states, now, _ = _solve(replace(request, scene=scene), policy, frames, leap, every=keeps)
+        except (ReplayProblem, UserError) as problem:
+            # Rounding does not let the first frame get there.
+            lost = {0: str(problem)}
+            continue
+        lost = {index: why for index, why in now.items() if index not in refused}
+        if not lost:
+            break
+    return states, chosen_tolerance, lost
+
+
+def _solve(
+    request: Request, policy: Policy, frames: list[int], leap: bool, every: bool
+) -> tuple[dict[int, State], dict[int, str], list[Row]]:
+    """States of some frames, refusals of any, and rows.
+
+    Args:
+        request: what is replayed.
+        policy: in place of the request's.
+        frames: wanted.
+        leap: leave out all other frames, meshes and all.
+        every: solve for all frames, for each one hangs on those before.
+    """
+    replay = Replay.of(replace(request, policy=policy), PETSc.COMM_WORLD)
+    chosen: Callable[[int], bool] = (lambda index: True) if every else set(frames).__contains__
+    replay.session = SparseSession(replay.session, chosen, frames[-1], leap and not every)
+    return _look(replay, frames)
+
+
+def _look(replay: Replay, frames: list[int]) -> tuple[dict[int, State], dict[int, str], list[Row]]:
+    """States of some frames of a replay, why other frames have no solution, and rows."""
+    states: dict[int, State] = {}
+    refused: dict[int, str] = {}
+    rows, wanted = [], set(frames)
+    for row in replay.frames():
+        rows.append(dict(row))
+        if row["refused"]:
+            if row["index"] not in replay.session.refused:
+                refused[row["index"]] = row["refused"]
+        elif row["index"] in wanted:
+            states[row["index"]] = state_of(replay)
+    if not states:
+        raise ReplayProblem("no sampled frame has a solution")
+    return states, refused, rows

@@ -1,0 +1,108 @@
+"""Which frames of a script a study looks at, and replays that solve for no others."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.scene.model import Scene
+from restshape.scene.script import Script
+from restshape.shape.session import EditFrame, EditSession
+
+MOVING = ("move", "shape", "values", "mesh")
+"""Changes after which the solution is another one."""
+
+
+def changing(scene: Scene, script: Script, frames: int | None) -> tuple[list[int], int]:
+    """Indices of the frames that change shape or values, without the first one, and the number of all frames.
+
+    Args:
+        scene: with its shape.
+        script: of edits.
+        frames: to look at, the first shape included; None for all.
+    """
+    found, count = [], 0
+    for frame in islice(EditSession(scene, script).frames(), frames):
+        count += 1
+        if frame.index and frame.refused is None and frame.change in MOVING and frame.analysed:
+            found.append(frame.index)
+    return found, count
+
+
+def begun(scene: Scene, script: Script, frames: int) -> int:
+    """Number of frames until as many have passed as `frames`, counted from the first that changes anything."""
+    moving, total = changing(scene, script, None)
+    return min(total, moving[0] + frames) if moving else total
+
+
+def sampled(scene: Scene, script: Script, frames: int | None, count: int, motion: bool) -> tuple[list[int], int]:
+    """Indices of the frames at which errors are taken, ascending, and the number of all frames.
+
+    The first shape, the first and the last frame that change anything, and others evenly between. Of motion, which
+    begins at rest and never stops, the first shape is none of them.
+
+    Raises:
+        UserError: the script changes nothing.
+    """
+    moving, total = changing(scene, script, frames)
+    if not moving:
+        later, _ = changing(scene, script, None)
+        what = f"none of the first {total} frames" if later else "no frame of the script"
+        do = (
+            f"more frames: the first that does is {later[0]} (--frames {later[0] + total})"
+            if later
+            else "drag something"
+        )
+        raise UserError(f"{what} changes the shape", str(script.path or scene.path), do)
+    if script.header.analysis != "every frame":
+        raise UserError(
+            "the script has its frames analysed on demand only, so that they have no time to tell",
+            str(script.path),
+            "name a script that has every frame analysed: --edits FILE",
+        )
+    places = np.linspace(0, len(moving) - 1, min(max(1, count - 1 + motion), len(moving)))
+    return sorted({*([] if motion else [0]), *(moving[round(place)] for place in places)}), total
+
+
+def spread(moving: list[int], least: list[int], count: int) -> list[int]:
+    """About `count` of the moving frames, evenly, with those of `least` among them."""
+    places = np.linspace(0, len(moving) - 1, min(count, len(moving)))
+    return sorted({*least, *(moving[round(place)] for place in places)})
+
+
+class SparseSession:
+    """An edit session of which only some frames are solved for.
+
+    Args:
+        session: as the replay made it.
+        wanted: tells by its index whether a frame is solved for.
+        last: index of the last frame that is wanted.
+        leap: frames that are not solved for are left out, and the next one starts anew: for replays that keep nothing.
+
+    Attributes:
+        refused: indices of the frames whose edits the session itself refused.
+    """
+
+    def __init__(self, session: EditSession, wanted: Callable[[int], bool], last: int, leap: bool = False) -> None:
+        self.session, self.wanted, self.last, self.leap = session, wanted, last, leap
+        self.refused: set[int] = set()
+
+    def frames(self) -> Iterator[EditFrame]:
+        """The frames as a replay is to see them."""
+        moved = False
+        for frame in islice(self.session.frames(), self.last + 1):
+            if frame.refused is not None:
+                self.refused.add(frame.index)
+            if self.wanted(frame.index):
+                yield replace(frame, change="shape") if moved and frame.refused is None else frame
+                moved = False
+            elif self.leap:
+                moved = moved or frame.change in MOVING
+            else:
+                yield replace(frame, analysed=False)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.session, name)

@@ -1,0 +1,1 @@
+"""What a scene calls for, and what each of its effects costs."""

@@ -1,0 +1,49 @@
+"""Rows of replays side by side, and the calls of kernels in them."""
+
+from collections.abc import Iterable
+from typing import Any
+
+Row = dict[str, Any]
+Calls = dict[str, dict[str, list[int]]]
+"""By kernel and purpose: calls, and elements in them."""
+
+
+def difference(more: Calls, less: Calls) -> Calls:
+    """Calls and elements less others; what is the same in both is left out."""
+    found: Calls = {}
+    for name in sorted({*more, *less}):
+        for purpose in sorted({*more.get(name, {}), *less.get(name, {})}):
+            here, there = (counts.get(name, {}).get(purpose, (0, 0)) for counts in (more, less))
+            if tuple(here) != tuple(there):
+                found.setdefault(name, {})[purpose] = [here[0] - there[0], here[1] - there[1]]
+    return found
+
+
+def keys(calls: Calls) -> set[tuple[str, str]]:
+    """The kernels that are called, each with what for."""
+    return {(name, purpose) for name, purposes in calls.items() for purpose in purposes}
+
+
+def chosen(calls: Calls, wanted: set[tuple[str, str]]) -> Calls:
+    """The calls of some kernels, each for some purpose."""
+    found: Calls = {}
+    for name, purpose in sorted(wanted):
+        found.setdefault(name, {})[purpose] = calls[name][purpose]
+    return found
+
+
+def total(frames: Iterable[Calls]) -> Calls:
+    """The calls of several frames together."""
+    found: Calls = {}
+    for calls in frames:
+        for name, purposes in calls.items():
+            for purpose, (times, elements) in purposes.items():
+                here = found.setdefault(name, {}).setdefault(purpose, [0, 0])
+                here[0] += times
+                here[1] += elements
+    return found
+
+
+def moved(row: Row) -> bool:
+    """Tell whether something was solved for in a frame, or would have been if there were a load."""
+    return row["level"] > 0 or row["iterations"] > 0

@@ -1,0 +1,1 @@
+"""Stability: hard cases that state what must hold, and random scenes and edits that must never break."""

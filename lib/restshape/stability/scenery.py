@@ -1,0 +1,146 @@
+"""Small scenes and scripts from text, and replays of them in this process."""
+
+import json
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from petsc4py import PETSc
+
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.policy import Policy, policy
+from restshape.replay.loop import Replay
+from restshape.scene.load import load_scene
+from restshape.scene.script import Script, load_script
+
+HEAD = """format = "restshape-scene"
+version = 1
+app = "solid"
+"""
+
+BLOCK = """
+[shape]
+outline = ["bottom", "right", "top", "left"]
+
+[shape.vertices]
+a = [0, 0]
+b = [{width}, 0]
+c = [{width}, {height}]
+d = [0, {height}]
+
+[shape.edges]
+bottom = {{ line = ["a", "b"] }}
+right = {{ line = ["b", "c"] }}
+top = {{ line = ["c", "d"] }}
+left = {{ line = ["d", "a"] }}
+"""
+
+HOLE = """
+[shape.holes]
+window = { circle = { center = [0.5, 0.5], radius = 0.15 } }
+"""
+
+STEEL = """
+[material.steel]
+E = 200e9
+nu = 0.3
+rho = 8000
+thickness = 0.01
+
+[effects.solid]
+model = "plane_stress"
+"""
+
+CLAMPED = """
+[supports.wall]
+on = "left"
+fix = ["x", "y"]
+"""
+
+PULLED = """
+[loads.pull]
+on = "right"
+traction = ["100 MPa", 0]
+"""
+
+QUANTITIES = """
+[quantities]
+stretch = { displacement = "x", at = "right", take = "mean" }
+peak = { stress = "von_mises", take = "max" }
+wall = { reaction = "x", at = "left" }
+energy = { energy = "strain" }
+"""
+
+
+def block(width: float = 1.0, height: float = 1.0) -> str:
+    """The [shape] of a rectangle whose lower left corner is the origin."""
+    return BLOCK.format(width=width, height=height)
+
+
+def meshed(size: float) -> str:
+    """The [mesh] of a constant size [m]."""
+    return f"\n[mesh]\nsize = {size}\n"
+
+
+def plate(size: float = 0.12) -> str:
+    """A 2 m x 1 m plate with a round hole, clamped at the left, pulled at the right."""
+    return HEAD + block(2.0, 1.0) + HOLE + STEEL + CLAMPED + PULLED + meshed(size) + QUANTITIES
+
+
+def write_scene(folder: Path, text: str, name: str = "scene.toml") -> Path:
+    """The scene file with this text."""
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+def write_script(folder: Path, events: Iterable[dict[str, Any]], name: str = "edits.jsonl") -> Path:
+    """The edit script with these events, a tenth of a second apart."""
+    lines = [{"format": "restshape-edits", "version": 1, "units": "m"}]
+    lines += [{"t": round(0.1 * i, 6), **event} for i, event in enumerate(events)]
+    path = folder / name
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    return path
+
+
+def drag(on: str, start: Sequence[float], path: Sequence[Sequence[float]]) -> list[dict[str, Any]]:
+    """A press, a drag along a path of cursor positions [m], and a release."""
+    return [
+        {"do": "press", "on": on, "at": list(start)},
+        {"do": "drag", "path": [list(p) for p in path]},
+        {"do": "release"},
+    ]
+
+
+def across(start: Sequence[float], end: Sequence[float], frames: int) -> list[tuple[float, float]]:
+    """Cursor positions of a straight drag, without its start."""
+    return [tuple(a + (b - a) * k / frames for a, b in zip(start, end)) for k in range(1, frames + 1)]
+
+
+def make_replay(
+    scene: Path,
+    script: Path | None = None,
+    name: str = "auto",
+    overrides: Sequence[str] = (),
+    calibration: Calibration | None = None,
+    recorder: Any = None,
+    predict: str = "none",
+    **changed: Any,
+) -> Replay:
+    """A replay in this process; `changed` replaces fields of the policy."""
+    read = load_scene(scene, overrides)
+    edits = load_script(script, read) if script else Script.empty(read)
+    chosen: Policy = replace(policy(name), **changed)
+    known = calibration or Calibration.load()
+    return Replay(read, edits, application(read.app), chosen, PETSc.COMM_WORLD, known, recorder, predict)
+
+
+def rows_of(replay: Replay, look: Callable[[dict[str, Any]], None] = lambda row: None) -> list[dict[str, Any]]:
+    """All rows of a replay; `look` is called after each."""
+    rows = []
+    for row in replay.frames():
+        look(row)
+        rows.append(dict(row))
+    return rows

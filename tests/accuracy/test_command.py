@@ -1,0 +1,104 @@
+"""The command `restshape accuracy`: pages, picks that hold, and what it refuses."""
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from small_scenes import across, drag, plate, write_scene, write_script
+
+from restshape.accuracy.chosen import write_scene as write_chosen
+from restshape.accuracy.study import Case
+from restshape.cli.main import main
+
+QUICK = ("--sizes", "2,1", "--orders", "1", "--policies", "auto", "--samples", "2", "--tolerances", "1e-6")
+
+
+@pytest.fixture
+def small(tmp_path) -> tuple[Path, Path]:
+    """A plate whose hole is dragged a little, and its script."""
+    scene = write_scene(tmp_path, "# held at the left\n" + plate(0.25).replace("size = 0.25", "size = 0.25  # coarse"))
+    return scene, write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.55, 0.5), 4)))
+
+
+def test_a_pick_is_written_run_again_and_holds(restshape, small, tmp_path):
+    scene, edits = small
+    told = restshape(
+        "accuracy", scene, "--edits", edits, *QUICK, "--out", "found", "--json", "found.json", "--error", "50%"
+    )
+    assert told.returncode == 0, told.stdout + told.stderr
+    records = json.loads((tmp_path / "found.json").read_text())
+    assert [record["size_factor"] for record in records] == [2.0, 1.0] and any(record["pareto"] for record in records)
+    fastest = min((r for r in records if r["error"] < 0.5), key=lambda r: r["frame_ms"])
+    chosen = (tmp_path / "found" / "scene-chosen.toml").read_text()
+    assert "# held at the left" in chosen and "# coarse" in chosen
+    held = tomllib.loads(chosen)
+    assert held["mesh"] == {"size": fastest["size"], "order": 1} and held["solve"]["policy"] == "auto"
+    assert "holds: " in told.stdout and "reuse stays below the tolerance at all 2 points" in told.stdout
+    page = (tmp_path / "found" / "scene.md").read_text()
+    for words in ("## What was varied", "## The front", "## What failed", "reference", "effectivity", "](scene.png)"):
+        assert words in page, words
+    assert (tmp_path / "found" / "scene.png").read_bytes().startswith(b"\x89PNG")
+    for text in (page, json.dumps(records)):
+        assert str(tmp_path) not in text and not re.search(r"(?<![\w.])/(?:tmp|home|work|root|usr)\b", text)
+
+
+def test_what_a_scene_says_stays_where_a_setting_is_written(small, tmp_path):
+    scene, edits = small
+    (tmp_path / "far").mkdir()
+    given = ("material.steel.E=70e9", "shape.vertices.b.0=2.1")
+    picked = {"overrides": ["mesh.size=0.1", 'mesh.near."window.1"=0.02'], "policy": "thesis", "tolerance": 1e-8}
+    path = tmp_path / "far" / "chosen.toml"
+    write_chosen(Case("small", scene, edits, given), picked, path)
+    before, after = (tomllib.loads(file.read_text()) for file in (scene, path))
+    before["mesh"] = {"size": 0.1, "near": {"window.1": 0.02}}
+    before["solve"] = {"policy": "thesis", "tolerance": 1e-8}
+    before["material"]["steel"]["E"], before["shape"]["vertices"]["b"][0] = 70e9, 2.1
+    assert after == before
+    assert "size = 0.1  # coarse" in path.read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--within", "16"), "'16' has no unit"),
+        (("--within", "16 kg"), "is a mass, but a time is wanted"),
+        (("--error", "0 %"), "is not above 0"),
+        (("--sizes", "2,big"), "no positive numbers"),
+        (("--orders", "3"), "has no elements of order 3"),
+        (("--policies", "lazy"), "no policy is named 'lazy'"),
+        (("--of", "weight"), "the scene has no quantity 'weight'"),
+        (("--frames", "1"), "hold no edit"),
+        (("--tolerances", "2"), "is no tolerance"),
+        (("--write", "x.toml"), "nothing is picked"),
+    ],
+)
+def test_bad_wishes_are_refused_before_any_work(small, tmp_path, capsys, words, told):
+    scene, edits = small
+    assert main(["accuracy", str(scene), "--edits", str(edits), "--out", str(tmp_path / "found"), *words]) == 2
+    message = capsys.readouterr().err
+    assert told in message and "try: " in message
+
+
+def test_scenes_of_no_use_for_a_study_are_refused(small, tmp_path, capsys):
+    scene, _ = small
+    out = ("--out", str(tmp_path / "found"))
+    assert main(["accuracy", str(scene), *out]) == 2
+    assert "no script beside the scene names it" in capsys.readouterr().err
+    idle = write_script(tmp_path, [{"do": "idle", "frames": 3}], "idle.jsonl")
+    assert main(["accuracy", str(scene), "--edits", str(idle), *out]) == 2
+    assert "no frame of the script changes the shape" in capsys.readouterr().err
+    sets = write_script(tmp_path, [{"do": "set", "key": "mesh.size", "value": 0.1}], "sets.jsonl")
+    assert main(["accuracy", str(scene), "--edits", str(sets), *out]) == 2
+    assert "sets mesh.size itself" in capsys.readouterr().err
+
+
+def test_closed_forms_are_formulas_of_parameters(tmp_path, capsys):
+    text = plate(0.25).replace('energy = { energy = "strain" }', 'energy = { energy = "strain", exact = "x*2" }')
+    scene = write_scene(tmp_path, text)
+    assert main(["check", str(scene)]) == 2
+    assert "cannot name x or y" in capsys.readouterr().err
+    scene.write_text(text.replace("x*2", "P*2"))
+    assert main(["check", str(scene)]) == 2
+    assert "quantities.energy.exact" in capsys.readouterr().err

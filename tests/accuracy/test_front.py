@@ -1,0 +1,71 @@
+"""The front beside a search of all pairs, slopes of power laws, and what is picked."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from restshape.accuracy.front import exponent, front_of, mark_pareto, pareto, pick, rates, slope
+from restshape.errors import UserError
+
+COST = st.sampled_from([0.5, 1.0, 1.5, 2.0, 3.0]) | st.floats(1e-6, 1e6)
+
+
+def record(error, ms, **other):
+    """A point."""
+    held = {"name": f"{error} in {ms}", "error": error, "frame_ms": ms, "below_reference": False, "varied": ""}
+    return held | {"policy": "auto", "order": 1, "size": 1.0, "errors": {}, "quantities": {}} | other
+
+
+@given(st.lists(st.tuples(COST, COST), max_size=12))
+def test_the_front_is_what_no_other_pair_beats(pairs):
+    def beaten(a):
+        return any(b[0] <= a[0] and b[1] <= a[1] and b != a for b in pairs)
+
+    assert pareto(pairs) == [not beaten(pair) for pair in pairs]
+
+
+def test_slope_of_a_power_law():
+    law = [record(3.0 * ms**-1.5, ms) for ms in (1.0, 2.0, 5.0)]
+    beaten = [record(9.0, 4.0), record(None, 0.1), record(1e-9, None), record(1e-6, 50.0, below_reference=True)]
+    mark_pareto([*law, *beaten])
+    assert slope([*law, *beaten]) == pytest.approx(-1.5, rel=1e-12)
+    assert [r["frame_ms"] for r in front_of([*law, *beaten])] == [1.0, 2.0, 5.0, 50.0]
+    assert exponent([1.0], [1.0]) is None and exponent([1.0, 2.0], [0.0, 1.0]) is None
+
+
+def test_rates_leave_out_what_tells_nothing_of_the_mesh():
+    def held(size, uncertainty=0.0, solver=0.0):
+        return {"worst": 0.1 * size**2, "uncertainty": uncertainty, "solver": solver}
+
+    points = [record(1.0, 1.0, size=h, errors={"l2": held(h)}, quantities={"q": held(h, solver=1.0)}) for h in (1, 2)]
+    points.append(record(1.0, 1.0, size=0.5, errors={"l2": held(0.5, uncertainty=1.0)}, quantities={"q": held(0.5)}))
+    assert rates(points, "auto") == {"l2": {"1": pytest.approx(2.0)}}
+
+
+POINTS = [record(0.1, 1.0), record(0.03, 4.0), record(0.031, 3.0), record(0.005, 20.0), record(None, 0.1)]
+
+
+def test_the_most_accurate_within_a_time_and_the_fastest_below_an_error():
+    assert pick(POINTS, 16.0, None)["error"] == 0.03
+    assert pick(POINTS, None, 0.05)["frame_ms"] == 3.0
+    assert pick(POINTS, 16.0, 0.05)["error"] == 0.03
+    assert pick(POINTS, None, 0.03)["error"] == 0.005
+
+
+@pytest.mark.parametrize(
+    ("within", "error", "words"),
+    [
+        (0.5, None, "the fastest, 0.1 in 1.0"),
+        (None, 1e-3, "the most accurate, 0.005 in 20.0"),
+        (5.0, 0.01, "0.03 in 4.0"),
+    ],
+)
+def test_where_nothing_fits_the_nearest_is_told(within, error, words):
+    with pytest.raises(UserError) as told:
+        pick(POINTS, within, error)
+    assert words in told.value.what and told.value.do
+
+
+def test_nothing_can_be_picked_from_nothing():
+    with pytest.raises(UserError, match="no point of the study"):
+        pick([record(None, 1.0)], 1.0, None)

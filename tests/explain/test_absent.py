@@ -1,0 +1,140 @@
+"""Off means absent: a scene with an effect off costs what it costs under an application that has no such effect.
+
+Counted are unknowns, elements, matrix entries, calls of kernels, PETSc's events and stages, frame by frame; and that
+all this changes where the effect is on, so that nothing here can hold for lack of a measure.
+"""
+
+from dataclasses import dataclass, replace
+
+import pytest
+from counted import begin_log, happened, kernels, tally, watched
+from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag, meshed, write_scene, write_script
+
+from restshape.application import applications
+
+STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right" }\n'
+PEAK = 'peak = { stress = "von_mises" }\n'
+PLATE = block(2.0, 1.0) + HOLE + STEEL + CLAMPED + meshed(0.25)
+LARGE = "[effects.large_deformation]\n"
+GRAVITY = "[effects.gravity]\n"
+PRESSURE = '[loads.push]\non = "right"\npressure = "1 MPa"\n'
+BODY = '[loads.bulk]\non = "all"\nbody = ["1e4*x", 0]\n'
+TURNED = '[supports.turned]\non = "right"\nfix = { x = "1 mm" }\n'
+SECOND = "[mesh]\nsize = 0.25\n", "[mesh]\nsize = 0.25\norder = 2\n"
+CORE = (
+    "[shape.regions.core]\npolygon = [[1.2, 0.3], [1.7, 0.3], [1.7, 0.7], [1.2, 0.7]]\n"
+    '[material.brass]\nE = 100e9\nnu = 0.3\nrho = 8500\nthickness = 0.01\nregion = "core"\n'
+)
+MOVES = '[effects.dynamics]\ntime_step = "1 ms"\nsteps = 2\n'
+THICK = block(2.0, 1.0) + HOLE + STEEL.partition("[effects")[0].replace("thickness = 0.01", "thickness = 0.6")
+WOOD = "orthotropic = { E = [14e9, 1.5e9, 0.9e9], nu = [0.3, 0.5, 0.6], G = [1.2e9, 0.9e9, 0.4e9] }"
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene without an effect, and with it.
+
+    Args:
+        off, on: texts of the scene.
+        kernels: that are called for the effect only.
+        events: that happen for it only.
+    """
+
+    off: str
+    on: str
+    kernels: frozenset[str] = frozenset()
+    events: tuple[str, ...] = ()
+
+
+def case(off, more, names=(), events=()):
+    """The case of a text and what is added to it for the effect."""
+    return Case(off + STRETCH, off + more + STRETCH, frozenset(names), tuple(events))
+
+
+def solid(head):
+    """Cases of plane solids at rest of small strains."""
+    small = head + PLATE
+    second = small.replace(*SECOND)
+    pushed = small + LARGE + PULLED
+    return {
+        "gravity": case(small, GRAVITY),
+        "large_deformation": case(small + PULLED, LARGE, ["stvk_tri3", "inverted_cells"], ["SNESSolve"]),
+        "surface_loads": case(small + GRAVITY, PULLED, ["traction_edge2"]),
+        "following_pressure": case(pushed, PRESSURE, ["pressure_edge2"], ["MatLUFactorNum", "KSPGMRESOrthog"]),
+        "body_force": case(second + PULLED, BODY, ["mass_tri6"]),
+        "moving_supports": case(small, TURNED),
+        "regions": Case(small + PULLED + STRETCH + PEAK, small + PULLED + CORE + STRETCH + PEAK),
+        "stresses": Case(small + PULLED + STRETCH, small + PULLED + STRETCH + PEAK, frozenset(["recover"])),
+    }
+
+
+def all_cases():
+    """Cases by application and effect."""
+    heads = {name: HEAD.replace('"solid"', f'"{name}"') for name in applications()}
+    found = {("solid", name): given for name, given in solid(heads["solid"]).items()}
+    small = heads["solid"] + PLATE
+    found["solid", "buckling"] = case(small + PULLED, "[effects.buckling]\n", ["geometric_tri6"])
+    found |= {("bridge", name): given for name, given in solid(heads["bridge"]).items()}
+    large = solid(heads["cantilever"].replace(LARGE, ""))
+    del large["large_deformation"]
+    for name, given in large.items():
+        texts = (text.replace(LARGE, "") for text in (given.off, given.on))
+        found["cantilever", name] = Case(*texts, given.kernels, given.events)
+    moving = heads["vibration"] + MOVES
+    found |= {("vibration", name): given for name, given in solid(moving).items()}
+    # Of second order the mass of the body has the kernel of its body forces.
+    body = found["vibration", "body_force"]
+    found["vibration", "body_force"] = replace(body, kernels=frozenset())
+    shaken = '[effects.ground]\nfrequency = 5\nacceleration = "1 m/s^2"\n'
+    found["vibration", "ground"] = case(moving + PLATE + PULLED, shaken)
+    # Of small strains damping is in the factors of the matrices that there are.
+    damped = "[effects.damping]\nalpha = 1\nbeta = 1e-4\n"
+    found["vibration", "damping"] = case(moving + PLATE + LARGE + PULLED, damped, ["linear_elastic_tri3"])
+    modal = heads["metallophone"] + THICK + "[mesh]\nsize = 0.4\norder = 1\n[effects.modal]\nmodes = 3\n"
+    found["metallophone", "in_plane_modes"] = Case(modal, modal + "in_plane = true\n")
+    isotropic = "E = 200e9\nnu = 0.3"
+    found["metallophone", "grain"] = Case(modal, modal.replace(isotropic, WOOD), frozenset(["anisotropic_tet4"]))
+    found["metallophone", "regions"] = Case(modal, modal + CORE.replace("thickness = 0.01", "thickness = 0.6"))
+    return found
+
+
+CASES = all_cases()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _logged():
+    begin_log()
+
+
+def test_every_effect_of_every_application_has_a_case():
+    optional = {
+        (app.name, name) for app in applications().values() for name, e in app.effects.items() if not e.required
+    }
+    implied = {(app.name, name) for app in applications().values() for name in app.implied}
+    assert set(CASES) == optional | implied
+
+
+def rows_of(folder, text):
+    """The rows of a short drag."""
+    script = write_script(folder, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.5), 3)))
+    return watched(write_scene(folder, text), script)[0]
+
+
+@pytest.mark.parametrize(("app", "effect"), list(CASES))
+def test_off_is_absent_and_on_is_not(tmp_path, monkeypatch, app, effect):
+    given = CASES[app, effect]
+    off, on = (rows_of(tmp_path, text) for text in (given.off, given.on))
+    assert not any(row["refused"] for row in off + on)
+    assert tally(off) != tally(on)
+    assert not given.kernels & kernels(off)
+    assert given.kernels <= kernels(on)
+    for event in given.events:
+        assert happened(off, event) == 0 < happened(on, event)
+    whole = applications()
+    lacking = replace(
+        whole[app],
+        effects={name: known for name, known in whole[app].effects.items() if name != effect},
+        implied={name: known for name, known in whole[app].implied.items() if name != effect},
+    )
+    monkeypatch.setattr("restshape.application.applications", lambda: {**whole, app: lacking})
+    assert tally(rows_of(tmp_path, given.off)) == tally(off)

@@ -1,0 +1,120 @@
+"""Prices: what has been put into the times of frames comes out again, and shares sum to one."""
+
+import numpy as np
+import pytest
+from small_scenes import plate, write_scene
+
+from restshape.application import application
+from restshape.explain.price import prices
+from restshape.explain.variants import ALONE, Difference, Variants, variants
+from restshape.scene.load import load_scene
+from restshape.scene.plan import plan
+
+NONE = frozenset()
+FRAMES = 12
+EDIT, MESH, OBSERVED, RECORD, SOLVE = 0.1, 0.4, 0.2, 0.3, 1.0
+EFFECTS = {"a": 0.5, "b": 0.25, "c": 0.0}
+TOTAL = EDIT + MESH + OBSERVED + RECORD + SOLVE + sum(EFFECTS.values())
+TRIED = Variants(
+    (NONE, *(frozenset([name]) for name in EFFECTS)),
+    {name: Difference(NONE, frozenset([name])) for name in EFFECTS},
+    {},
+    NONE,
+    {},
+)
+
+
+def frame(variant, index, left_out, slow, rng):
+    """A row of a frame whose effects cost what `EFFECTS` says, on a machine that has slow spells."""
+    spell = slow * rng.exponential() if rng.random() < 0.3 else 0.0
+    solve = SOLVE + sum(ms for name, ms in EFFECTS.items() if name not in left_out) + spell
+    calls = {"core": {"tangent": (2, 200)}} | {name: {"residual": (1, 100)} for name in EFFECTS if name not in left_out}
+    return {
+        "variant": variant,
+        "index": index,
+        "level": 1,
+        "iterations": 1,
+        "unknowns": 100 + (0 if "a" in left_out else 40),
+        "elements": 50,
+        "entries": 1000 + (0 if "a" in left_out else 300),
+        "calls": calls,
+        "calls_beside": {"core": {"stress": (1, 50)}},
+        "ms": EDIT + MESH + OBSERVED + solve + (100.0 if index == 0 else 0.0),
+        "ms_edit": EDIT,
+        "ms_relocate": MESH / 4,
+        "ms_map": MESH / 4,
+        "ms_flip": MESH / 4,
+        "ms_mesh": MESH / 4,
+        "ms_observe": OBSERVED,
+        "ms_record": RECORD,
+    }
+
+
+def runs(number, slow):
+    """Rows of several runs."""
+    rng = np.random.default_rng(3)
+    return [
+        [frame(k, index, names, slow, rng) for index in range(FRAMES) for k, names in enumerate((*TRIED.sets, NONE))]
+        for _ in range(number)
+    ]
+
+
+@pytest.mark.parametrize(("number", "slow", "error"), [(1, 0.0, 1e-12), (5, 2.0, 0.01)])
+def test_shares_are_what_was_put_in_and_sum_to_one(number, slow, error):
+    found = prices(runs(number, slow), TRIED)
+    assert found.frames == FRAMES - 1
+    assert sum(found.shares.values()) == pytest.approx(1.0, abs=1e-12)
+    for name, ms in {
+        **EFFECTS,
+        "edit": EDIT,
+        "mesh": MESH,
+        "observation": OBSERVED,
+        "record": RECORD,
+        "": SOLVE,
+    }.items():
+        assert found.shares[name] == pytest.approx(ms / TOTAL, abs=max(error, 2.0 * found.spreads[name]))
+    assert found.ms == pytest.approx(TOTAL, rel=10 * error)
+
+
+def test_counts_are_differences_and_the_rest_is_always_there():
+    found = prices(runs(1, 0.0), TRIED)
+    frames = FRAMES - 1
+    assert found.counts["a"].unknowns == 40 and found.counts["a"].entries == 300
+    assert found.counts["b"].calls == {"b": {"residual": [frames, 100 * frames]}}
+    rest = found.counts[""]
+    assert (rest.unknowns, rest.elements, rest.entries) == (100, 50, 1000)
+    assert rest.calls == {"core": {"tangent": [2 * frames, 200 * frames]}}
+    assert found.beside == {"core": {"stress": [frames, 50 * frames]}}
+
+
+def test_an_effect_without_which_there_is_no_answer_has_no_price():
+    rows = [row for row in runs(1, 0.0)[0] if row["variant"] != 2]
+    rows.insert(1, {"variant": 2, "problem": "nothing holds the body"})
+    found = prices([rows], TRIED)
+    assert "b" not in found.counts and found.problems == {"b": "not to be told: without it nothing holds the body"}
+    assert sum(found.shares.values()) == pytest.approx(1.0, abs=1e-12)
+    assert found.shares[""] == pytest.approx((SOLVE + EFFECTS["b"]) / TOTAL)
+
+
+def tried(path):
+    """The variants of a scene."""
+    scene = load_scene(path)
+    app = application(scene.app)
+    return variants(plan(scene, app), app)
+
+
+def shipped(name, scene):
+    """The path of a scene that ships with an application."""
+    return next(path for path in application(name).scenes() if path.stem == scene)
+
+
+def test_what_hangs_on_an_effect_goes_with_it_and_the_last_load_stays(tmp_path):
+    found = tried(shipped("cantilever", "cantilever"))
+    assert found.differences["following_pressure"] == Difference(NONE, frozenset(["following_pressure"]))
+    assert set(found.differences) == {"gravity", "following_pressure", "stresses"}
+    strip = tried(shipped("solid", "strip"))
+    assert strip.kept["gravity"] == ALONE and "gravity" in strip.alone
+    pushed = '[effects.large_deformation]\n[loads.push]\non = "right"\npressure = "1 MPa"\n'
+    both = tried(write_scene(tmp_path, plate() + pushed))
+    pressed = frozenset(["following_pressure"])
+    assert both.differences["large_deformation"] == Difference(pressed, pressed | {"large_deformation"})

@@ -1,0 +1,176 @@
+"""The error estimate of solids at rest: against exact solutions, where it must vanish, at materials that meet."""
+
+import numpy as np
+import pytest
+from restshape_apps.solid.second_order import SCENES, displacement, gradient
+from small_scenes import write_scene
+
+from restshape import _kernels
+from restshape.mesh.quadrature import collapsed
+from restshape.mesh.space import quadratic_basis
+from restshape.mesh.transfer import transfer
+from restshape.physics.estimate import SolidEstimate
+from restshape.replay.still import still
+
+LINEAR = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
+
+TWO = """
+format = "restshape-scene"
+version = 1
+app = "solid"
+[shape]
+outline = ["bottom", "right", "top", "left"]
+[shape.vertices]
+a = [0, 0]
+b = [1, 0]
+c = [1, 1]
+d = [0, 1]
+[shape.edges]
+bottom = { line = ["a", "b"] }
+right = { line = ["b", "c"] }
+top = { line = ["c", "d"] }
+left = { line = ["d", "a"] }
+[shape.regions.core]
+polygon = [[0.3, 0.25], [0.7, 0.3], [0.65, 0.75], [0.25, 0.7]]
+[material.soft]
+E = 1e6
+nu = 0.3
+[material.hard]
+E = 1e8
+nu = 0.2
+region = ["core"]
+[effects.solid]
+[supports.whole]
+on = "all"
+fix = { x = "1e-3*x + 2e-4*y", y = "-3e-4*y" }
+[mesh]
+size = 0.1
+"""
+
+
+def true_error(mesh, x, slope, moduli):
+    """The relative error of a displacement in the energy norm, by its exact gradients."""
+    lame, shear = moduli
+    points, weights = collapsed(5)
+    if mesh.cells.shape[1] == 6:
+        basis, rises = quadratic_basis(points[:, 1:])
+    else:
+        basis, rises = points, np.broadcast_to(LINEAR, (len(points), 3, 2))
+    nodes, values, error, size = mesh.X[mesh.cells], x[mesh.cells], 0.0, 0.0
+
+    def density(H):
+        E = 0.5 * (H + H.transpose(0, 2, 1))
+        return lame * np.einsum("eii->e", E) ** 2 + 2 * shear * (E**2).sum(axis=(1, 2))
+
+    for shape, rise, weight in zip(basis, rises, weights):
+        jacobian = np.einsum("ik,eij->ekj", rise, nodes)
+        H = np.linalg.solve(jacobian, np.einsum("ik,eij->ekj", rise, values)).transpose(0, 2, 1)
+        exact, area = slope(np.einsum("i,eij->ej", shape, nodes)), 0.5 * weight * np.linalg.det(jacobian)
+        error += (area * density(H - exact)).sum()
+        size += (area * density(exact)).sum()
+    return np.sqrt(error / size)
+
+
+@pytest.mark.parametrize("scene", ["manufactured.toml", "manufactured_hole.toml"])
+@pytest.mark.parametrize(("order", "near"), [(1, 0.03), (2, 0.03)])
+def test_effectivity_tends_to_1(scene, order, near):
+    found = []
+    for size in (0.24, 0.12, 0.06):
+        analysis = still(SCENES / scene, [f"mesh.size={size}", f"mesh.order={order}"]).analysis
+        found.append(analysis.estimate() / true_error(analysis.mesh, analysis.x, gradient, (1.0, 1.0)))
+    assert all(0.9 < ratio < 1.15 for ratio in found), found
+    assert abs(found[-1] - 1.0) < near
+
+
+def test_estimate_is_of_the_displacement_that_is_shown():
+    """The exact displacement at the nodes is nearer, or as near; twice the displacement has the same relative error."""
+    analysis = still(SCENES / "manufactured.toml", ["mesh.size=0.12"]).analysis
+    estimate = SolidEstimate(analysis.physics)
+    assert estimate.relative(2.0 * analysis.x) == pytest.approx(estimate.relative(analysis.x), rel=1e-12)
+    assert estimate.distance(1.01 * analysis.x, analysis.x) == pytest.approx(0.01, rel=1e-9)
+    mesh = analysis.mesh
+    exact = estimate.distance(analysis.x, displacement(mesh.X))
+    assert 0.0 < exact < 0.5 * analysis.estimate()
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_patch_test_has_no_error(order):
+    assert still(SCENES / "patch.toml", [f"mesh.order={order}"]).analysis.estimate() < 1e-12
+
+
+@pytest.mark.parametrize("overrides", [[], ["mesh.order=2"], ["effects.solid.model=plane_strain"]])
+def test_jump_of_stress_between_materials_is_no_error(tmp_path, overrides):
+    analysis = still(write_scene(tmp_path, TWO), overrides).analysis
+    stress = analysis.physics.stress(analysis.x)[:, 0]
+    assert stress.max() > 20 * stress.min()
+    assert analysis.estimate() < 1e-12
+    # Recovered across the border it would be one.
+    mesh, physics = analysis.mesh, analysis.physics
+    if mesh.cells.shape[1] == 3:
+        nodal = np.empty((len(mesh.X), 4))
+        _kernels.recover(mesh.X, mesh.cells, physics.stress(analysis.x), nodal)
+        estimate = analysis.estimator_of(physics)
+        error, size = estimate._energies(mesh.cells, nodal, estimate._stress(analysis.x, None))
+        assert error > 1e-3 * size
+
+
+def test_stress_is_nothing_to_relate_to(tmp_path):
+    carried = write_scene(tmp_path, TWO.replace('{ x = "1e-3*x + 2e-4*y", y = "-3e-4*y" }', "{ x = 0.3, y = 0.1 }"))
+    assert np.isnan(still(carried).analysis.estimate())
+
+
+@pytest.mark.parametrize(
+    ("overrides", "least"), [(["mesh.size=0.02"], 0.85), (["mesh.size=0.03", "mesh.order=1"], 0.7)]
+)
+def test_large_strains_against_a_fine_mesh(overrides, least):
+    """Green's strain of Turek and Hron's beam, which bends far; the fine mesh has a fifth of the error or less."""
+    fine = still(SCENES / "csm1.toml", ["mesh.size=0.004", "mesh.near.a=1e-3", "mesh.near.d=1e-3"]).analysis
+    coarse = still(SCENES / "csm1.toml", overrides).analysis
+    there = transfer(coarse.mesh, fine.mesh, coarse.x)
+    ratio = coarse.estimate() / fine.estimator_of(fine.physics).distance(there, fine.x)
+    assert least < ratio < 1.3
+
+
+def test_mean_dilatation_against_a_fine_mesh():
+    """The stress of a nearly incompressible membrane, against nodal stresses of a fine mesh."""
+    rubber = ["material.unit.nu=0.4999", "effects.solid.model=plane_strain"]
+    fine = still(SCENES / "cook.toml", [*rubber, "mesh.size=1.5"]).analysis
+    coarse = still(SCENES / "cook.toml", [*rubber, "mesh.size=6"]).analysis
+    assert coarse.physics.element.name == "linear_elastic_dilatation_tri6"
+    of, at = fine.estimator_of(fine.physics), coarse.estimator_of(coarse.physics)
+    nodal = transfer(fine.mesh, coarse.mesh, of.recovery(of._stress(fine.x, of.recovery.points)))
+    error, size = at._energies(coarse.mesh.cells, np.ascontiguousarray(nodal), at._stress(coarse.x, at._points))
+    assert coarse.estimate() / np.sqrt(error / size) == pytest.approx(1.0, abs=0.15)
+
+
+def test_energies_of_a_linear_field_are_exact():
+    """d . C d of linear d on one triangle, integrated by hand: area/12 (sum of squares + square of the sum)."""
+    X, cells = np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 2.0]]), np.array([[0, 1, 2]], dtype=np.int32)
+    nodal, samples = np.zeros((3, 4)), np.zeros((1, 4))
+    nodal[:, 0], samples[0, 0] = [1.0, 4.0, 9.0], 2.0
+    C = np.zeros((1, 4, 4))
+    C[0, 0, 0] = 7.0
+    d = nodal[:, 0] - 2.0
+    found = _kernels.recovery_energies(X, cells, cells, nodal, samples, C, np.empty(0, dtype=np.int32))
+    assert found == pytest.approx((7 * 3.0 / 12 * ((d**2).sum() + d.sum() ** 2), 7 * 3.0 * 4.0))
+
+
+@pytest.mark.parametrize(("nodes", "degree"), [(3, 2), (6, 4), (4, 2), (10, 5)])
+def test_rules_integrate_squares_of_what_is_interpolated(nodes, degree):
+    """The mean of the first coordinate's powers over the simplex: k! d! / (k + d)!."""
+    points = _kernels.estimate_points(nodes)
+    d = points.shape[1]
+    samples = np.zeros((1, len(points), 4 if d == 2 else 6))
+    corners = np.vstack([np.zeros(d), np.eye(d)])
+    sides = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)][: nodes - d - 1]
+    X = np.vstack([corners, [0.5 * (corners[i] + corners[j]) for i, j in sides]]) if sides else corners
+    cells = np.arange(nodes, dtype=np.int32)[None]
+    C = np.zeros((1, samples.shape[2], samples.shape[2]))
+    C[0, 0, 0] = 1.0
+    volume = 0.5 if d == 2 else 1 / 6
+    k = degree // 2
+    samples[0, :, 0] = points[:, 0] ** k
+    nodal = np.zeros((nodes, samples.shape[2]))
+    size = _kernels.recovery_energies(X, cells, cells, nodal, samples, C, np.empty(0, dtype=np.int32))[1]
+    exact = np.prod(np.arange(1, d + 1)) / np.prod(np.arange(2 * k + 1, 2 * k + d + 1))
+    assert size == pytest.approx(volume * exact, rel=1e-12)
