@@ -11,7 +11,8 @@ from restshape import _kernels
 from restshape.application import application
 from restshape.bench.events import EventCounts
 from restshape.calibration import Calibration
-from restshape.explain.paired import Counted, stored
+from restshape.explain.filled import stored
+from restshape.explain.paired import Counted
 from restshape.policy import policy
 from restshape.replay.request import Request
 from restshape.scene.load import load_scene

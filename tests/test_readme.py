@@ -26,7 +26,7 @@ def example(tmp_path, monkeypatch):
 
 
 def test_the_commands_of_the_example_run(example, capsys):
-    shell = "".join(re.findall(r"```sh\n(.*?)```", README.split("## A structure that shakes")[0], re.S))
+    shell = "".join(re.findall(r"```sh\n(.*?)```", README.split("## What accuracy costs")[0], re.S))
     lines = [line for line in shell.splitlines() if line.startswith("restshape ")]
     assert [shlex.split(line)[1] for line in lines] == ["check", "replay", "report", "script"]
     for line in lines:

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from restshape_apps.vibration.hard_scenes import (
-    DAMPED,
     HEAD,
     HELD,
     QUANTITIES,
@@ -19,6 +18,7 @@ from scipy.sparse.linalg import splu
 from restshape.analysis.frame import Frame
 from restshape.replay.loop import Replay
 
+DAMPED = "\n[effects.damping]\nalpha = 0.8\nbeta = 2e-3\n"
 NO_CELLS = np.empty(0, dtype=np.int32)
 __all__ = [
     "DAMPED",

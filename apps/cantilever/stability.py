@@ -6,15 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from restshape.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound
-from restshape.stability.scenery import across, drag
+from restshape.stability.scenery import across, drag, set_value
 
 SCENE = Path(__file__).parent / "scenes" / "cantilever.toml"
 COARSE = ['mesh.size="90 mm"']
-
-
-def set_value(key: str, *values: object) -> list[dict]:
-    """Edits that give a key one value after the other."""
-    return [{"do": "set", "key": key, "value": value} for value in values]
 
 
 def gravity_raised(trial: Trial) -> Iterator[Statement]:

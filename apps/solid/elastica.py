@@ -36,26 +36,3 @@ def stretched_elastica(load, height=0.01):
     found = solve_bvp(slopes, lambda a, b: np.array([a[0], b[1], a[2], a[3]]), s, start, tol=1e-6, max_nodes=100_000)
     assert found.success, found.message
     return found.y[2, -1], 1 - found.y[3, -1]
-
-
-def pressed_elastica(pressure, rigidity):
-    """Tip (x, y) and angle of an inextensible strip of length 1, clamped along x, pressed down by what follows it.
-
-    Args:
-        pressure: force [N] a length [m].
-        rigidity: E I [N m^2].
-    """
-    s = np.linspace(0, 1, 400)
-    y = np.zeros((6, len(s)))
-    y[0] = s
-    for p in pressure * np.linspace(0.1, 1, 10):
-
-        def slopes(s, y, p=p):
-            _, _, angle, bend, fx, fy = y
-            sine, cosine = np.sin(angle), np.cos(angle)
-            return np.array([cosine, sine, bend, (fx * sine - fy * cosine) / rigidity, -p * sine, p * cosine])
-
-        found = solve_bvp(slopes, lambda a, b: np.array([*a[:3], *b[3:]]), s, y, tol=1e-6, max_nodes=100_000)
-        assert found.success, found.message
-        s, y = found.x, found.y
-    return y[:3, -1]

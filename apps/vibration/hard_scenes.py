@@ -8,7 +8,6 @@ HEAD = 'format = "restshape-scene"\nversion = 1\napp = "vibration"\n'
 RUBBER = '\n[material.rubber]\nE = "2 MPa"\nnu = 0.3\nrho = 1000\nthickness = 0.1\n'
 HELD = '\n[supports.foot]\non = "bottom"\nfix = ["x", "y"]\n'
 SHAKEN = "\n[effects.ground]\ndirection = [2, 1]\nacceleration = 3.0\nfrequency = 4.0\n"
-DAMPED = "\n[effects.damping]\nalpha = 0.8\nbeta = 2e-3\n"
 WINDOW = "\n[shape.holes]\nwindow = { circle = { center = [0.5, 1.4], radius = 0.18 } }\n"
 QUANTITIES = """
 [quantities]

@@ -1,15 +1,20 @@
 // Patch recovery for tetrahedra: nodal stresses from samples in the cells, by polynomials of the cells' own order.
 //
 // Each corner has a polynomial of its own, on the boundary too, for bodies of one layer have no inner nodes. It is
-// fitted to the samples of the cells around the corner; terms that these do not determine are left out. A mid-side node
-// takes the mean of the polynomials of its ends. Source: after Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33
-// (1992) 1331.
+// fitted to the samples of the cells around the corner. A mid-side node takes the mean of the polynomials of its ends.
+//
+// Few cells around a corner may determine a polynomial badly: their centres lie near a plane, their samples near a
+// quadric. A recovered value is a weighted sum of samples, and the sum of the squared weights says by how much it
+// magnifies the samples' errors. It is bounded: a node where it would be larger takes the mean of the polynomials
+// that its cells' other corners have, where these are within the bound; where none is, it takes what its own cells
+// tell to a lower degree. Source: after Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331.
 #pragma once
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "shapes.hpp"
@@ -50,6 +55,7 @@ class SpaceRecovery {
                 for (int l = 0; l <= k; ++l) p.m[k][l] += f[k] * f[l];
         });
         for (Patch& p : patches_) factor(p);
+        choose();
     }
 
     // stress (ne, points, 6), out (n, 6).
@@ -60,28 +66,28 @@ class SpaceRecovery {
             for (int k = 0; k < terms; ++k) moments_[patch].b[k] += f[k] * value;
         });
         for (size_t p = 0; p < patches_.size(); ++p) solve(patches_[p], moments_[p]);
-        std::vector<int> count(n_, 0);
         std::fill(out, out + values * n_, 0.0);
-        for (std::ptrdiff_t a = 0; a < n_; ++a)
-            if (patch_[a] >= 0) Eigen::Map<Value>(out + values * a) = moments_[patch_[a]].b[0];
-        if constexpr (Basis::order == 2) {
-            for (std::ptrdiff_t e = 0; e < ne_; ++e)
-                for (int m = 0; m < nodes - corners; ++m)
-                    for (const int end : Basis::sides[m]) {
-                        const int32_t to = cell(e)[corners + m];
-                        Eigen::Map<Value>(out + values * static_cast<size_t>(to)) += value(cell(e)[end], to);
-                        ++count[to];
-                    }
-            for (std::ptrdiff_t a = 0; a < n_; ++a)
-                if (count[a]) Eigen::Map<Value>(out + values * a) /= count[a];
+        for (const Source& s : sources_) {
+            Eigen::Map<Value> value(out + values * static_cast<size_t>(s.node));
+            for (int k = 0; k < s.rank; ++k) value += s.share * s.p[k] * moments_[s.patch].b[k];
         }
     }
 
  private:
+    static constexpr int linear = 4;
+    // Of the sum of the squared weights. In well shaped patches with no more samples than terms it is up to about 12.
+    static constexpr double most = 16.0;
+
     struct Patch {
-        double m[terms][terms] = {};
+        double m[terms][terms] = {};  // normal equations, then their factor with the diagonal's reciprocals
         double size = 0.0;
-        bool kept[terms] = {};
+        int rank = 0;  // terms that are determined: 1, 4 or 10
+    };
+    // A part of a node's value: the polynomial of a patch there, times a share.
+    struct Source {
+        int32_t node;
+        int patch, rank;
+        double share, p[terms];  // of the patch's orthonormal polynomials, their values at the node
     };
     struct Moments {
         Value b[terms];
@@ -124,48 +130,87 @@ class SpaceRecovery {
             }
     }
 
-    // Cholesky's factor of the normal equations, without the terms that those before them determine already.
+    // Cholesky's factor of the normal equations, as far as rounding lets it be told.
     static void factor(Patch& p) {
-        for (int k = 0; k < terms; ++k) {
+        int k = 0;
+        for (; k < terms; ++k) {
             double* row = p.m[k];
             const double whole = row[k];
             for (int j = 0; j < k; ++j) {
-                if (!p.kept[j]) continue;
-                for (int l = 0; l < j; ++l)
-                    if (p.kept[l]) row[j] -= row[l] * p.m[j][l];
-                row[j] /= p.m[j][j];
+                for (int l = 0; l < j; ++l) row[j] -= row[l] * p.m[j][l];
+                row[j] *= p.m[j][j];
                 row[k] -= row[j] * row[j];
             }
-            p.kept[k] = row[k] > 1e-6 * whole;
-            if (p.kept[k]) row[k] = std::sqrt(row[k]);
+            if (!(row[k] > 1e-9 * whole)) break;
+            row[k] = 1.0 / std::sqrt(row[k]);
         }
+        p.rank = k == terms ? terms : k >= linear ? linear : 1;
     }
 
-    // Turns moments of the stress to the polynomial.
+    // Turns moments of the stress to coefficients of the patch's orthonormal polynomials. A fit of lower degree has
+    // the first of them.
     static void solve(const Patch& p, Moments& moments) {
         Value* b = moments.b;
-        for (int k = 0; k < terms; ++k) {
-            if (!p.kept[k]) {
-                b[k].setZero();
-                continue;
-            }
+        for (int k = 0; k < p.rank; ++k) {
             for (int j = 0; j < k; ++j) b[k] -= p.m[k][j] * b[j];
-            b[k] /= p.m[k][k];
-        }
-        for (int k = terms - 1; k >= 0; --k) {
-            if (!p.kept[k]) continue;
-            for (int j = k + 1; j < terms; ++j)
-                if (p.kept[j]) b[k] -= p.m[j][k] * b[j];
-            b[k] /= p.m[k][k];
+            b[k] *= p.m[k][k];
         }
     }
 
-    Value value(int32_t from, int32_t to) const {
-        double f[terms];
-        monomials(from, place(to), f);
-        Value sum = Value::Zero();
-        for (int k = 0; k < terms; ++k) sum += f[k] * moments_[patch_[from]].b[k];
-        return sum;
+    // The polynomial of corner `from` at node `to`, of the highest degree whose weights are bounded.
+    Source source(int32_t from, int32_t to) const {
+        Source found{to, patch_[from], 1, 1.0, {}};
+        const Patch& p = patches_[found.patch];
+        monomials(from, place(to), found.p);
+        double weights = 0.0;
+        for (int k = 0; k < p.rank; ++k) {
+            for (int j = 0; j < k; ++j) found.p[k] -= p.m[k][j] * found.p[j];
+            found.p[k] *= p.m[k][k];
+            weights += found.p[k] * found.p[k];
+            if (weights > most) break;
+            if (k + 1 == linear || k + 1 == terms) found.rank = k + 1;
+        }
+        return found;
+    }
+
+    // Corners whose polynomials a node of a cell takes first: itself, or the ends of its side.
+    static std::pair<int, int> own(int i) {
+        if constexpr (Basis::order == 2)
+            if (i >= corners) return {Basis::sides[i - corners][0], Basis::sides[i - corners][1]};
+        return {i, i};
+    }
+
+    // Where each node has its value from.
+    void choose() {
+        std::vector<int> count(n_, -1);
+        const auto take = [&](int32_t from, int32_t to, int least) {
+            const Source found = source(from, to);
+            if (found.rank < least) return;
+            sources_.push_back(found);
+            ++count[to];
+        };
+        // Each node as the first of its cells has it, for the ends of a side are the same in all.
+        const auto take_own = [&](std::ptrdiff_t e, int i, int least) {
+            const auto [first, second] = own(i);
+            take(cell(e)[first], cell(e)[i], least);
+            if (second != first) take(cell(e)[second], cell(e)[i], least);
+        };
+        for (std::ptrdiff_t e = 0; e < ne_; ++e)
+            for (int i = 0; i < nodes; ++i)
+                if (int& here = count[cell(e)[i]]; here < 0) here = 0, take_own(e, i, terms);
+        std::vector<bool> poor(n_);
+        for (std::ptrdiff_t a = 0; a < n_; ++a) poor[a] = count[a] == 0;
+        for (std::ptrdiff_t e = 0; e < ne_; ++e)
+            for (int i = 0; i < nodes; ++i) {
+                if (!poor[cell(e)[i]]) continue;
+                const auto [first, second] = own(i);
+                for (int j = 0; j < corners; ++j)
+                    if (j != first && j != second) take(cell(e)[j], cell(e)[i], terms);
+            }
+        for (std::ptrdiff_t e = 0; e < ne_; ++e)
+            for (int i = 0; i < nodes; ++i)
+                if (count[cell(e)[i]] == 0) take_own(e, i, 1);
+        for (Source& s : sources_) s.share = 1.0 / count[s.node];
     }
 
     const double* X_;
@@ -173,6 +218,7 @@ class SpaceRecovery {
     std::ptrdiff_t n_, ne_;
     std::vector<int> patch_;  // of each node that is a corner
     std::vector<Patch> patches_;
+    std::vector<Source> sources_;
     std::vector<Moments> moments_;
 };
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from restshape.accuracy.front import exponent, front_of, mark_pareto, pareto, pick, rates, slope
+from restshape.accuracy.front import exponent, front_of, mark_pareto, pareto, picks, rates, slope
 from restshape.errors import UserError
 
 COST = st.sampled_from([0.5, 1.0, 1.5, 2.0, 3.0]) | st.floats(1e-6, 1e6)
@@ -13,6 +13,7 @@ COST = st.sampled_from([0.5, 1.0, 1.5, 2.0, 3.0]) | st.floats(1e-6, 1e6)
 def record(error, ms, **other):
     """A point."""
     held = {"name": f"{error} in {ms}", "error": error, "frame_ms": ms, "below_reference": False, "varied": ""}
+    held |= {"uncertainty": 0.0}
     return held | {"policy": "auto", "order": 1, "size": 1.0, "errors": {}, "quantities": {}} | other
 
 
@@ -46,10 +47,25 @@ POINTS = [record(0.1, 1.0), record(0.03, 4.0), record(0.031, 3.0), record(0.005,
 
 
 def test_the_most_accurate_within_a_time_and_the_fastest_below_an_error():
-    assert pick(POINTS, 16.0, None)["error"] == 0.03
-    assert pick(POINTS, None, 0.05)["frame_ms"] == 3.0
-    assert pick(POINTS, 16.0, 0.05)["error"] == 0.03
-    assert pick(POINTS, None, 0.03)["error"] == 0.005
+    assert picks(POINTS, 16.0, None)[0]["error"] == 0.03
+    assert picks(POINTS, None, 0.05)[0]["frame_ms"] == 3.0
+    assert picks(POINTS, 16.0, 0.05)[0]["error"] == 0.03
+    assert picks(POINTS, None, 0.03)[0]["error"] == 0.005
+
+
+def test_what_is_tried_next_is_faster_within_a_time_and_else_more_accurate():
+    beaten = [*POINTS, record(0.04, 5.0)]
+    assert [r["frame_ms"] for r in picks(beaten, 16.0, None)] == [4.0, 3.0, 1.0]
+    assert [r["error"] for r in picks(beaten, None, 0.05)] == [0.031, 0.03, 0.005]
+
+
+def test_an_error_that_the_reference_cannot_tell_is_no_reason_to_pick():
+    vague = [record(0.001, 5.0, uncertainty=0.02), record(0.002, 3.0, uncertainty=0.02)]
+    with pytest.raises(UserError, match="the reference itself is known to 2 % only"):
+        picks(vague, None, 0.01)
+    assert [r["frame_ms"] for r in picks(vague, None, 0.03)] == [3.0, 5.0]
+    # Both are as good as the reference can tell: the faster one comes first.
+    assert [r["frame_ms"] for r in picks(vague, 16.0, None)] == [3.0]
 
 
 @pytest.mark.parametrize(
@@ -62,10 +78,10 @@ def test_the_most_accurate_within_a_time_and_the_fastest_below_an_error():
 )
 def test_where_nothing_fits_the_nearest_is_told(within, error, words):
     with pytest.raises(UserError) as told:
-        pick(POINTS, within, error)
+        picks(POINTS, within, error)
     assert words in told.value.what and told.value.do
 
 
 def test_nothing_can_be_picked_from_nothing():
     with pytest.raises(UserError, match="no point of the study"):
-        pick([record(None, 1.0)], 1.0, None)
+        picks([record(None, 1.0)], 1.0, None)

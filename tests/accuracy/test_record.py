@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from restshape.accuracy.front import finite, mark_pareto
-from restshape.accuracy.page import left_out, reuse_line, row
+from restshape.accuracy.page import left_out, reuse_line, row, solver_line
 from restshape.accuracy.record import Truth, effectivity, nameless, record
 from restshape.accuracy.setting import Omission, Setting
 from restshape.bench.job import Outcome
@@ -62,6 +62,14 @@ def test_reuse_beyond_the_tolerance_is_a_failure():
     assert good["reuse_holds"] is True and bad["reuse_holds"] is False
     assert reuse_holds(SimpleNamespace(records=[good])) and not reuse_holds(SimpleNamespace(records=[good, bad]))
     assert "FAILURE" in reuse_line(SimpleNamespace(records=[good, bad]))
+
+
+def test_reuse_that_is_known_nowhere_does_not_hold():
+    unknown = SimpleNamespace(records=[made(Outcome([], "stopped"))])
+    assert not reuse_holds(unknown) and "not known at any point" in reuse_line(unknown)
+    assert "not known at any point" in solver_line(unknown)
+    unknown.records.append(made(told(frame(0, 0.02, 1e-6, 2.4))))
+    assert reuse_holds(unknown) and "at the 1 points that tell" in reuse_line(unknown)
 
 
 def test_what_failed_is_told_with_its_reason_and_without_folders():

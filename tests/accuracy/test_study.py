@@ -1,17 +1,20 @@
 """Studies of small scenes, in this process: known rates, parts that sum, closed forms."""
 
 import json
+import weakref
 from pathlib import Path
 
 import numpy as np
 import pytest
-from small_scenes import HEAD, block, drag, meshed, write_scene, write_script
+from small_scenes import HEAD, across, block, drag, meshed, plate, write_scene, write_script
 
 from restshape.accuracy.front import finite, rates
+from restshape.accuracy.page import reuse_line, solver_line
 from restshape.accuracy.reference import MOST_UNKNOWNS
 from restshape.accuracy.replays import measure
 from restshape.accuracy.setting import Choice
 from restshape.accuracy.study import Asked, Case, study
+from restshape.algebra.operator import Operator
 from restshape.bench.job import Job, Outcome
 from restshape.bench.process import request
 
@@ -98,7 +101,34 @@ def test_a_looser_tolerance_shows_in_the_algebraic_part_alone(manufactured):
     own = next(r for r in manufactured.records if not r["varied"] and like.items() <= r.items())
     assert loose["tolerance"] == 1e-3 and own["tolerance"] == 1e-6
     assert loose["parts"]["algebraic"] > 3.0 * own["parts"]["algebraic"]
+    share = max((r["parts"]["algebraic"] + r["parts"]["reuse"]) / r["tolerance"] for r in manufactured.records)
+    assert f"at most {share:.2g} times the tolerance" in solver_line(manufactured)
     assert loose["parts"]["discretisation"] == pytest.approx(own["parts"]["discretisation"], rel=1e-9)
+
+
+@pytest.mark.parametrize("fault", [False, True])
+def test_a_matrix_that_is_kept_though_the_nodes_have_moved_is_a_failure_of_reuse(tmp_path, monkeypatch, fault):
+    assemble, kept = Operator.assemble, weakref.WeakKeyDictionary()
+
+    def stale(self, terms, rhs):
+        mat = assemble(self, terms, rhs)
+        if self not in kept:
+            kept[self] = mat.duplicate(copy=True)
+        elif kept[self].getSize() == mat.getSize():
+            kept[self].copy(mat)
+        return mat
+
+    if fault:
+        monkeypatch.setattr(Operator, "assemble", stale)
+    small = case(tmp_path, plate(0.2), drag("window", (0.5, 0.5), across((0.5, 0.5), (0.56, 0.5), 4)))
+    asked = Asked(Choice((1.0,), (1,), (1e-7,), ("auto", "refactor")), samples=3)
+    found = study(small, asked, lambda words: None, play)
+    assert [record["reuse_holds"] for record in found.records] == [not fault] * len(found.records)
+    for record in found.records:
+        assert (record["parts"]["reuse"] > 0.01) == fault
+        # The plain discretisation error of these meshes, whatever was kept.
+        assert record["parts"]["discretisation"] == pytest.approx(0.149, abs=0.003)
+    assert reuse_line(found).startswith("reuse exceeds" if fault else "reuse stays below the tolerance at all 3 points")
 
 
 def test_records_have_the_keys_that_programs_want(manufactured):
@@ -145,6 +175,6 @@ def test_modes_of_a_bar_are_compared_with_layers_of_second_order(tmp_path, monke
         reference == pytest.approx(2089.35, rel=5e-3)
         and abs(plain["frames"][0]["quantities"]["pitch"] / 2089.35 - 1) < 0.03
     )
-    assert all(record["reuse_holds"] in (True, None) for record in found.records)
+    assert all(record["reuse_holds"] is True for record in found.records)
     plates = [record for record in found.records if record["given"] == "plate"]
     assert len(plates) == 1 and plates[0]["order"] == 1 and "plates" in found.omissions[0].why

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from large import beam, solid
 from petsc4py import PETSc
-from restshape_apps.solid.elastica import pressed_elastica, stretched_elastica
+from restshape_apps.solid.elastica import stretched_elastica
+from scipy.integrate import solve_bvp
 from small_scenes import make_replay, rows_of, write_scene
 
 from restshape.algebra.newton import Outcome
@@ -96,6 +97,29 @@ def test_a_strip_far_softer_in_bending_than_in_tension(load):
     # The goal is far below the forces of stretching that steps along the bent strip bring up.
     row = still(ELASTICA, [f"parameters.load={load}"], PETSc.COMM_WORLD).row
     assert (-row["q_down"], -row["q_back"]) == pytest.approx(stretched_elastica(load), rel=2e-3)
+
+
+def pressed_elastica(pressure, rigidity):
+    """Tip (x, y) and angle of an inextensible strip of length 1, clamped along x, pressed down by what follows it.
+
+    Args:
+        pressure: force [N] a length [m].
+        rigidity: E I [N m^2].
+    """
+    s = np.linspace(0, 1, 400)
+    y = np.zeros((6, len(s)))
+    y[0] = s
+    for p in pressure * np.linspace(0.1, 1, 10):
+
+        def slopes(s, y, p=p):
+            _, _, angle, bend, fx, fy = y
+            sine, cosine = np.sin(angle), np.cos(angle)
+            return np.array([cosine, sine, bend, (fx * sine - fy * cosine) / rigidity, -p * sine, p * cosine])
+
+        found = solve_bvp(slopes, lambda a, b: np.array([*a[:3], *b[3:]]), s, y, tol=1e-6, max_nodes=100_000)
+        assert found.success, found.message
+        s, y = found.x, found.y
+    return y[:3, -1]
 
 
 def test_a_pressure_that_follows_is_put_on_in_steps(tmp_path):

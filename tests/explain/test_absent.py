@@ -1,21 +1,26 @@
-"""Off means absent: a scene with an effect off costs what it costs under an application that has no such effect.
+"""Off means absent: a scene with an effect off costs what its body costs, which follows from the mesh.
 
-Counted are unknowns, elements, matrix entries, calls of kernels, PETSc's events and stages, frame by frame; and that
-all this changes where the effect is on, so that nothing here can hold for lack of a measure.
+Counted are unknowns, elements, matrix entries, calls of kernels by purpose, and PETSc's events, in the first frame and
+in those that move nodes; and all this changes where the effect is on, so that nothing here holds for lack of a measure.
 """
 
 from dataclasses import dataclass, replace
 
+import numpy as np
 import pytest
+from called import LARGE, Law
 from counted import begin_log, happened, kernels, tally, watched
 from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag, meshed, write_scene, write_script
 
+from restshape import _kernels
+from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.static import StaticAnalysis
+from restshape.analysis.transient import TransientAnalysis
 from restshape.application import applications
 
 STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right" }\n'
 PEAK = 'peak = { stress = "von_mises" }\n'
 PLATE = block(2.0, 1.0) + HOLE + STEEL + CLAMPED + meshed(0.25)
-LARGE = "[effects.large_deformation]\n"
 GRAVITY = "[effects.gravity]\n"
 PRESSURE = '[loads.push]\non = "right"\npressure = "1 MPa"\n'
 BODY = '[loads.bulk]\non = "all"\nbody = ["1e4*x", 0]\n'
@@ -114,27 +119,60 @@ def test_every_effect_of_every_application_has_a_case():
     assert set(CASES) == optional | implied
 
 
-def rows_of(folder, text):
-    """The rows of a short drag."""
+def rows_of(folder, app, text):
+    """The rows of a short drag, and the law that they obey in a scene without anything but its body."""
     script = write_script(folder, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.5), 3)))
-    return watched(write_scene(folder, text), script)[0]
+    rows, replay = watched(write_scene(folder, text), script)
+    mesh = replay.analysis.body.mesh if app == "metallophone" else replay.analysis.mesh
+    return rows, Law(app, text, mesh.cells, len(mesh.X))
 
 
 @pytest.mark.parametrize(("app", "effect"), list(CASES))
-def test_off_is_absent_and_on_is_not(tmp_path, monkeypatch, app, effect):
+def test_off_is_absent_and_on_is_not(tmp_path, app, effect):
     given = CASES[app, effect]
-    off, on = (rows_of(tmp_path, text) for text in (given.off, given.on))
+    (off, law), (on, _) = (rows_of(tmp_path, app, text) for text in (given.off, given.on))
     assert not any(row["refused"] for row in off + on)
+    law.hold(off)
     assert tally(off) != tally(on)
     assert not given.kernels & kernels(off)
     assert given.kernels <= kernels(on)
     for event in given.events:
         assert happened(off, event) == 0 < happened(on, event)
-    whole = applications()
-    lacking = replace(
-        whole[app],
-        effects={name: known for name, known in whole[app].effects.items() if name != effect},
-        implied={name: known for name, known in whole[app].implied.items() if name != effect},
-    )
-    monkeypatch.setattr("restshape.application.applications", lambda: {**whole, app: lacking})
-    assert tally(rows_of(tmp_path, given.off)) == tally(off)
+
+
+@pytest.mark.parametrize("effect", sorted(name for app, name in CASES if app == "bridge"))
+def test_what_two_applications_share_costs_the_same_in_both(tmp_path, effect):
+    ours, theirs = CASES["solid", effect], CASES["bridge", effect]
+    for mine, other in ((ours.off, theirs.off), (ours.on, theirs.on)):
+        assert tally(rows_of(tmp_path, "solid", mine)[0]) == tally(rows_of(tmp_path, "bridge", other)[0])
+
+
+def wasteful(solve):
+    """A solve that weighs the body although nobody asks for it."""
+
+    def weighs(analysis, frame):
+        found, mesh = solve(analysis, frame), frame.mesh
+        weight = np.zeros_like(mesh.X)
+        element = _kernels.Element(f"mass_tri{mesh.cells.shape[1]}")
+        element.residual(mesh.X, np.zeros_like(weight), mesh.cells, np.ones(1), weight)
+        return found
+
+    return weighs
+
+
+@pytest.mark.parametrize(
+    ("analysis", "app", "effect"),
+    [
+        (StaticAnalysis, "solid", "gravity"),
+        (StaticAnalysis, "bridge", "regions"),
+        (StaticAnalysis, "cantilever", "following_pressure"),
+        (TransientAnalysis, "vibration", "gravity"),
+        (TransientAnalysis, "vibration", "ground"),
+        (ModalAnalysis, "metallophone", "in_plane_modes"),
+    ],
+)
+def test_the_law_notices_what_is_computed_without_being_asked_for(tmp_path, monkeypatch, analysis, app, effect):
+    monkeypatch.setattr(analysis, "solve", wasteful(analysis.solve))
+    rows, law = rows_of(tmp_path, app, CASES[app, effect].off)
+    with pytest.raises(AssertionError):
+        law.hold(rows)

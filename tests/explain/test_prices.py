@@ -5,6 +5,7 @@ import pytest
 from small_scenes import plate, write_scene
 
 from restshape.application import application
+from restshape.explain.filled import of_kernels
 from restshape.explain.price import prices
 from restshape.explain.variants import ALONE, Difference, Variants, variants
 from restshape.scene.load import load_scene
@@ -28,7 +29,7 @@ def frame(variant, index, left_out, slow, rng):
     """A row of a frame whose effects cost what `EFFECTS` says, on a machine that has slow spells."""
     spell = slow * rng.exponential() if rng.random() < 0.3 else 0.0
     solve = SOLVE + sum(ms for name, ms in EFFECTS.items() if name not in left_out) + spell
-    calls = {"core": {"tangent": (2, 200)}} | {name: {"residual": (1, 100)} for name in EFFECTS if name not in left_out}
+    calls = {"core": {"tangent": (2, 200)}} | {name: {"residual": (2, 80)} for name in EFFECTS if name not in left_out}
     return {
         "variant": variant,
         "index": index,
@@ -37,6 +38,7 @@ def frame(variant, index, left_out, slow, rng):
         "unknowns": 100 + (0 if "a" in left_out else 40),
         "elements": 50,
         "entries": 1000 + (0 if "a" in left_out else 300),
+        "filled": {"core": 800, "own core": 200} | ({} if "a" in left_out else {"a": 300}),
         "calls": calls,
         "calls_beside": {"core": {"stress": (1, 50)}},
         "ms": EDIT + MESH + OBSERVED + solve + (100.0 if index == 0 else 0.0),
@@ -80,11 +82,21 @@ def test_counts_are_differences_and_the_rest_is_always_there():
     found = prices(runs(1, 0.0), TRIED)
     frames = FRAMES - 1
     assert found.counts["a"].unknowns == 40 and found.counts["a"].entries == 300
-    assert found.counts["b"].calls == {"b": {"residual": [frames, 100 * frames]}}
+    assert found.counts["a"].filled == {"a": 300}
+    assert found.counts["b"].calls == {"b": {"residual": [2 * frames, 80 * frames]}}
+    assert found.counts["b"].elements == 40
     rest = found.counts[""]
     assert (rest.unknowns, rest.elements, rest.entries) == (100, 50, 1000)
+    assert rest.filled == {"core": 800, "own core": 200}
     assert rest.calls == {"core": {"tangent": [2 * frames, 200 * frames]}}
     assert found.beside == {"core": {"stress": [frames, 50 * frames]}}
+
+
+def test_a_matrix_is_that_of_an_effect_only_where_no_other_kernel_fills_it():
+    filled = {"mass_tri3": 5, "lumped_mass_tri3 mass_tri3": 7, "linear_elastic_tri3 mass_tri3": 100, "": 1000}
+    assert of_kernels(filled, ("mass_", "lumped_mass_")) == 12
+    assert of_kernels(filled, ("mass_",)) == 5
+    assert of_kernels(filled, ()) == 0
 
 
 def test_an_effect_without_which_there_is_no_answer_has_no_price():

@@ -166,6 +166,15 @@ def test_the_frames_asked_for(tmp_path):
     assert [row["level"] for row in run(Job(str(scene), str(script), "auto", enough={"1": 3})).rows] == [3, 0, 1, 1, 1]
 
 
+def test_a_folder_with_the_name_of_the_package_is_not_taken_for_it(tmp_path, monkeypatch):
+    """As when somebody works in the folder that holds a clone."""
+    (tmp_path / "restshape").mkdir()
+    monkeypatch.chdir(tmp_path)
+    scene, script = write_scene(tmp_path, plate(0.3)), write_script(tmp_path, [{"do": "idle"}])
+    outcome = run(Job(str(scene), str(script), "auto"))
+    assert len(outcome.rows) == 2 and not outcome.problem
+
+
 def test_a_process_that_takes_too_long_is_ended(tmp_path):
     scene, script = write_scene(tmp_path, plate(0.3)), write_script(tmp_path, [{"do": "idle", "frames": 1_000_000}])
     outcome = run(Job(str(scene), str(script), "auto"), seconds=3.0)

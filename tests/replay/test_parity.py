@@ -27,6 +27,9 @@ def shortened(folder, scene):
     for line in lines:
         if "frames" in line:
             line["frames"] = min(line["frames"], LONG // 4)
+        if len(line.get("path", ())) > LONG:
+            *way, end = line["path"]
+            line["path"] = [*way[:: len(way) // LONG + 1], end]
     path = folder / edits.name
     path.write_text("".join(json.dumps(line) + "\n" for line in (header, *lines)))
     return path

@@ -1,4 +1,4 @@
-"""Load factors that are lost, and compared with LAPACK; the hard cases are in `test_cases`."""
+"""Load factors that are lost, and compared with LAPACK; the hard cases are in `test_hard_cases`."""
 
 import numpy as np
 import pytest

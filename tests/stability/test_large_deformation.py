@@ -1,4 +1,4 @@
-"""What large deformation refuses: triangles that turn inside out are found; the hard cases are in `test_cases`."""
+"""What large deformation refuses: triangles that turn inside out are found; the hard cases are in `test_hard_cases`."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a search for modes spends where some of them are not wanted; the hard cases are in `test_cases`."""
+"""What a search for modes spends where some of them are not wanted; the hard cases are in `test_hard_cases`."""
 
 from itertools import islice
 

@@ -1,4 +1,4 @@
-"""Design derivatives with an old factor; the hard cases are in `test_cases`."""
+"""Design derivatives with an old factor; the hard cases are in `test_hard_cases`."""
 
 import numpy as np
 import pytest

@@ -82,8 +82,16 @@ def rates(records: Sequence[Row], policy: str) -> dict[str, dict[str, float]]:
     return found
 
 
-def pick(records: Sequence[Row], within: float | None, error: float | None) -> Row:
-    """The most accurate record within a time, or the fastest below an error; with both, the most accurate of those.
+def known_error(record: Row) -> float:
+    """The error that a record is known to be below: its own, but none that the reference cannot tell."""
+    return max(record["error"], record["uncertainty"] or 0.0)
+
+
+def picks(records: Sequence[Row], within: float | None, error: float | None) -> list[Row]:
+    """The most accurate record within a time, or the fastest below an error; then those to try where it does not hold.
+
+    With both bounds the most accurate comes first. After it each record is faster than all before where a time is
+    asked for, else more accurate.
 
     Args:
         records: of a study.
@@ -105,7 +113,15 @@ def pick(records: Sequence[Row], within: float | None, error: float | None) -> R
             "--within",
             "allow that time, or try coarser ones: --sizes 4,2,1",
         )
-    below = [r for r in kept if error is None or r["error"] < error]
+    below = [r for r in kept if error is None or known_error(r) < error]
+    vague = [r for r in kept if error is not None and r["error"] < error]
+    if vague and not below:
+        raise UserError(
+            f"no point can be told to have an error below {percent(error)}: the reference itself is known to "
+            f"{percent(vague[0]['uncertainty'])} only, though {vague[0]['name']} is {percent(vague[0]['error'])} off",
+            "--error",
+            "allow that error, or have a finer reference by finer points: --sizes 1,0.5,0.25",
+        )
     if not below:
         nearest = min(kept, key=lambda r: r["error"])
         raise UserError(
@@ -114,14 +130,21 @@ def pick(records: Sequence[Row], within: float | None, error: float | None) -> R
             "--error",
             "allow that error, or try finer ones: --sizes 1,0.5,0.25",
         )
-    return min(below, key=_by(within))
+    return _in_turn(below, by_time=within is None)
 
 
-def _by(within: float | None) -> Any:
-    """What is to be least: the error where the time is bounded, else the time."""
-    if within is not None:
-        return lambda record: (record["error"], record["frame_ms"])
-    return lambda record: (record["frame_ms"], record["error"])
+def _in_turn(records: Sequence[Row], by_time: bool) -> list[Row]:
+    """Records by time, each more accurate than all before, or by error, each faster than all before."""
+    if by_time:
+        ranked = sorted(records, key=lambda record: (record["frame_ms"], record["error"]))
+    else:
+        # Errors that read alike are one, as on the front.
+        ranked = sorted(records, key=lambda record: (float(f"{known_error(record):.3g}"), record["frame_ms"]))
+    gain, kept = "error" if by_time else "frame_ms", []
+    for record in ranked:
+        if not kept or record[gain] < kept[-1][gain]:
+            kept.append(record)
+    return kept
 
 
 def percent(error: float | None) -> str:

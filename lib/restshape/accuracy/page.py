@@ -82,11 +82,24 @@ def rates_lines(study: Study) -> list[str]:
 def reuse_line(study: Study) -> str:
     """Whether reuse stays below the tolerance, in words."""
     known = [record for record in study.records if record["reuse_holds"] is not None]
+    if not known:
+        return "whether reuse stays below the tolerance is not known at any point"
     failed = [record["name"] for record in known if not record["reuse_holds"]]
     if failed:
         return f"reuse exceeds the tolerance at {len(failed)} of {len(known)} points, a FAILURE: {'; '.join(failed)}"
-    worst = max((record["parts"]["reuse"] / record["tolerance"] for record in known), default=0.0)
-    return f"reuse stays below the tolerance at all {len(known)} points: it is at most {worst:.1e} of it"
+    worst = max(record["parts"]["reuse"] / record["tolerance"] for record in known)
+    where = f"all {len(known)} points" if len(known) == len(study.records) else f"the {len(known)} points that tell"
+    return f"reuse stays below the tolerance at {where}: it is at most {worst:.1e} of it"
+
+
+def solver_line(study: Study) -> str:
+    """What the answers have beyond discretisation, in tolerances, in words."""
+    shares = [(r["parts"]["reuse"] + r["parts"]["algebraic"]) / r["tolerance"] for r in study.records if r["parts"]]
+    if not shares:
+        return "what the solver adds to the discretisation is not known at any point"
+    worst = max(shares)
+    beyond = ": the tolerance ends the iteration on its residual, which bounds no error exactly" * (worst > 1.0)
+    return f"reuse and algebraic error together are at most {worst:.2g} times the tolerance{beyond}"
 
 
 def left_out(study: Study) -> list[str]:
@@ -238,13 +251,23 @@ def _result(study: Study) -> str:
             "\n## All points\n",
             f"`error` is that of the {measure_name(study.measure)}. It has three parts, "
             "reference − answer = (reference − direct) + (direct − tight) + (tight − answer), all on the same meshes. "
-            "*Discretisation* is what the elements cannot do better, even with a new complete factor in each solve. "
-            "*Reuse* is what keeping old factors and guesses adds when the solver goes on down to rounding. "
+            f"*Discretisation* is what the elements cannot do better, even {_direct(study)}. *Reuse* is what keeping "
+            "matrices, factors and guesses from frame to frame adds when the solver goes on down to rounding. "
             "*Algebraic* is what the solver's tolerance leaves.\n",
-            f"{_sentence(reuse_line(study))}\n",
+            f"{_sentence(reuse_line(study))} {_sentence(solver_line(study))}\n",
             table(heads, [row(record) for record in known], 8),
         ]
     )
+
+
+def _direct(study: Study) -> str:
+    """What answers are compared with that keep nothing, in words."""
+    if study.transient:
+        return (
+            "with a new complete factor in each solve: motion hangs on all that came before, so that it is replayed as "
+            "a whole, with matrices that may be kept (`restshape replay --parity` compares those with new ones)"
+        )
+    return "where each sampled frame is solved from nothing on its mesh: new matrices, a new factor, no guess"
 
 
 def _quantities(study: Study) -> str:
@@ -311,13 +334,14 @@ def _estimates(study: Study) -> str:
 
 
 def _chosen(chosen: Row) -> str:
-    return "\n".join(
-        [
-            "## What was picked\n",
-            f"The setting {chosen['name']}, written as `{chosen['file']}` and replayed over {chosen['frames']} frames, "
-            f"errors taken at the frames {', '.join(map(str, chosen['sampled']))}: {chosen_line(chosen)}.\n",
-        ]
-    )
+    lines = [
+        "## What was picked\n",
+        f"The setting {chosen['name']}, written as `{chosen['file']}` and replayed over {chosen['frames']} frames, "
+        f"errors taken at the frames {', '.join(map(str, chosen['sampled']))}: {chosen_line(chosen)}.\n",
+    ]
+    if chosen["before"]:
+        lines += ["Tried before it:\n", *(f"- {line}" for line in chosen["before"]), ""]
+    return "\n".join(lines)
 
 
 def _left_out(study: Study) -> str:

@@ -101,7 +101,13 @@ def record(name: str, scene: Scene, setting: Setting, outcome: Outcome, truth: T
     }
     blank = {"error": None, "error_median": None, "parts": None, "errors": {}, "quantities": {}, "reuse_holds": None}
     blank |= {"frame_ms": None, "total_s": None, "unknowns": None, "elements": None, "below_reference": False}
-    blank |= {"effectivity": None, "frames": [], "pareto": False, "problem": nameless(outcome.problem)}
+    blank |= {
+        "uncertainty": None,
+        "effectivity": None,
+        "frames": [],
+        "pareto": False,
+        "problem": nameless(outcome.problem),
+    }
     told = outcome.found
     if not told:
         return head | blank | {"problem": nameless(outcome.problem) or "the process told nothing"}
@@ -127,6 +133,7 @@ def record(name: str, scene: Scene, setting: Setting, outcome: Outcome, truth: T
     return found | {
         "error": chosen and chosen["worst"],
         "error_median": chosen and chosen["median"],
+        "uncertainty": chosen and chosen["uncertainty"],
         "below_reference": bool(chosen and chosen["worst"] is not None and chosen["worst"] <= chosen["uncertainty"]),
         "measure": main if of == "field" else f"q_{of}",
         "errors": errors,

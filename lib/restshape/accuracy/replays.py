@@ -16,11 +16,15 @@ from petsc4py import PETSc
 from restshape.accuracy.distance import Reference
 from restshape.accuracy.sampling import SparseSession, changing, spread
 from restshape.accuracy.state import Sampled, State, state_of
+from restshape.algebra.gather import bury
+from restshape.algebra.stages import Stages
+from restshape.analysis.frame import Frame
 from restshape.errors import ReplayProblem, UserError
 from restshape.policy import Policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.load import revise
+from restshape.scene.plan import plan
 
 Row = dict[str, Any]
 
@@ -63,7 +67,7 @@ def reference(request: Request, frames: list[int], folder: str, coarser: str = "
     """
     start = perf_counter()
     transient = request.application.transient
-    states, refused, _ = _solve(request, request.policy, frames, leap=not transient, every=transient)
+    states, refused = _look(_sparse(request, frames, leap=not transient, every=transient), frames)[:2]
     found: Row = {"unknowns": 0, "elements": 0, "refused": refused, "distances": {}, "quantities": {}}
     for index, state in states.items():
         own = Reference.of(state)
@@ -87,8 +91,9 @@ def reference(request: Request, frames: list[int], folder: str, coarser: str = "
 def point(request: Request, frames: list[int], folder: str, total: int, whole: bool = False) -> Row:
     """Times and errors of one setting.
 
-    Three replays on the same meshes: the setting's own, which is timed; the same at a tolerance near rounding; and one
-    with a complete factor made anew in each solve, which keeps nothing of the algebra.
+    Three solutions on the same meshes: that of the setting's own replay, which is timed; that of the same replay at a
+    tolerance near rounding; and one from nothing, by a new analysis on the mesh of each sampled frame. Motion, where
+    all that came before counts, has for the last a whole replay with a complete factor made anew in each solve.
 
     Args:
         request: of the setting.
@@ -98,11 +103,13 @@ def point(request: Request, frames: list[int], folder: str, total: int, whole: b
         whole: time all frames, even of replays that keep nothing.
     """
     own, refused, timed = _timed(request, frames, total, whole)
-    tight, tolerance, lost = _tight(request, request.policy, frames, refused)
-    direct = tight
-    if request.policy.solver != "direct":
-        direct, _, more = _tight(request, replace(request.policy, solver="direct"), frames, refused, tolerance)
-        lost = more | lost
+    tight, direct, tolerance, lost = _tight(request, request.policy, frames, refused)
+    if request.application.transient:
+        direct = tight
+        if request.policy.solver != "direct":
+            policy = replace(request.policy, solver="direct")
+            direct, _, _, more = _tight(request, policy, frames, refused, tolerance)
+            lost = more | lost
     found = [_frame(Path(folder), index, own.get(index), tight.get(index), direct.get(index)) for index in frames]
     for entry, index in zip(found, frames):
         if index in refused:
@@ -149,7 +156,7 @@ def quantity_parts(whole: Sampled, u: Sampled, tight: Sampled, direct: Sampled) 
             "algebraic": tight.quantities[name] - u.quantities[name],
         }
         for name, value in whole.quantities.items()
-        if name in u.quantities
+        if name in u.quantities and name in direct.quantities
     }
 
 
@@ -191,18 +198,29 @@ def _timed(request: Request, frames: list[int], total: int, whole: bool) -> tupl
 
 def _tight(
     request: Request, policy: Policy, frames: list[int], refused: dict[int, str], tolerance: float | None = None
-) -> tuple[dict[int, State], float, dict[int, str]]:
-    """States of the sampled frames with a policy at a tolerance near rounding, that tolerance, and refusals."""
+) -> tuple[dict[int, State], dict[int, State], float, dict[int, str]]:
+    """States of the sampled frames with a policy at a tolerance near rounding, and from nothing; that tolerance, lost.
+
+    Args:
+        request: of the setting.
+        policy: in place of the request's.
+        frames: wanted.
+        refused: frames that have no solution anyway.
+        tolerance: in place of shares of the setting's.
+    """
     own = request.scene.solve.tolerance
     chosen = [tolerance] if tolerance else [max(TIGHTEST, share * own) for share in TIGHT]
     states: dict[int, State] = {}
+    fresh: dict[int, State] = {}
     lost: dict[int, str] = {}
     for chosen_tolerance in chosen:
         scene = revise(request.scene, "solve.tolerance", chosen_tolerance)
         keeps = request.application.transient or policy.solver != "direct"
         leap = policy.regenerate and not request.application.transient
         try:
-            states, now, _ = _solve(replace(request, scene=scene), policy, frames, leap, every=keeps)
+            replay = _sparse(replace(request, scene=scene, policy=policy), frames, leap, every=keeps)
+            fresh = {}
+            states, now, _ = _look(replay, frames, None if request.application.transient else Afresh(request, fresh))
         except (ReplayProblem, UserError) as problem:
             # Rounding does not let the first frame get there.
             lost = {0: str(problem)}
@@ -210,29 +228,69 @@ def _tight(
         lost = {index: why for index, why in now.items() if index not in refused}
         if not lost:
             break
-    return states, chosen_tolerance, lost
+    return states, fresh, chosen_tolerance, lost
 
 
-def _solve(
-    request: Request, policy: Policy, frames: list[int], leap: bool, every: bool
-) -> tuple[dict[int, State], dict[int, str], list[Row]]:
-    """States of some frames, refusals of any, and rows.
+class Afresh:
+    """Solves frames of a replay once more from nothing: new pattern, values and factor, and no guess.
+
+    Args:
+        request: of the replay.
+        states: takes the solutions, by frame.
+    """
+
+    def __init__(self, request: Request, states: dict[int, State]) -> None:
+        self.request, self.states = request, states
+
+    def __call__(self, replay: Replay) -> None:
+        """Solve the frame just computed, on the mesh that it was computed on.
+
+        Raises:
+            ReplayProblem: it has no solution from nothing.
+        """
+        scene, kept = replay.session.scene, replay.analysis
+        policy = replace(replay.policy, solver="direct")
+        make = self.request.application.make_analysis()
+        planned = plan(scene, self.request.application)
+        analysis = make(scene, planned, replay.comm, policy, self.request.calibration, Stages())
+        none = np.empty(0, dtype=np.int32)
+        analysis.solve(Frame(replay.moving.field_mesh, none, None, scene, (None, (0.0, 0.0)), settled=True))
+        row = {f"q_{name}": value for name, value in analysis.observe().items()}
+        for name, quantity in scene.quantities.items():
+            if quantity.mode is not None:
+                # The number that a mode was followed by is not known from nothing, its place among the others is.
+                place = np.flatnonzero(kept.numbers == quantity.mode)
+                row[f"q_{name}"] = analysis.frequencies[place[0]] if len(place) else np.nan
+        self.states[replay.row["index"]] = state_of(analysis, replay.session.outline.points, row)
+        del analysis
+        bury(replay.comm)
+
+
+def _sparse(request: Request, frames: list[int], leap: bool, every: bool) -> Replay:
+    """A replay that solves for some frames.
 
     Args:
         request: what is replayed.
-        policy: in place of the request's.
         frames: wanted.
         leap: leave out all other frames, meshes and all.
         every: solve for all frames, for each one hangs on those before.
     """
-    replay = Replay.of(replace(request, policy=policy), PETSc.COMM_WORLD)
+    replay = Replay.of(request, PETSc.COMM_WORLD)
     chosen: Callable[[int], bool] = (lambda index: True) if every else set(frames).__contains__
     replay.session = SparseSession(replay.session, chosen, frames[-1], leap and not every)
-    return _look(replay, frames)
+    return replay
 
 
-def _look(replay: Replay, frames: list[int]) -> tuple[dict[int, State], dict[int, str], list[Row]]:
-    """States of some frames of a replay, why other frames have no solution, and rows."""
+def _look(
+    replay: Replay, frames: list[int], also: Callable[[Replay], None] | None = None
+) -> tuple[dict[int, State], dict[int, str], list[Row]]:
+    """States of some frames of a replay, why other frames have no solution, and rows.
+
+    Args:
+        replay: not begun yet.
+        frames: wanted.
+        also: called at each of these; where it has a problem, the frame counts as one without a solution.
+    """
     states: dict[int, State] = {}
     refused: dict[int, str] = {}
     rows, wanted = [], set(frames)
@@ -242,7 +300,12 @@ def _look(replay: Replay, frames: list[int]) -> tuple[dict[int, State], dict[int
             if row["index"] not in replay.session.refused:
                 refused[row["index"]] = row["refused"]
         elif row["index"] in wanted:
-            states[row["index"]] = state_of(replay)
+            states[row["index"]] = state_of(replay.analysis, replay.session.outline.points, replay.row)
+            if also:
+                try:
+                    also(replay)
+                except (ReplayProblem, UserError) as problem:
+                    refused[row["index"]] = f"from nothing: {problem}"
     if not states:
         raise ReplayProblem("no sampled frame has a solution")
     return states, refused, rows

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from restshape.accuracy.grid import Grid, Places
-from restshape.replay.loop import Replay
 
 SPECTRA = {"frequencies": "mode_", "load_factors": "buckling_mode_"}
 """Attribute of an analysis that has eigenvalues, and how the fields of their modes are named."""
@@ -49,9 +48,14 @@ class State:
         return {key[2:]: float(value) for key, value in self.row.items() if key.startswith("q_")}
 
 
-def state_of(replay: Replay) -> State:
-    """The solution of the frame just computed."""
-    analysis = replay.analysis
+def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
+    """The solution that an analysis has just found.
+
+    Args:
+        analysis: of any kind.
+        outline: (k, 2) control points of the shape [m].
+        row: of the frame, with the quantities as q_NAME.
+    """
     spectrum = next((name for name in SPECTRA if hasattr(analysis, name)), "")
     values, shapes = np.empty(0), np.empty((0, len(analysis.mesh.X), 2))
     if spectrum:
@@ -68,10 +72,9 @@ def state_of(replay: Replay) -> State:
         if body:
             velocity = analysis.v.copy()
             stiffness[:, 3:] = body.inertia.params
-    outline = replay.session.outline.points.copy()
     grid = Grid.of(analysis.mesh)
     large = solid is not None and solid.law == "stvk"
-    return State(grid, outline, displacement, velocity, spectrum, values, shapes, stiffness, large, dict(replay.row))
+    return State(grid, outline.copy(), displacement, velocity, spectrum, values, shapes, stiffness, large, dict(row))
 
 
 def strains(gradient: np.ndarray, large: bool) -> np.ndarray:

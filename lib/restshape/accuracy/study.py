@@ -103,6 +103,11 @@ class Study:
     seconds: float = 0.0
 
     @property
+    def transient(self) -> bool:
+        """Tell whether it is of motion."""
+        return application(self.scene.app).transient
+
+    @property
     def measure(self) -> str:
         """What `error` is of: a measure of the field, or q_NAME."""
         return next((r["measure"] for r in self.records if "measure" in r), "")

@@ -154,7 +154,9 @@ class Newton:
 
     def begin(self, new_system: bool, patched: bool, places: np.ndarray) -> None:
         """A new frame: whether the mesh is another one, or has flips; `places` are those of this rank's nodes."""
-        self.new_system, self.patched, self.places = new_system, patched, places
+        # A mesh on which nothing had to be solved for is still to be met.
+        self.new_system |= new_system
+        self.patched, self.places = patched, places
         self.current = False
 
     def solve(

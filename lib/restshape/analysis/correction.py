@@ -9,8 +9,8 @@ from restshape.algebra.gather import whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.physics.solid import PlaneSolid
 
-MOST, ENOUGH = 30, 0.01
-"""Steps at most; the share of the squared distance found so far below which a step is the last one."""
+ENOUGH, DELAY, MOST = 1e-4, 4, 200
+"""Share of the squared energy that so many successive steps together add at the end; steps at most."""
 
 REPEATED = 1e-12
 """Of vectors that span a space: a direction of less than this share of the largest is none."""
@@ -38,16 +38,21 @@ def correction(physics: PlaneSolid, x: np.ndarray, solver: LinearSolver, rows: s
 
 
 def conjugate_steps(product: Operation, precondition: Operation, rest: np.ndarray) -> np.ndarray:
-    """About the solution (n,) of product(d) = rest: a few steps of conjugate gradients from 0.
+    """About the solution (n,) of product(d) = rest: steps of conjugate gradients from 0.
 
-    Each lowers the distance in the energy norm by what it adds to it. A kept complete factor takes one or two.
+    Each lowers the squared distance in the energy norm by what it gains. A single small gain says nothing of what is
+    left; several together are that distance some steps ago, but for the one that is left now. A factor of
+    that very matrix takes one step more than the delay. Not a number where the most steps are not enough.
 
     Args:
         product: of a symmetric positive definite matrix with (n,).
         precondition: about its inverse.
         rest: (n,) right side.
+
+    Source: docs/theory.md, section 9; Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952) 409; Strakos and Tichy,
+    Electron. Trans. Numer. Anal. 13 (2002) 56.
     """
-    found, total = np.zeros_like(rest), 0.0
+    found, gains = np.zeros_like(rest), []
     step = precondition(rest)
     weight = float(rest @ step)
     for _ in range(MOST):
@@ -58,12 +63,14 @@ def conjugate_steps(product: Operation, precondition: Operation, rest: np.ndarra
         length = weight / stiffness
         found += length * step
         rest = rest - length * force
-        gain, total = length * weight, total + length * weight
-        if gain <= ENOUGH * total:
+        gains.append(length * weight)
+        if sum(gains[-DELAY:]) <= ENOUGH * sum(gains):
             break
         z = precondition(rest)
         weight, last = float(rest @ z), weight
         step = z + weight / last * step
+    else:
+        return np.full_like(found, np.nan)
     return found
 
 
@@ -84,14 +91,16 @@ def tangent_product(physics: PlaneSolid, x: np.ndarray) -> Operation:
 
 
 def preconditioner(solver: LinearSolver, rows: slice) -> Operation:
-    """The preconditioner of the last solve, as it is, for arrays (n,) whole on every rank; rows: this rank's."""
+    """The preconditioner of the last solve, as it is, for arrays (n,) whole on every rank; rows: this rank's.
+
+    That of another number of unknowns is none: on a new mesh where nothing had to be solved for yet.
+    """
     comm, pc = solver.comm, solver.ksp.getPC()
 
     def apply(r: np.ndarray) -> np.ndarray:
+        if not (solver.ready and solver.size.unknowns == len(r)):
+            return r.copy()
         full = np.zeros_like(r)
-        if not r.any():
-            # Of a body that nothing has moved yet there is no preconditioner either.
-            return full
         size = (rows.stop - rows.start, len(r))
         source, target = (PETSc.Vec().createWithArray(array[rows], size=size, comm=comm) for array in (r, full))
         pc.apply(source, target)
@@ -104,7 +113,12 @@ def preconditioner(solver: LinearSolver, rows: slice) -> Operation:
 
 
 def largest_values(a: np.ndarray, b: np.ndarray, count: int) -> np.ndarray:
-    """The largest eigenvalues (count,), ascending, of a y = theta b y; b is positive but where vectors repeat."""
+    """The largest eigenvalues (count,), ascending, of a y = theta b y; b is positive but where vectors repeat.
+
+    Not numbers where a or b is not.
+    """
+    if not (np.isfinite(a).all() and np.isfinite(b).all()):
+        return np.full(count, np.nan)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(b), np.finfo(float).tiny))
     a, b = (0.5 * (m + m.T) * scale * scale[:, None] for m in (a, b))
     sizes, turn = np.linalg.eigh(b)

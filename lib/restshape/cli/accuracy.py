@@ -5,7 +5,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from restshape.cli.options import add_json, add_set, open_json, print_table, write_json
+from restshape.cli.options import add_json, add_set, check_output, open_json, print_table, write_json
+from restshape.cli.ranks import launched
+from restshape.cli.script_notes import note_script
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 
@@ -68,15 +70,22 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Study each scene; 0 when all is well, 1 when reuse costs more than the tolerance or a pick does not hold."""
+    """Study each scene; 0 when all is well, 1 where reuse is not below the tolerance or no pick holds.
+
+    Raises:
+        UserError: a wish that makes no sense, or ranks of MPI.
+    """
     from restshape.accuracy.front import finite
     from restshape.accuracy.page import write_index, write_page
     from restshape.accuracy.study import study
 
-    open_json(args)
+    if launched():
+        raise UserError("points are replayed on one rank", "mpiexec", "start it without mpiexec")
     asked, within, error = read(args)
     cases = cases_of(args)
     make_folder(args.out)
+    open_json(args)
+    check_output(args.write, "--write")
     records, studies, sound = [], [], True
     command = command_of(args)
     for case in cases:
@@ -199,7 +208,10 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
         edits = args.edits or script_of(path)
         if edits is None:
             raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")
-        load_script(edits, scene)
+        if args.of not in (None, "field", *scene.quantities):
+            known = ", ".join(["field", *scene.quantities])
+            raise UserError(f"{path.name} has no quantity {args.of!r}", "--of", f"use one of: {known}")
+        note_script(scene, load_script(edits, scene), edits)
         found.append(Case(path.stem, path, edits, tuple(args.set), tuple(args.petsc)))
     names = [case.name for case in found]
     twice = next((name for name in names if names.count(name) > 1), None)
@@ -246,33 +258,54 @@ def announce(text: str) -> None:
 
 def tell(study: Any) -> None:
     """Print the table of a study, its front, and what was left out."""
-    from restshape.accuracy.page import HEADS, left_out, rates_lines, reuse_line, row, slope_line, uncertainty_line
+    from restshape.accuracy.page import (
+        HEADS,
+        left_out,
+        rates_lines,
+        reuse_line,
+        row,
+        slope_line,
+        solver_line,
+        uncertainty_line,
+    )
 
     records = [record for record in study.records if record["error"] is not None]
     rows = [row(record) for record in sorted(records, key=lambda r: r["error"])]
     title = f"{study.case.name}: {study.total} frames, errors at frames {', '.join(map(str, study.frames))}"
     print_table(title, HEADS, rows, right=HEADS[:8])
-    for line in (uncertainty_line(study), slope_line(study), *rates_lines(study), reuse_line(study)):
-        print(line)
+    lines = (uncertainty_line(study), slope_line(study), *rates_lines(study), reuse_line(study), solver_line(study))
+    print("\n".join(lines))
     for line in left_out(study):
         print(f"left out: {line}")
 
 
 def reuse_holds(study: Any) -> bool:
-    """Tell whether reuse stays below the tolerance at every point where it is known."""
-    return all(record["reuse_holds"] is not False for record in study.records)
+    """Tell whether reuse stays below the tolerance at every point where it is known, and is known at one at least."""
+    known = [record["reuse_holds"] for record in study.records if record["reuse_holds"] is not None]
+    return bool(known) and all(known)
 
 
 def choose(args: argparse.Namespace, study: Any, within: float | None, error: float | None) -> dict[str, Any]:
-    """The picked setting, written as a scene and run again over the whole script; tells whether it holds."""
-    from restshape.accuracy.chosen import chosen_line, rerun, write_scene
-    from restshape.accuracy.front import pick
+    """The first pick that holds where it is written as a scene and run again over the whole script, or the last one.
 
-    picked = pick(study.records, within, error)
+    It comes with `holds`, and with what was found of those tried `before` it, in words.
+    """
+    from restshape.accuracy.chosen import chosen_line, hopeless, rerun, write_scene
+    from restshape.accuracy.front import percent, picks
+
     path = args.write or args.out / f"{study.case.name}-chosen.toml"
-    print(f"picked: {picked['name']}, {picked['frame_ms']:.3g} ms a frame, error {100 * picked['error']:.3g} %")
-    write_scene(study.case, picked, path)
-    print(f"wrote {path}")
-    found = rerun(study, picked, path, within, error, announce)
-    print(chosen_line(found))
+    found, before = {}, []
+    for picked in picks(study.records, within, error):
+        if found:
+            before.append(f"{found['name']}: {chosen_line(found)}")
+        error_there = f"error {percent(picked['error'])} at {len(picked['frames'])} of {study.total} frames"
+        print(f"picked: {picked['name']}, {picked['frame_ms']:.3g} ms a frame, {error_there}", flush=True)
+        write_scene(study.case, picked, path)
+        print(f"wrote {path}")
+        found = rerun(study, picked, path, within, error, announce) | {"before": before}
+        print(chosen_line(found), flush=True)
+        if found["holds"] or hopeless(found):
+            break
+    if not found["holds"]:
+        print(f"no point of the study holds over the script; {path} has the last of {len(before) + 1} that were tried")
     return found

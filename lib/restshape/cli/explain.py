@@ -8,11 +8,14 @@ from typing import Any
 from restshape.application import application
 from restshape.cli.bench import script_of
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
+from restshape.cli.ranks import launched
+from restshape.cli.script_notes import note_script
 from restshape.errors import UserError
 from restshape.scene.script import load_script
 
 SUMMARY = "tell which effects a scene calls for and why, what each costs, and which solvers it gets"
 FRAMES, SECONDS = 24, 9.0
+COUNTED = ("unknowns", "elements", "entries", "calls")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,14 +42,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Prints the plan and its price."""
+    if launched():
+        raise UserError("effects are priced on one rank", do="start it without mpiexec")
     from restshape.explain.study import Asked, explain
 
     scene = read_scene(args)
     if args.frames < 0:
         raise UserError(f"{args.frames} frames measure nothing", "--frames", "at least 1, or 0 for all")
     edits = args.edits or script_of(args.scene)
-    if edits is not None and (error := load_script(edits, scene).error):
-        raise error
+    if edits is not None:
+        script = load_script(edits, scene)
+        if script.error:
+            raise script.error
+        note_script(scene, script, edits)
     asked = Asked(args.scene, edits, tuple(args.set), tuple(args.petsc), args.frames or None, args.seconds)
     with tempfile.TemporaryDirectory(prefix="restshape-explain-") as folder:
         rows = explain(asked, scene, application(scene.app), Path(folder))
@@ -76,8 +84,8 @@ def _line(row: dict[str, Any]) -> list[str]:
         return [name, "off", *["-"] * 5, f"nothing calls for it: {row['why']}"]
     told = row["how"] in ("by difference", "measured")
     core = "solver" in row
-    counted = told or core or row["kind"] == "follows" or row["calls"]
-    counts = [str(row[key]) for key in ("unknowns", "elements", "entries")] if counted and not part else ["-"] * 3
+    counted = told or core or any(row[key] for key in COUNTED)
+    counts = [str(row[key]) for key in COUNTED[:-1]] if counted and not part else ["-"] * 3
     share = f"{100 * row['share']:.1f} ± {100 * row['spread']:.1f} %" if told or core else "-"
     why = row["why"] if told else f"{row['why']} ({row['how']})"
     return [name, "" if part else "on", *counts, f"{row['calls']:.3g}" if counted else "-", share, why]

@@ -47,6 +47,7 @@ def run(args: argparse.Namespace) -> int:
     """Replay; 0 when all frames were replayed, 1 when parity fails, 2 on bad input."""
     from restshape.application import application
     from restshape.calibration import Calibration
+    from restshape.cli.bench import script_of
     from restshape.replay.request import Request
     from restshape.scene.plan import plan
     from restshape.scene.script import Script, load_script
@@ -62,6 +63,8 @@ def run(args: argparse.Namespace) -> int:
     if first:
         for warning in (*plan(scene, app).warnings, *script.warnings):
             print(f"note: {warning}", file=sys.stderr)
+        if not args.edits and (known := script_of(args.scene)):
+            print(f"note: the first shape only; its edits: --edits {known}", file=sys.stderr)
     recorder = _start_recorder(args.out, request) if args.out and first else None
     try:
         summary = _run(args, request, recorder)
@@ -163,7 +166,7 @@ def print_summary(summary: dict[str, Any]) -> None:
     ]
     print_table("time a frame", heads, rows, right=heads[1:])
     # Frames that were not analysed have none.
-    residuals = [row["residual"] for row in summary["rows"] if row["residual"] >= 0.0]
+    residuals = [row["residual"] for row in summary["rows"] if row["residual"] >= 0.0 and not row["refused"]]
     print(
         f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); "
         f"{summary['iterations']} iterations, {summary['refreshes']} factorizations, "

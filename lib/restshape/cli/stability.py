@@ -3,6 +3,7 @@
 import argparse
 import math
 import tempfile
+import time
 from pathlib import Path
 from typing import Any
 
@@ -90,10 +91,16 @@ def _run_here(args: argparse.Namespace, known: dict[str, Any], wanted: list[tupl
     from petsc4py import PETSc
 
     from restshape.stability.case import Trial
-    from restshape.stability.suite import run_case
+    from restshape.stability.suite import not_begun, run_case
 
-    rows = []
+    rows: list[dict[str, Any]] = []
+    ranks, start = PETSc.COMM_WORLD.tompi4py(), time.monotonic()
     for name, policy in wanted:
+        # One clock for all: ranks that disagree would wait for each other for ever.
+        if ranks.bcast(time.monotonic() - start >= args.seconds):
+            rows.append(not_begun(name, policy, args.seconds))
+            _print(rows[-1])
+            continue
         with tempfile.TemporaryDirectory(prefix="restshape-stability-") as own:
             rows.append(run_case(name, known[name], Trial(Path(own), policy, args.share)))
             PETSc.COMM_WORLD.barrier()
@@ -140,7 +147,8 @@ def _fuzz(args: argparse.Namespace) -> int:
 
     tried = fuzz(args.fuzz, args.seed, tuple(applications()), args.keep, EACH, args.seconds, told=told)
     numbers = tried.as_dict()
-    shown = ("examples", "valid", "refused", "too_large", "broken", "damaged", "frames", "refused_frames", "largest")
+    shown = ("examples", "valid", "refused", "too_large", "broken", "damaged", "written")
+    shown += ("frames", "refused_frames", "largest")
     print_table(f"fuzz of seed {args.seed}, {tried.seconds:.0f} s", shown, [[numbers[key] for key in shown]], shown)
     messages = list(numbers["messages"].items())[:SHOWN_MESSAGES]
     print_table("most frequent refusals", ("times", "message"), [(n, text) for text, n in messages], ("times",))

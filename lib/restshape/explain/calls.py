@@ -44,6 +44,15 @@ def total(frames: Iterable[Calls]) -> Calls:
     return found
 
 
+def reach(frames: Iterable[Calls]) -> dict[tuple[str, str], int]:
+    """By kernel and purpose, how many elements a call has on average in the last of the frames that have one."""
+    found = {}
+    for calls in frames:
+        for name, purposes in calls.items():
+            found |= {(name, purpose): round(elements / times) for purpose, (times, elements) in purposes.items()}
+    return found
+
+
 def moved(row: Row) -> bool:
     """Tell whether something was solved for in a frame, or would have been if there were a load."""
     return row["level"] > 0 or row["iterations"] > 0

@@ -4,6 +4,7 @@ What a slow spell of the machine does to a frame, it does to all of its kind; an
 what other programs take of it means nothing. So their differences mean something.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -15,6 +16,7 @@ from restshape import _kernels
 from restshape.algebra import stages
 from restshape.errors import UserError
 from restshape.explain.calls import Row, difference, moved
+from restshape.explain.filled import Watch, stored, watched_operators
 from restshape.mesh import moving
 from restshape.replay import loop
 from restshape.replay.loop import Replay
@@ -76,21 +78,21 @@ def measure(asked: Request, left_out: Sequence[Sequence[str]], frames: int | Non
     Raises:
         UserError: the first of the replays cannot be.
     """
-    with processor_time():
-        return _play(asked, left_out, frames)
+    with processor_time(), watched_operators() as watch:
+        return _play(asked, left_out, frames, watch)
 
 
-def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None) -> list[Row]:
-    """The rows of all replays; arguments as in `measure`."""
+def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None, watch: Watch) -> list[Row]:
+    """The rows of all replays, whose operators are watched; other arguments as in `measure`."""
     running: dict[int, Iterator[Row]] = {}
     rows: list[Row] = []
-    held = [[0, 0] for _ in left_out]
+    matrices, filled = [0 for _ in left_out], [Counter() for _ in left_out]
     step, left = 0, frames
     while step == 0 or (running and left != 0):
         # Whoever comes first finds the caches cold: they take turns.
         turns = range(len(left_out)) if step == 0 else sorted(running, key=lambda k: (k + step) % len(left_out))
         for k in turns:
-            before = stored()
+            count, entries = stored()[0], watch.entries()
             _kernels.reset_calls()
             try:
                 if step == 0:
@@ -105,19 +107,17 @@ def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None)
             if row is None:
                 del running[k]
                 continue
-            held[k] = [mine + now - then for mine, now, then in zip(held[k], stored(), before)]
+            matrices[k] += stored()[0] - count
+            filled[k].update(watch.entries())
+            filled[k].subtract(entries)
+            mine = {names: held for names, held in filled[k].items() if held}
             kept = {key: row[key] for key in (*KEPT, *TIMES, "calls", "calls_beside")}
             if left is not None and k == 0 and step and moved(row):
                 left -= 1
-            rows.append({"variant": k, "matrices": held[k][0], "entries": held[k][1], **kept})
+            held = {"matrices": matrices[k], "entries": sum(mine.values()), "filled": mine}
+            rows.append({"variant": k, **held, **kept})
         step += 1
     return rows
-
-
-def stored() -> tuple[int, int]:
-    """How many matrices of element operators there are now, and their entries."""
-    matrices = _kernels.matrices()
-    return len(matrices), sum(entries for _, entries in matrices)
 
 
 def _frames(asked: Request, names: Sequence[str]) -> Iterator[Row]:

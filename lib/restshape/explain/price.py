@@ -5,7 +5,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from restshape.explain.calls import Calls, Row, chosen, difference, keys, moved, total
+from restshape.explain.calls import Calls, Row, chosen, difference, keys, moved, reach, total
+from restshape.explain.filled import Filled
 from restshape.explain.variants import Names, Variants
 
 MESH = ("ms_relocate", "ms_map", "ms_flip", "ms_mesh")
@@ -27,14 +28,17 @@ class Counts:
     """What an effect, or a whole scene, adds up to.
 
     Args:
-        unknowns, elements, entries: at the end.
+        unknowns, entries: at the end.
+        elements: of the mesh at the end; of an effect those that its kernels were last called on.
         calls: of kernels in all frames: calls and elements by kernel and purpose.
+        filled: the entries by the kernels that fill them.
     """
 
     unknowns: int = 0
     elements: int = 0
     entries: int = 0
     calls: Calls = field(default_factory=dict)
+    filled: Filled = field(default_factory=dict)
 
     def less(self, other: "Counts") -> "Counts":
         """What this has more than another."""
@@ -43,7 +47,12 @@ class Counts:
             self.elements - other.elements,
             self.entries - other.entries,
             difference(self.calls, other.calls),
+            {name: held for name in {*self.filled, *other.filled} if (held := self._held(other, name))},
         )
+
+    def _held(self, other: "Counts", names: str) -> int:
+        """How many entries that these kernels fill this has more than another."""
+        return self.filled.get(names, 0) - other.filled.get(names, 0)
 
 
 @dataclass(frozen=True)
@@ -58,6 +67,7 @@ class Prices:
         beside: calls of kernels off the frames' time.
         shares, spreads: of a frame's time, by effect and by part but "solve", under "" what is always there.
         problems: by effect, why it has no price.
+        reach: by kernel and purpose, on how many elements the last frame with calls of it called it, on average.
     """
 
     frames: int
@@ -67,6 +77,7 @@ class Prices:
     shares: dict[str, float]
     spreads: dict[str, float]
     problems: dict[str, str]
+    reach: dict[tuple[str, str], int]
 
 
 def prices(runs: Sequence[Sequence[Row]], tried: Variants) -> Prices:
@@ -92,10 +103,12 @@ def prices(runs: Sequence[Sequence[Row]], tried: Variants) -> Prices:
     spreads |= {name: max(spreads[name], twins) for name in known}
     noise = {name for name in known if 0.0 > shares[name] >= -spreads[name]}
     shares, _ = _shares(ms, {name: pair for name, pair in known.items() if name not in noise})
-    counts = _counts([table[:frames] for table in tables[0]], counted, tried.drivers)
+    kept = [table[:frames] for table in tables[0]]
+    found = reach(row["calls"] for table in reversed(kept) for row in table)
+    counts = _counts(kept, counted, tried.drivers, found)
     average = float(ms[0].min(axis=0).sum(axis=1).mean())
     beside = total(row["calls_beside"] for row in tables[0][0][:frames])
-    return Prices(frames, average, counts, beside, dict.fromkeys(noise, 0.0) | shares, spreads, problems)
+    return Prices(frames, average, counts, beside, dict.fromkeys(noise, 0.0) | shares, spreads, problems, found)
 
 
 def _by_variant(rows: Sequence[Row], count: int) -> list[list[Row]]:
@@ -130,7 +143,9 @@ def _share(ms: list[np.ndarray], known: dict[str, tuple[int, int]], runs: list[i
     return shares | {"": named.pop("solve")} | named
 
 
-def _counts(tables: list[list[Row]], known: dict[str, tuple[int, int]], drivers: Names) -> dict[str, Counts]:
+def _counts(
+    tables: list[list[Row]], known: dict[str, tuple[int, int]], drivers: Names, reached: dict[tuple[str, str], int]
+) -> dict[str, Counts]:
     """By name; what no kernel is called for without an effect is this effect's alone, and a driver has nothing else."""
     whole = [_count(rows) for rows in tables]
     found = {name: whole[more].less(whole[less]) for name, (more, less) in known.items()}
@@ -142,11 +157,18 @@ def _counts(tables: list[list[Row]], known: dict[str, tuple[int, int]], drivers:
     rest = whole[0]
     for counts in found.values():
         rest = rest.less(counts)
-    return found | {"": rest}
+    widened = {name: replace(counts, elements=widest(counts.calls, reached)) for name, counts in found.items()}
+    return widened | {"": rest}
+
+
+def widest(calls: Calls, reached: dict[tuple[str, str], int]) -> int:
+    """The most elements that one of these kernels is called on; those that are taken away from others do not count."""
+    return max((reached[name, purpose] for name, purpose in keys(calls) if calls[name][purpose][0] > 0), default=0)
 
 
 def _count(rows: list[Row]) -> Counts:
     if not rows:
         return Counts()
     last = rows[-1]
-    return Counts(last["unknowns"], last["elements"], last["entries"], total(row["calls"] for row in rows))
+    calls = total(row["calls"] for row in rows)
+    return Counts(last["unknowns"], last["elements"], last["entries"], calls, last["filled"])

@@ -11,8 +11,9 @@ from restshape.application import Application
 from restshape.bench.job import Job, Outcome, run
 from restshape.calibration import Calibration
 from restshape.errors import UserError
-from restshape.explain.calls import Calls, Row, chosen, keys
-from restshape.explain.price import PARTS, Counts, Prices, prices
+from restshape.explain.calls import Row, chosen, keys
+from restshape.explain.filled import of_kernels
+from restshape.explain.price import PARTS, Counts, Prices, prices, widest
 from restshape.explain.variants import REQUIRED, variants
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan, PlannedEffect, as_written, plan
@@ -185,13 +186,14 @@ class Report:
         if not effect.on:
             return {**head, **self._numbers(name, Counts()), "how": "absent"}
         rest = self.prices.counts[""]
-        taken = {other: self._share_of(other, rest.calls) for other in self.kept if other != core}
+        taken = {other: self._share_of(other, rest) for other in self.kept if other != core}
         if name == core:
             how = f"all that is left{', with ' + ', '.join(taken) if taken else ''}"
-            kept = keys(rest.calls).difference(*map(keys, taken.values()))
-            counts = replace(rest, calls=chosen(rest.calls, kept))
+            kept = keys(rest.calls).difference(*(keys(counts.calls) for counts in taken.values()))
+            entries = rest.entries - sum(counts.entries for counts in taken.values())
+            counts = replace(rest, entries=entries, calls=chosen(rest.calls, kept))
             return {**head, **self._numbers("", counts), "how": how, "solver": self.solver}
-        counts = self.prices.counts.get(name) or Counts(calls=taken.get(name, {}))
+        counts = self.prices.counts.get(name) or taken.get(name, Counts())
         how = self.prices.problems.get(name) or "by difference"
         if name in self.kept:
             how = f"its time is within that of {core}: {self.kept[name]}"
@@ -201,9 +203,11 @@ class Report:
         """How the names of the kernels begin that are called for a named effect alone."""
         return self.application.effects[name].kernels if name in self.application.effects else ()
 
-    def _share_of(self, name: str, calls: Calls) -> Calls:
-        """The calls of kernels that are there for an effect alone."""
-        return {kernel: made for kernel, made in calls.items() if kernel.startswith(self._own(name) or ("?",))}
+    def _share_of(self, name: str, rest: Counts) -> Counts:
+        """The calls of kernels that are there for an effect alone, and the matrices that only they fill."""
+        own = self._own(name)
+        calls = {kernel: made for kernel, made in rest.calls.items() if own and kernel.startswith(own)}
+        return Counts(0, widest(calls, self.prices.reach), of_kernels(rest.filled, own), calls)
 
     def _numbers(self, name: str, counts: Counts) -> Row:
         measured = self.prices

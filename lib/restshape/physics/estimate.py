@@ -75,7 +75,7 @@ class SolidEstimate:
 
 
 def plane_compliance(lame: np.ndarray, shear: np.ndarray, thickness: np.ndarray) -> np.ndarray:
-    """Compliances (k, 4, 4) [m/N] of stresses xx, yy, xy, zz integrated over the thickness, from plane moduli (k,).
+    """Compliances (k, 4, 4) [m^3/N] of stresses xx, yy, xy, zz integrated over the thickness, from plane moduli (k,).
 
     The stress along the normal has no part in it: it follows from the others, or does no work.
 

@@ -25,7 +25,7 @@ def without(scene: Scene, application: Application, names: Iterable[str]) -> Sce
     for name in names:
         effect, implied = application.effects.get(name), application.implied.get(name)
         if effect is None and implied is None:
-            raise UserError(f"{application.name!r} has no effect {name!r}", "--without", "name one that it has")
+            raise UserError(f"{application.name!r} has no effect {name!r}", str(scene.path), "name one that it has")
         if implied is not None:
             if implied.without is None:
                 raise UserError(f"{name!r} cannot be left out", str(scene.path), "leave it on")

@@ -20,7 +20,7 @@ def main() -> int:
 
     tell, known, start = Telling(folder), cases(), time.monotonic()
     for number, (name, policy) in enumerate(asked["jobs"]):
-        if asked["seconds"] is not None and time.monotonic() - start > asked["seconds"]:
+        if asked["seconds"] is not None and time.monotonic() - start >= asked["seconds"]:
             return 0
         own = folder / str(number)
         own.mkdir()

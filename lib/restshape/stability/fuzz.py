@@ -58,7 +58,7 @@ class Tried:
         examples: played in all; shrinking: more that were played to make those at fault smaller.
         valid: that gave frames to the end; refused: with a message, as a whole; too_large: with a first mesh of more
             elements than wanted, which ended there; broken: at fault.
-        damaged: of all, those with damage to valid files.
+        damaged: of all, those with damage to valid files; written: those that `restshape replay` replayed too.
         frames, refused_frames: over all examples.
         seconds: wall-clock.
         largest: elements of a first mesh.
@@ -73,6 +73,7 @@ class Tried:
     too_large: int = 0
     broken: int = 0
     damaged: int = 0
+    written: int = 0
     frames: int = 0
     refused_frames: int = 0
     seconds: float = 0.0
@@ -173,6 +174,7 @@ def _add(tried: Tried, end: dict[str, Any]) -> None:
         tried.largest = max(tried.largest, end["elements"])
         tried.valid += not end["message"]
         tried.refused += bool(end["message"])
+    tried.written += end["written"]
     tried.frames += end["frames"]
     tried.refused_frames += end["refused"]
     tried.warned.update(end["warned"])

@@ -20,6 +20,7 @@ from restshape.replay.loop import Replay
 from restshape.replay.summary import summarise
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
+from restshape.stability.commanded import command_problem
 from restshape.stability.strategies import EDITS, MOST_ELEMENTS, SCENE, Example
 
 ENDLESS = ("mu_", "q_critical")
@@ -40,6 +41,7 @@ class Played:
         message: of the refusal of the whole, empty where there are frames.
         frames, refused: numbers of frames, and of those refused.
         elements: of the first mesh.
+        written: the command replayed it too.
         warned: first words of numpy's warnings.
     """
 
@@ -47,6 +49,7 @@ class Played:
     frames: int = 0
     refused: int = 0
     elements: int = 0
+    written: bool = False
     warned: list[str] = field(default_factory=list)
 
 
@@ -54,7 +57,7 @@ def play(folder: Path, example: Example) -> Played:
     """How the replay of an example's files ended.
 
     Raises:
-        Fault: a shown number is not finite, or a refusal has no message.
+        Fault: a shown number is not finite, a refusal has no message, or the command tells or writes something else.
         BaseException: whatever a user would see a traceback of.
     """
     played = Played()
@@ -66,6 +69,11 @@ def play(folder: Path, example: Example) -> Played:
             if not error.what.strip():
                 raise Fault("a message without words") from error
             played.message = str(error)
+        # The command would go on with a mesh that is too large.
+        if example.written and played.elements <= MOST_ELEMENTS:
+            played.written = True
+            if wrong := command_problem(folder, example, played.message, played.frames, played.refused):
+                raise Fault(f"restshape replay: {wrong}")
     played.warned = sorted({f"{w.category.__name__}: {w.message} ({Path(w.filename).name}:{w.lineno})" for w in caught})
     return played
 

@@ -119,6 +119,11 @@ def across(start: Sequence[float], end: Sequence[float], frames: int) -> list[tu
     return [tuple(a + (b - a) * k / frames for a, b in zip(start, end)) for k in range(1, frames + 1)]
 
 
+def set_value(key: str, *values: object) -> list[dict[str, Any]]:
+    """Edits that give a key one value after the other."""
+    return [{"do": "set", "key": key, "value": value} for value in values]
+
+
 def make_replay(
     scene: Path,
     script: Path | None = None,

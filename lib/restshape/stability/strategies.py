@@ -15,6 +15,9 @@ Table = dict[str, Any]
 MOST_ELEMENTS = 200
 """Of a scene's first mesh."""
 SCENE, EDITS = "scene.toml", "edits.jsonl"
+RECORDING, TABLE, SUMMARY = "frames.vtkhdf", "frames.csv", "summary.json"
+WRITTEN_SHARE = 5
+"""Every fifth example, about, is replayed by the command too."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +29,7 @@ class Example:
         scene, edits: texts of the two files.
         policy, predict: as after --policy and --predict.
         damaged: what was done to the files; empty where they are as they were made.
+        written: the command replays them too, and writes all that it can.
     """
 
     app: str
@@ -34,6 +38,7 @@ class Example:
     policy: str
     predict: str
     damaged: str = ""
+    written: bool = False
 
     def write(self, folder: Path) -> None:
         """Write the two files and what else a replay wants to know into a folder."""
@@ -42,9 +47,15 @@ class Example:
         (folder / "example.json").write_text(json.dumps(asdict(self)) + "\n")
 
     @property
+    def words(self) -> list[str]:
+        """The words after `restshape` that replay the files."""
+        written = ["--out", RECORDING, "--csv", TABLE, "--json", SUMMARY] if self.written else []
+        return ["replay", SCENE, "--edits", EDITS, "--policy", self.policy, "--predict", self.predict, *written]
+
+    @property
     def command(self) -> str:
         """The command that replays the files."""
-        return f"restshape replay {SCENE} --edits {EDITS} --policy {self.policy} --predict {self.predict}"
+        return " ".join(["restshape", *self.words])
 
 
 def toml(table: Table) -> str:
@@ -464,4 +475,5 @@ def examples(draw: st.DrawFn, apps: Sequence[str], damaged: bool) -> Example:
     # What cannot be predicted is asked for at times, for it is refused.
     can = app != "vibration" and policy != "rebuild" and "analysis" not in lines[0]
     predict = draw(st.sampled_from(["none", "linear"])) if can or draw(st.integers(0, 19)) == 19 else "none"
-    return Example(app, text, edits, policy, predict, harm)
+    written = draw(st.integers(1, WRITTEN_SHARE)) == WRITTEN_SHARE
+    return Example(app, text, edits, policy, predict, harm, written)

@@ -57,6 +57,12 @@ def run_case(name: str, case: Case, trial: Trial) -> Row:
     return {**row, **told(found), "seconds": time.perf_counter() - start}
 
 
+def not_begun(name: str, policy: str, seconds: float) -> Row:
+    """The row of a case that would have begun after so long."""
+    reason = f"no more than {seconds:g} s were wanted"
+    return {"case": name, "policy": policy, "left_out": reason, **told([]), "holds": None, "seconds": 0.0}
+
+
 def told(found: Sequence[Statement]) -> Row:
     """What a row says: the first statement that fails, else the first one; and all of them."""
     shown = next((s for s in found if not s.holds), found[0] if found else Statement("", "", False))
@@ -108,7 +114,6 @@ def run_apart(
             lost = told([Statement("the process survives", f"{end.problem}: {words}"[:600], False)])
             add({"case": name, "policy": policy, "left_out": "", **lost, "seconds": math.nan})
         elif left:
-            reason = f"no more than {seconds:g} s were wanted"
             for name, policy in left:
-                add({"case": name, "policy": policy, "left_out": reason, **told([]), "holds": None, "seconds": 0.0})
+                add(not_begun(name, policy, seconds))
     return rows

@@ -57,7 +57,7 @@ def watch(
     """
     with (folder / "stderr").open("w") as stderr:
         process = subprocess.Popen(
-            [sys.executable, "-m", module, str(folder), *words],
+            [sys.executable, "-P", "-m", module, str(folder), *words],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=stderr,

@@ -64,6 +64,48 @@ def test_counts_are_those_of_the_mesh(found):
     assert core["solver"]["elements"] == ["linear_elastic_tri3"]
 
 
+MOVING = plate(0.25).replace('"solid"', '"vibration"') + '[effects.dynamics]\ntime_step = "1 ms"\nsteps = 3\n'
+
+
+def explained(folder, text):
+    """The rows of a scene by effect, from a short drag of its hole."""
+    script = write_script(folder, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.5), 3)))
+    words = ["explain", str(write_scene(folder, text)), "--edits", str(script), "--seconds", "0"]
+    assert main([*words, "--json", str(folder / "found.json")]) == 0
+    return {row["effect"]: row for row in json.loads((folder / "found.json").read_text())}
+
+
+def pattern(core):
+    """The entries of a matrix on the mesh of a plate with one hole: by Euler's formula it has n + t edges."""
+    nodes = core["unknowns"] // 2
+    return 4 * (nodes + 2 * (nodes + core["elements"]))
+
+
+def test_each_effect_has_its_kernels_elements_and_matrices(tmp_path):
+    rows = explained(tmp_path, MOVING)
+    core, motion = rows["solid"], rows["dynamics"]
+    # The matrix of a step is the solid's, for its kernels fill it too; that of the mass alone is the motion's.
+    assert core["entries"] == motion["entries"] == pattern(core)
+    assert motion["elements"] == core["elements"] and set(motion["kernels"]) == {"mass_tri3"}
+    assert "mass_tri3" not in core["kernels"] and motion["how"].startswith("its time is within that of solid")
+    assert rows["stresses"]["elements"] == core["elements"] and rows["stresses"]["entries"] == 0
+
+
+def test_an_effect_that_swaps_a_kernel_for_another_has_the_elements_of_its_own(tmp_path):
+    rows = explained(tmp_path, plate(0.25) + "[effects.large_deformation]\n")
+    core, large = rows["solid"], rows["large_deformation"]
+    assert large["elements"] == core["elements"] > 0 == large["entries"] and core["entries"] == pattern(core)
+    # What is loaded are edges of the mesh on a side of 1 m.
+    assert rows["surface_loads"]["elements"] == 4
+
+
+def test_several_ranks_are_refused(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "0")
+    assert main(["explain", str(write_scene(tmp_path, plate(0.3)))]) == 2
+    told = capsys.readouterr().err
+    assert "on one rank" in told and "without mpiexec" in told
+
+
 def test_a_scene_without_edits_is_priced_by_its_first_frame(tmp_path, capsys):
     scene = write_scene(tmp_path, plate(0.3))
     assert main(["explain", str(scene), "--seconds", "0"]) == 0

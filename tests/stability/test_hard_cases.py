@@ -25,7 +25,7 @@ def test_case(tmp_path, name, policy):
 
 def test_every_case_says_what_it_is():
     for name, case in KNOWN.items():
-        assert case.summary.endswith((".", ":")) or case.summary, name
+        assert case.summary.endswith(".") and len(case.summary) > 20, name
         assert set(case.exempt) <= set(POLICIES) and "auto" not in case.exempt, name
         assert not set(case.exempt) & set(case.policies) and 0 < case.share <= 1, name
 
@@ -117,3 +117,16 @@ def test_a_case_that_kills_or_hangs_its_process_fails_alone(tmp_path, monkeypatc
 def test_no_more_time(monkeypatch, tmp_path):
     rows = run_apart([("solid.no_load", "auto")], 30.0, 1.0, 0.0, (), lambda row: None)
     assert rows[0]["holds"] is None and "0 s" in rows[0]["left_out"]
+
+
+@pytest.mark.mpi
+def test_no_more_time_on_two_ranks(tmp_path, restshape):
+    words = ("stability", "--case", "solid.no_load", "--case", "solid.jump", "--policy", "auto", "--seconds")
+    done = restshape(*words, "0", "--json", "a.json", ranks=2)
+    assert done.returncode == 0 and "0 hold, 0 fail, 2 left out" in done.stdout, done.stdout + done.stderr
+    rows = json.loads((tmp_path / "a.json").read_text())
+    assert [row["left_out"] for row in rows] == ["no more than 0 s were wanted"] * 2
+    # The first one begins, and takes longer than that.
+    done = restshape(*words, "0.001", ranks=2)
+    assert done.returncode == 0 and "0 fail" in done.stdout, done.stdout + done.stderr
+    assert done.stdout.count("left out  ") >= 1

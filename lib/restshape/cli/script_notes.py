@@ -1,0 +1,25 @@
+"""What is odd about a script, told before it is replayed many times: refused edits, another scene's name."""
+
+import sys
+from pathlib import Path
+
+from restshape.scene.model import Scene
+from restshape.scene.script import Script
+from restshape.shape.session import EditSession
+
+
+def note_script(scene: Scene, script: Script, path: Path) -> None:
+    """Prints what is odd about a script for a scene; nothing where all is well."""
+    for warning in script.warnings:
+        print(f"note: {warning}", file=sys.stderr)
+    if scene.mesh.file:
+        # The outline is that of the mesh, which is not read here.
+        return
+    refused = [frame for frame in EditSession(scene, script).frames() if frame.refused]
+    if refused:
+        first, why = refused[0], str(refused[0].refused).splitlines()[0]
+        print(
+            f"note: {len(refused)} frames of {path} are refused, the first in line {first.line}: {why}; "
+            "see restshape check",
+            file=sys.stderr,
+        )

@@ -1,0 +1,60 @@
+"""Which kernels fill each matrix: told by watching the operators that element loops fill."""
+
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from weakref import WeakKeyDictionary
+
+from petsc4py import PETSc
+
+from restshape import _kernels
+from restshape.algebra.operator import Operator
+
+Filled = dict[str, int]
+"""Matrix entries by the names of the kernels that fill them, with spaces between; under "" those not filled yet."""
+
+
+@contextmanager
+def watched_operators() -> Iterator["Watch"]:
+    """Note, while this lasts, which kernels each operator is filled by."""
+    watch, assemble = Watch(), Operator.assemble
+
+    def noted(operator: Operator, terms: list[tuple], *rest: object) -> PETSc.Mat:
+        watch.kernels.setdefault(operator, set()).update(term[1].name for term in terms)
+        return assemble(operator, terms, *rest)
+
+    Operator.assemble = noted
+    try:
+        yield watch
+    finally:
+        Operator.assemble = assemble
+
+
+class Watch:
+    """The operators that have been filled and exist, each with the names of its kernels."""
+
+    def __init__(self) -> None:
+        self.kernels: WeakKeyDictionary[Operator, set[str]] = WeakKeyDictionary()
+
+    def entries(self) -> Counter:
+        """Entries of all matrices that there are now, by kernels as in `Filled`."""
+        found: Counter = Counter()
+        for operator, names in self.kernels.items():
+            found[" ".join(sorted(names))] += operator.core.nnz
+        found[""] = stored()[1] - found.total()
+        return found
+
+
+def stored() -> tuple[int, int]:
+    """How many matrices of element operators there are now, and their entries."""
+    matrices = _kernels.matrices()
+    return len(matrices), sum(entries for _, entries in matrices)
+
+
+def of_kernels(filled: Filled, starts: tuple[str, ...]) -> int:
+    """The entries of matrices that no other kernels fill than those whose names begin so."""
+    return sum(
+        entries
+        for names, entries in filled.items()
+        if starts and names and all(name.startswith(starts) for name in names.split())
+    )

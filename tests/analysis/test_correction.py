@@ -1,0 +1,140 @@
+"""Corrections by conjugate gradients, whose preconditioner may be a poor one, against complete factors."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import restshape_apps.vibration
+from scipy.sparse import diags
+from scipy.sparse.linalg import splu
+from small_scenes import across, drag, make_replay, write_scene, write_script
+
+from restshape.analysis import time_error
+from restshape.analysis.correction import DELAY, MOST, conjugate_steps, largest_values
+
+BUILDING = Path(restshape_apps.vibration.__file__).parent / "scenes" / "building.toml"
+MOVED = [{"do": "idle", "frames": 3}, *drag("right_top", (5.7, 16.6), across((5.7, 16.6), (5.7, 16.0), 4))]
+
+
+def directly(analysis, rest):
+    """The solution of the step's own equations by a complete factor, as `conjugate_steps` is asked for it."""
+    stiffness, mass, damping = analysis.matrices()
+    newmark, free = analysis.newmark, ~analysis.body.held.ravel()
+    found = np.zeros_like(rest)
+    found[free] = splu((stiffness + newmark.a0 * mass + newmark.a1 * damping).tocsc()).solve(rest[free])
+    return found
+
+
+@pytest.mark.parametrize("policy", ["auto", "thesis"])
+def test_error_of_a_time_step_with_an_incomplete_factor(tmp_path, monkeypatch, policy):
+    replay = make_replay(BUILDING, write_script(tmp_path, MOVED), policy)
+    ratios = []
+    for row in replay.frames():
+        if row["index"]:
+            with monkeypatch.context() as changed:
+                changed.setattr(time_error, "conjugate_steps", lambda _, __, rest: directly(replay.analysis, rest))
+                ratios.append(row["estimate_time"] / replay.analysis.estimate_time())
+    assert len(ratios) == 9
+    np.testing.assert_allclose(ratios, 1.0, atol=0.02)
+
+
+@pytest.mark.mpi
+def test_two_ranks_tell_the_error_of_time_steps_that_one_tells(tmp_path, restshape):
+    script, found = write_script(tmp_path, MOVED), []
+    for ranks in (1, 2):
+        words = ("--edits", script, "--policy", "thesis", "--json", f"{ranks}.json")
+        done = restshape("replay", BUILDING, *words, ranks=ranks)
+        assert done.returncode == 0, done.stdout + done.stderr
+        found.append(json.loads((tmp_path / f"{ranks}.json").read_text())["estimate_time"])
+    assert found[1] == pytest.approx(found[0], rel=0.05)
+
+
+def test_steps_that_gain_little_for_a_while_do_not_end_it():
+    """Part of the way lies in directions that the first steps hardly see: it is gone all the same."""
+    values = np.concatenate([np.linspace(1.0, 2.0, 80), [1e-3, 2e-3]])
+    rest = np.concatenate([np.ones(80), [1e-1, 1e-1]])
+    taken = []
+
+    def product(d):
+        taken.append(d)
+        return values * d
+
+    found = conjugate_steps(product, lambda r: r, rest)
+    wrong, exact = found - rest / values, rest / values
+    assert wrong @ (values * wrong) < 1e-4 * (exact @ (values * exact))
+    assert DELAY < len(taken) < MOST
+
+
+def test_a_complete_factor_takes_no_more_steps_than_the_delay_and_one():
+    rng = np.random.default_rng(2)
+    values, rest = rng.uniform(1.0, 1e6, 50), rng.standard_normal(50)
+    matrix, taken = diags(values), []
+    found = conjugate_steps(lambda d: taken.append(d) or matrix @ d, lambda r: r / values, rest)
+    np.testing.assert_allclose(found, rest / values, rtol=1e-10)
+    assert len(taken) <= DELAY + 1
+
+
+def test_steps_that_are_not_enough_give_no_number():
+    values = np.logspace(0, 12, 500)
+    found = conjugate_steps(lambda d: values * d, lambda r: r, np.ones(500))
+    assert np.isnan(found).all()
+    assert np.isnan(largest_values(np.full((3, 3), np.nan), np.eye(3), 2)).tolist() == [True, True]
+
+
+STIFF_INSIDE = """format = "restshape-scene"
+version = 1
+app = "vibration"
+
+[shape]
+outline = ["e1", "e2", "e3"]
+vertices = { p1 = [0.5, 0.0], p2 = [-0.25, 0.433], p3 = [-0.25, -0.433] }
+edges = { e1 = { line = ["p1", "p2"] }, e2 = { line = ["p2", "p3"] }, e3 = { line = ["p3", "p1"] } }
+regions = { patch = { polygon = [[0.06, -0.06], [0.18, -0.06], [0.18, 0.06], [0.06, 0.06]] } }
+points = { probe = [0.0, 0.15] }
+
+[material]
+m = { E = 1e6, nu = 0.3, rho = 1000, thickness = 0.01 }
+inner = { E = 210e9, nu = 0.3, rho = 1000, thickness = 0.01, region = ["patch"] }
+
+[effects]
+solid = { model = "plane_stress" }
+large_deformation = {}
+dynamics = { time_step = 0.01, steps = 1 }
+ground = { displacement = 0.1, frequency = 2.0 }
+damping = { beta = 0.1 }
+
+[supports.s]
+on = "e1"
+fix = ["x", "y"]
+
+[mesh]
+size = 0.5
+
+[solve]
+tolerance = 1e-3
+"""
+
+
+def test_a_new_mesh_on_which_nothing_had_to_be_solved_for(tmp_path, monkeypatch):
+    """The kept preconditioner is that of the mesh before, of another size: the error is told all the same."""
+    script = write_script(tmp_path, drag("p1", (0.5, 0.0), [(0.5, 0.008)])[:2])
+    replay = make_replay(write_scene(tmp_path, STIFF_INSIDE), script, "rebuild")
+    unsolved = 0
+    for row in replay.frames():
+        if row["index"] and row["unknowns"] != replay.analysis.solver.size.unknowns:
+            unsolved += 1
+            with monkeypatch.context() as changed:
+                changed.setattr(time_error, "conjugate_steps", lambda _, __, rest: directly(replay.analysis, rest))
+                right = replay.analysis.estimate_time()
+            assert row["estimate_time"] == pytest.approx(right, rel=0.02)
+    assert unsolved == 1
+
+
+def test_steps_go_on_from_a_new_mesh_on_which_nothing_had_to_be_solved_for(tmp_path):
+    """The solver meets that mesh at the first step that asks for it, some frames later."""
+    events = [*drag("p1", (0.5, 0.0), [(0.5, 0.008)])[:2], {"do": "idle", "frames": 12}]
+    replay = make_replay(write_scene(tmp_path, STIFF_INSIDE), write_script(tmp_path, events), "rebuild")
+    rows = list(replay.frames())
+    assert len(rows) == 15 and not any(row["refused"] for row in rows)
+    assert all(row["residual"] <= 1e-3 for row in rows if row["newton"])

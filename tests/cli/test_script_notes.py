@@ -1,0 +1,41 @@
+"""What is odd about a script is told before it is replayed under many settings."""
+
+from small_scenes import across, drag, plate, write_scene, write_script
+
+from restshape.cli.main import main
+from restshape.cli.script_notes import note_script
+from restshape.scene.load import load_scene
+from restshape.scene.script import load_script
+
+
+def test_refused_edits_are_counted_and_the_first_is_told(tmp_path, capsys):
+    scene = load_scene(write_scene(tmp_path, plate()))
+    good = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 4))
+    path = write_script(tmp_path, [*good, *drag("eyes", (0.5, 0.5), [(0.6, 0.5), (0.7, 0.5)])])
+    note_script(scene, load_script(path, scene), path)
+    told = capsys.readouterr().err
+    # The press, two drags and the release.
+    assert "4 frames of" in told and "the first in line 5" in told and "eyes" in told
+
+
+def test_a_good_script_needs_no_word(tmp_path, capsys):
+    scene = load_scene(write_scene(tmp_path, plate()))
+    path = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 4)))
+    note_script(scene, load_script(path, scene), path)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_quantity_that_is_not_there_is_told_before_any_run(tmp_path, capsys):
+    scene = write_scene(tmp_path, plate())
+    script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 4)))
+    words = ["accuracy", str(scene), "--edits", str(script), "--of", "nothing", "--out", str(tmp_path / "out")]
+    assert main(words) == 2
+    assert scene.name in capsys.readouterr().err and not (tmp_path / "out").exists()
+
+
+def test_a_replay_without_its_script_says_where_one_is(tmp_path, capsys):
+    scene = write_scene(tmp_path, plate(0.3))
+    script = tmp_path / "edits.jsonl"
+    script.write_text(f'{{"format": "restshape-edits", "version": 1, "scene": "{scene.name}", "units": "m"}}\n')
+    assert main(["replay", str(scene)]) == 0
+    assert f"--edits {script}" in capsys.readouterr().err
