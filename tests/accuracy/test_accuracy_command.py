@@ -120,7 +120,7 @@ def test_what_a_scene_says_stays_where_a_setting_is_written(small, tmp_path):
         (("--sizes", "2,big"), "no positive numbers"),
         (("--orders", "3"), "has no elements of order 3"),
         (("--policies", "lazy"), "no policy is named 'lazy'"),
-        (("--of", "weight"), "the scene has no quantity 'weight'"),
+        (("--of", "weight"), "has no quantity 'weight'"),
         (("--frames", "1"), "hold no edit"),
         (("--tolerances", "2"), "is no tolerance"),
         (("--write", "x.toml"), "nothing is picked"),

@@ -63,7 +63,7 @@ def test_words_that_petsc_never_used_are_named(folder, replay):
 
 
 def test_words_that_petsc_used_leave_no_note(folder, replay):
-    assert "note" not in replay("--", "-solid_ksp_type", "cg", "-options_left", "no")[2]
+    assert "no use of" not in replay("--", "-solid_ksp_type", "cg", "-options_left", "no")[2]
 
 
 def test_a_table_that_cannot_be_written(folder, replay):

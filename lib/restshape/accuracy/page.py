@@ -405,5 +405,5 @@ def write_index(studies: Sequence[Study], folder: Path, command: str) -> None:
         parts += [f"## [{name}]({name}.md)\n", f"{study.scene.title}\n", f"![{name}]({name}.png)\n"]
         parts += [f"{_sentence(reuse_line(study))}\n"]
         count = len(left_out(study))
-        parts += [f"{count} remarks on what failed or was left out are on its page.\n"] if count else []
+        parts += [f"Remarks on its page on what failed or was left out: {count}.\n"] if count else []
     (folder / "README.md").write_text("\n".join(parts), encoding="utf-8")

@@ -156,7 +156,7 @@ class TransientAnalysis(Estimated, DisplacedSolid):
         return self.estimator_of(self.body.solid).relative(self.x)
 
     def estimate_time(self) -> float:
-        """The estimated error of the last step alone over the largest displacement seen so far; NaN before any step."""
+        """The estimated error of the last step alone over the largest displacement of a frame so far, or NaN."""
         before, now = self.previous, self.state
         if not before.time < now.time or before.y.shape != now.y.shape:
             return float("nan")

@@ -49,6 +49,8 @@ def play(job: Job, tell: Any) -> None:
     if job.count:
         PETSc.Log.begin()
     replay = Replay.of(asked, PETSc.COMM_WORLD)
+    # Estimates are made beside the frames, but leave little of the next one's data in the caches.
+    replay.estimating = False
     counts = EventCounts() if job.count else None
     left = {int(level): number for level, number in job.enough.items()}
     for row in islice(replay.frames(), job.frames):

@@ -88,6 +88,7 @@ class Replay:
         self.solved = False
         self.known = False
         self.foretold: Any = None
+        self.estimating = True
         self.limits = limits_of(scene.quantities)
         self.row: dict[str, Any] = {}
 
@@ -234,7 +235,7 @@ class Replay:
     def _estimates(self, row: dict[str, Any]) -> dict[str, float]:
         """What is known of the error of the frame's answer; not numbers where it has none of its own."""
         found = dict.fromkeys(ESTIMATES, np.nan)
-        if not self.known or row["refused"]:
+        if not (self.estimating and self.known) or row["refused"]:
             return found
         found["estimate"] = self.analysis.estimate()
         if hasattr(self.analysis, "estimate_time"):
