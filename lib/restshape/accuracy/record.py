@@ -87,30 +87,10 @@ def record(name: str, scene: Scene, setting: Setting, outcome: Outcome, truth: T
         truth: that errors are counted from.
         of: "field", or the quantity whose error is `error`.
     """
-    head = {
-        "scene": name,
-        "name": setting.name,
-        "size": setting.factor * scene.mesh.size,
-        "size_factor": setting.factor,
-        "order": setting.order,
-        "policy": setting.policy,
-        "tolerance": setting.tolerance,
-        "varied": setting.varied,
-        "given": setting.given,
-        "overrides": list(setting.overrides),
-    }
-    blank = {"error": None, "error_median": None, "parts": None, "errors": {}, "quantities": {}, "reuse_holds": None}
-    blank |= {"frame_ms": None, "total_s": None, "unknowns": None, "elements": None, "below_reference": False}
-    blank |= {
-        "uncertainty": None,
-        "effectivity": None,
-        "frames": [],
-        "pareto": False,
-        "problem": nameless(outcome.problem),
-    }
+    blank = _blank(name, scene, setting) | {"problem": nameless(outcome.problem)}
     told = outcome.found
     if not told:
-        return head | blank | {"problem": nameless(outcome.problem) or "the process told nothing"}
+        return blank | {"problem": blank["problem"] or "the process told nothing"}
     frames = [frame for frame in told["frames"] if "errors" in frame]
     problems = [f"frame {frame['index']}: {frame['problem']}" for frame in told["frames"] if "problem" in frame]
     problems += without(told["refused"], "have no solution")
@@ -118,7 +98,7 @@ def record(name: str, scene: Scene, setting: Setting, outcome: Outcome, truth: T
         told["lost"], f"have no solution at the tolerance {told['tight_tolerance']:g}, so that the error is not split"
     )
     times = {key: told[key] for key in ("frame_ms", "total_s", "unknowns", "elements", "timed_frames", "replayed")}
-    found = head | blank | times | {"problem": nameless("; ".join(problems)), "frames": frames}
+    found = blank | times | {"problem": nameless("; ".join(problems)), "frames": frames}
     if not frames:
         return found
     errors = {measure: _summed([f["errors"][measure] for f in frames]) for measure in frames[0]["errors"]}
@@ -142,6 +122,26 @@ def record(name: str, scene: Scene, setting: Setting, outcome: Outcome, truth: T
         "reuse_holds": parts["reuse"] <= setting.tolerance if parts else None,
         "effectivity": effectivity(frames, "energy" if main == "motion" else main),
     }
+
+
+def _blank(name: str, scene: Scene, setting: Setting) -> Row:
+    """The record of a point of which nothing has been measured; arguments as in `record`."""
+    head = {
+        "scene": name,
+        "name": setting.name,
+        "size": setting.factor * scene.mesh.size,
+        "size_factor": setting.factor,
+        "order": setting.order,
+        "policy": setting.policy,
+        "tolerance": setting.tolerance,
+        "varied": setting.varied,
+        "given": setting.given,
+        "overrides": list(setting.overrides),
+    }
+    unknown = ("error", "error_median", "parts", "reuse_holds", "frame_ms", "total_s", "unknowns", "elements")
+    unknown += ("uncertainty", "effectivity")
+    nothing = {"errors": {}, "quantities": {}, "frames": [], "below_reference": False, "pareto": False, "problem": ""}
+    return head | dict.fromkeys(unknown) | nothing
 
 
 def nameless(text: str) -> str:

@@ -46,6 +46,9 @@ class Replay:
         recorder: takes each frame, on rank 0; None records nothing.
         predict: "none" solves each frame, "linear" predicts those of a drag by the design derivative.
 
+    Attributes:
+        estimating: errors are estimated beside each frame.
+
     Raises:
         UserError: no valid first shape, or what is to be predicted cannot be.
     """
@@ -153,7 +156,18 @@ class Replay:
             quantities = self.analysis.observe() if self.known else areas(self.moving.field_mesh, edit.scene.quantities)
         for stage, seconds in advance.stages.items():
             self.stages.seconds[stage] += seconds
-        self.row = {
+        self.row = self._row(edit, advance, report, quantities) | {"predicted": int(predicted), "refused": refused}
+        if self.known and hasattr(self.analysis, "row"):
+            own = self.analysis.row()
+            notes = self.row["note"], own.get("note", "")
+            self.row.update(own, note="; ".join(filter(None, notes)))
+        return self.row
+
+    def _row(
+        self, edit: EditFrame, advance: Advance, report: LinearReport, quantities: dict[str, float]
+    ) -> dict[str, Any]:
+        """What all applications tell of a frame, but for times and whether it was predicted or refused."""
+        return {
             "index": edit.index,
             "t": edit.t,
             "line": edit.line,
@@ -168,18 +182,11 @@ class Replay:
             "preconditioner": report.preconditioner,
             "unknowns": self.analysis.unknowns,
             "elements": len((self.analysis if self.known else self.moving).mesh.cells),
-            "predicted": int(predicted),
             "note": self.foresight.note if self.foresight else "",
             "verdict": verdict(self.limits, quantities),
             "broken": ", ".join(broken(self.limits, quantities)) if quantities else "",
-            "refused": refused,
+            **{f"q_{name}": value for name, value in quantities.items()},
         }
-        self.row.update({f"q_{name}": value for name, value in quantities.items()})
-        if self.known and hasattr(self.analysis, "row"):
-            own = self.analysis.row()
-            notes = self.row["note"], own.get("note", "")
-            self.row.update(own, note="; ".join(filter(None, notes)))
-        return self.row
 
     def _solve(self, edit: EditFrame, advance: Advance, solved: bool) -> LinearReport:
         """Solve a frame; `solved` tells whether the one before was."""
