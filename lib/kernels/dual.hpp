@@ -82,6 +82,10 @@ struct Dual {
         const double root = std::sqrt(a.v);
         return {root, a.d * (0.5 / root)};
     }
+    friend Dual atan2(const Dual& y, const Dual& x) {
+        const double inverse = 1.0 / (x.v * x.v + y.v * y.v);
+        return {std::atan2(y.v, x.v), (y.d * x.v - x.d * y.v) * inverse};
+    }
 };
 
 // The scalar that a product of the two has: double with double, otherwise the dual one.

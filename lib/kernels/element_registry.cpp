@@ -3,10 +3,15 @@
 
 #include "element.hpp"
 #include "element_anisotropic.hpp"
+#include "element_bending.hpp"
+#include "element_corotated.hpp"
 #include "element_dilatation.hpp"
 #include "element_geometric.hpp"
+#include "element_hinge.hpp"
 #include "element_mass.hpp"
+#include "element_membrane.hpp"
 #include "element_plate.hpp"
+#include "element_point.hpp"
 #include "element_pressure.hpp"
 #include "element_solid.hpp"
 #include "element_straight.hpp"
@@ -43,6 +48,15 @@ std::vector<Element> registered() {
         element_of<EitherElement<AnisotropicElement<Tet10>, AnisotropicElement<Tet10Straight>>>("anisotropic_tet10"),
         element_of<PlateElement>("plate_tri3"),
         element_of<PlateMassElement>("mass_plate_tri3"),
+        element_of<MembraneElement<false>>("membrane_tri3"),
+        element_of<MembraneElement<true>>("membrane_stabilised_tri3"),
+        element_of<CorotatedMembraneElement>("membrane_corotated_tri3"),
+        element_of<HingeElement>("hinge4"),
+        element_of<NonlinearHingeElement>("hinge_nonlinear4"),
+        element_of<MorleyElement>("morley_tri6"),
+        element_of<PointPotentialElement>("potential_point1"),
+        element_of<SimplexMassElement<Tri3, 3>>("mass_cloth_tri3"),
+        element_of<LumpedMassElement<Tri3, 3>>("lumped_mass_cloth_tri3"),
         element_of<SimplexMassElement<Tri3, 2>>("mass_tri3"),
         element_of<MassElement<Tri6Mass, 2>>("mass_tri6"),
         element_of<SimplexMassElement<Tet4, 3>>("mass_tet4"),

@@ -6,6 +6,7 @@ namespace py = pybind11;
 void bind_boundary(py::module_&);
 void bind_build(py::module_&);
 void bind_calls(py::module_&);
+void bind_contact(py::module_&);
 void bind_curves(py::module_&);
 void bind_elements(py::module_&);
 void bind_estimate(py::module_&);
@@ -25,6 +26,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_boundary(m);
     bind_build(m);
     bind_calls(m);
+    bind_contact(m);
     bind_curves(m);
     bind_elements(m);
     bind_estimate(m);

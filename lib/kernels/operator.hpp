@@ -125,6 +125,9 @@ void with_sizes(const Element& e, Run run) {
     };
     if (is(3, 2, 2)) return run(Sizes<3, 2, 2>(e));
     if (is(6, 2, 2)) return run(Sizes<6, 2, 2>(e));
+    if (is(3, 2, 3)) return run(Sizes<3, 2, 3>(e));
+    if (is(4, 2, 3)) return run(Sizes<4, 2, 3>(e));
+    if (is(6, 2, 3)) return run(Sizes<6, 2, 3>(e));
     if (is(3, 3, 3)) return run(Sizes<3, 3, 3>(e));
     if (is(4, 3, 3)) return run(Sizes<4, 3, 3>(e));
     if (is(10, 3, 3)) return run(Sizes<10, 3, 3>(e));

@@ -1,0 +1,71 @@
+"""Contact of cloth with bodies in closed form: penalty along the gradient of the distance, friction by anchors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from restshape import _kernels
+
+POTENTIAL = 12
+"""Parameters of the element potential_point1: a place, the gradient there, the second derivatives xx yy zz yz xz xy."""
+
+
+class Contact:
+    """What bodies do to nodes. Between two calls of `lag` it is a potential of the positions.
+
+    Args:
+        bodies: of `restshape._kernels.Body`; they may be replaced as they move.
+        area: (n,) that each node stands for [m^2].
+        stiffness: of the penalty [N/m^3]; thickness: distance at which it begins [m].
+        friction: coefficient; slip: way along the surface at which friction is all there [m].
+
+    Attributes:
+        anchors: (bodies, n, 3) [m]; they move in `lag` only.
+
+    Source: docs/theory.md, section "Cloth".
+    """
+
+    def __init__(
+        self,
+        bodies: Sequence[_kernels.Body],
+        area: np.ndarray,
+        stiffness: float,
+        thickness: float,
+        friction: float = 0.0,
+        slip: float = 1e-4,
+    ) -> None:
+        self.bodies = list(bodies)
+        self.area, self.stiffness, self.thickness = area, stiffness, thickness
+        self.friction, self.slip = friction, slip
+        shape = (len(self.bodies), len(area))
+        self.anchors, self._normals = np.zeros((*shape, 3)), np.zeros((*shape, 3))
+        self._limits = np.zeros(shape)
+
+    def lag(self, x: np.ndarray) -> float:
+        """Take normals and normal forces for friction from x, and drag the anchors; returns the farthest way [m]."""
+        dragged = 0.0
+        for k, body in enumerate(self.bodies):
+            force, self._normals[k] = body.pressing(x, self.area, self.stiffness, self.thickness)
+            fresh = self._limits[k] == 0.0
+            self.anchors[k][fresh] = x[fresh]
+            self._limits[k] = self.friction * force
+            way = _kernels.drag_anchors(x, self.anchors[k], self._normals[k], self._limits[k], self.slip)
+            dragged = max(dragged, way)
+        return dragged
+
+    def potential(self, x: np.ndarray, curved: bool = True) -> tuple[float, np.ndarray]:
+        """Energy [J], and the parameters (n, 12) of potential_point1 whose residual and tangent at x are its own.
+
+        Args:
+            x: (n, 3) positions [m].
+            curved: with the force times the curvature of the surface; without it the tangent is semidefinite.
+        """
+        out = np.zeros((len(x), POTENTIAL))
+        out[:, :3] = x
+        energy = 0.0
+        for k, body in enumerate(self.bodies):
+            energy += body.add_contact(x, self.area, self.stiffness, self.thickness, out, curved)
+            energy += _kernels.add_friction(x, self.anchors[k], self._normals[k], self._limits[k], self.slip, out)
+        return energy, out
