@@ -222,7 +222,7 @@ class TestFriction:
 
 
 def block_on_incline(friction: float, slope: float) -> tuple[bool, float]:
-    """Whether a point of weight 2 N comes to rest on an incline, and how far it went, by Newton's method and anchors."""
+    """Whether a point of weight 2 N comes to rest on an incline, and how far it went."""
     normal = np.array([np.sin(slope), 0, np.cos(slope)])
     contact = Contact([k.Body.plane(np.zeros(3), normal)], np.ones(1), 1e5, 1e-3, friction, slip=1e-5)
     # Where the penalty of 1e5 s^2/(2e-3) carries the weight.

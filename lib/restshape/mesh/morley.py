@@ -13,7 +13,7 @@ SIDES = [2, 0, 1]
 
 
 class MorleySpace:
-    """Corners first, then edges, rank by rank; on one rank corners keep their numbers and `corners` are the mesh's cells.
+    """Corners first, then edges, rank by rank; on one rank corners keep their numbers, and cells their corners.
 
     The unknown of an edge with the ends a, b, in the order of the mesh's ``edge_nodes``, is the derivative of the
     positions along N = (d_y, -d_x), d = X_b - X_a: the slope along the normal on its right times its length. It is a
