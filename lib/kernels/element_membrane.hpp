@@ -31,10 +31,13 @@ struct MembraneParts {
         return Tri3::gradients(0, X, G);
     }
 
+    // From sides of the triangle, so that far from the origin nothing is lost to rounding.
     template <class SX, class Sx, class R>
     static void deformation(const SX (&G)[3][2], const Sx* x, R (&F)[3][2]) {
-        for (int a = 0; a < 3; ++a)
-            for (int k = 0; k < 2; ++k) F[a][k] = x[a] * G[0][k] + x[3 + a] * G[1][k] + x[6 + a] * G[2][k];
+        for (int a = 0; a < 3; ++a) {
+            const Sx first = x[3 + a] - x[a], second = x[6 + a] - x[a];
+            for (int k = 0; k < 2; ++k) F[a][k] = first * G[1][k] + second * G[2][k];
+        }
     }
 
     // F^T F as xx, yy, xy.
@@ -107,7 +110,7 @@ struct MembraneElement : MembraneParts {
         return half_product(S, E) * area + load_energy(area, x, p);
     }
 
-    // Of the displacement gradient rather than of F, or of B^T C B by duals: nine directions would be sixteen lanes.
+    // By hand: duals of nine directions would take sixteen lanes.
     static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         constexpr int stride = Dual<9>::lanes;
         double G[3][2], F[3][2], E[3], S[3], P[3][2], B[9][3], CB[9][3];
