@@ -127,7 +127,11 @@ void bind_operator(py::module_& m) {
              "until the next set_topology, and the matrix is another one only if there were new pairs.")
         .def("set_constraints", &set_constraints, py::arg("mask"),
              "Marks constrained unknowns: mask uint8 (n*fields,) is 1 there.")
-        .def("begin", &Operator::begin, "Starts new values at zero.")
+        .def("begin", &Operator::begin, py::arg("kept") = false,
+             "Starts new values at zero, or at those that `keep` has noted.")
+        .def("keep", &Operator::keep,
+             "Notes the values added since begin, of terms that stay, until the topology, a patch or the constraints "
+             "change.")
         .def("add", &add, py::arg("block"), py::arg("X"), py::arg("terms"), py::arg("rhs").noconvert() = py::none(),
              "For each term (element, x, params, coef[, residual_coef]) of a list, adds coef * tangent to the matrix "
              "and subtracts residual_coef * residual (coef unless given) from own rows of rhs (n*fields,); all terms "

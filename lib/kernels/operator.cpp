@@ -120,6 +120,7 @@ void Operator::set_topology(std::vector<Block> blocks) {
     Logged event(events().pattern);
     release_retired();
     stop_filling();
+    kept_.clear();
     blocks_ = std::move(blocks);
     flagged_.resize(blocks_.size());
     for (int k = 0; k < block_count(); ++k) flag_constrained(k, nullptr, blocks_[k].count);
@@ -131,11 +132,13 @@ void Operator::patch(int k, const int32_t* changed, int count) {
     Logged event(events().patch);
     release_retired();
     stop_filling();
+    kept_.clear();
     flag_constrained(k, changed, count);
     patch_pattern(k, changed, count);
 }
 
 void Operator::set_constraints(const uint8_t* mask) {
+    kept_.clear();
     mask_.assign(mask, mask + mask_.size());
     constrained_.clear();
     const int first = node_offsets_[rank_] * fields_, last = node_offsets_[rank_ + 1] * fields_;
@@ -156,13 +159,28 @@ void Operator::flag_constrained(int k, const int32_t* list, int count) {
     }
 }
 
-void Operator::begin() {
+void Operator::begin(bool kept) {
     if (!mat_) throw std::runtime_error("an operator needs set_topology before begin");
+    if (kept && kept_.empty())
+        throw std::runtime_error("an operator keeps no values: topology, patches and constraints forget them");
     stop_filling();
     (void)PetscLogEventBegin(events().values, 0, 0, 0, 0);
     filling_ = true;
-    for (int32_t dof : constrained_) diagonal_[dof] = 0.0;
-    zero();
+    std::vector<double>& target = values();
+    if (kept) {
+        std::copy(kept_.begin(), kept_.end(), target.begin());
+        for (size_t k = 0; k < constrained_.size(); ++k) diagonal_[constrained_[k]] = kept_diagonal_[k];
+    } else {
+        std::fill(target.begin(), target.end(), 0.0);
+        for (int32_t dof : constrained_) diagonal_[dof] = 0.0;
+    }
+}
+
+void Operator::keep() {
+    if (!filling_) throw std::runtime_error("an operator needs begin before keep");
+    kept_ = values();
+    kept_diagonal_.clear();
+    for (int32_t dof : constrained_) kept_diagonal_.push_back(diagonal_[dof]);
 }
 
 void Operator::add(int k, const Terms& terms) {

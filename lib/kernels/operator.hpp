@@ -44,7 +44,8 @@ class Operator {
     void set_topology(std::vector<Block> blocks);
     void patch(int block, const int32_t* changed, int count);
     void set_constraints(const uint8_t* mask);
-    void begin();
+    void begin(bool kept);
+    void keep();
     void add(int block, const Terms& terms);
     void end();
 
@@ -62,7 +63,7 @@ class Operator {
 
     virtual void new_pattern() = 0;
     virtual void patch_pattern(int block, const int32_t* changed, int count) = 0;
-    virtual void zero() = 0;
+    virtual std::vector<double>& values() = 0;  // that `assemble` adds to
     virtual void assemble(int block, const Terms& terms) = 0;
     virtual void set_diagonal(int dof, double value) = 0;
     virtual void finish() = 0;
@@ -101,6 +102,7 @@ class Operator {
     std::vector<uint8_t> mask_;                  // (nodes * fields), 1 where constrained
     std::vector<int32_t> constrained_;           // own constrained unknowns
     std::vector<double> diagonal_;               // (nodes * fields), what constrained diagonals have got
+    std::vector<double> kept_, kept_diagonal_;   // values and diagonal_ of `keep`; empty where there are none
     std::vector<std::vector<uint8_t>> flagged_;  // a block: elements with a constrained unknown
 };
 

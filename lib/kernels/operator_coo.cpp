@@ -36,7 +36,7 @@ class CooOperator final : public Operator {
 
     void patch_pattern(int, const int32_t*, int) override { new_pattern(); }
 
-    void zero() override { std::fill(value_.begin(), value_.end(), 0.0); }
+    std::vector<double>& values() override { return value_; }
 
     void assemble(int block, const Terms& terms) override {
         double* value = value_.data() + first_[block];

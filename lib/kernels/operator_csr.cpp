@@ -55,7 +55,7 @@ class CsrOperator final : public Operator {
         use(std::move(fresh));
     }
 
-    void zero() override { std::fill(arrays_->value.begin(), arrays_->value.end(), 0.0); }
+    std::vector<double>& values() override { return arrays_->value; }
 
     void assemble(int block, const Terms& terms) override {
         with_sizes(*terms.list.front().element, [&](auto sizes) { assemble(sizes, block, terms); });

@@ -7,6 +7,7 @@ from petsc4py import PETSc
 from sample_meshes import unit_box
 
 from restshape import _kernels as k
+from restshape.algebra.operator import Operator
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import edges_of_cells
 from restshape.physics.cloth import areas_of_nodes, membrane_params
@@ -103,3 +104,33 @@ class TestTotal:
         before = op.generation, op.nnz
         cloth.assemble(op, cloth.x + 0.1)
         assert (op.generation, op.nnz) == before
+
+
+@pytest.mark.parametrize("backend", ["csr", "coo"])
+class TestKept:
+    """Bending assembled once, against all of it anew."""
+
+    def both(self, backend, mask):
+        cloth = Cloth("morley_tri6")
+        terms = [
+            (block, element, cloth.X, cloth.x, p, 1.0) for block, (_, element, p) in enumerate(cloth.terms(cloth.x)[1])
+        ]
+        op = Operator(PETSc.COMM_SELF, 3, np.array([0, len(cloth.X)], dtype=np.int32), backend)
+        op.set_topology(cloth.blocks, mask(cloth))
+        whole = op.assemble(terms, None).copy()
+        op.keep(terms[1:2])
+        return op, [terms[0], terms[2]], whole
+
+    @pytest.mark.parametrize("held", [0, 7])
+    def test_matrix_is_the_whole_one(self, backend, held):
+        op, rest, whole = self.both(backend, lambda cloth: np.arange(cloth.x.size) < 3 * held)
+        for _ in range(2):
+            difference = op.assemble(rest, None, kept=True).copy()
+            difference.axpy(-1.0, whole)
+            assert difference.norm() < 1e-14 * whole.norm()
+
+    def test_new_constraints_forget_it(self, backend):
+        op, rest, _ = self.both(backend, lambda cloth: np.zeros(cloth.x.size))
+        op.set_constraints(np.ones(3 * len(rest[0][2])))
+        with pytest.raises(RuntimeError, match="keeps no values"):
+            op.assemble(rest, None, kept=True)

@@ -49,19 +49,30 @@ class Operator:
         """Add to the pattern what the flipped cells `changed` of a block need; nothing else is set up anew."""
         self.core.patch(block, changed)
 
-    def assemble(self, terms: list[tuple], rhs: np.ndarray | None) -> PETSc.Mat:
+    def keep(self, terms: list[tuple]) -> None:
+        """Note the matrix of terms that stay, for `assemble` to start from; flips and new constraints forget it."""
+        self.core.begin()
+        self._add(terms, None)
+        self.core.keep()
+        self.core.end()
+
+    def assemble(self, terms: list[tuple], rhs: np.ndarray | None, kept: bool = False) -> PETSc.Mat:
         """The matrix of a sum of terms (block, element, X, x, params, coefficient[, factor]).
 
-        rhs (n * f,), where given, loses the terms' residuals at x times the factor, by default the coefficient.
+        rhs (n * f,), where given, loses the terms' residuals at x times the factor, by default the coefficient. With
+        `kept` the matrix contains what `keep` has noted, and rhs nothing of it.
         """
-        self.core.begin()
-        for _, group in groupby(terms, key=lambda term: (term[0], id(term[2]))):
-            parts = list(group)
-            block, _, X, *_ = parts[0]
-            self.core.add(block, X, [(element, *rest) for _, element, _, *rest in parts], rhs)
+        self.core.begin(kept)
+        self._add(terms, rhs)
         self.core.end()
         if self.core.generation != self._generation:
             self._generation = self.core.generation
             self.mat = self.core.mat
             self.mat.setOption(PETSc.Mat.Option.SPD, self.symmetric)
         return self.mat
+
+    def _add(self, terms: list[tuple], rhs: np.ndarray | None) -> None:
+        for _, group in groupby(terms, key=lambda term: (term[0], id(term[2]))):
+            parts = list(group)
+            block, _, X, *_ = parts[0]
+            self.core.add(block, X, [(element, *rest) for _, element, _, *rest in parts], rhs)
