@@ -72,7 +72,6 @@ class ClothCase(ElementCase):
 
 
 class MembraneCase(ClothCase):
-    X = TRI3
     params = tuple(membrane_params(WOVEN, (0.2, -0.1, -0.4)))
     loads = 3
 
@@ -106,7 +105,7 @@ class MembraneCase(ClothCase):
 
 
 class TestMembrane(MembraneCase):
-    name = "membrane_tri3"
+    name, X = "membrane_tri3", TRI3
 
     def test_patch_holds_a_linear_deformation_exactly(self, element):
         F, moments, energy, tension = self.deformed_patch(element)
@@ -125,7 +124,7 @@ class TestMembrane(MembraneCase):
 class TestStabilisedMembrane(MembraneCase):
     """Its tangent is the true one where the samples of the inherited checks are in tension."""
 
-    name = "membrane_stabilised_tri3"
+    name, X = "membrane_stabilised_tri3", TRI3
 
     def test_residual_is_that_of_the_true_membrane(self, element):
         x = self.compressed(3)
@@ -160,7 +159,7 @@ class TestStabilisedMembrane(MembraneCase):
 
 
 class TestCorotatedMembrane(MembraneCase):
-    name = "membrane_corotated_tri3"
+    name, X = "membrane_corotated_tri3", TRI3
 
     def test_patch_holds_a_linear_deformation_exactly(self, element):
         """F = R U with U known: energy of U - I; U S + S U is twice the tension of U - I."""
@@ -175,8 +174,7 @@ class TestCorotatedMembrane(MembraneCase):
 
 
 class HingeCase(ClothCase):
-    name: str
-    params, X = (0.7,), QUAD
+    params = (0.7,)
 
     def folded(self, angle: float) -> np.ndarray:
         """Flat, but for node 3, which is turned about the edge."""
@@ -198,7 +196,7 @@ class HingeCase(ClothCase):
 
 
 class TestHinge(HingeCase):
-    name = "hinge4"
+    name, X = "hinge4", QUAD
 
     def test_hessian_is_constant_and_of_rank_one_each_component(self, element):
         tangents = [element.tangent_block(self.X, self.sample(element, s), self.p) for s in (1, 2)]
@@ -217,7 +215,7 @@ class TestHinge(HingeCase):
 
 
 class TestNonlinearHinge(HingeCase):
-    name = "hinge_nonlinear4"
+    name, X = "hinge_nonlinear4", QUAD
 
     def sample(self, element, seed):
         return self.folded(0.9) + 0.1 * self.direction((4, 3), seed)
