@@ -197,8 +197,8 @@ void bind_elements(py::module_& m) {
 
     py::class_<Element>(m, "Element", R"(An element: a shape with a law, found by its name.
 
-X are material coordinates (n, dim) [m], x the unknowns (n, fields): the displacement [m] of solids, the acceleration
-of masses. params is (np,) for all cells or (ne, np); `parameters` names its columns. Tangent and design derivative
+X are material coordinates (n, dim) [m], x the unknowns (n, fields): the displacement [m] of solids, the position [m] of
+cloth, the acceleration of masses. params is (np,) for all cells or (ne, np); `parameters` names its columns. Tangent and design derivative
 come from dual numbers.)")
         .def(py::init([](const std::string& name) { return restshape::element(name); }), py::arg("name"))
         .def_readonly("name", &Element::name)
@@ -219,7 +219,8 @@ come from dual numbers.)")
              "Adds (dr/dX) dX + (dr/dx) dx to out (n, fields); x is constant without dx.")
         .def("stress", &stress, py::arg("X"), py::arg("x"), py::arg("cells"), py::arg("params"),
              py::arg("out").noconvert(), py::arg("points") = py::none(),
-             "Writes Cauchy stresses to out: xx yy xy zz in 2D (zz of plane strain), xx yy xy zz yz xz in 3D [Pa]; at "
+             "Writes Cauchy stresses to out: xx yy xy zz in 2D (zz of plane strain), xx yy xy zz yz xz in 3D [Pa], of membranes "
+             "the second Piola-Kirchhoff tensions xx yy xy [N/m]; at "
              "the centroids, out (ne, components), or at reference coordinates points (m, dim), out (ne, m, "
              "components).")
         .def("tangent_block", &tangent_block, py::arg("X"), py::arg("x"), py::arg("params"),
