@@ -219,7 +219,8 @@ come from dual numbers.)")
              "Adds (dr/dX) dX + (dr/dx) dx to out (n, fields); x is constant without dx.")
         .def("stress", &stress, py::arg("X"), py::arg("x"), py::arg("cells"), py::arg("params"),
              py::arg("out").noconvert(), py::arg("points") = py::none(),
-             "Writes Cauchy stresses to out: xx yy xy zz in 2D (zz of plane strain), xx yy xy zz yz xz in 3D [Pa], of membranes "
+             "Writes Cauchy stresses to out: xx yy xy zz in 2D (zz of plane strain), xx yy xy zz yz xz in 3D [Pa], of "
+             "membranes "
              "the second Piola-Kirchhoff tensions xx yy xy [N/m]; at "
              "the centroids, out (ne, components), or at reference coordinates points (m, dim), out (ne, m, "
              "components).")
