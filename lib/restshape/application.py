@@ -131,6 +131,8 @@ class Application:
         orders: element orders that it supports.
         directions: that supports may fix.
         layered: bodies have a thickness, which may be a formula, and layers of elements over it.
+        nested: its fields, of first order, may live on a mesh nested in coarser ones.
+        cloth: it knows sheets in space: bodies, a start, planes of symmetry, a bending stiffness.
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
         stability: path ``module:attribute`` of its hard cases by name.
@@ -149,6 +151,8 @@ class Application:
     orders: tuple[int, ...] = (1,)
     directions: tuple[str, ...] = ("x", "y")
     layered: bool = False
+    nested: bool = False
+    cloth: bool = False
     columns: str = ""
     stability: str = ""
     transient: bool = False

@@ -19,7 +19,7 @@ class Contact:
         bodies: of `restshape._kernels.Body`; they may be replaced as they move.
         area: (n,) that each node stands for [m^2].
         stiffness: of the penalty [N/m^3]; thickness: distance at which it begins [m].
-        friction: coefficient; slip: way along the surface at which friction is all there [m].
+        friction: coefficient, of all bodies or one of each; slip: way along the surface at which it is all there [m].
 
     Attributes:
         anchors: (bodies, n, 3) [m]; they move in `lag` only.
@@ -33,12 +33,12 @@ class Contact:
         area: np.ndarray,
         stiffness: float,
         thickness: float,
-        friction: float = 0.0,
+        friction: float | Sequence[float] = 0.0,
         slip: float = 1e-4,
     ) -> None:
         self.bodies = list(bodies)
         self.area, self.stiffness, self.thickness = area, stiffness, thickness
-        self.friction, self.slip = friction, slip
+        self.friction, self.slip = np.broadcast_to(friction, len(self.bodies)), slip
         shape = (len(self.bodies), len(area))
         self.anchors, self._normals = np.zeros((*shape, 3)), np.zeros((*shape, 3))
         self._limits = np.zeros(shape)
@@ -50,7 +50,7 @@ class Contact:
             force, self._normals[k] = body.pressing(x, self.area, self.stiffness, self.thickness)
             fresh = self._limits[k] == 0.0
             self.anchors[k][fresh] = x[fresh]
-            self._limits[k] = self.friction * force
+            self._limits[k] = self.friction[k] * force
             way = _kernels.drag_anchors(x, self.anchors[k], self._normals[k], self._limits[k], self.slip)
             dragged = max(dragged, way)
         return dragged

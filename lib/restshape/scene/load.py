@@ -16,8 +16,9 @@ from restshape.scene.plan import plan
 from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, split_key, suggestion
 
-NAMED_TABLES = (("parameters",), ("material",), ("supports",), ("loads",), ("goal",), ("quantities",))
-NAMED_TABLES += tuple(("shape", key) for key in ("vertices", "edges", "holes", "regions", "points", "groups"))
+NAMED = ("parameters", "material", "supports", "loads", "bodies", "goal", "quantities")
+NAMED_OF_SHAPE = ("vertices", "edges", "holes", "regions", "points", "groups")
+NAMED_TABLES = (*((key,) for key in NAMED), *(("shape", key) for key in NAMED_OF_SHAPE))
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:

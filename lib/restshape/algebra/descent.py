@@ -1,0 +1,161 @@
+"""Ways down an energy that PETSc's SNES has: quasi-Newton, nonlinear conjugate gradients, Newton with line search."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.nodal import Nodal
+from restshape.algebra.preconditioner import set_preconditioner
+
+Reason = PETSc.SNES.ConvergedReason
+MEMORY = 15
+"""Pairs of steps and gradients that quasi-Newton keeps, and its steps on one tangent."""
+
+
+class Energy(Protocol):
+    """An energy of nodal values, its gradient r and a tangent."""
+
+    held: np.ndarray
+
+    def residual(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` (n, f) to r; 0 at held unknowns."""
+
+    def energy(self, x: np.ndarray) -> float:
+        """The energy whose gradient is r."""
+
+    def tangent(self, x: np.ndarray) -> PETSc.Mat:
+        """The matrix that steps are made with."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A type of SNES.
+
+    Args:
+        snes: PETSc's type; options: of its own, without prefix.
+        tangent: whether it solves with a tangent.
+    """
+
+    snes: str
+    options: dict[str, object]
+    tangent: bool = True
+
+
+KINDS = {
+    "quasi": Kind(
+        "qn",
+        {
+            "snes_qn_type": "lbfgs",
+            "snes_qn_m": MEMORY,
+            "snes_qn_scale_type": "jacobian",
+            "snes_qn_restart_type": "none",
+            "snes_linesearch_type": "bt",
+        },
+    ),
+    "newton": Kind("newtonls", {"snes_linesearch_type": "bt"}),
+    "cg": Kind("ncg", {"snes_ncg_type": "prp", "snes_linesearch_type": "cp"}, tangent=False),
+}
+
+
+class Descent:
+    """One SNES on an energy, run again and again from where it has come to.
+
+    Args:
+        comm: PETSc communicator.
+        prefix: of its options in PETSc's database.
+        energy: what is minimised.
+        shape: (n, f) of the unknowns; rows: this rank's, of n f.
+        kind: of `KINDS`.
+        factor: PETSc's preconditioner for the tangent, applied once a step.
+
+    Attributes:
+        steps: of the last run; why: of SNES.
+        on_step: called with positions (n, f) and the norm of the residual at each iterate; a true answer ends the run.
+
+    Source: docs/theory.md, section "Cloth".
+    """
+
+    def __init__(
+        self,
+        comm: PETSc.Comm,
+        prefix: str,
+        energy: Energy,
+        shape: tuple[int, int],
+        rows: slice,
+        kind: str = "quasi",
+        factor: str = "cholesky",
+    ) -> None:
+        self.energy, self.kind, self.factor = energy, KINDS[kind], factor
+        self.nodal = Nodal(comm, shape, rows)
+        self.x, self.f = self.nodal.vector(), self.nodal.vector()
+        self.work = np.zeros(shape)
+        self.on_step = lambda *_: False
+        self.steps, self.why, self.norm = 0, 0, np.inf
+        self.mat: PETSc.Mat | None = None
+        self.snes = self._made(comm, prefix)
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        for part in (self.snes, self.x, self.f):
+            part.destroy()
+
+    def run(self, x: np.ndarray, goal: float, most: int) -> float:
+        """Go down from x (n, f), which is changed, to a residual of norm `goal`, in `most` steps.
+
+        Returns: the norm that is reached.
+        """
+        self.goal = goal
+        if self.kind.tangent:
+            self.mat = self.energy.tangent(x)
+            self.snes.setJacobian(self._jacobian, self.mat)
+        self.snes.setTolerances(max_it=most)
+        self.nodal.put(x, self.x)
+        self.snes.solve(None, self.x)
+        self.steps, self.why = self.snes.getIterationNumber(), self.snes.getConvergedReason()
+        x[:] = self.nodal.values(self.x)
+        return self.norm
+
+    def _function(self, snes: PETSc.SNES, X: PETSc.Vec, F: PETSc.Vec) -> None:
+        self.energy.residual(self.nodal.values(X), self.work)
+        self.nodal.put(self.work, F)
+
+    def _objective(self, snes: PETSc.SNES, X: PETSc.Vec) -> float:
+        return self.energy.energy(self.nodal.values(X))
+
+    def _jacobian(self, snes: PETSc.SNES, X: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
+        # That of the first iterate is there already.
+        if snes.getIterationNumber():
+            self.energy.tangent(self.nodal.values(X))
+
+    def _test(self, snes: PETSc.SNES, steps: int, norms: tuple[float, float, float]) -> int:
+        self.norm = norms[2]
+        if not np.isfinite(self.norm):
+            return Reason.DIVERGED_FNORM_NAN
+        if self.norm <= self.goal:
+            return Reason.CONVERGED_FNORM_ABS
+        return Reason.CONVERGED_ITS if self.on_step(self.nodal.values(self.x), self.norm) else Reason.ITERATING
+
+    def _made(self, comm: PETSc.Comm, prefix: str) -> PETSc.SNES:
+        snes = PETSc.SNES().create(comm)
+        snes.setOptionsPrefix(prefix)
+        snes.setType(self.kind.snes)
+        options = PETSc.Options(prefix)
+        given = [key for key in self.kind.options if not options.hasName(key)]
+        for key in given:
+            options.setValue(key, self.kind.options[key])
+        snes.setFromOptions()
+        snes.setFunction(self._function, self.f)
+        snes.setObjective(self._objective)
+        snes.setConvergenceTest(self._test)
+        if self.kind.tangent:
+            ksp = snes.getKSP()
+            ksp.setType("preonly")
+            set_preconditioner(ksp, self.factor, 0)
+            ksp.setFromOptions()
+        for key in given:
+            options.delValue(key)
+        return snes

@@ -1,0 +1,340 @@
+"""Cloth that comes to rest, frame after frame, on pattern, factors and positions that are kept."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.gather import System, whole_matrix
+from restshape.algebra.kinetic_damping import Steps
+from restshape.algebra.linear import LinearReport, LinearSolver
+from restshape.algebra.stages import Stages
+from restshape.analysis.frame import Frame
+from restshape.analysis.rest import Arrival, Rest, fall_from
+from restshape.analysis.shown import Fields
+from restshape.analysis.ways import WAYS
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem, UserError
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.transfer import transfer
+from restshape.physics.carried import carried
+from restshape.physics.cloth_estimate import ClothEstimate
+from restshape.physics.cloth_quantities import ClothObserver
+from restshape.physics.cloth_scene import SheetArguments, sheet_arguments
+from restshape.physics.contact import Contact
+from restshape.physics.laid import Laid
+from restshape.physics.sheet import Sheet
+from restshape.policy import Policy
+from restshape.scene.bodies import Body
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+from restshape.scene.plan import plan as planned
+
+PASSED = 0.5
+"""Part of the smallest size of a body that a node goes in one step: it must not come out on the other side."""
+FIRST_STEP = 1.0 / 60.0
+"""Time step [s] that motion begins with; the thesis's for all of it."""
+
+
+class DrapeAnalysis:
+    """Where cloth comes to rest on bodies and supports while they, or its pattern, are edited.
+
+    The first frame, and every one that starts anew, lets the cloth fall from where the scene lays it, from a soft
+    membrane to a stiff one and from coarse meshes to fine ones; others go on from the last positions.
+
+    Args:
+        scene: what the user wrote.
+        plan: which effects are on.
+        comm: PETSc communicator.
+        policy: what is reused.
+        calibration: seconds a unit of counted work.
+        stages: takes the time of each stage.
+
+    Attributes:
+        x: (n, 3) positions [m], and with Morley's triangles slopes of edges.
+        arrival: how the last way to rest ended.
+
+    Source: docs/theory.md, section "Cloth".
+    """
+
+    estimated = "strain of the cloth in the energy norm"
+
+    def __init__(
+        self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
+    ) -> None:
+        self.plan, self.comm, self.policy, self.stages = plan, comm, policy, stages
+        self.calibration = calibration
+        self.scene: Scene | None = None
+        self.bound: Scene | None = None
+        self.mesh: Mesh | None = None
+        self.sheet: Sheet | None = None
+        self.rest: Rest | None = None
+        self.bodies: list[Body] = []
+        self.topology = self.geometry = -1
+        self.x = np.zeros((0, 3))
+        self.arrival = Arrival()
+        self.observed: dict[str, float] | None = None
+        self.age = 0
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of the equations, held ones included."""
+        return self.x.size
+
+    @property
+    def tolerance(self) -> float:
+        """Residual over load at rest."""
+        return self.plan.settings("drape").rest
+
+    def solve(self, frame: Frame) -> LinearReport:
+        """Bring the positions `x` (n, 3) [m] up to date with a frame.
+
+        Raises:
+            ReplayProblem: a step has no solution, or a value no number.
+            UserError: the scene's cloth cannot be had. In both cases all stays as it was.
+        """
+        mesh = frame.mesh
+        new_mesh = mesh is not self.mesh or mesh.topology != self.topology
+        if not (new_mesh or frame.scene is not self.scene or mesh.geometry != self.geometry):
+            self.age += 1
+            return LinearReport(0, False, self.age, self._name)
+        kept = self.__dict__.copy()
+        anchors = self._anchors()
+        try:
+            with self.stages("pattern"):
+                cold = self._bind(frame, new_mesh)
+            report = self._settle(cold)
+        except (ReplayProblem, UserError):
+            self.__dict__.update(kept, scene=None)
+            self._put_anchors(anchors)
+            raise
+        self.mesh, self.scene = mesh, frame.scene
+        self.topology, self.geometry, self.observed = mesh.topology, mesh.geometry, None
+        return report
+
+    def observe(self) -> dict[str, float]:
+        """The scene's quantities of interest, evaluated once a solution."""
+        if self.observed is None:
+            self.observed = self.observer(self.x)
+        return self.observed
+
+    def residual(self) -> float:
+        """The forces out of balance over the weight; norms at free unknowns."""
+        return self.rest.residual(self.x)
+
+    def estimate(self) -> float:
+        """The estimated relative error of tensions and moments in the energy norm."""
+        return ClothEstimate(self.sheet).relative(self.x)
+
+    def row(self) -> dict[str, Any]:
+        """What the frame's row tells besides."""
+        arrival = self.arrival
+        note = "" if arrival.at_rest else f"not at rest: residual {arrival.residual:.2e} of the weight; {arrival.why}"
+        if arrival.stable is False:
+            note = "; ".join(filter(None, (note, "at rest where it may not stay: the tangent is not positive definite")))
+        return {
+            "at_rest": int(arrival.at_rest),
+            "stable": -1 if arrival.stable is None else int(arrival.stable),
+            "steps": arrival.steps,
+            "factors": arrival.factors,
+            "dragged": arrival.dragged,
+            "note": note,
+        }
+
+    def fields(self) -> Fields:
+        """Displacement [m] of the nodes from the flat pattern, larger principal tension [N/m] of the cells."""
+        xx, yy, xy = self.sheet.tensions(self.x).T
+        tension = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
+        return {"displacement": self.sheet.corners(self.x) - self.flat}, {"tension": tension}
+
+    def blank_fields(self, mesh: Any) -> Fields:
+        """The same fields without any number, on a mesh that has not been solved on."""
+        return {"displacement": np.full((len(mesh.X), 3), np.nan)}, {"tension": np.full(len(mesh.cells), np.nan)}
+
+    # --- a frame --------------------------------------------------------------------------------------------------
+
+    def _bind(self, frame: Frame, new_mesh: bool) -> bool:
+        """Take in what a frame changes; tells whether the cloth starts anew."""
+        mesh, scene = frame.mesh, frame.scene
+        if scene is not self.scene:
+            self.plan = planned(scene, application(scene.app))
+        self.bound = scene
+        arguments = sheet_arguments(scene, self.plan, mesh)
+        cold = self.sheet is None or self.policy.regenerate
+        bodies = [body.settled(scene.parameters) for body in scene.bodies.values()]
+        old, before = self.sheet, self.bodies
+        if new_mesh or self._other_kind(arguments):
+            corners = None if cold else self._carried_corners(frame, scene)
+            self._make(scene, mesh, arguments)
+            self.x = self.sheet.flat(arguments.start if corners is None else corners)
+        else:
+            self._follow(mesh, arguments)
+        self.bodies = bodies
+        if self.sheet.contact and old is not None and old.contact and not cold and not new_mesh:
+            self._carry_anchors(before)
+        self.flat = np.column_stack([mesh.X, np.zeros(len(mesh.X))])
+        self.observer = ClothObserver(self.sheet, scene.quantities, self.flat)
+        self.rest.begin()
+        return cold
+
+    def _make(self, scene: Scene, mesh: Mesh, arguments: SheetArguments) -> None:
+        """A sheet and what brings it to rest, on a mesh that is not known."""
+        self.sheet = _sheet(mesh, arguments)
+        self.laid = Laid(scene.start, scene.parameters)
+        self.rest = self._rest(self.sheet, scene)
+        self.age = 0
+
+    def _rest(self, sheet: Sheet, scene: Scene, prefix: str = "drape_") -> Rest:
+        settings, complete = self.plan.settings("drape"), "direct" if self.policy.name != "auto" else "auto"
+        linear = LinearSolver(
+            self.comm, f"{prefix}linear_", complete, settings.rest, self.calibration, self.stages,
+            memory=scene.solve.factor_memory,
+        )
+        reach = PASSED * min((_size(body) for body in scene.bodies.values()), default=np.inf)
+        return Rest(
+            sheet, self.comm, self.stages, linear, settings.rest, Steps(FIRST_STEP, reach=reach, most=100),
+            self.policy.backend, prefix,
+        )
+
+    def _other_kind(self, arguments: SheetArguments) -> bool:
+        """Tell whether the sheet's elements are others."""
+        fabric, new = self.sheet.fabric, arguments.fabric
+        touched = (self.sheet.contact is None) != (not arguments.bodies)
+        count = self.sheet.contact is not None and len(self.sheet.contact.bodies) != len(arguments.bodies)
+        return (fabric.kind, fabric.law) != (new.kind, new.law) or touched or count
+
+    def _follow(self, mesh: Mesh, arguments: SheetArguments) -> None:
+        """Take in moved nodes, other values, supports and bodies on the same topology."""
+        sheet = self.sheet
+        # Material that has come elsewhere takes the place that the cloth has there.
+        stayed = sheet.along(self.x)
+        sheet.fabric, sheet.support, sheet.g = arguments.fabric, arguments.held, arguments.g
+        sheet.move()
+        self.x = np.where(sheet.mask, sheet.prescribed, stayed(self.x))
+        if sheet.contact:
+            self._set_contact(arguments)
+
+    def _set_contact(self, arguments: SheetArguments) -> None:
+        contact, settings = self.sheet.contact, arguments.contact
+        contact.bodies = [body for body, _ in arguments.bodies]
+        contact.friction = np.array([friction for _, friction in arguments.bodies])
+        contact.area = self.sheet.area[self.sheet.number]
+        contact.stiffness, contact.thickness, contact.slip = settings.stiffness, settings.thickness, settings.slip
+
+    def _carried_corners(self, frame: Frame, scene: Scene) -> np.ndarray:
+        """Positions (corners, 3) of the last frame on a new mesh, by their displacements."""
+        laid = Laid(scene.start, scene.parameters)
+        with self.stages("map"):
+            moved = self.sheet.corners(self.x) - self.laid.places(self.mesh.X)
+            return laid.places(frame.mesh.X) + transfer(self.mesh, frame.mesh, moved)
+
+    def _settle(self, cold: bool) -> LinearReport:
+        settings, self.arrival = self.plan.settings("drape"), Arrival()
+        way = "kinetic" if self.policy.name == "thesis" else settings.way
+        if cold and way == "auto":
+            self.x = self._fall(settings.steps)
+        WAYS[way](self.rest, self.x, settings.steps, self.arrival)
+        if not np.isfinite(self.x).all():
+            raise ReplayProblem("the cloth's positions are no numbers")
+        if self.arrival.at_rest and self.rest.newton and self.comm.size == 1:
+            self.arrival.stable = self.rest.certify(self.x)
+        arrival = self.arrival
+        return LinearReport(arrival.iterations, arrival.factors > 0, self.age, self._name, arrival.newton)
+
+    def _fall(self, most: int) -> np.ndarray:
+        """Positions near rest, from where the scene lays the cloth."""
+        hierarchy = getattr(self.sheet.mesh, "hierarchy", None)
+        meshes = hierarchy.meshes if hierarchy else [self.sheet.mesh]
+        ways = []
+        for level, mesh in enumerate(meshes[:-1]):
+            arguments = sheet_arguments(self.bound, self.plan, mesh)
+            ways.append(self._rest(_sheet(mesh, arguments), self.bound, f"drape_level{level}_"))
+        ways.append(self.rest)
+
+        def carry(level: int, x: np.ndarray) -> np.ndarray:
+            return ways[level + 1].sheet.flat(hierarchy.prolong(level, ways[level].sheet.corners(x)))
+
+        first = ways[0].sheet
+        start = first.flat(sheet_arguments(self.bound, self.plan, meshes[0]).start)
+        try:
+            return fall_from(ways, carry, start, most, self.arrival)
+        finally:
+            for way in ways[:-1]:
+                way.destroy()
+
+    @property
+    def _name(self) -> str:
+        return "cholesky" if self.policy.name != "thesis" else "ilu"
+
+    # --- friction -------------------------------------------------------------------------------------------------
+
+    def _anchors(self) -> np.ndarray | None:
+        contact = self.sheet.contact if self.sheet else None
+        return contact.anchors.copy() if contact else None
+
+    def _put_anchors(self, anchors: np.ndarray | None) -> None:
+        if anchors is not None and self.sheet.contact is not None:
+            self.sheet.contact.anchors[:] = anchors
+
+    def _carry_anchors(self, before: list[Body]) -> None:
+        """Let anchors go where their bodies have gone."""
+        anchors = self.sheet.contact.anchors
+        for k, (old, new) in enumerate(zip(before, self.bodies)):
+            anchors[k] = carried(old, new, anchors[k])
+
+    # --- for comparison with a cold solve -----------------------------------------------------------------------
+
+    def system(self) -> System:
+        """The true tangent and the positions as they stand, whole on every rank."""
+        self.rest.newton.current = False
+        energy = self.sheet.stretching(self.x) + self.sheet.bent(self.x)
+        matrix = whole_matrix(self.rest.newton.tangent(self.x), self.comm)
+        return System(matrix, np.where(self.sheet.mask, 0.0, self.x).ravel(), energy)
+
+    def cold_system(self) -> System:
+        """The true tangent at these positions on a new sheet and pattern, and where Newton's method goes from them."""
+        arguments = sheet_arguments(self.scene, self.plan, self.mesh)
+        sheet = _sheet(self.mesh, arguments)
+        if sheet.contact:
+            for field in ("anchors", "_normals", "_limits"):
+                getattr(sheet.contact, field)[:] = getattr(self.sheet.contact, field)
+        rest = self._rest(sheet, self.scene, "drape_cold_")
+        rest.begin()
+        rest.newton.current = False
+        matrix = whole_matrix(rest.newton.tangent(self.x), self.comm)
+        x = self.x.copy()
+        rest.goal = 0.01 * self.tolerance
+        rest.polish(x, Arrival())
+        rest.destroy()
+        return System(matrix, np.where(sheet.mask, 0.0, x).ravel())
+
+
+def _sheet(mesh: Mesh, arguments: SheetArguments) -> Sheet:
+    """The sheet of a scene on a mesh."""
+    sheet = Sheet(mesh, arguments.fabric, arguments.held, arguments.g)
+    if arguments.bodies:
+        settings = arguments.contact
+        sheet.contact = Contact(
+            [body for body, _ in arguments.bodies],
+            sheet.area[sheet.number],
+            settings.stiffness,
+            settings.thickness,
+            [friction for _, friction in arguments.bodies],
+            settings.slip,
+        )
+    return sheet
+
+
+def _size(body: Body) -> float:
+    """The smallest way through a body of numbers, from its middle [m]; infinite for a half-space."""
+    form = body.form
+    match body.kind:
+        case "sphere" | "capsule":
+            return form.radius
+        case "box":
+            return min(form.half)
+        case _:
+            return np.inf
