@@ -125,7 +125,7 @@ class Drape(Strict):
 
     rest: Annotated[number_of("number"), Field(gt=0, lt=1)] = 1e-4
     way: Literal["auto", "kinetic", "rayleigh", "newton", "stabilised", "cg"] = "auto"
-    steps: Annotated[int, Field(ge=1)] = 10_000
+    steps: Annotated[int, Field(ge=1)] = 3_000
     levels: Annotated[int, Field(ge=1)] | None = None
 
     def decide(self, scene: Scene) -> Decision:

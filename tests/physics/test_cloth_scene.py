@@ -95,6 +95,17 @@ def test_one_material_gives_one_matrix_and_two_give_one_a_cell(tmp_path):
     assert mass == pytest.approx(0.75 * 0.2 + 0.25 * 0.6, rel=1e-12)
 
 
+def test_a_group_of_regions_has_a_material_and_a_place_without_one_is_told(tmp_path):
+    tape = '[material.tape]\nE = "8 MPa"\nnu = 0.25\nrho = 1200\nthickness = "0.5 mm"\nregion = "taped"\n'
+    grouped = ('shape.groups={taped=["patch"]}',)
+    found, mesh = arguments(tmp_path, PIN, tape, overrides=grouped)
+    np.testing.assert_allclose(found.fabric.density, np.where(mesh.cell_region == 1, 0.6, 0.2), rtol=1e-12)
+    scene = cloth(tmp_path, PIN, tape, overrides=grouped)
+    tape_only = scene.model_copy(update={"material": {"tape": scene.material["tape"]}})
+    with pytest.raises(UserError, match="triangles lie outside of the regions that have a material"):
+        sheet_arguments(tape_only, plan(scene, COUTURE), mesh)
+
+
 def test_settings_of_the_cloth_are_handed_on(tmp_path):
     found, _ = arguments(
         tmp_path, PIN, '[effects.cloth]\nbending = "hinge"\nhinges = "strip"\nmembrane = "corotated"\n'

@@ -71,6 +71,7 @@ class Descent:
         shape: (n, f) of the unknowns; rows: this rank's, of n f.
         kind: of `KINDS`.
         factor: PETSc's preconditioner for the tangent, applied once a step.
+        reach: farthest way of a value in one step.
 
     Attributes:
         steps: of the last run; why: of SNES.
@@ -88,8 +89,9 @@ class Descent:
         rows: slice,
         kind: str = "quasi",
         factor: str = "cholesky",
+        reach: float = np.inf,
     ) -> None:
-        self.energy, self.kind, self.factor = energy, KINDS[kind], factor
+        self.energy, self.kind, self.factor, self.reach = energy, KINDS[kind], factor, reach
         self.nodal = Nodal(comm, shape, rows)
         self.x, self.f = self.nodal.vector(), self.nodal.vector()
         self.work = np.zeros(shape)
@@ -131,6 +133,14 @@ class Descent:
         if snes.getIterationNumber():
             self.energy.tangent(self.nodal.values(X))
 
+    def _shortened(self, X: PETSc.Vec, Y: PETSc.Vec) -> bool:
+        """Make a step shorter that goes too far; tells whether it did."""
+        far = Y.norm(PETSc.NormType.NORM_INFINITY)
+        if far <= self.reach:
+            return False
+        Y.scale(self.reach / far)
+        return True
+
     def _test(self, snes: PETSc.SNES, steps: int, norms: tuple[float, float, float]) -> int:
         self.norm = norms[2]
         if not np.isfinite(self.norm):
@@ -151,6 +161,7 @@ class Descent:
         snes.setFunction(self._function, self.f)
         snes.setObjective(self._objective)
         snes.setConvergenceTest(self._test)
+        snes.setLineSearchPreCheck(self._shortened)
         if self.kind.tangent:
             ksp = snes.getKSP()
             ksp.setType("preonly")

@@ -66,6 +66,10 @@ class ClothEquations:
         """The tangent that descents make steps with."""
         return self._assembled(x, self.stabilised, self.inertia)
 
+    def true_tangent(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
+        """The true tangent plus `inertia` [1/s^2] times the mass."""
+        return self._assembled(x, False, inertia)
+
     def step_matrix(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
         """The stabilised tangent plus `inertia` [1/s^2] times the mass."""
         return self._assembled(x, True, inertia)

@@ -27,6 +27,8 @@ DRAGGED = 1e-2
 """Way that anchors of friction may still be dragged at rest, over the way of slipping."""
 STIFFER = 10.0
 """Factor of the inertia where a descent does not get on."""
+INVERSE_STEPS, LEAP = 4, 1e-3
+"""Steps of the inverse iteration for the lowest mode of an unstable equilibrium, and how far it is left along it [m]."""
 TRIES = 4
 """Descents in a row that may fail before the cloth is said not to come to rest."""
 
@@ -90,7 +92,8 @@ class Rest:
         rows, shape = self.equations.operator.rows, (sheet.n_nodes, 3)
         self.motion = motion or Steps()
         self.moving = KineticDamping(comm, f"{prefix}kinetic_", self.equations, sheet.mass, shape, rows, self.motion)
-        self.descent = Descent(comm, f"{prefix}descent_", self.equations, shape, rows)
+        reach = self.motion.reach
+        self.descent = Descent(comm, f"{prefix}descent_", self.equations, shape, rows, reach=reach)
         self.newton = Newton(comm, f"{prefix}newton_", linear, shape, rows) if linear else None
         if self.newton:
             self.newton.take(self.equations)
@@ -110,8 +113,7 @@ class Rest:
         self.equations.begin()
         if self.newton:
             self.newton.take(self.equations)
-            places = self.sheet.X[self.rows.start // 3 : self.rows.stop // 3]
-            self.newton.begin(self.new_system, False, places)
+            self.newton.begin(self.new_system, False, self._places())
             self.new_system = False
 
     def scale(self, x: np.ndarray) -> float:
@@ -201,6 +203,33 @@ class Rest:
                 break
             near = max(near, self.goal)
         return arrival
+
+    def escape(self, x: np.ndarray) -> bool:
+        """Leave an unstable equilibrium x (n, 3), which is changed, along its lowest mode; False where it is stable."""
+        sheet, linear = self.sheet, self.linear
+        inertia, places = HELD_UP, self._places()
+        self.newton.current = False
+        while not linear.definite(matrix := self.equations.true_tangent(x, inertia), places, False):
+            inertia *= STIFFER
+        if inertia == HELD_UP:
+            return False
+        rows = self.newton.x.duplicate(), self.newton.x.duplicate()
+        mode = np.random.default_rng(0).uniform(-1.0, 1.0, x.shape) * sheet.free
+        for _ in range(INVERSE_STEPS):
+            nodal = self.moving.nodal
+            nodal.put(sheet.mass[:, None] * mode, rows[0])
+            rows[1].set(0.0)
+            linear.solve(matrix, *rows, False, same_matrix=True, places=places, aside=True)
+            mode = nodal.values(rows[1]).copy()
+            mode *= LEAP / np.abs(sheet.corners(mode)).max()
+        sides = x + mode, x - mode
+        x[:] = min(sides, key=sheet.energy)
+        for row in rows:
+            row.destroy()
+        return True
+
+    def _places(self) -> np.ndarray:
+        return self.sheet.X[self.rows.start // 3 : self.rows.stop // 3]
 
     def certify(self, x: np.ndarray) -> bool:
         """Tell whether the true tangent at x (n, 3) is positive definite."""
