@@ -4,12 +4,15 @@ After chapter 5 of the thesis. Quantities of interest: places, reactions, energi
 """
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field
 
 from restshape.application import Application, Decision, Effect
 from restshape.errors import UserError
+from restshape.scene.bodies import Box
+from restshape.scene.body_columns import body_columns
 from restshape.scene.implied import CLOTH
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
@@ -38,8 +41,10 @@ class Cloth(Strict):
     def decide(self, scene: Scene) -> Decision:
         """The same keys, with a warning where bodies are there that nothing touches, or slopes that nothing holds.
 
+        Morley's triangles of cloth that does not resist bending would have slopes that nothing holds: it has none.
+
         Raises:
-            UserError: the cloth would fall for ever.
+            UserError: the cloth would fall for ever; a part of it alone does not resist bending.
         """
         if not scene.supports and not scene.bodies and "gravity" in scene.effects:
             raise UserError(
@@ -54,7 +59,19 @@ class Cloth(Strict):
         sloped = [f"supports.{name}" for name, held in scene.supports.items() if held.symmetry or "slope" in held.fix]
         if sloped and self.bending in ("hinge", "nonlinear"):
             warnings.append(f"hinges have no slope that {', '.join(sloped)} could hold: cloth turns freely there")
-        return Decision(self, "; ".join(warnings), warns=bool(warnings))
+        limp = [name for name, material in scene.material.items() if material.bending in (0.0, (0.0, 0.0))]
+        if self.bending != "morley" or not limp:
+            return Decision(self, "; ".join(warnings), warns=bool(warnings))
+        if len(limp) < len(scene.material):
+            raise UserError(
+                "one part of the cloth does not resist bending, and others do",
+                f"material.{limp[0]}.bending",
+                'give it a little, such as bending = "1e-12 N m", or set effects.cloth.bending = "hinge"',
+            )
+        why = "nothing bends, for no material has a bending stiffness"
+        return Decision(
+            self.model_copy(update={"bending": "none"}), "; ".join([*warnings, why]), warns=bool(warnings)
+        )
 
 
 class Gravity(Strict):
@@ -93,8 +110,9 @@ class Contact(Strict):
                 "effects.contact",
                 "add [bodies.NAME], or leave out [effects.contact]",
             )
+        warning = self._warning(scene)
         if self.stiffness is not None:
-            return Decision(self)
+            return Decision(self, warning, warns=bool(warning))
         gravity = Gravity.model_validate(scene.effects["gravity"]).size if "gravity" in scene.effects else 0.0
         weight = gravity * max(material.rho * material.thickness for material in scene.material.values())
         if weight == 0.0:
@@ -106,7 +124,21 @@ class Contact(Strict):
         # At a depth s within the thickness t the pressure is k s^2 / (2 t).
         stiffness = 8.0 * BORNE * weight / self.thickness
         why = f"stiffness {stiffness:.3g} N/m^3, for half of the thickness bears {BORNE:g} times the weight"
-        return Decision(self.model_copy(update={"stiffness": stiffness}), why)
+        why = "; ".join(filter(None, (warning, why)))
+        return Decision(self.model_copy(update={"stiffness": stiffness}), why, warns=bool(warning))
+
+    def _warning(self, scene: Scene) -> str:
+        """What is thin enough to come through between nodes, for only these touch; empty where nothing is."""
+        forms = {name: body.settled(scene.parameters).form for name, body in scene.bodies.items()}
+        thin = [
+            f"bodies.{name}"
+            for name, form in forms.items()
+            if 2.0 * (getattr(form, "radius", np.inf) + self.thickness) < (scene.mesh.size or 0.0)
+            and not isinstance(form, Box)
+        ]
+        if not thin:
+            return ""
+        return f"{', '.join(thin)} may come through the cloth between its nodes: make mesh.size smaller"
 
 
 class Drape(Strict):
@@ -144,6 +176,12 @@ class Drape(Strict):
         return Decision(self.model_copy(update={"levels": self.levels or there}))
 
 
+def columns(scene: Scene) -> dict[str, Any]:
+    """The columns that a replay of cloth has besides: whether it rests and stays, steps, factors, friction, bodies."""
+    own = {"at_rest": np.int64, "stable": np.int64, "steps": np.int64, "factors": np.int64, "dragged": np.float64}
+    return own | body_columns(scene.bodies)
+
+
 application = Application(
     name="couture",
     summary="cloth that hangs from supports and lies on bodies, at rest",
@@ -159,4 +197,5 @@ application = Application(
     directions=("x", "y", "z", "slope"),
     cloth=True,
     nested=True,
+    columns="restshape_apps.couture:columns",
 )

@@ -3,7 +3,6 @@
 
 namespace py = pybind11;
 
-void bind_block_factor(py::module_&);
 void bind_boundary(py::module_&);
 void bind_build(py::module_&);
 void bind_calls(py::module_&);
@@ -24,7 +23,6 @@ void bind_second_order(py::module_&);
 
 PYBIND11_MODULE(_kernels, m) {
     m.doc() = "Compiled kernels of restshape: elements, assembly, mesh operations.";
-    bind_block_factor(m);
     bind_boundary(m);
     bind_build(m);
     bind_calls(m);

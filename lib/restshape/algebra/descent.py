@@ -57,7 +57,12 @@ KINDS = {
         },
     ),
     "newton": Kind("newtonls", {"snes_linesearch_type": "bt"}),
-    "cg": Kind("ncg", {"snes_ncg_type": "prp", "snes_linesearch_type": "cp"}, tangent=False),
+    # Steps along forces are lengths by stiffness: the line search must be let to find how long.
+    "cg": Kind(
+        "ncg",
+        {"snes_ncg_type": "prp", "snes_linesearch_type": "cp", "snes_linesearch_max_it": 8},
+        tangent=False,
+    ),
 }
 
 

@@ -13,12 +13,17 @@ from restshape.algebra.preconditioner import set_preconditioner
 from restshape.errors import ReplayProblem
 
 Reason = PETSc.SNES.ConvergedReason
+SHIFT = 0.01
+"""Part of the diagonal that is added to the matrix that factors are made from: without it incomplete ones fail."""
 PEAK = 3
 """Samples of the kinetic energy that show a peak."""
 LONGER, SHORTER = 1.5, 0.35
 """Factors of the time step after a step that was good, and after one that was not."""
 SLACK = 1e-13
 """Rounding of an energy, over its size."""
+SHORTEST = 1e-9
+"""Time step, over the first one, below which there is no use in shorter ones."""
+NO_SOLUTION = "a step of the cloth's motion has no solution: part of it has neither mass nor support"
 
 
 class Motion(Protocol):
@@ -81,7 +86,8 @@ class KineticDamping:
     Attributes:
         resets: potential energies [J] at resets; rejected: steps taken back; iterations: of CG, in the last `solve`.
         on_step: called with positions (n, f) and the norm of the residual before each step; a true answer ends it.
-        on_reset: called with positions (n, f) at each reset; tells whether it changed the equations.
+        on_reset: called with positions (n, f) at each reset, with Rayleigh damping after each step; tells whether it
+            changed the equations.
 
     Source: docs/theory.md, section "Cloth"; Baraff and Witkin, SIGGRAPH 1998, 43; Volino and Magnenat-Thalmann 2005.
     """
@@ -110,9 +116,10 @@ class KineticDamping:
         self.snes.setPythonContext(self)
         # SNES checks that there is a function; the context evaluates the residual itself.
         self.snes.setFunction(lambda *_: None, self.f)
+        self.copied, self.copy, self.diagonal = 0, None, None
         self.ksp = self._made(comm, f"{prefix}step_")
 
-    def destroy(self) -> None:
+    def free(self) -> None:
         """Free PETSc's objects."""
         for part in (self.snes, self.ksp, self.right, self.way, self.x, self.f):
             part.destroy()
@@ -121,12 +128,14 @@ class KineticDamping:
         """Go on from x (n, f), which is changed, until the residual's norm is at `goal`; returns the norm then.
 
         Raises:
-            ReplayProblem: a linear solve fails.
+            ReplayProblem: no step leads on from the positions in x.
         """
         self.goal, self.resets, self.iterations, self.rejected = goal, [], 0, 0
         self.nodal.put(x, self.x)
-        self.snes.solve(None, self.x)
-        x[:] = self.nodal.values(self.x)
+        try:
+            self.snes.solve(None, self.x)
+        finally:
+            x[:] = self.nodal.values(self.x)
         return self.norm
 
     def solve(self, snes: PETSc.SNES, b: PETSc.Vec | None, X: PETSc.Vec) -> None:
@@ -143,7 +152,13 @@ class KineticDamping:
             reason = self._reason(x, k)
             if reason:
                 break
-            x, v, potential = self._advance(x, v, force, potential)
+            try:
+                x, v, potential = self._advance(x, v, force, potential)
+            except ReplayProblem:
+                self.nodal.put(x, X)
+                raise
+            if steps.damping == "rayleigh" and self.on_reset(x):
+                potential = motion.energy(x)
             seen = [*seen[1 - PEAK :], self._kinetic(v)]
             if steps.damping == "kinetic" and len(seen) == PEAK and seen[0] <= seen[1] > seen[2]:
                 v, seen = np.zeros_like(v), [0.0]
@@ -167,21 +182,25 @@ class KineticDamping:
         self, x: np.ndarray, v: np.ndarray, force: np.ndarray, potential: float
     ) -> tuple[np.ndarray, np.ndarray, float]:
         """Positions, velocities and potential energy after one step that is accepted."""
-        steps, before = self.steps, potential + self._kinetic(v)
+        steps, before, guess = self.steps, potential + self._kinetic(v), v
         while True:
             h = self.time_step
             damped = 1.0 + steps.beta / h
             inertia = (1.0 / h**2 + steps.alpha / h) / damped
-            d = self._solved(x, inertia, (self.mass * v / h - force) / damped)
-            after = self.motion.energy(x + d)
-            far = np.abs(d).max() > steps.reach
-            gained = not after + self._kinetic(d / h) <= before + SLACK * abs(before)
-            if not steps.adaptive or not (far or gained):
-                break
+            d = self._solved(x, inertia, (self.mass * v / h - force) / damped, h * guess)
+            if d is not None:
+                after = self.motion.energy(x + d)
+                far = np.abs(d).max() > steps.reach
+                gained = not after + self._kinetic(d / h) <= before + SLACK * abs(before)
+                if not steps.adaptive or not (far or gained):
+                    break
+            elif not steps.adaptive or h < SHORTEST * steps.time_step:
+                raise ReplayProblem(NO_SOLUTION)
             self.rejected += 1
             self.time_step *= SHORTER
-            # From rest any step that is short enough goes down; from motion a shorter one follows it better.
-            if self.time_step < 1e-9 * steps.time_step:
+            # Every iterate of CG from 0 goes down in the step's own energy, so that a short enough step does too.
+            guess = np.zeros_like(v)
+            if d is not None and self.time_step < SHORTEST * steps.time_step:
                 raise ReplayProblem("no time step is short enough: the cloth's energy is no number, or nothing moves")
         if steps.adaptive:
             self.time_step = min(LONGER * self.time_step, steps.longest)
@@ -190,23 +209,37 @@ class KineticDamping:
     def _kinetic(self, v: np.ndarray) -> float:
         return 0.5 * float((self.mass * v * v).sum())
 
-    def _solved(self, x: np.ndarray, inertia: float, right: np.ndarray) -> np.ndarray:
-        """The way (n, f) of a step."""
-        self.ksp.setOperators(self.motion.step_matrix(x, inertia))
+    def _solved(self, x: np.ndarray, inertia: float, right: np.ndarray, guess: np.ndarray) -> np.ndarray:
+        """The way (n, f) of a step, from a guess at it."""
+        matrix = self.motion.step_matrix(x, inertia)
+        self.ksp.setOperators(matrix, self._shifted(matrix))
         right.ravel()[self.motion.held] = 0.0
         self.nodal.put(right, self.right)
-        self.way.set(0.0)
+        self.nodal.put(guess, self.way)
         self.ksp.solve(self.right, self.way)
         if self.ksp.getConvergedReason() < 0:
             raise ReplayProblem("a step of the cloth's motion has no solution: part of it has neither mass nor support")
         self.iterations += self.ksp.getIterationNumber()
         return self.nodal.values(self.way).copy()
 
+    def _shifted(self, matrix: PETSc.Mat) -> PETSc.Mat:
+        """A copy of a matrix with a larger diagonal."""
+        if self.copied != matrix.handle:
+            self.copied, self.copy = matrix.handle, matrix.duplicate(copy=True)
+            self.diagonal = matrix.createVecLeft()
+        else:
+            matrix.copy(self.copy, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        self.copy.getDiagonal(self.diagonal)
+        self.diagonal.scale(1.0 + SHIFT)
+        self.copy.setDiagonal(self.diagonal)
+        return self.copy
+
     def _made(self, comm: PETSc.Comm, prefix: str) -> PETSc.KSP:
         ksp = PETSc.KSP().create(comm)
         ksp.setOptionsPrefix(prefix)
         ksp.setType("cg")
         ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        ksp.setInitialGuessNonzero(True)
         ksp.setTolerances(rtol=self.steps.tolerance, max_it=2000)
         set_preconditioner(ksp, "ilu", 0)
         ksp.setFromOptions()

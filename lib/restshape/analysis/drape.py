@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gather import System, whole_matrix
+from restshape.algebra.gather import matrix_difference, whole_matrix
 from restshape.algebra.kinetic_damping import Steps
 from restshape.algebra.linear import LinearReport, LinearSolver
 from restshape.algebra.stages import Stages
@@ -29,6 +30,7 @@ from restshape.physics.laid import Laid
 from restshape.physics.sheet import Sheet
 from restshape.policy import Policy
 from restshape.scene.bodies import Body
+from restshape.scene.body_columns import body_columns, body_row
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
@@ -37,6 +39,8 @@ PASSED = 0.5
 """Part of the smallest size of a body that a node goes in one step: it must not come out on the other side."""
 ESCAPES = 5
 """Saddles of the energy that are left in one frame before the cloth is said to rest on one."""
+FARTHER = 0.01
+"""Part of the tolerance to which a cold solve goes on."""
 FIRST_STEP = 1.0 / 60.0
 """Time step [s] that motion begins with; the thesis's for all of it."""
 
@@ -58,6 +62,7 @@ class DrapeAnalysis:
     Attributes:
         x: (n, 3) positions [m], and with Morley's triangles slopes of edges.
         arrival: how the last way to rest ended.
+        watch: called with the way to rest, positions (n, 3) and residual over load at each iterate.
 
     Source: docs/theory.md, section "Cloth".
     """
@@ -75,10 +80,12 @@ class DrapeAnalysis:
         self.sheet: Sheet | None = None
         self.rest: Rest | None = None
         self.bodies: list[Body] = []
+        self.body_columns = list(body_columns(scene.bodies))
         self.topology = self.geometry = -1
         self.x = np.zeros((0, 3))
         self.arrival = Arrival()
         self.observed: dict[str, float] | None = None
+        self.watch: Callable[[Rest, np.ndarray, float], None] = lambda *_: None
         self.age = 0
 
     @property
@@ -144,6 +151,7 @@ class DrapeAnalysis:
             "factors": arrival.factors,
             "dragged": arrival.dragged,
             "note": note,
+            **body_row(dict(zip(self.bound.bodies, self.bodies)), self.body_columns),
         }
 
     def fields(self) -> Fields:
@@ -165,7 +173,8 @@ class DrapeAnalysis:
             self.plan = planned(scene, application(scene.app))
         self.bound = scene
         arguments = sheet_arguments(scene, self.plan, mesh)
-        cold = self.sheet is None or self.policy.regenerate
+        # Cloth that has fallen out of reach is thrown anew, so that an edit, or its undo, brings it back.
+        cold = self.sheet is None or self.policy.regenerate or self.arrival.falls
         bodies = [body.settled(scene.parameters) for body in scene.bodies.values()]
         old, before = self.sheet, self.bodies
         if new_mesh or self._other_kind(arguments):
@@ -196,10 +205,12 @@ class DrapeAnalysis:
             memory=scene.solve.factor_memory,
         )
         reach = PASSED * min((_size(body) for body in scene.bodies.values()), default=np.inf)
-        return Rest(
+        rest = Rest(
             sheet, self.comm, self.stages, linear, settings.rest, Steps(FIRST_STEP, reach=reach, most=100),
             self.policy.backend, prefix,
         )
+        rest.on_iterate = lambda x, residual: self.watch(rest, x, residual)
+        return rest
 
     def _other_kind(self, arguments: SheetArguments) -> bool:
         """Tell whether the sheet's elements are others."""
@@ -301,29 +312,36 @@ class DrapeAnalysis:
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------
 
-    def system(self) -> System:
-        """The true tangent and the positions as they stand, whole on every rank."""
-        self.rest.newton.current = False
-        energy = self.sheet.stretching(self.x) + self.sheet.bent(self.x)
-        matrix = whole_matrix(self.rest.newton.tangent(self.x), self.comm)
-        return System(matrix, np.where(self.sheet.mask, 0.0, self.x).ravel(), energy)
+    def cold_differences(self) -> tuple[float, float]:
+        """How far the tangent and the positions are from those of a cold solve; for `replay --parity`.
 
-    def cold_system(self) -> System:
-        """The true tangent at these positions on a new sheet and pattern, and where Newton's method goes from them."""
-        arguments = sheet_arguments(self.scene, self.plan, self.mesh)
-        sheet = _sheet(self.mesh, arguments)
-        if sheet.contact:
-            for field in ("anchors", "_normals", "_limits"):
-                getattr(sheet.contact, field)[:] = getattr(self.sheet.contact, field)
-        rest = self._rest(sheet, self.scene, "drape_cold_")
-        rest.begin()
-        rest.newton.current = False
-        matrix = whole_matrix(rest.newton.tangent(self.x), self.comm)
+        Entries by the largest one. Positions from those to which Newton's method goes on, on a new sheet and pattern, by
+        the forces over the weight that the difference takes, for that is what rest is measured by.
+        """
+        cold = self._rest(self._cold_sheet(), self.scene, "drape_cold_")
+        cold.begin()
+        self.rest.newton.current = cold.newton.current = False
+        warm, fresh = (whole_matrix(rest.newton.tangent(self.x), self.comm) for rest in (self.rest, cold))
         x = self.x.copy()
-        rest.goal = 0.01 * self.tolerance
-        rest.polish(x, Arrival())
-        rest.destroy()
-        return System(matrix, np.where(sheet.mask, 0.0, x).ravel())
+        cold.goal = FARTHER * self.tolerance
+        cold.polish(x, Arrival())
+        cold.newton.current = False
+        # Loose cloth turns on its way; the mean of both tangents is good to third order.
+        mean = 0.5 * (fresh + whole_matrix(cold.newton.tangent(x), self.comm))
+        forces = (mean @ (self.x - x).ravel()).reshape(x.shape) * self.sheet.free
+        distance = float(np.linalg.norm(forces)) / self.rest.scale(self.x)
+        if not self.arrival.at_rest:
+            # It says so, and how far it is: no farther it must be.
+            distance *= min(1.0, self.tolerance / self.arrival.residual)
+        cold.destroy()
+        return matrix_difference(warm, fresh), distance
+
+    def _cold_sheet(self) -> Sheet:
+        """The sheet of this frame made anew, with the same history of friction."""
+        sheet = _sheet(self.mesh, sheet_arguments(self.scene, self.plan, self.mesh))
+        if sheet.contact:
+            sheet.contact.take(self.sheet.contact)
+        return sheet
 
 
 def _sheet(mesh: Mesh, arguments: SheetArguments) -> Sheet:

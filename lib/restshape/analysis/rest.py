@@ -29,6 +29,9 @@ STIFFER = 10.0
 """Factor of the inertia where a descent does not get on."""
 INVERSE_STEPS, LEAP = 4, 1e-3
 """Steps of the inverse iteration for the lowest mode of an unstable equilibrium, and how far it is left along it [m]."""
+FALLS = "nothing catches the cloth: it falls without end"
+LEAST = 1e-9
+"""Strain whose forces are the least that residuals of cloth without weight are measured against."""
 TRIES = 4
 """Descents in a row that may fail before the cloth is said not to come to rest."""
 
@@ -43,6 +46,7 @@ class Arrival:
         stable: the true tangent there is positive definite; None: not looked at.
         steps: of all methods; newton: of Newton's; iterations: of linear solvers; factors: made.
         dragged: farthest way of an anchor at the end [m].
+        falls: nothing catches the cloth.
         why: it is not at rest, for people.
     """
 
@@ -54,6 +58,7 @@ class Arrival:
     iterations: int = 0
     factors: int = 0
     dragged: float = 0.0
+    falls: bool = False
     why: str = ""
 
 
@@ -97,14 +102,16 @@ class Rest:
         self.newton = Newton(comm, f"{prefix}newton_", linear, shape, rows) if linear else None
         if self.newton:
             self.newton.take(self.equations)
-        self.rows, self.new_system = rows, True
+        self.rows, self.new_system, self.noted = rows, True, 0
         self.on_iterate: Callable[[np.ndarray, float], None] = lambda *_: None
         self.moving.on_step = self.descent.on_step = self._note
         self.moving.on_reset = lambda x: self.lag(x) >= 0.0 and sheet.contact is not None
 
     def destroy(self) -> None:
         """Free PETSc's objects."""
-        for part in (self.moving, self.descent, self.newton):
+        # SNES calls `destroy` of its python context, whose name this must not be.
+        self.moving.free()
+        for part in (self.descent, self.newton):
             if part:
                 part.destroy()
 
@@ -118,11 +125,13 @@ class Rest:
 
     def scale(self, x: np.ndarray) -> float:
         """What residuals are measured against [N]: the weight, or without any the forces at supports."""
-        if self.sheet.load > 0.0:
-            return self.sheet.load
+        sheet = self.sheet
+        if sheet.load > 0.0:
+            return sheet.load
         forces = np.empty_like(x)
-        self.sheet.inner(x, forces)
-        return float(np.linalg.norm(forces[self.sheet.mask.astype(bool)])) or 1.0
+        sheet.inner(x, forces)
+        least = LEAST * sheet.fabric.membrane.max() * sheet.area.sum() ** 0.5
+        return max(float(np.linalg.norm(forces[sheet.mask.astype(bool)])), least)
 
     def lag(self, x: np.ndarray) -> float:
         """Let friction follow to x (n, 3); returns the farthest way of an anchor [m]."""
@@ -131,16 +140,20 @@ class Rest:
     def fall(self, x: np.ndarray, goal: float, arrival: Arrival) -> None:
         """Kinetic damping from x (n, 3), which is changed, until the residual over the load is at `goal`."""
         self.lag(x)
-        with self.stages("krylov"):
-            norm = self.moving.run(x, goal * self.scale(x))
-        arrival.residual = norm / self.scale(x)
+        try:
+            with self.stages("krylov"):
+                self.moving.run(x, goal * self.scale(x))
+        except ReplayProblem as problem:
+            # From where it has come to, other methods may get on.
+            arrival.why = str(problem)
+        arrival.residual = self.residual(x)
         arrival.steps += self.moving.snes.getIterationNumber()
         arrival.iterations += self.moving.iterations
 
     def descend(self, x: np.ndarray, goal: float, most: int, arrival: Arrival) -> bool:
         """Quasi-Newton steps from x (n, 3), which is changed, on a fresh tangent every few steps; tells of success."""
         equations, failed, taken = self.equations, 0, 0
-        equations.inertia = HELD_UP
+        equations.inertia, arrival.why = HELD_UP, ""
         while taken < most:
             arrival.dragged = self.lag(x)
             before = x.copy()
@@ -154,9 +167,15 @@ class Rest:
                 x[:] = before
             if arrival.residual <= goal:
                 return True
+            if self.sheet.falls(x):
+                arrival.falls, arrival.why = True, FALLS
+                # Nothing is left of friction then.
+                self.lag(x)
+                return False
             # A descent that ends at once has a tangent that does not fit: more inertia makes steps shorter.
             failed = failed + 1 if steps < 2 else 0
             if failed >= TRIES:
+                arrival.why = "no step makes the energy smaller"
                 return False
             equations.inertia = equations.inertia * STIFFER if steps < 2 else max(equations.inertia / STIFFER, HELD_UP)
         return False
@@ -189,7 +208,7 @@ class Rest:
                 arrival.why = arrival.why or f"{most} steps are over"
                 break
             if not self.descend(x, near, left, arrival):
-                arrival.why = "no step makes the energy smaller" if left > MEMORY else f"{most} steps are over"
+                arrival.why = arrival.why or f"{most} steps are over"
                 break
             if self.newton and not self.polish(x, arrival):
                 # Where the true tangent is of no use yet, descent goes on alone.
@@ -249,7 +268,9 @@ class Rest:
 
     def _note(self, x: np.ndarray, norm: float) -> bool:
         self.on_iterate(x, norm / self.scale(x))
-        return False
+        self.noted += 1
+        # Looked at in every step it would cost a twentieth of it.
+        return self.noted % MEMORY == 0 and self.sheet.falls(x)
 
 
 def fall_from(

@@ -7,14 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from restshape.algebra.descent import Descent
+from restshape.algebra.descent import MEMORY, Descent
 from restshape.algebra.kinetic_damping import KineticDamping
-from restshape.analysis.rest import DRAGGED, Arrival, Rest
+from restshape.analysis.rest import DRAGGED, FALLS, Arrival, Rest
 from restshape.errors import ReplayProblem
 
 Way = Callable[[Rest, np.ndarray, int, Arrival], Arrival]
 FREELY = 1e-6
 """Inertia [1/s^2] of plain and stabilised Newton's methods: enough for a factor where cloth lies loosely."""
+ALPHA, BETA = 4.0, 1e-3
+"""Rayleigh damping [1/s], [s]: about half of the critical one of a cloth that swings by half a metre."""
+LONG = 150
+"""Steps of conjugate gradients between which friction follows: they begin anew with each run."""
 ROUNDS = 200
 """Runs of a method, between which friction follows, after which it is given up."""
 
@@ -23,23 +27,25 @@ def moved(rest: Rest, x: np.ndarray, most: int, arrival: Arrival, damping: str =
     """Motion alone, with kinetic damping, until it rests."""
     if damping == "kinetic":
         return _in_rounds(rest, rest.moving, lambda: rest.moving.snes.getIterationNumber(), x, most, arrival)
-    steps = replace(rest.motion, damping="rayleigh")
+    steps = replace(rest.motion, damping="rayleigh", alpha=ALPHA, beta=BETA)
     equations = rest.equations
     moving = KineticDamping(
         rest.comm, "drape_rayleigh_", equations, rest.sheet.mass, x.shape, equations.operator.rows, steps
     )
-    moving.on_step = rest.moving.on_step
+    moving.on_step, moving.on_reset = rest.moving.on_step, rest.moving.on_reset
     try:
         return _in_rounds(rest, moving, lambda: moving.snes.getIterationNumber(), x, most, arrival)
     finally:
-        moving.destroy()
+        moving.free()
 
 
 def descended(rest: Rest, x: np.ndarray, most: int, arrival: Arrival, kind: str, stabilised: bool = True) -> Arrival:
     """One kind of SNES alone, until it rests."""
     equations = rest.equations
     equations.stabilised, equations.inertia = stabilised, FREELY
-    descent = Descent(rest.comm, f"drape_{kind}_", equations, x.shape, equations.operator.rows, kind)
+    descent = Descent(
+        rest.comm, f"drape_{kind}_", equations, x.shape, equations.operator.rows, kind, reach=rest.motion.reach
+    )
     descent.on_step = rest.descent.on_step
     try:
         return _in_rounds(rest, descent, lambda: descent.steps, x, most, arrival)
@@ -62,7 +68,8 @@ def _in_rounds(
         before = x.copy()
         try:
             if isinstance(method, Descent):
-                norm = method.run(x, rest.goal * rest.scale(x), left)
+                # Without friction that follows cloth would slide off what it lies on.
+                norm = method.run(x, rest.goal * rest.scale(x), min(left, MEMORY if method.kind.tangent else LONG))
             else:
                 method.steps = replace(method.steps, most=left)
                 norm = method.run(x, rest.goal * rest.scale(x))
@@ -75,6 +82,9 @@ def _in_rounds(
             x[:], arrival.why = before, "positions that are no numbers"
             return arrival
         arrival.residual = norm / rest.scale(x)
+        if rest.sheet.falls(x):
+            arrival.falls, arrival.why = True, FALLS
+            return arrival
         if steps() == 0 or arrival.steps >= most:
             break
     arrival.why = f"{arrival.steps} steps are over" if arrival.steps >= most else "no step gets any further"

@@ -100,6 +100,8 @@ def _draw(recording: Any, folder: Path, args: argparse.Namespace) -> list[Path]:
     import numpy as np
 
     from restshape.report.animation import animated_frames, draw_animation
+    from restshape.report.drape import drape_scenery, shows_cloth
+    from restshape.report.drape_frames import draw_drape_animation, draw_drape_frames
     from restshape.report.frames import chosen_frames, draw_frames
     from restshape.report.levels import draw_levels
     from restshape.report.scenery import scenery
@@ -109,17 +111,22 @@ def _draw(recording: Any, folder: Path, args: argparse.Namespace) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         pictures = [folder / "timeline.png"]
         draw_timeline(recording, pictures[0])
-        if recording.n > 1:
+        cloth = shows_cloth(recording)
+        # Where bodies move, and the pattern stays, there are no levels.
+        if recording.n > 1 and not (cloth and not recording.table["level"].any()):
             pictures.insert(0, folder / "levels.png")
             draw_levels(recording, pictures[0])
         if recording.dimension == 2:
             sheet, moving = chosen_frames(recording, args.frames), animated_frames(recording)
-            common = scenery(recording, np.union1d(sheet, moving), args.scale)
+            drawn = np.union1d(sheet, moving) if args.animation != "none" else sheet
+            common = (
+                drape_scenery(recording, drawn) if cloth else scenery(recording, np.union1d(sheet, moving), args.scale)
+            )
             pictures.insert(0, folder / "frames.png")
-            draw_frames(recording, sheet, common, pictures[0])
+            (draw_drape_frames if cloth else draw_frames)(recording, sheet, common, pictures[0])
             if args.animation != "none":
                 pictures.append(folder / f"animation.{args.animation}")
-                draw_animation(recording, moving, common, pictures[-1])
+                (draw_drape_animation if cloth else draw_animation)(recording, moving, common, pictures[-1])
     except OSError as error:
         raise UserError(f"pictures cannot be written: {error.strerror}", str(folder), "choose another --out") from error
     return pictures

@@ -45,5 +45,7 @@ class ClothEstimate:
         recovered = (sums / np.where(weights > 0.0, weights, 1.0)[:, None])[corners] - moments[:, None]
         # Exact for products of linear functions: the middles of the sides.
         middles = 0.5 * (recovered + np.roll(recovered, -1, axis=1))
-        compliance = np.linalg.inv(stiffness)
+        # Limp cloth has no moments, and no energy of them.
+        limp = ~stiffness.any(axis=(1, 2))[:, None, None]
+        compliance = np.where(limp, 0.0, np.linalg.inv(np.where(limp, np.eye(3), stiffness)))
         return float(np.einsum("e,eqi,eij,eqj->", area / 3.0, middles, compliance, middles))

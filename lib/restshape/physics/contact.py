@@ -43,6 +43,10 @@ class Contact:
         self.anchors, self._normals = np.zeros((*shape, 3)), np.zeros((*shape, 3))
         self._limits = np.zeros(shape)
 
+    def take(self, other: Contact) -> None:
+        """Take anchors, normals and normal forces from contact of the same nodes with the same bodies."""
+        self.anchors[:], self._normals[:], self._limits[:] = other.anchors, other._normals, other._limits
+
     def lag(self, x: np.ndarray) -> float:
         """Take normals and normal forces for friction from x, and drag the anchors; returns the farthest way [m]."""
         dragged = 0.0
@@ -54,6 +58,14 @@ class Contact:
             way = _kernels.drag_anchors(x, self.anchors[k], self._normals[k], self._limits[k], self.slip)
             dragged = max(dragged, way)
         return dragged
+
+    def passed(self, x: np.ndarray, way: np.ndarray) -> bool:
+        """Tell whether points (n, 3) that go on along a way (3,) touch no body any more: all bodies are convex."""
+        for body in self.bodies:
+            distance, gradient, _ = body.distance(x)
+            if distance.min() <= self.thickness or (gradient @ way).min() < 0.0:
+                return False
+        return True
 
     def potential(self, x: np.ndarray, curved: bool = True) -> tuple[float, np.ndarray]:
         """Energy [J], and the parameters (n, 12) of potential_point1 whose residual and tangent at x are its own.

@@ -205,6 +205,11 @@ class Sheet:
         """Take friction's normal forces at x, and drag its anchors; returns the farthest way of one [m]."""
         return self.contact.lag(self.corners(x)) if self.contact else 0.0
 
+    def falls(self, x: np.ndarray) -> bool:
+        """Tell whether cloth at x (n, 3) falls without end: nothing holds it, and it goes away from all bodies."""
+        way = np.where(self.support.mask.any(axis=0), 0.0, self.g)
+        return bool(way.any()) and (self.contact is None or self.contact.passed(self.corners(x), way))
+
     # --- what is solved -------------------------------------------------------------------------------------------
 
     def energy(self, x: np.ndarray) -> float:
