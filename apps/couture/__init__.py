@@ -8,20 +8,19 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
+from restshape_apps.couture.thin_bodies import borne, may_come_through
 
-from restshape.application import Application, Decision, Effect
+from restshape.application import Application, Decision, Effect, Knob
 from restshape.errors import UserError
-from restshape.scene.bodies import Box
 from restshape.scene.body_columns import body_columns
 from restshape.scene.implied import CLOTH
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
+REST = 1e-4
+"""Tolerance of a scene that names none."""
 STANDARD_GRAVITY = 9.81
 """Acceleration [m/s^2] that the default of [effects.gravity] has, downwards."""
-
-BORNE = 10.0
-"""Multiple of the cloth's own weight that contact bears at half of its thickness."""
 
 
 class Cloth(Strict):
@@ -39,7 +38,7 @@ class Cloth(Strict):
     membrane: Literal["stvk", "corotated"] = "stvk"
 
     def decide(self, scene: Scene) -> Decision:
-        """The same keys, with a warning where bodies are there that nothing touches, or slopes that nothing holds.
+        """The same keys, with a warning where bodies are there that nothing touches.
 
         Morley's triangles of cloth that does not resist bending would have slopes that nothing holds: it has none.
 
@@ -56,9 +55,6 @@ class Cloth(Strict):
         if scene.bodies and "contact" not in scene.effects:
             names = ", ".join(f"bodies.{name}" for name in scene.bodies)
             warnings.append(f"cloth falls through {names}: there is no [effects.contact]")
-        sloped = [f"supports.{name}" for name, held in scene.supports.items() if held.symmetry or "slope" in held.fix]
-        if sloped and self.bending in ("hinge", "nonlinear"):
-            warnings.append(f"hinges have no slope that {', '.join(sloped)} could hold: cloth turns freely there")
         limp = [name for name, material in scene.material.items() if material.bending in (0.0, (0.0, 0.0))]
         if self.bending != "morley" or not limp:
             return Decision(self, "; ".join(warnings), warns=bool(warnings))
@@ -69,9 +65,7 @@ class Cloth(Strict):
                 'give it a little, such as bending = "1e-12 N m", or set effects.cloth.bending = "hinge"',
             )
         why = "nothing bends, for no material has a bending stiffness"
-        return Decision(
-            self.model_copy(update={"bending": "none"}), "; ".join([*warnings, why]), warns=bool(warnings)
-        )
+        return Decision(self.model_copy(update={"bending": "none"}), "; ".join([*warnings, why]), warns=bool(warnings))
 
 
 class Gravity(Strict):
@@ -99,7 +93,7 @@ class Contact(Strict):
     slip: Annotated[number_of("length"), Field(gt=0)] = 1e-4
 
     def decide(self, scene: Scene) -> Decision:
-        """The stiffness, where the scene names none: half of the thickness bears ten times the cloth's weight.
+        """The stiffness, where the scene names none: half of the thickness bears ten times the cloth's weight, or more.
 
         Raises:
             UserError: there is no body, or no weight to decide the stiffness from.
@@ -110,7 +104,7 @@ class Contact(Strict):
                 "effects.contact",
                 "add [bodies.NAME], or leave out [effects.contact]",
             )
-        warning = self._warning(scene)
+        warning = may_come_through(scene, self.thickness)
         if self.stiffness is not None:
             return Decision(self, warning, warns=bool(warning))
         gravity = Gravity.model_validate(scene.effects["gravity"]).size if "gravity" in scene.effects else 0.0
@@ -122,23 +116,11 @@ class Contact(Strict):
                 'give it, such as stiffness = "50 kN/m^3", or add [effects.gravity] and material.NAME.rho',
             )
         # At a depth s within the thickness t the pressure is k s^2 / (2 t).
-        stiffness = 8.0 * BORNE * weight / self.thickness
-        why = f"stiffness {stiffness:.3g} N/m^3, for half of the thickness bears {BORNE:g} times the weight"
-        why = "; ".join(filter(None, (warning, why)))
+        times, cause = borne(scene)
+        stiffness = 8.0 * times * weight / self.thickness
+        why = f"stiffness {stiffness:.3g} N/m^3, for half of the thickness bears {times:.3g} times the weight"
+        why = "; ".join(filter(None, (warning, why, cause)))
         return Decision(self.model_copy(update={"stiffness": stiffness}), why, warns=bool(warning))
-
-    def _warning(self, scene: Scene) -> str:
-        """What is thin enough to come through between nodes, for only these touch; empty where nothing is."""
-        forms = {name: body.settled(scene.parameters).form for name, body in scene.bodies.items()}
-        thin = [
-            f"bodies.{name}"
-            for name, form in forms.items()
-            if 2.0 * (getattr(form, "radius", np.inf) + self.thickness) < (scene.mesh.size or 0.0)
-            and not isinstance(form, Box)
-        ]
-        if not thin:
-            return ""
-        return f"{', '.join(thin)} may come through the cloth between its nodes: make mesh.size smaller"
 
 
 class Drape(Strict):
@@ -146,7 +128,7 @@ class Drape(Strict):
 
     Args:
         rest: cloth rests where the norm of the forces out of balance is at most so much of that of its weight, both
-            over free nodes.
+            over free nodes: another name of solve.tolerance, which it is where left out, or 1e-4 without either.
         way: "kinetic", steps in time that begin anew at each peak of the kinetic energy; "rayleigh", steps with
             Rayleigh damping; "newton", with a line search on the energy; "stabilised", the same with the stabilised
             tangent; "cg", nonlinear conjugate gradients; "auto" takes kinetic damping, then Newton's method.
@@ -155,17 +137,25 @@ class Drape(Strict):
             rest, from coarse to fine; left out, all.
     """
 
-    rest: Annotated[number_of("number"), Field(gt=0, lt=1)] = 1e-4
+    rest: Annotated[number_of("number"), Field(gt=0, lt=1)] | None = None
     way: Literal["auto", "kinetic", "rayleigh", "newton", "stabilised", "cg"] = "auto"
     steps: Annotated[int, Field(ge=1)] = 3_000
     levels: Annotated[int, Field(ge=1)] | None = None
 
     def decide(self, scene: Scene) -> Decision:
-        """The same keys with the number of nested meshes filled in.
+        """The same keys with the tolerance and the number of nested meshes filled in.
 
         Raises:
-            UserError: there are fewer of them.
+            UserError: there are fewer of them, or two tolerances.
         """
+        named = scene.solve.tolerance if "tolerance" in scene.solve.model_fields_set else None
+        rest = self.rest or named or REST
+        if named is not None and named != rest:
+            raise UserError(
+                f"cloth is to rest at {rest:g} of its weight, and the solver to end at {named:g}: both are one number",
+                "effects.drape.rest",
+                "leave it out, and set solve.tolerance",
+            )
         there = scene.mesh.levels
         if self.levels is not None and self.levels > there:
             raise UserError(
@@ -173,7 +163,8 @@ class Drape(Strict):
                 "effects.drape.levels",
                 f"set mesh.levels to {self.levels} or more",
             )
-        return Decision(self.model_copy(update={"levels": self.levels or there}))
+        settings = self.model_copy(update={"levels": self.levels or there, "rest": rest})
+        return Decision(settings, tolerance=rest)
 
 
 def columns(scene: Scene) -> dict[str, Any]:
@@ -198,4 +189,5 @@ application = Application(
     cloth=True,
     nested=True,
     columns="restshape_apps.couture:columns",
+    knobs=(Knob("effects.cloth.bending", values=("morley", "hinge", "nonlinear"), reference="morley", grid=True),),
 )

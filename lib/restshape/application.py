@@ -27,12 +27,14 @@ class Decision:
         why: for people; empty where there was nothing to decide.
         order: the element order that it wants where the scene names none; None: it does not matter.
         warns: the scene's own keys make the answer bad, which is why.
+        tolerance: `solve.tolerance` where the scene names none; None: the usual one.
     """
 
     settings: BaseModel
     why: str = ""
     order: int | None = None
     warns: bool = False
+    tolerance: float | None = None
 
 
 @runtime_checkable

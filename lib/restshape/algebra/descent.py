@@ -103,12 +103,14 @@ class Descent:
         self.on_step = lambda *_: False
         self.steps, self.why, self.norm = 0, 0, np.inf
         self.mat: PETSc.Mat | None = None
-        self.snes = self._made(comm, prefix)
+        self.prefix, self.ksp = prefix, self._solver(comm, prefix) if self.kind.tangent else None
+        self.snes = self._made()
 
     def destroy(self) -> None:
         """Free PETSc's objects."""
-        for part in (self.snes, self.x, self.f):
-            part.destroy()
+        for part in (self.snes, self.ksp, self.x, self.f):
+            if part:
+                part.destroy()
 
     def run(self, x: np.ndarray, goal: float, most: int) -> float:
         """Go down from x (n, f), which is changed, to a residual of norm `goal`, in `most` steps.
@@ -116,6 +118,9 @@ class Descent:
         Returns: the norm that is reached.
         """
         self.goal = goal
+        # A SNES that has run goes on with its steps, when tangent, friction or bodies were others.
+        self.snes.destroy()
+        self.snes = self._made()
         if self.kind.tangent:
             self.mat = self.energy.tangent(x)
             self.snes.setJacobian(self._jacobian, self.mat)
@@ -154,11 +159,11 @@ class Descent:
             return Reason.CONVERGED_FNORM_ABS
         return Reason.CONVERGED_ITS if self.on_step(self.nodal.values(self.x), self.norm) else Reason.ITERATING
 
-    def _made(self, comm: PETSc.Comm, prefix: str) -> PETSc.SNES:
-        snes = PETSc.SNES().create(comm)
-        snes.setOptionsPrefix(prefix)
+    def _made(self) -> PETSc.SNES:
+        snes = PETSc.SNES().create(self.nodal.comm)
+        snes.setOptionsPrefix(self.prefix)
         snes.setType(self.kind.snes)
-        options = PETSc.Options(prefix)
+        options = PETSc.Options(self.prefix)
         given = [key for key in self.kind.options if not options.hasName(key)]
         for key in given:
             options.setValue(key, self.kind.options[key])
@@ -167,11 +172,40 @@ class Descent:
         snes.setObjective(self._objective)
         snes.setConvergenceTest(self._test)
         snes.setLineSearchPreCheck(self._shortened)
-        if self.kind.tangent:
+        if self.ksp:
             ksp = snes.getKSP()
             ksp.setType("preonly")
-            set_preconditioner(ksp, self.factor, 0)
-            ksp.setFromOptions()
+            ksp.getPC().setType("python")
+            ksp.getPC().setPythonContext(Outliving(self.ksp))
         for key in given:
             options.delValue(key)
         return snes
+
+    def _solver(self, comm: PETSc.Comm, prefix: str) -> PETSc.KSP:
+        """One factor's application, whose pattern outlives runs."""
+        ksp = PETSc.KSP().create(comm)
+        ksp.setOptionsPrefix(prefix)
+        ksp.setType("preonly")
+        set_preconditioner(ksp, self.factor, 0)
+        ksp.setFromOptions()
+        return ksp
+
+
+class Outliving:
+    """A preconditioner that hands on to a solver, whose pattern SNES would forget with its own.
+
+    Args:
+        ksp: the solver.
+    """
+
+    def __init__(self, ksp: PETSc.KSP) -> None:
+        self.ksp = ksp
+
+    def setUp(self, pc: PETSc.PC) -> None:
+        """Take in the matrix."""
+        self.ksp.setOperators(*pc.getOperators())
+        self.ksp.setUp()
+
+    def apply(self, pc: PETSc.PC, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Set y to what the solver makes of x."""
+        self.ksp.solve(x, y)

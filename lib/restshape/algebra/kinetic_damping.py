@@ -52,6 +52,7 @@ class Steps:
         tolerance: residual of the linear solves over their right side.
         reach: farthest way of a node in one step [m], for bodies are not to be passed through.
         most: steps.
+        factor: PETSc's preconditioner of the linear solves: "ilu" without fill, or "cholesky", which solves alone.
     """
 
     time_step: float = 1.0 / 60.0
@@ -62,6 +63,7 @@ class Steps:
     tolerance: float = 1e-2
     reach: float = np.inf
     most: int = 500
+    factor: str = "ilu"
 
     @property
     def adaptive(self) -> bool:
@@ -86,8 +88,7 @@ class KineticDamping:
     Attributes:
         resets: potential energies [J] at resets; rejected: steps taken back; iterations: of CG, in the last `solve`.
         on_step: called with positions (n, f) and the norm of the residual before each step; a true answer ends it.
-        on_reset: called with positions (n, f) at each reset, with Rayleigh damping after each step; tells whether it
-            changed the equations.
+        on_move: called with positions (n, f) after each step; tells whether it changed the equations.
 
     Source: docs/theory.md, section "Cloth"; Baraff and Witkin, SIGGRAPH 1998, 43; Volino and Magnenat-Thalmann 2005.
     """
@@ -107,7 +108,7 @@ class KineticDamping:
         self.time_step = steps.time_step
         self.resets: list[float] = []
         self.iterations = self.rejected = 0
-        self.on_step = self.on_reset = lambda *_: False
+        self.on_step = self.on_move = lambda *_: False
         self.right, self.way = self.nodal.vector(), self.nodal.vector()
         self.x, self.f = self.nodal.vector(), self.nodal.vector()
         self.snes = PETSc.SNES().create(comm)
@@ -157,14 +158,12 @@ class KineticDamping:
             except ReplayProblem:
                 self.nodal.put(x, X)
                 raise
-            if steps.damping == "rayleigh" and self.on_reset(x):
+            if self.on_move(x):
                 potential = motion.energy(x)
             seen = [*seen[1 - PEAK :], self._kinetic(v)]
             if steps.damping == "kinetic" and len(seen) == PEAK and seen[0] <= seen[1] > seen[2]:
                 v, seen = np.zeros_like(v), [0.0]
                 self.resets.append(potential)
-                if self.on_reset(x):
-                    potential = motion.energy(x)
         self.nodal.put(x, X)
         snes.setConvergedReason(reason)
 
@@ -223,7 +222,9 @@ class KineticDamping:
         return self.nodal.values(self.way).copy()
 
     def _shifted(self, matrix: PETSc.Mat) -> PETSc.Mat:
-        """A copy of a matrix with a larger diagonal."""
+        """A copy of a matrix with a larger diagonal; the matrix itself where the factor is complete."""
+        if self.steps.factor != "ilu":
+            return matrix
         if self.copied != matrix.handle:
             self.copied, self.copy = matrix.handle, matrix.duplicate(copy=True)
             self.diagonal = matrix.createVecLeft()
@@ -241,6 +242,6 @@ class KineticDamping:
         ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
         ksp.setInitialGuessNonzero(True)
         ksp.setTolerances(rtol=self.steps.tolerance, max_it=2000)
-        set_preconditioner(ksp, "ilu", 0)
+        set_preconditioner(ksp, self.steps.factor, 0)
         ksp.setFromOptions()
         return ksp

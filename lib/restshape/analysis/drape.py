@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,9 @@ from restshape.algebra.gather import matrix_difference, whole_matrix
 from restshape.algebra.kinetic_damping import Steps
 from restshape.algebra.linear import LinearReport, LinearSolver
 from restshape.algebra.stages import Stages
+from restshape.analysis.fall import fall, loosen, stand_in
 from restshape.analysis.frame import Frame
-from restshape.analysis.rest import Arrival, Rest, fall_from
+from restshape.analysis.rest import Arrival, Rest
 from restshape.analysis.shown import Fields
 from restshape.analysis.ways import WAYS
 from restshape.application import application
@@ -21,7 +23,7 @@ from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
-from restshape.physics.carried import carried
+from restshape.physics.carried import carried, placed
 from restshape.physics.cloth_estimate import ClothEstimate
 from restshape.physics.cloth_quantities import ClothObserver
 from restshape.physics.cloth_scene import SheetArguments, sheet_arguments
@@ -39,6 +41,10 @@ PASSED = 0.5
 """Part of the smallest size of a body that a node goes in one step: it must not come out on the other side."""
 ESCAPES = 5
 """Saddles of the energy that are left in one frame before the cloth is said to rest on one."""
+SHORT = 300
+"""Steps from a saddle after which the membrane is softened for the rest of the way."""
+SMALL = 600
+"""Nodes up to which motion is solved for with complete factors."""
 FARTHER = 0.01
 """Part of the tolerance to which a cold solve goes on."""
 FIRST_STEP = 1.0 / 60.0
@@ -85,6 +91,7 @@ class DrapeAnalysis:
         self.x = np.zeros((0, 3))
         self.arrival = Arrival()
         self.observed: dict[str, float] | None = None
+        self._estimator: ClothEstimate | None = None
         self.watch: Callable[[Rest, np.ndarray, float], None] = lambda *_: None
         self.age = 0
 
@@ -136,14 +143,24 @@ class DrapeAnalysis:
 
     def estimate(self) -> float:
         """The estimated relative error of tensions and moments in the energy norm."""
-        return ClothEstimate(self.sheet).relative(self.x)
+        return self.estimator.relative(self.x)
+
+    @property
+    def estimator(self) -> ClothEstimate:
+        """The estimate of the present sheet, kept until there is another one."""
+        if self._estimator is None or self._estimator.sheet is not self.sheet:
+            self._estimator = ClothEstimate(self.sheet)
+        self._estimator.follow()
+        return self._estimator
 
     def row(self) -> dict[str, Any]:
         """What the frame's row tells besides."""
         arrival = self.arrival
         note = "" if arrival.at_rest else f"not at rest: residual {arrival.residual:.2e} of the weight; {arrival.why}"
         if arrival.stable is False:
-            note = "; ".join(filter(None, (note, "at rest where it may not stay: the tangent is not positive definite")))
+            note = "; ".join(
+                filter(None, (note, "at rest where it may not stay: the tangent is not positive definite"))
+            )
         return {
             "at_rest": int(arrival.at_rest),
             "stable": -1 if arrival.stable is None else int(arrival.stable),
@@ -176,18 +193,19 @@ class DrapeAnalysis:
         # Cloth that has fallen out of reach is thrown anew, so that an edit, or its undo, brings it back.
         cold = self.sheet is None or self.policy.regenerate or self.arrival.falls
         bodies = [body.settled(scene.parameters) for body in scene.bodies.values()]
-        old, before = self.sheet, self.bodies
+        old, before, self.bodies = self.sheet, self.bodies, bodies
         if new_mesh or self._other_kind(arguments):
             corners = None if cold else self._carried_corners(frame, scene)
             self._make(scene, mesh, arguments)
             self.x = self.sheet.flat(arguments.start if corners is None else corners)
         else:
             self._follow(mesh, arguments)
-        self.bodies = bodies
         if self.sheet.contact and old is not None and old.contact and not cold and not new_mesh:
             self._carry_anchors(before)
+            self._go_along(before)
         self.flat = np.column_stack([mesh.X, np.zeros(len(mesh.X))])
         self.observer = ClothObserver(self.sheet, scene.quantities, self.flat)
+        self.rest.goal = self.rest.linear.tolerance = self.tolerance
         self.rest.begin()
         return cold
 
@@ -201,14 +219,20 @@ class DrapeAnalysis:
     def _rest(self, sheet: Sheet, scene: Scene, prefix: str = "drape_") -> Rest:
         settings, complete = self.plan.settings("drape"), "direct" if self.policy.name != "auto" else "auto"
         linear = LinearSolver(
-            self.comm, f"{prefix}linear_", complete, settings.rest, self.calibration, self.stages,
+            self.comm,
+            f"{prefix}linear_",
+            complete,
+            settings.rest,
+            self.calibration,
+            self.stages,
             memory=scene.solve.factor_memory,
         )
-        reach = PASSED * min((_size(body) for body in scene.bodies.values()), default=np.inf)
-        rest = Rest(
-            sheet, self.comm, self.stages, linear, settings.rest, Steps(FIRST_STEP, reach=reach, most=100),
-            self.policy.backend, prefix,
-        )
+        reach = PASSED * min((_size(body) for body in self.bodies), default=np.inf)
+        # A complete factor of a small matrix costs less than the iterations that an incomplete one needs.
+        auto = settings.way == "auto" and self.policy.name != "thesis"
+        factor = "cholesky" if auto and sheet.n_nodes <= SMALL else "ilu"
+        steps = Steps(FIRST_STEP, reach=reach, most=100, factor=factor)
+        rest = Rest(sheet, self.comm, self.stages, linear, settings.rest, steps, self.policy.backend, prefix)
         rest.on_iterate = lambda x, residual: self.watch(rest, x, residual)
         return rest
 
@@ -267,28 +291,38 @@ class DrapeAnalysis:
                 # Nothing but a motion that hardly anything resists, such as turning about a pin.
                 return
             self.arrival.at_rest = False
-            WAYS[way](self.rest, self.x, most, self.arrival)
+            WAYS[way](self.rest, self.x, min(most, SHORT), self.arrival)
+            if not self.arrival.at_rest:
+                loosen(self.rest, self.x, most, self.arrival)
+                WAYS[way](self.rest, self.x, most, self.arrival)
 
     def _fall(self, most: int) -> np.ndarray:
         """Positions near rest, from where the scene lays the cloth."""
         hierarchy = getattr(self.sheet.mesh, "hierarchy", None)
         meshes = hierarchy.meshes if hierarchy else [self.sheet.mesh]
-        ways = []
-        for level, mesh in enumerate(meshes[:-1]):
-            arguments = sheet_arguments(self.bound, self.plan, mesh)
-            ways.append(self._rest(_sheet(mesh, arguments), self.bound, f"drape_level{level}_"))
-        ways.append(self.rest)
+        meshes = meshes[-self.plan.settings("drape").levels :]
+        skipped = (len(hierarchy.meshes) if hierarchy else 1) - len(meshes)
+        other = self.sheet.space is not None
+        ways = [self._stand_in(mesh, level) for level, mesh in enumerate(meshes if other else meshes[:-1])]
+        ways += [] if other else [self.rest]
 
         def carry(level: int, x: np.ndarray) -> np.ndarray:
-            return ways[level + 1].sheet.flat(hierarchy.prolong(level, ways[level].sheet.corners(x)))
+            corners = hierarchy.prolong(skipped + level, ways[level].sheet.corners(x))
+            return ways[level + 1].sheet.flat(corners)
 
-        first = ways[0].sheet
-        start = first.flat(sheet_arguments(self.bound, self.plan, meshes[0]).start)
+        start = ways[0].sheet.flat(sheet_arguments(self.bound, self.plan, meshes[0]).start)
         try:
-            return fall_from(ways, carry, start, most, self.arrival)
+            x = fall(ways, carry, start, most, self.arrival, other)
+            return self.sheet.flat(ways[-1].sheet.corners(x)) if other else x
         finally:
-            for way in ways[:-1]:
+            for way in ways if other else ways[:-1]:
                 way.destroy()
+
+    def _stand_in(self, mesh: Mesh, level: int) -> Rest:
+        """What falls on a mesh of the hierarchy in place of the cloth itself."""
+        arguments = sheet_arguments(self.bound, self.plan, mesh)
+        sheet = _sheet(mesh, replace(arguments, fabric=stand_in(arguments.fabric)))
+        return self._rest(sheet, self.bound, f"drape_level{level}_")
 
     @property
     def _name(self) -> str:
@@ -309,6 +343,15 @@ class DrapeAnalysis:
         anchors = self.sheet.contact.anchors
         for k, (old, new) in enumerate(zip(before, self.bodies)):
             anchors[k] = carried(old, new, anchors[k])
+
+    def _go_along(self, before: list[Body]) -> None:
+        """Guess that cloth which lies on one body alone, and hangs nowhere, goes where this goes."""
+        pressed = [k for k in range(len(self.bodies)) if self.sheet.contact.pressed(k)]
+        if len(pressed) != 1 or len(self.sheet.held):
+            return
+        old, new = before[pressed[0]], self.bodies[pressed[0]]
+        if old.kind == new.kind:
+            self.x[self.sheet.number] += placed(new)[0] - placed(old)[0]
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------
 

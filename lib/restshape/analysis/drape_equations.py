@@ -7,8 +7,11 @@ from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.physics.sheet import Sheet
 
-HELD_UP = 0.3
-"""Inertia [1/s^2] of the tangent of descents: without it cloth that lies loosely has motions that nothing resists."""
+HELD_UP = 0.02
+"""Inertia of the tangent of descents, over that of a pendulum as long as the cloth, g/L: without any, cloth that lies
+loosely has motions that nothing resists."""
+WEIGHTLESS = 1.0
+"""The same inertia [1/s^2] where there is no weight."""
 
 
 class ClothEquations:
@@ -30,8 +33,14 @@ class ClothEquations:
         self.sheet, self.stages = sheet, stages
         self.operator = Operator(comm, 3, sheet.node_offsets, backend)
         self.operator.set_topology(sheet.blocks, sheet.mask)
-        self.stabilised, self.inertia = True, HELD_UP
+        self.stabilised, self.inertia = True, self.held_up
         self.begin()
+
+    @property
+    def held_up(self) -> float:
+        """Inertia [1/s^2] that is small beside what moves the cloth."""
+        size = float(np.ptp(self.sheet.X, axis=0).max())
+        return HELD_UP * float(np.linalg.norm(self.sheet.g)) / size or WEIGHTLESS
 
     @property
     def held(self) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape_equations import HELD_UP, ClothEquations
+from restshape.analysis.drape_equations import ClothEquations
 from restshape.errors import ReplayProblem
 from restshape.physics.sheet import Sheet
 
@@ -21,8 +21,6 @@ NEAR = 1e-3
 """Residual over load at which Newton's method takes over."""
 ROUGH = 0.05
 """Residual over load at which the next softness, or mesh, takes over."""
-SOFT = (0.01, 0.1)
-"""Parts of the membrane's stiffness that cloth falls with at first: soft cloth finds its folds in large steps."""
 DRAGGED = 1e-2
 """Way that anchors of friction may still be dragged at rest, over the way of slipping."""
 STIFFER = 10.0
@@ -32,6 +30,10 @@ INVERSE_STEPS, LEAP = 4, 1e-3
 FALLS = "nothing catches the cloth: it falls without end"
 LEAST = 1e-9
 """Strain whose forces are the least that residuals of cloth without weight are measured against."""
+ROUND_OFF = 4e-16
+"""Rounding of a force, over the membrane's stiffness times the place of its node."""
+FAINT = 1e-4
+"""Inertia over that of descents below which an unstable motion is too slow to be one."""
 TRIES = 4
 """Descents in a row that may fail before the cloth is said not to come to rest."""
 
@@ -105,7 +107,8 @@ class Rest:
         self.rows, self.new_system, self.noted = rows, True, 0
         self.on_iterate: Callable[[np.ndarray, float], None] = lambda *_: None
         self.moving.on_step = self.descent.on_step = self._note
-        self.moving.on_reset = lambda x: self.lag(x) >= 0.0 and sheet.contact is not None
+        # Friction that followed at peaks alone would be none for what slides ever faster and has no peak.
+        self.moving.on_move = lambda x: self.lag(x) >= 0.0 and sheet.contact is not None
 
     def destroy(self) -> None:
         """Free PETSc's objects."""
@@ -153,7 +156,8 @@ class Rest:
     def descend(self, x: np.ndarray, goal: float, most: int, arrival: Arrival) -> bool:
         """Quasi-Newton steps from x (n, 3), which is changed, on a fresh tangent every few steps; tells of success."""
         equations, failed, taken = self.equations, 0, 0
-        equations.inertia, arrival.why = HELD_UP, ""
+        least = equations.inertia = equations.held_up
+        arrival.why = ""
         while taken < most:
             arrival.dragged = self.lag(x)
             before = x.copy()
@@ -177,7 +181,7 @@ class Rest:
             if failed >= TRIES:
                 arrival.why = "no step makes the energy smaller"
                 return False
-            equations.inertia = equations.inertia * STIFFER if steps < 2 else max(equations.inertia / STIFFER, HELD_UP)
+            equations.inertia = equations.inertia * STIFFER if steps < 2 else max(equations.inertia / STIFFER, least)
         return False
 
     def polish(self, x: np.ndarray, arrival: Arrival) -> bool:
@@ -185,7 +189,7 @@ class Rest:
         scale, start = self.scale(x), x.copy()
         self.newton.current = False
         try:
-            outcome = self.newton.solve(x, self.goal * scale, scale, searched=True)
+            outcome = self.newton.solve(x, self.goal * scale, scale, searched=True, rounding=self.rounding)
         except ReplayProblem:
             x[:] = start
             return False
@@ -220,17 +224,21 @@ class Rest:
             if arrival.residual <= self.goal and arrival.dragged <= DRAGGED * self.slip:
                 arrival.at_rest, arrival.why = True, ""
                 break
+            if arrival.residual > self.goal and arrival.residual * self.scale(x) <= self.rounding * np.abs(x).max():
+                arrival.why = "rounding leaves no smaller residual"
+                break
             near = max(near, self.goal)
         return arrival
 
     def escape(self, x: np.ndarray) -> bool:
         """Leave an unstable equilibrium x (n, 3), which is changed, along its lowest mode; False where it is stable."""
         sheet, linear = self.sheet, self.linear
-        inertia, places = HELD_UP, self._places()
+        least, places = FAINT * self.equations.held_up, self._places()
+        inertia = least
         self.newton.current = False
         while not linear.definite(matrix := self.equations.true_tangent(x, inertia), places, False):
             inertia *= STIFFER
-        if inertia == HELD_UP:
+        if inertia == least:
             return False
         rows = self.newton.x.duplicate(), self.newton.x.duplicate()
         mode = np.random.default_rng(0).uniform(-1.0, 1.0, x.shape) * sheet.free
@@ -246,6 +254,11 @@ class Rest:
         for row in rows:
             row.destroy()
         return True
+
+    @property
+    def rounding(self) -> float:
+        """Forces [N] a metre of the places below which a residual that steps do not lower any more is rounding."""
+        return ROUND_OFF * float(self.sheet.fabric.membrane.max()) * len(self.sheet.mesh.X) ** 0.5
 
     def _places(self) -> np.ndarray:
         return self.sheet.X[self.rows.start // 3 : self.rows.stop // 3]
@@ -271,34 +284,3 @@ class Rest:
         self.noted += 1
         # Looked at in every step it would cost a twentieth of it.
         return self.noted % MEMORY == 0 and self.sheet.falls(x)
-
-
-def fall_from(
-    ways: Sequence[Rest],
-    carry: Callable[[int, np.ndarray], np.ndarray],
-    x: np.ndarray,
-    most: int,
-    arrival: Arrival,
-) -> np.ndarray:
-    """Positions on the finest mesh, near rest, from a start x (n, 3) on the coarsest one.
-
-    Args:
-        ways: from the coarsest mesh to the finest.
-        carry: takes positions on the mesh of a level to the next one.
-        most: steps in all.
-    """
-    last = len(ways) - 1
-    for level, way in enumerate(ways):
-        # Soft cloth finds its folds where that costs least; stiff triangles of a coarse mesh would not let it fold.
-        parts = SOFT if level == 0 else SOFT[-1:]
-        for part in parts:
-            way.sheet.soften(part)
-            way.begin()
-            if level == 0 and part == parts[0]:
-                way.fall(x, ROUGH, arrival)
-            way.descend(x, ROUGH, min(most, 8 * MEMORY if level < last else 2 * MEMORY), arrival)
-        if level < last:
-            x = carry(level, x)
-        way.sheet.soften(1.0)
-        way.begin()
-    return x

@@ -32,7 +32,7 @@ def moved(rest: Rest, x: np.ndarray, most: int, arrival: Arrival, damping: str =
     moving = KineticDamping(
         rest.comm, "drape_rayleigh_", equations, rest.sheet.mass, x.shape, equations.operator.rows, steps
     )
-    moving.on_step, moving.on_reset = rest.moving.on_step, rest.moving.on_reset
+    moving.on_step, moving.on_move = rest.moving.on_step, rest.moving.on_move
     try:
         return _in_rounds(rest, moving, lambda: moving.snes.getIterationNumber(), x, most, arrival)
     finally:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -73,8 +73,9 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
         UserError: the scene is not one of cloth.
 
     Returns: at_rest, stable, residual (over the weight), energy [J], laid (the weight's energy at the start [J]),
-        seconds, steps, factors, applications (of a preconditioner or factor), why (it does not rest), unknowns,
-        elements, and the trace: seconds, residuals, energies.
+        seconds, busy (those that the processor worked for it), steps, factors (complete ones), applications (of
+        preconditioners and factors), why (it does not rest), unknowns, elements, and the trace: seconds, residuals,
+        energies.
     """
     PETSc.Log.begin()
     replay = Replay.of(request, PETSc.COMM_WORLD)
@@ -82,7 +83,7 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
     if not isinstance(analysis, DrapeAnalysis):
         raise UserError("the scene has no cloth that comes to rest", str(request.scene.path), "name one of couture")
     counts = EventCounts(tuple(COUNTED.values()))
-    trace, over = Trace(analysis, seconds), ""
+    begun, trace, over = process_time(), Trace(analysis, seconds), ""
     try:
         next(replay.frames())
     except Over as problem:
@@ -92,14 +93,15 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
         if not isinstance(problem.__cause__, ReplayProblem):
             raise
         over = str(problem.__cause__)
-    spent, events = trace.clock, counts.since_last()
+    spent, busy, events = trace.clock, process_time() - begun - trace.aside, counts.since_last()
     return {
         **_ended(analysis, trace, over),
         "seconds": spent,
+        "busy": busy,
         **{name: events[event] for name, event in COUNTED.items()},
         "laid": _laid(analysis),
         "unknowns": int(analysis.x.size),
-        "elements": len(replay.moving.mesh.cells),
+        "elements": len(analysis.sheet.mesh.cells),
         "trace": {"seconds": trace.seconds, "residuals": trace.residuals, "energies": trace.energies},
     }
 

@@ -10,7 +10,7 @@ from restshape.scene.bodies import Body
 Frame = tuple[np.ndarray, np.ndarray]
 
 
-def frame(body: Body) -> Frame:
+def placed(body: Body) -> Frame:
     """The origin (3,) [m] of a body of numbers, and the matrix (3, 3) that takes its own coordinates to space."""
     form = body.form
     match body.kind:
@@ -34,7 +34,7 @@ def carried(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
     """
     if before.kind != after.kind or before.form == after.form:
         return points
-    (from_, A), (to, B) = frame(before), frame(after)
+    (from_, A), (to, B) = placed(before), placed(after)
     return (points - from_) @ np.linalg.inv(A).T @ B.T + to
 
 

@@ -47,6 +47,10 @@ class Contact:
         """Take anchors, normals and normal forces from contact of the same nodes with the same bodies."""
         self.anchors[:], self._normals[:], self._limits[:] = other.anchors, other._normals, other._limits
 
+    def pressed(self, body: int) -> bool:
+        """Tell whether a body with friction pressed any node when `lag` was called last."""
+        return bool(self._limits[body].any())
+
     def lag(self, x: np.ndarray) -> float:
         """Take normals and normal forces for friction from x, and drag the anchors; returns the farthest way [m]."""
         dragged = 0.0

@@ -26,6 +26,7 @@ class PatchCurvature:
         n, ne = len(X), len(cells)
         ones, rows = np.ones(3 * ne), np.repeat(np.arange(ne), 3)
         touched = csr_matrix((ones, (rows, cells.ravel())), shape=(ne, n))
+        self._touched = touched
         patches = (touched @ (touched.T @ touched)).tocsr()
         counts = np.diff(patches.indptr)
         owner = np.repeat(np.arange(ne), counts)
@@ -45,3 +46,7 @@ class PatchCurvature:
     def __call__(self, x: np.ndarray) -> np.ndarray:
         """Second derivatives (ne, f, 3) xx, yy and twice xy of values x (n, f) at the nodes."""
         return np.stack([part @ x for part in self._parts], axis=-1)
+
+    def sums(self, values: np.ndarray) -> np.ndarray:
+        """Sums (ne,) of values (ne,) over the triangles around, as often as they share a node with the one in the middle."""
+        return self._touched @ (self._touched.T @ values)

@@ -17,7 +17,8 @@ from restshape.physics.contact import POTENTIAL, Contact
 BENDING = ("morley", "hinge", "nonlinear", "none")
 MEMBRANES = {"stvk": ("membrane_tri3", "membrane_stabilised_tri3"), "corotated": ("membrane_corotated_tri3",) * 2}
 """Elements with the true and the stabilised tangent, by law."""
-HINGES = {"hinge": "hinge4", "nonlinear": "hinge_nonlinear4"}
+HINGES = {"hinge": ("hinge4", "hinge_mirrored3"), "nonlinear": ("hinge_nonlinear4", "hinge_nonlinear_mirrored3")}
+"""Elements of inner edges, and of edges whose other triangle is a mirror image."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +99,9 @@ class Sheet:
         self.bending = self._bending_element()
         if self.bending:
             self.blocks.append(self._bending_cells())
+        self.mirror = self._mirrored_element()
+        if self.mirror:
+            self.blocks.append(self._mirrored_cells())
         self.node_offsets = self.space.node_offsets if self.space else mesh.node_offsets
         self.softness = 1.0
         self.move()
@@ -123,6 +127,7 @@ class Sheet:
         self.mass = _lumped(self.X, self.blocks[0], self.density)
         self.membrane_params = self._membrane_params()
         self.bending_params = self._bending_params() if self.bending else None
+        self.mirror_params = self._mirrored_params() if self.mirror else None
         self.mask, self.prescribed = np.zeros((n, 3), dtype=np.uint8), np.zeros((n, 3))
         self.mask[self.number] = self.support.mask
         self.prescribed[self.number] = np.where(self.support.mask, self.support.places, 0.0)
@@ -221,9 +226,20 @@ class Sheet:
 
     def bent(self, x: np.ndarray) -> float:
         """Energy [J] of bending at x (n, 3)."""
-        if not self.bending:
-            return 0.0
-        return float(self.bending.energy(self.X, x, self.blocks[2], self.bending_params).sum())
+        return float(sum(e.energy(self.X, x, cells, params).sum() for e, cells, params in self._bent_parts()))
+
+    def bent_cells(self, x: np.ndarray) -> np.ndarray:
+        """Energy (ne,) [J] of bending of each triangle at x (n, 3), of a hinge one half on each side."""
+        found = np.zeros(len(self.mesh.cells))
+        for k, (element, cells, params) in enumerate(self._bent_parts()):
+            energy = element.energy(self.X, x, cells, params)
+            if k:
+                found += np.bincount(self.mirrored_in, energy, len(found))
+            elif self.space:
+                found += energy
+            else:
+                found += np.bincount(self._cells_of_hinges().ravel(), np.repeat(0.5 * energy, 2), len(found))
+        return found
 
     def stretching(self, x: np.ndarray) -> float:
         """Energy [J] of stretching at x (n, 3)."""
@@ -251,8 +267,8 @@ class Sheet:
         """Set `out` (n, 3) [N] to the forces of membrane, bending and weight, also where held."""
         out[:] = 0.0
         self.membrane.residual(self.X, x, self.blocks[0], self.membrane_params, out)
-        if self.bending:
-            self.bending.residual(self.X, x, self.blocks[2], self.bending_params, out)
+        for element, cells, params in self._bent_parts():
+            element.residual(self.X, x, cells, params, out)
 
     def points(self, x: np.ndarray, curved: bool, inertia: float = 0.0) -> np.ndarray:
         """Parameters (corners, 12) of contact and of masses times `inertia` [1/s^2] on the diagonal."""
@@ -268,9 +284,7 @@ class Sheet:
 
     def constant_terms(self) -> list[tuple]:
         """What the operator need assemble only once on a mesh that stays: quadratic bending."""
-        if not (self.bending and self.quadratic_bending):
-            return []
-        return [(2, self.bending, self.X, np.zeros((self.n_nodes, 3)), self.bending_params, 1.0)]
+        return self._bending_terms(np.zeros((self.n_nodes, 3))) if self.quadratic_bending else []
 
     def terms(self, x: np.ndarray, stabilised: bool, inertia: float = 0.0) -> list[tuple]:
         """What the operator assembles at x (n, 3) besides `constant_terms`."""
@@ -278,18 +292,50 @@ class Sheet:
         terms = [(0, membrane, self.X, x, self.membrane_params, 1.0)]
         if self.contact or inertia:
             terms.append((1, self.point, self.X, x, self.points(x, not stabilised, inertia), 1.0))
-        if self.bending and not self.quadratic_bending:
-            terms.append((2, self.bending, self.X, x, self.bending_params, 1.0))
-        return terms
+        return terms if self.quadratic_bending else terms + self._bending_terms(x)
 
     # --- parts ----------------------------------------------------------------------------------------------------
+
+    def _bent_parts(self) -> list[tuple]:
+        """Elements, cells and parameters of bending."""
+        parts = [(self.bending, self.blocks[2], self.bending_params)] if self.bending else []
+        return [*parts, (self.mirror, self.blocks[3], self.mirror_params)] if self.mirror else parts
+
+    def _bending_terms(self, x: np.ndarray) -> list[tuple]:
+        parts = enumerate(self._bent_parts(), 2)
+        return [(block, element, self.X, x, params, 1.0) for block, (element, _, params) in parts]
 
     def _bending_element(self) -> _kernels.Element | None:
         kind = self.fabric.kind
         if kind == "none":
             return None
-        return _kernels.Element("morley_tri6" if kind == "morley" else HINGES[kind])
+        return _kernels.Element("morley_tri6" if kind == "morley" else HINGES[kind][0])
 
+    def _mirrored_element(self) -> _kernels.Element | None:
+        """What bends at clamps and planes of symmetry where there are hinges; Morley's edges have slopes instead."""
+        kind = self.fabric.kind
+        there = len(self.support.clamped) + len(self.support.mirrored)
+        return _kernels.Element(HINGES[kind][1]) if kind in HINGES and there else None
+
+    def _mirrored_cells(self) -> np.ndarray:
+        """Nodes (k, 3) of each clamped edge, then of each on a plane of symmetry, with its triangle on the left."""
+        edges = np.concatenate([self.support.clamped, self.support.mirrored])
+        cells, sides = np.nonzero(np.isin(self.mesh.cell_edges, edges))
+        order = np.argsort(self.mesh.cell_edges[cells, sides], kind="stable")
+        cells, sides = cells[order], sides[order]
+        place = np.searchsorted(self.mesh.cell_edges[cells, sides], edges)
+        self.mirrored_in, sides = cells[place], sides[place]
+        corners = self.mesh.cells[self.mirrored_in]
+        rows = np.arange(len(edges))
+        nodes = [corners[rows, (sides + k) % 3] for k in (1, 2, 0)]
+        return np.ascontiguousarray(np.column_stack(nodes), dtype=np.int32)
+
+    def _mirrored_params(self) -> np.ndarray:
+        """Stiffness and direction (k, 4) of each mirrored hinge."""
+        D = np.broadcast_to(self.fabric.bending, (len(self.mesh.cells), 3, 3))[self.mirrored_in]
+        slopes = self.support.slopes / np.linalg.norm(self.support.slopes, axis=1)[:, None]
+        directions = np.vstack([slopes, np.eye(3)[self.support.axes]])
+        return np.hstack([self._across(self.blocks[3], D), directions])
     def _bending_cells(self) -> np.ndarray:
         return self.space.cells if self.space else hinges(self.mesh.cells, self.mesh.cell_edges)
 
@@ -308,16 +354,18 @@ class Sheet:
 
     def _hinge_stiffness(self, D: np.ndarray) -> np.ndarray:
         """Stiffness (m, 1) [N m] of each hinge: that against curvature across its edge."""
-        cells = self.blocks[2]
+        sides = self._cells_of_hinges()
+        return self._across(self.blocks[2], 0.5 * (D[sides[:, 0]] + D[sides[:, 1]]))
+
+    def _across(self, cells: np.ndarray, D: np.ndarray) -> np.ndarray:
+        """What hinges at the edges between the first two nodes of cells (m, .) have of bending stiffness (m, 3, 3)."""
         edge = self.mesh.X[cells[:, 1]] - self.mesh.X[cells[:, 0]]
         n = np.column_stack([edge[:, 1], -edge[:, 0]]) / np.linalg.norm(edge, axis=1)[:, None]
         curvature = np.column_stack([n[:, 0] ** 2, n[:, 1] ** 2, 2.0 * n[:, 0] * n[:, 1]])
-        sides = self._cells_of_hinges(cells)
-        mean = 0.5 * (D[sides[:, 0]] + D[sides[:, 1]])
-        stiffness = self.fabric.hinge_factor * np.einsum("ia,iab,ib->i", curvature, mean, curvature)
+        stiffness = self.fabric.hinge_factor * np.einsum("ia,iab,ib->i", curvature, D, curvature)
         return np.ascontiguousarray(stiffness[:, None])
 
-    def _cells_of_hinges(self, cells: np.ndarray) -> np.ndarray:
+    def _cells_of_hinges(self) -> np.ndarray:
         """The two triangles (m, 2) of each hinge."""
         flat = self.mesh.cell_edges.ravel()
         order = np.argsort(flat, kind="stable")

@@ -33,10 +33,12 @@ WIDTH, ALONE = 9.5, 5.5
 """Width of a sheet, and of one with a single frame [inch]."""
 ACROSS = 3
 """Most frames side by side."""
-BESIDE, BELOW, ABOVE = 0.12, 0.09, 0.02
+LEFT, RIGHT, BELOW, ABOVE = 0.25, 0.08, 0.1, 0.02
 """Room for numbers around the box, over its width in the picture."""
-BETWEEN = 0.55
-"""Room between the view from above and the flat pattern, with their numbers [inch]."""
+BAR, TITLE, CAPTION, UNDER, NUMBERS, BETWEEN = 0.85, 0.55, 0.42, 0.55, 0.5, 0.3
+"""Room for the colour bar, above all, above and below each frame, and before and after the view from above [inch]."""
+PATTERN = 0.6
+"""Scale of the flat pattern over that of the view from above."""
 ANIMATED_DPI = 90
 
 
@@ -57,7 +59,7 @@ class DrapeDrawing:
         factor, unit = scenery.unit
         left, right, bottom, top = self.window
         width = right - left
-        space.set(xlim=(left - BESIDE * width, right + BESIDE * width), aspect="equal")
+        space.set(xlim=(left - LEFT * width, right + RIGHT * width), aspect="equal")
         space.set_ylim(bottom - BELOW * width, top + ABOVE * width)
         space.set_axis_off()
         draw_box(space, scenery.from_aside, scenery.low, scenery.high, factor, unit)
@@ -90,7 +92,9 @@ class DrapeDrawing:
         axes.set(xticks=(), yticks=())
         for spine in axes.spines.values():
             spine.set_visible(False)
-        axes.set_xlabel(f"pattern,\n{factor * (right - left):.4g} × {factor * (top - bottom):.4g} {unit}", fontsize=7.5)
+        axes.set_xlabel(
+            f"flat pattern\n{factor * (right - left):.4g} × {factor * (top - bottom):.4g} {unit}", fontsize=7.5
+        )
         self.body = PolyCollection([], antialiaseds=False, facecolors=PLAIN)
         self.body.set_cmap(colormaps[COLOURS].with_extremes(bad=PLAIN))
         colour, _ = scenery.colour
@@ -155,12 +159,12 @@ def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeSc
         drawing = DrapeDrawing(panels, scenery, DPI)
         drawing.show(recording, i)
         words, good = rest_words(recording, i)
-        title = f"frame {i}, t = {recording.times[i]:.2f} s\n{words}"
+        title = f" frame {i}, t = {recording.times[i]:.2f} s\n {words}"
         panels[0].set_title(title, loc="left", pad=3, color=INK if good else REFUSED)
     for panels in grid[len(chosen) :]:
         for axes in panels:
             axes.set_visible(False)
-    _legend(figure, recording, scenery, drawing, [axes for panels in grid for axes in panels])
+    _legend(figure, recording, scenery, drawing)
     figure.savefig(path)
 
 
@@ -168,37 +172,46 @@ def _sheet(scenery: DrapeScenery, across: int, down: int) -> tuple[Figure, list[
     """A figure, and for each frame the axes in perspective, from above, and of the flat pattern."""
     left, right, bottom, top = seen_window(scenery)
     wide = WIDTH if across > 1 else ALONE
-    each = (wide - 1.1) / across
-    tall = each * ((top - bottom) / (right - left) + BELOW + ABOVE) / (1.0 + 2.0 * BESIDE)
-    size = (scenery.high - scenery.low)[:2], scenery.flat[1] - scenery.flat[0]
-    # Above and pattern have one scale.
-    scale = min((each - BETWEEN) / (size[0][0] + size[1][0]), 0.7 * each / max(size[0][1], size[1][1]))
-    low = scale * max(size[0][1], size[1][1])
-    figure = new_figure(wide, 0.75 + down * (tall + low + 0.95))
-    grid = figure.add_gridspec(
-        2 * down,
-        2 * across,
-        height_ratios=[tall + 0.3, low + 0.4] * down,
-        width_ratios=[size[0][0], size[1][0]] * across,
-    )
-    cells = [(2 * row, 2 * place) for row in range(down) for place in range(across)]
-    return figure, [
-        [figure.add_subplot(grid[row, at : at + 2]), *(figure.add_subplot(grid[row + 1, at + k]) for k in (0, 1))]
-        for row, at in cells
-    ]
+    each = (wide - BAR) / across
+    tall = each * ((top - bottom) / (right - left) + BELOW + ABOVE) / (1.0 + LEFT + RIGHT)
+    above, flat = (scenery.high - scenery.low)[:2], PATTERN * (scenery.flat[1] - scenery.flat[0])
+    scale = min((each - NUMBERS - 1.5 * BETWEEN) / (above[0] + flat[0]), 0.8 * each / max(above[1], flat[1]))
+    low = scale * max(above[1], flat[1])
+    band = CAPTION + tall + low + UNDER
+    high = TITLE + down * band
+    figure = new_figure(wide, high)
+    figure.set_layout_engine("none")
+
+    def place(x: float, y: float, width: float, height: float) -> Axes:
+        return figure.add_axes((x / wide, 1.0 - (y + height) / high, width / wide, height / high))
+
+    frames = []
+    for k in range(across * down):
+        x, y = k % across * each, TITLE + k // across * band + CAPTION
+        ground = y + tall + low
+        frames.append(
+            [
+                place(x, y, each, tall),
+                place(x + NUMBERS, ground - scale * above[1], *(scale * above)),
+                place(x + NUMBERS + scale * above[0] + BETWEEN, ground - scale * flat[1], *(scale * flat)),
+            ]
+        )
+    return figure, frames
 
 
-def _legend(figure: Figure, recording: Recording, scenery: DrapeScenery, drawing: DrapeDrawing, axes: list) -> None:
+def _legend(figure: Figure, recording: Recording, scenery: DrapeScenery, drawing: DrapeDrawing) -> None:
     """The colour bar, and the name of the scene with what is drawn."""
-    bar = figure.colorbar(
-        drawing.body, ax=axes, extend="max" if scenery.clipped else "neither", aspect=40, pad=0.015, fraction=0.03
-    )
+    wide, high = figure.get_size_inches()
+    length = min(0.6 * (high - TITLE), 4.0)
+    bottom = 1.0 - (TITLE + CAPTION + length) / high
+    place = figure.add_axes((1.0 - (BAR - 0.15) / wide, bottom, 0.14 / wide, length / high))
+    bar = figure.colorbar(drawing.body, cax=place, extend="max" if scenery.clipped else "neither")
     bar.set_label(scenery.colour[1])
     bar.outline.set_visible(False)
     name = shorten(scene_name(recording), 60, placeholder=" …")
     drawn = "true places, in perspective and from above"
     drawn += "; dashes: body behind cloth" * scenery.bodies
-    figure.suptitle(f"{name}\n{drawn}", color=INK, fontsize=10)
+    figure.suptitle(f"{name}\n{drawn}", color=INK, fontsize=10, y=1.0 - 0.08 / high)
 
 
 def draw_drape_animation(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery, path: Path) -> None:
@@ -223,11 +236,11 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery) -
     canvas = FigureCanvasAgg(figure)
     drawing = DrapeDrawing(panels, scenery, ANIMATED_DPI)
     caption = panels[0].set_title(" ", loc="left")
-    _legend(figure, recording, scenery, drawing, panels)
+    _legend(figure, recording, scenery, drawing)
     for i in map(int, chosen):
         drawing.show(recording, i)
         words, good = rest_words(recording, i)
-        caption.set_text(f"frame {i}, t = {recording.times[i]:.2f} s, {words}")
+        caption.set_text(f" frame {i}, t = {recording.times[i]:.2f} s, {words}")
         caption.set_color(INK if good else REFUSED)
         canvas.draw()
         yield even(canvas)

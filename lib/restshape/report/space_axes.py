@@ -11,8 +11,8 @@ from restshape.report.raster import Camera
 from restshape.report.style import FAINT
 
 GRID = "#e3e3e3"
-OFFSET = 4.0
-"""Distance of numbers from their side [points]."""
+OFFSET, LYING, UPRIGHT = 4.0, 19.0, 26.0
+"""Distances of numbers, and of the name of a lying and of an upright side, from that side [points]."""
 
 
 def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, factor: float, unit: str) -> None:
@@ -65,5 +65,9 @@ def _side(axes, camera, k, fixed, ends, marks, factor, label, middle) -> None:
         "color": "#444444",
     }
     for mark, place in zip(marks, at(marks)):
-        axes.annotate(f"{mark * factor:g}", place, xytext=OFFSET * out, fontsize=7, **where)
-    axes.annotate(label, line.mean(axis=0), xytext=(OFFSET + 15.0) * out, fontsize=8, **where)
+        number = f"{mark * factor:g}".replace("-", "\N{MINUS SIGN}")
+        axes.annotate(number, place, xytext=OFFSET * out, fontsize=7, **where)
+    # Beside an upright side the numbers lie side by side with the name.
+    upright = abs(along[1]) > abs(along[0])
+    away, turned = (UPRIGHT, {"rotation": 90, "va": "center"}) if upright and k == 2 else (LYING, {})
+    axes.annotate(label, line.mean(axis=0), xytext=away * out, fontsize=8, **where | turned)

@@ -65,6 +65,8 @@ def revise(scene: Scene, key: str, value: Any) -> Scene:
     if revised.mesh.order != scene.mesh.order:
         # The change makes the plan decide on another order.
         shared.pop("mesh", None)
+    if revised.solve.tolerance != scene.solve.tolerance:
+        shared.pop("solve", None)
     return revised.model_copy(update=shared)
 
 
@@ -179,15 +181,18 @@ def _scene(raw: dict[str, Any], source: Source) -> Scene:
     scene = scene.model_copy(update={"effects": effects})
     check_scene(scene, app, source)
     scene._source, scene._raw = source, raw
-    return _with_order(scene, app)
+    return _decided(scene, app)
 
 
-def _with_order(scene: Scene, app: Application) -> Scene:
-    """The scene with the element order that its plan decides, where it names none."""
+def _decided(scene: Scene, app: Application) -> Scene:
+    """The scene with the element order and the tolerance that its plan decides, where it names none."""
     try:
-        order = plan(scene, app).order
+        planned = plan(scene, app)
     except UserError as error:
         raise scene.located(error) from None
-    if scene.mesh.order == order:
-        return scene
-    return scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"order": order})})
+    update = {}
+    if scene.mesh.order != planned.order:
+        update["mesh"] = scene.mesh.model_copy(update={"order": planned.order})
+    if planned.tolerance is not None and "tolerance" not in scene.solve.model_fields_set:
+        update["solve"] = scene.solve.model_copy(update={"tolerance": planned.tolerance})
+    return scene.model_copy(update=update) if update else scene
