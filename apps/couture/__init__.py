@@ -45,7 +45,7 @@ class Cloth(Strict):
         Raises:
             UserError: the cloth would fall for ever; a part of it alone does not resist bending.
         """
-        if not scene.supports and not scene.bodies and "gravity" in scene.effects:
+        if not scene.supports and "gravity" in scene.effects and not (scene.bodies and "contact" in scene.effects):
             raise UserError(
                 "nothing holds the cloth and nothing catches it: it falls for ever",
                 "effects.gravity",
@@ -179,12 +179,15 @@ application = Application(
     effects={
         "cloth": Effect(Cloth, "a sheet that stretches and bends", required=True),
         "gravity": Effect(Gravity, "weight of the cloth", drives=True),
-        "contact": Effect(Contact, "bodies that cloth lies on", kernels=("potential_point",)),
+        "contact": Effect(Contact, "bodies that cloth lies on"),
         "drape": Effect(Drape, "the way to rest", required=True),
     },
     implied=CLOTH,
     folder=Path(__file__).parent,
     analysis="restshape.analysis.drape:DrapeAnalysis",
+    thesis="restshape_apps.couture.thesis:rows",
+    validation="restshape_apps.couture.validation:CASES",
+    stability="restshape_apps.couture.stability:CASES",
     directions=("x", "y", "z", "slope"),
     cloth=True,
     nested=True,

@@ -147,9 +147,11 @@ def move(sheet: Sheet, x: np.ndarray, anew: bool, most: int) -> Course:
             moving.on_move = lambda x: sheet.lag(x) >= 0.0
         norm = moving.run(x, REST * sheet.load)
         moving.free()
+        if norm > REST * sheet.load:
+            break
         note(x, norm)
-        dragged = sheet.lag(x)
-        course.at_rest = norm <= REST * sheet.load and dragged <= DRAGGED * SLIP
+        # Only now friction follows; where that puts forces out of balance, the cloth moves on.
+        course.at_rest = sheet.lag(x) <= DRAGGED * SLIP
         if course.at_rest:
             break
     return course

@@ -11,6 +11,8 @@ from restshape.stability.scenery import block, meshed, rows_of
 
 REST = 1e-4
 """Residual over weight at which cloth rests: the default of a scene."""
+WAY = 2e-7
+"""Half of the distance [m] between two energies whose difference is a force."""
 HEAD = """format = "restshape-scene"
 version = 1
 app = "couture"
@@ -89,7 +91,7 @@ def played(trial: Trial, text: str, events: Sequence[dict[str, Any]] = (), **mor
     return made, rows_of(made)
 
 
-def differenced(made: Replay, most: int = 600, way: float = 1e-6) -> float:
+def differenced(made: Replay, most: int = 600, way: float = WAY) -> float:
     """The forces out of balance over the weight, by central differences of the energy at the present positions.
 
     Args:
@@ -111,13 +113,13 @@ def differenced(made: Replay, most: int = 600, way: float = 1e-6) -> float:
     return float(np.linalg.norm(forces)) * (len(free) / len(chosen)) ** 0.5 / made.analysis.rest.scale(x)
 
 
-def resting(made: Replay, rows: Sequence[Row], bound: float = REST) -> Iterator[Statement]:
-    """The statements that every frame is at rest, and the last one by differences of the energy, too."""
+def resting(made: Replay, rows: Sequence[Row], bound: float = REST, way: float = WAY) -> Iterator[Statement]:
+    """The statements that every frame is at rest, and the last one by differences of the energy over a way [m], too."""
     yield from sound(rows, residual=bound)
     moving = [row for row in rows if not row["at_rest"]]
     yield true(f"{len(rows)} frames at rest", not moving, moving[0]["note"] if moving else "yes")
     # Differences have an error of rounding and of the third derivative besides.
-    yield below("residual by differences of the energy", differenced(made), 1.5 * bound)
+    yield below("residual by differences of the energy", differenced(made, way=way), 1.5 * bound)
 
 
 def depth(made: Replay) -> float:

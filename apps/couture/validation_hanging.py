@@ -31,9 +31,10 @@ def catenary(comm: PETSc.Comm) -> list[Check]:
     for distance, row in zip((0.9, 0.8, 0.5), (rows[4], rows[8], rows[18])):
         sag, tension = chain(distance)
         at, source = f"d/l = {distance:g}", "catenary: 2 c sinh(d/2c) = l"
+        pull = np.hypot(row["q_up"], row["q_along"]) / WEIGHT
         checks += [
             Check(f"{at}: sag [l]", -row["q_sag"], sag, 1e-3, source),
-            Check(f"{at}: tension at the end [w l]", np.hypot(row["q_up"], row["q_along"]) / WEIGHT, tension, 1e-3, source),
+            Check(f"{at}: tension at the end [w l]", pull, tension, 1e-3, source),
         ]
     return checks
 

@@ -1,6 +1,6 @@
 """Validation cases of the ways to rest: energies on the way, repeated runs, two meshes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,10 +8,13 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_apps.couture.validation_cantilever import bent, off, tip
 
+from restshape.replay.run import replay_files
 from restshape.replay.still import still
 from restshape.validation.case import Check
 
-SPHERE = Path(__file__).parent / "scenes" / "sphere.toml"
+FOLDER = Path(__file__).parent
+SCENES, EDITS = FOLDER / "scenes", FOLDER / "edits"
+SPHERE = SCENES / "sphere.toml"
 COARSE = ["effects.cloth.bending=hinge", 'mesh.size="40 mm"']
 
 
@@ -68,13 +71,18 @@ def repeated(comm: PETSc.Comm) -> list[Check]:
 
 
 def meshes(comm: PETSc.Comm) -> list[Check]:
-    """Two nested meshes: a strip at the rate of its elements, and where folds are not unique energies of cloth."""
+    """Two nested meshes: at their rate where rest is unique, and where folds are not energies of cloth on a ball."""
+    source, checks = "second order", []
     errors = [
-        off(tip(bent(8, [f'mesh.size="{3.125 / level} mm"', f"mesh.levels={level}"], comm)), 8) for level in (1, 2)
+        off(tip(bent(1, [f'mesh.size="{size} mm"', f"mesh.levels={level}"], comm)), 1)
+        for level, size in ((1, 3.125), (2, 1.5625))
     ]
-    slope = float(np.log2(errors[0] / errors[1]))
-    source = "heavy elastica; Morley's triangle: second order"
-    checks = [Check("strip, Gamma = 8: slope of the tip's error", slope, 2.0, 0.1, source)]
+    checks.append(Check("strip, Gamma = 1: slope of the tip's error", slope(errors), 2.0, 0.05, source))
+    sags = [
+        replay_files(SCENES / "catenary.toml", EDITS / "catenary.jsonl", "auto", nested)["rows"][4]["q_sag"]
+        for nested in ([f"mesh.size={0.04 / 2**level}", f"mesh.levels={level + 1}"] for level in range(3))
+    ]
+    checks.append(Check("chain, d/l = 0.9: slope of the sag's differences", slope(np.diff(sags)), 2.0, 0.05, source))
     rows = [
         still(SPHERE, ["effects.cloth.bending=hinge", f'mesh.size="{40 / level} mm"', f"mesh.levels={level}"], comm).row
         for level in (1, 2)
@@ -82,4 +90,9 @@ def meshes(comm: PETSc.Comm) -> list[Check]:
     for size, row in zip((40, 20), rows):
         checks.append(Check(f"ball, {size} mm: residual over the weight", row["residual"], 0.0, 1e-4, "rest"))
     coarse, fine = (row["q_potential"] for row in rows)
-    return [*checks, Check("ball: energy on 40 mm [J], beside that on 20 mm", coarse, fine, 0.05, "the finer mesh")]
+    return [*checks, Check("ball, 40 mm: potential energy [J]", coarse, fine, 0.05, "that on 20 mm")]
+
+
+def slope(errors: Sequence[float]) -> float:
+    """The power of the size that errors on a mesh and on one of half of its size go with."""
+    return float(np.log2(errors[0] / errors[1]))

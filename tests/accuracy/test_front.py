@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from restshape.accuracy.front import exponent, front_of, mark_pareto, pareto, picks, rates, slope
+from restshape.accuracy.front import exponent, front_of, mark_pareto, pareto, picks, rates, rivals, slope
 from restshape.errors import UserError
 
 COST = st.sampled_from([0.5, 1.0, 1.5, 2.0, 3.0]) | st.floats(1e-6, 1e6)
@@ -85,3 +85,16 @@ def test_where_nothing_fits_the_nearest_is_told(within, error, words):
 def test_nothing_can_be_picked_from_nothing():
     with pytest.raises(UserError, match="no point of the study"):
         picks([record(None, 1.0)], 1.0, None)
+
+
+def test_values_of_a_key_are_compared_at_one_time():
+    def point(ms, error, **given):
+        return {"frame_ms": ms, "error": error, "order": 1, "policy": "auto", "varied": "", "given": None} | given
+
+    # error = 0.1/ms of the scene's own value, 0.4/ms of the other: in between too, along lines of logarithms.
+    own = [point(ms, 0.1 / ms) for ms in (1.0, 4.0, 16.0)]
+    other = [point(ms, 0.4 / ms, varied="key", given="b") for ms in (4.0, 64.0)]
+    alone = [point(1.0, 0.3, varied="solve.tolerance", given=1e-2)]
+    ms, errors = rivals([*own, *other, *alone])["key"]
+    assert ms == pytest.approx(8.0) and errors == {None: pytest.approx(0.1 / 8.0), "b": pytest.approx(0.4 / 8.0)}
+    assert "solve.tolerance" not in rivals([*own, *other, *alone])

@@ -9,10 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from called import LARGE, Law
+from called_cloth import ClothLaw
 from counted import begin_log, happened, kernels, tally, watched
 from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag, meshed, write_scene, write_script
 
 from restshape import _kernels
+from restshape.analysis.drape import DrapeAnalysis
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.static import StaticAnalysis
 from restshape.analysis.transient import TransientAnalysis
@@ -32,6 +34,16 @@ CORE = (
 )
 MOVES = '[effects.dynamics]\ntime_step = "1 ms"\nsteps = 2\n'
 THICK = block(2.0, 1.0) + HOLE + STEEL.partition("[effects")[0].replace("thickness = 0.01", "thickness = 0.6")
+COTTON = '[material.cotton]\nE = "2 MPa"\nnu = 0.3\nrho = 400\nthickness = "0.5 mm"\nbending = "1e-4 N m"\n'
+HAMMOCK = '[supports.walls]\non = ["left", "right"]\nfix = ["x", "y", "z"]\n'
+TIGHT = '[supports.wall]\non = "left"\nfix = ["x", "y", "z"]\n[supports.pull]\non = "right"\nfix = { x = X, y = 0, z = 0 }\n'
+FLOOR = '[bodies.floor]\nplane = { point = [0, 0, -0.05], normal = [0, 0, 1] }\nfriction = 0\n[effects.contact]\n'
+MIRROR = '[supports.mirror]\non = "top"\nsymmetry = "y"\n'
+HEMP = "orthotropic = { E = [2e6, 1e6, 1e6], nu = [0.3, 0.3, 0.3], G = [5e5, 5e5, 5e5] }"
+LINEN = (
+    CORE.partition("[material")[0]
+    + '[material.linen]\nE = "4 MPa"\nnu = 0.3\nrho = 500\nthickness = "0.5 mm"\nregion = "core"\n'
+)
 WOOD = "orthotropic = { E = [14e9, 1.5e9, 0.9e9], nu = [0.3, 0.5, 0.6], G = [1.2e9, 0.9e9, 0.4e9] }"
 
 
@@ -73,6 +85,24 @@ def solid(head):
     }
 
 
+def sheets(head):
+    """Cases of cloth that comes to rest."""
+    cut = head + block(2.0, 1.0) + HOLE + COTTON + meshed(0.25)
+    hung = cut + HAMMOCK + GRAVITY
+    tight, laid = cut + GRAVITY + TIGHT, hung + FLOOR
+    hinged = hung + '[effects.cloth]\nbending = "hinge"\n'
+    return {
+        "gravity": case(cut + TIGHT.replace("X", '"1 cm"'), GRAVITY),
+        "contact": case(hung, FLOOR),
+        "friction": Case(laid + STRETCH, laid.replace("friction = 0\n", "friction = 0.3\n") + STRETCH),
+        "grain": Case(hung + STRETCH, hung.replace('E = "2 MPa"\nnu = 0.3', HEMP) + STRETCH),
+        # Morley's triangles hold slopes there, and need nothing more; hinges fold against their mirror images.
+        "symmetry": case(hinged, MIRROR, ["hinge_mirrored3"]),
+        "moving_supports": Case(tight.replace("X", "0") + STRETCH, tight.replace("X", '"1 cm"') + STRETCH),
+        "regions": case(hung, LINEN),
+    }
+
+
 def all_cases():
     """Cases by application and effect."""
     heads = {name: HEAD.replace('"solid"', f'"{name}"') for name in applications()}
@@ -100,7 +130,7 @@ def all_cases():
     isotropic = "E = 200e9\nnu = 0.3"
     found["metallophone", "grain"] = Case(modal, modal.replace(isotropic, WOOD), frozenset(["anisotropic_tet4"]))
     found["metallophone", "regions"] = Case(modal, modal + CORE.replace("thickness = 0.01", "thickness = 0.6"))
-    return found
+    return found | {("couture", name): given for name, given in sheets(heads["couture"]).items()}
 
 
 CASES = all_cases()
@@ -124,6 +154,8 @@ def rows_of(folder, app, text):
     script = write_script(folder, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.5), 3)))
     rows, replay = watched(write_scene(folder, text), script)
     mesh = replay.analysis.body.mesh if app == "metallophone" else replay.analysis.mesh
+    if app == "couture":
+        return rows, ClothLaw(text, mesh.cells, len(mesh.X))
     return rows, Law(app, text, mesh.cells, len(mesh.X))
 
 
@@ -169,6 +201,7 @@ def wasteful(solve):
         (TransientAnalysis, "vibration", "gravity"),
         (TransientAnalysis, "vibration", "ground"),
         (ModalAnalysis, "metallophone", "in_plane_modes"),
+        (DrapeAnalysis, "couture", "contact"),
     ],
 )
 def test_the_law_notices_what_is_computed_without_being_asked_for(tmp_path, monkeypatch, analysis, app, effect):

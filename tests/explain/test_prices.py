@@ -108,6 +108,18 @@ def test_an_effect_without_which_there_is_no_answer_has_no_price():
     assert found.shares[""] == pytest.approx((SOLVE + EFFECTS["b"]) / TOTAL)
 
 
+def test_a_solution_that_takes_longer_to_find_without_an_effect_says_nothing_of_it():
+    rows = runs(1, 0.0)[0]
+    for row in rows:
+        # Without b the way is ten times as long.
+        row["ms"] += 9.0 * TOTAL * (row["variant"] == 2)
+    found = prices([rows], TRIED)
+    assert "another state is found" in found.problems["b"] and "b" not in found.shares and "b" not in found.counts
+    assert sum(found.shares.values()) == pytest.approx(1.0, abs=1e-12)
+    assert found.shares["a"] == pytest.approx(EFFECTS["a"] / TOTAL)
+    assert found.shares[""] == pytest.approx((SOLVE + EFFECTS["b"]) / TOTAL)
+
+
 def tried(path):
     """The variants of a scene."""
     scene = load_scene(path)

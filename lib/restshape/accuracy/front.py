@@ -82,6 +82,37 @@ def rates(records: Sequence[Row], policy: str) -> dict[str, dict[str, float]]:
     return found
 
 
+def rivals(records: Sequence[Row]) -> dict[str, tuple[float, dict[Any, float]]]:
+    """Key that was tried with several mesh sizes -> a time of a frame [ms], and the error there by the key's value.
+
+    Each value's errors are joined by straight lines of logarithms, smallest errors by time; the time is the middle of what
+    all values span. None stands for the scene's own value. Keys whose values have no time in common are left out.
+    """
+    found, good = {}, usable(records)
+    plain = [r for r in good if not r["varied"]]
+    for key in dict.fromkeys(r["varied"] for r in good if r["varied"]):
+        own = [r for r in good if r["varied"] == key]
+        policy = own[0]["policy"]
+        lines = {None: [r for r in plain if r["policy"] == policy and r["order"] == own[0]["order"]]}
+        for record in own:
+            lines.setdefault(record["given"], []).append(record)
+        points = {value: sorted((r["frame_ms"], r["error"]) for r in line) for value, line in lines.items()}
+        start = max((line[0][0] for line in points.values() if line), default=0.0)
+        end = min((line[-1][0] for line in points.values() if line), default=0.0)
+        known = min(map(len, points.values())) > 1 and all(error > 0.0 for line in points.values() for _, error in line)
+        if not (known and 0.0 < start < end):
+            continue
+        ms = float(np.sqrt(start * end))
+        found[key] = (ms, {value: _at(line, ms) for value, line in points.items()})
+    return found
+
+
+def _at(line: list[tuple[float, float]], ms: float) -> float:
+    """The error at a time, between points (time, error) that are sorted by time; no more than any faster point has."""
+    times, errors = np.log(np.array(line)).T
+    return float(np.exp(np.interp(np.log(ms), times, np.minimum.accumulate(errors))))
+
+
 def known_error(record: Row) -> float:
     """The error that a record is known to be below: its own, but none that the reference cannot tell."""
     return max(record["error"], record["uncertainty"] or 0.0)

@@ -6,11 +6,12 @@ from typing import Any
 
 from restshape.accuracy.chosen import chosen_line
 from restshape.accuracy.distance import NAMES
-from restshape.accuracy.front import front_of, percent, rates, slope
+from restshape.accuracy.front import front_of, percent, rates, rivals, slope
 from restshape.accuracy.record import BOUNDS, PARTS
 from restshape.accuracy.reference import COARSER
-from restshape.accuracy.setting import shown
+from restshape.accuracy.setting import present, shown
 from restshape.accuracy.study import Study
+from restshape.application import application
 from restshape.report.style import si
 from restshape.report.work_precision import draw_work_precision
 
@@ -20,6 +21,11 @@ Chosen = Row | None
 HEADS = ("error", "discretisation", "algebraic", "reuse", "ms a frame, p50", "total, s", "size", "unknowns")
 HEADS += ("order", "policy", "tolerance", "varied alone", "")
 
+CLOTH = (
+    ": of cloth that of Green's strains and of the second derivatives of the positions, of hinges those of surfaces fitted "
+    "to the nodes around each triangle"
+)
+"""What the energy norm is of cloth."""
 FRONT, BELOW = "front", "below what the reference can tell"
 
 
@@ -76,6 +82,18 @@ def rates_lines(study: Study) -> list[str]:
     for name, orders in rates(study.records, policy).items():
         told = ", ".join(f"h^{p:.2f} with order {order}" for order, p in orders.items())
         lines.append(f"{measure_name(name)}: {told} (policy {policy})")
+    return lines
+
+
+def values_lines(study: Study) -> list[str]:
+    """How the values of a key compare that was tried with several mesh sizes, in words, a line a key."""
+    lines = []
+    for key, found in rivals(study.records).items():
+        value, (ms, errors) = present(study.scene, application(study.scene.app), key), found
+        ranked = sorted(errors.items(), key=lambda pair: pair[1])
+        told = ", ".join(f"{shown(value if name is None else name)} {percent(error)}" for name, error in ranked)
+        best = shown(value if ranked[0][0] is None else ranked[0][0])
+        lines.append(f"`{key}`, all with a frame of {ms:.3g} ms, between the points: {told}. Best is `{best}` there.")
     return lines
 
 
@@ -196,7 +214,9 @@ def _reference(study: Study) -> str:
     same = [record["size"] for record in study.records if record["order"] == plan.order]
     finest = min(same or [record["size"] for record in study.records])
     ratio = finest / (plan.factor * study.scene.mesh.size)
-    kept = "the motion replayed from the start" if plan.policy == "refactor" else "each frame meshed and solved anew"
+    kept = "each frame meshed and solved anew"
+    if plan.policy == "refactor":
+        kept = "the motion replayed from the start" if study.transient else "each frame from where the one before rests"
     turned = "".join(f", `{key}` = {value}" for key, value in plan.turned.items())
     corners = f", {plan.corners:g} times as fine at the corners of the shape" if plan.corners > 1.0 else ""
     steps = ", with time steps twice as long" if plan.coarse != plan.overrides else ""
@@ -215,7 +235,7 @@ def _reference(study: Study) -> str:
             1,
         ),
         "The energy norm is the root of the strain energy of the difference of two displacements, over that of the "
-        "reference. A frequency or load factor is compared with that of the same rank; a mode's shape with what the "
+        f"reference{CLOTH * (study.measure == 'strain')}. A frequency or load factor is compared with that of the same rank; a mode's shape with what the "
         "modes of nearly the same value span. A quantity's error is relative to its largest size over these frames.\n",
     ]
     lines += _closed(study)
@@ -248,6 +268,7 @@ def _result(study: Study) -> str:
             f"{_sentence(slope_line(study))}\n",
             "Errors fall with the mesh size h as:\n",
             *(f"- {line}" for line in rates_lines(study)),
+            *(f"\n{line}" for line in values_lines(study)),
             "\n## All points\n",
             f"`error` is that of the {measure_name(study.measure)}. It has three parts, "
             "reference − answer = (reference − direct) + (direct − tight) + (tight − answer), all on the same meshes. "

@@ -200,12 +200,15 @@ class DrapeAnalysis:
             self.x = self.sheet.flat(arguments.start if corners is None else corners)
         else:
             self._follow(mesh, arguments)
+            if cold:
+                self.x = self.sheet.flat(arguments.start)
         if self.sheet.contact and old is not None and old.contact and not cold and not new_mesh:
             self._carry_anchors(before)
             self._go_along(before)
         self.flat = np.column_stack([mesh.X, np.zeros(len(mesh.X))])
         self.observer = ClothObserver(self.sheet, scene.quantities, self.flat)
         self.rest.goal = self.rest.linear.tolerance = self.tolerance
+        self.rest.keep_short(self._reach)
         self.rest.begin()
         return cold
 
@@ -217,7 +220,8 @@ class DrapeAnalysis:
         self.age = 0
 
     def _rest(self, sheet: Sheet, scene: Scene, prefix: str = "drape_") -> Rest:
-        settings, complete = self.plan.settings("drape"), "direct" if self.policy.name != "auto" else "auto"
+        # Only a complete factor tells whether a rest is stable: no other preconditioner is chosen.
+        settings, complete = self.plan.settings("drape"), "direct" if self.policy.name != "auto" else "stale"
         linear = LinearSolver(
             self.comm,
             f"{prefix}linear_",
@@ -227,14 +231,18 @@ class DrapeAnalysis:
             self.stages,
             memory=scene.solve.factor_memory,
         )
-        reach = PASSED * min((_size(body) for body in self.bodies), default=np.inf)
         # A complete factor of a small matrix costs less than the iterations that an incomplete one needs.
         auto = settings.way == "auto" and self.policy.name != "thesis"
         factor = "cholesky" if auto and sheet.n_nodes <= SMALL else "ilu"
-        steps = Steps(FIRST_STEP, reach=reach, most=100, factor=factor)
+        steps = Steps(FIRST_STEP, reach=self._reach, most=100, factor=factor)
         rest = Rest(sheet, self.comm, self.stages, linear, settings.rest, steps, self.policy.backend, prefix)
         rest.on_iterate = lambda x, residual: self.watch(rest, x, residual)
         return rest
+
+    @property
+    def _reach(self) -> float:
+        """The farthest way of a node in one step [m]."""
+        return PASSED * min((_size(body) for body in self.bodies), default=np.inf)
 
     def _other_kind(self, arguments: SheetArguments) -> bool:
         """Tell whether the sheet's elements are others."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -117,6 +117,8 @@ class Rest:
         for part in (self.descent, self.newton):
             if part:
                 part.destroy()
+        # Matrices go with the operator, which must not wait until Python looks for cycles.
+        del self.equations, self.moving, self.descent, self.newton
 
     def begin(self) -> None:
         """Take in that nodes, stiffness, supports or bodies have changed."""
@@ -125,6 +127,11 @@ class Rest:
             self.newton.take(self.equations)
             self.newton.begin(self.new_system, False, self._places())
             self.new_system = False
+
+    def keep_short(self, reach: float) -> None:
+        """Let no node go farther in one step than so much [m]."""
+        self.motion = replace(self.motion, reach=reach)
+        self.moving.steps, self.descent.reach = self.motion, reach
 
     def scale(self, x: np.ndarray) -> float:
         """What residuals are measured against [N]: the weight, or without any the forces at supports."""

@@ -13,6 +13,7 @@ MESH = ("ms_relocate", "ms_map", "ms_flip", "ms_mesh")
 PARTS = ("edit", "mesh", "observation", "record", "solve")
 """What the time of a frame is made of; `solve` is all that is none of the others."""
 TWIN = "twin"
+ANOTHER_WAY = "not to be told: without it another state is found, by a way of other length"
 OF_EFFECTS = np.array([0.0, 0.0, 1.0, 0.0, 1.0])
 """The parts that effects have a share in: of all others a difference would be noise."""
 
@@ -85,7 +86,8 @@ def prices(runs: Sequence[Sequence[Row]], tried: Variants) -> Prices:
 
     Of each frame the least time over all runs counts. A spread is half the range of what comes out without one of the
     runs and, for an effect, no less than the largest difference of the twins in a run; a share below 0 by no more than
-    that is none.
+    that is none. One farther below 0, or above 1, is no price: of nonlinear equations that have another solution without
+    the effect, the time to find it says nothing of the effect.
     """
     sets = {names: k for k, names in enumerate(tried.sets)}
     count = len(sets) + 1
@@ -101,6 +103,9 @@ def prices(runs: Sequence[Sequence[Row]], tried: Variants) -> Prices:
     shares, spreads = _shares(ms, known)
     twins = max(abs(_share(ms, {TWIN: (0, count - 1)}, [k])[TWIN]) for k in range(len(runs)))
     spreads |= {name: max(spreads[name], twins) for name in known}
+    stray = {name for name in known if not -spreads[name] <= shares[name] <= 1.0 + spreads[name]}
+    problems |= dict.fromkeys(stray, ANOTHER_WAY)
+    known, counted = ({name: pair for name, pair in of.items() if name not in stray} for of in (known, counted))
     noise = {name for name in known if 0.0 > shares[name] >= -spreads[name]}
     shares, _ = _shares(ms, {name: pair for name, pair in known.items() if name not in noise})
     kept = [table[:frames] for table in tables[0]]

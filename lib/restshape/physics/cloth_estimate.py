@@ -10,8 +10,8 @@ from restshape.physics.recovery import NodalStress
 from restshape.physics.sheet import Sheet
 
 NO_KINDS = np.empty(0, dtype=np.int32)
-HARDLY = 1e-3
-"""Share of the mean energy of bending below which hinges hardly tell how stiff they are."""
+ROUNDING = 1e-10
+"""Strain below which cloth is not strained but by rounding."""
 
 
 class ClothEstimate:
@@ -54,7 +54,7 @@ class ClothEstimate:
         """The estimated error over the strain energy's norm at x (n, 3); not a number where nothing is strained."""
         sheet, fabric = self.sheet, self.sheet.fabric
         energy = sheet.stretching(x) + sheet.bent(x)
-        if not energy > 0.0:
+        if not energy > fabric.membrane.max() * self.area.sum() * ROUNDING**2:
             return float("nan")
         wrong = self._distance(sheet.tensions(x), fabric.membrane)
         if sheet.bending:
@@ -85,7 +85,8 @@ class ClothEstimate:
 
     def _off(self, smooth: np.ndarray, x: np.ndarray) -> float:
         """Twice the energy [J] of the curvatures, of energies `smooth` (ne,), that hinges have wrong by their stiffness."""
-        hinged = self.sheet.bent_cells(x)
-        least = HARDLY * hinged.mean()
-        share = self._patches.sums(smooth) / np.maximum(self._patches.sums(hinged), least) - 1.0
-        return float(2.0 * smooth @ share**2) if least > 0.0 else 0.0
+        around, hinged = (self._patches.sums(energy) for energy in (smooth, self.sheet.bent_cells(x)))
+        # No more than all of it: where hinges hardly bend, their stiffness is not to be told.
+        off = np.minimum(np.abs(around - hinged), hinged)
+        share = np.divide(off, hinged, out=np.zeros_like(off), where=hinged > 0.0)
+        return float(2.0 * smooth @ share**2)

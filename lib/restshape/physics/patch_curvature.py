@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix
 
-RIDGE = 1e-10
-"""Share of the unit matrix in the normal equations: where too few nodes are near, the least curved surface is taken."""
+RIDGE = (0.0, 0.0, 0.0, 1e-10, 1e-10, 1e-10)
+"""On the diagonal of the normal equations: where too few nodes are near, the least curved surface is taken."""
 
 
 class PatchCurvature:
@@ -36,7 +36,7 @@ class PatchCurvature:
         x, y = (away / size[owner, None]).T
         basis = np.stack([np.ones_like(x), x, y, 0.5 * x * x, 0.5 * y * y, x * y], axis=1)
         normal = np.add.reduceat(basis[:, :, None] * basis[:, None, :], patches.indptr[:-1], axis=0)
-        normal += RIDGE * np.eye(6)
+        normal += np.diag(RIDGE)
         wanted = np.zeros((ne, 6, 3))
         # xx, yy and twice xy.
         wanted[:, [3, 4, 5], [0, 1, 2]] = np.array([1.0, 1.0, 2.0]) / size[:, None] ** 2

@@ -13,7 +13,6 @@ from restshape.replay.recording import Recording
 from restshape.report.body_surfaces import body_surface
 from restshape.report.outlines import border
 from restshape.report.raster import FINER, Camera, Hits, hits
-from restshape.report.scenery import colour_range
 from restshape.report.style import INK, length_unit, scaled_unit
 from restshape.report.tables import column
 from restshape.scene.bodies import Body
@@ -25,8 +24,10 @@ COLOURS = "YlGnBu"
 AZIMUTH, ELEVATION = np.deg2rad(-58.0), np.deg2rad(24.0)
 FAR = 2.2
 """Distance of the camera over the diagonal of what it sees."""
-ROOM = 0.35
+ROOM = 0.5
 """Part of the cloth's diagonal up to which bodies are shown beyond it."""
+RARE = 0.005
+"""Part of the cells whose tension may lie beyond either end of the colour bar: corners that are pinned are singular."""
 MARGIN, THINNEST = 0.02, 0.2
 """Margin of the box, and its least height, over its largest size."""
 AMBIENT = 0.45
@@ -51,7 +52,8 @@ class DrapeScenery:
     Args:
         low, high: (3,) corners of the box that is shown [m].
         flat: corners (2,) of the flat pattern [m].
-        bottom, top: tensions at the ends of the colour bar [N/m]; ``clipped`` if there are higher ones.
+        bottom, top: tensions at the ends of the colour bar [N/m].
+        extend: at which ends of it there are others beyond, as matplotlib names them.
         bodies: whether there are any.
     """
 
@@ -60,7 +62,7 @@ class DrapeScenery:
     flat: tuple[np.ndarray, np.ndarray]
     bottom: float
     top: float
-    clipped: bool
+    extend: str
     bodies: bool
 
     @property
@@ -126,9 +128,21 @@ def drape_scenery(recording: Recording, frames: np.ndarray) -> DrapeScenery:
         low - 0.5 * thin - margin,
         high + 0.5 * thin + margin,
         (X.min(axis=0), X.max(axis=0)),
-        *colour_range(values),
+        *_colour_range(np.concatenate(values)),
         bool(shown),
     )
+
+
+def _colour_range(values: np.ndarray) -> tuple[float, float, str]:
+    """Ends of a colour bar for most of the values, and which of its ends have others beyond them."""
+    values = values[np.isfinite(values)]
+    if not len(values) or values.max() == values.min() == 0.0:
+        return 0.0, 1.0, "neither"
+    low, high = np.percentile(values, (100.0 * RARE, 100.0 * (1.0 - RARE)))
+    bottom, top = min(0.0, float(low)), float(high)
+    top = top if top > bottom else bottom + 1.0
+    beyond = {(True, True): "both", (True, False): "min", (False, True): "max", (False, False): "neither"}
+    return bottom, top, beyond[bool(values.min() < bottom), bool(values.max() > top)]
 
 
 def bodies(recording: Recording, i: int) -> Mapping[str, Body]:

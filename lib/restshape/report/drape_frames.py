@@ -33,9 +33,9 @@ WIDTH, ALONE = 9.5, 5.5
 """Width of a sheet, and of one with a single frame [inch]."""
 ACROSS = 3
 """Most frames side by side."""
-LEFT, RIGHT, BELOW, ABOVE = 0.25, 0.08, 0.1, 0.02
+LEFT, RIGHT, BELOW, ABOVE = 0.25, 0.13, 0.1, 0.02
 """Room for numbers around the box, over its width in the picture."""
-BAR, TITLE, CAPTION, UNDER, NUMBERS, BETWEEN = 0.85, 0.55, 0.42, 0.55, 0.5, 0.3
+BAR, TITLE, CAPTION, UNDER, NUMBERS, BETWEEN = 0.85, 0.45, 0.42, 0.5, 0.5, 0.3
 """Room for the colour bar, above all, above and below each frame, and before and after the view from above [inch]."""
 PATTERN = 0.6
 """Scale of the flat pattern over that of the view from above."""
@@ -70,8 +70,11 @@ class DrapeDrawing:
         above.set_xlabel(f"x [{unit}]", fontsize=8)
         above.set_ylabel(f"y [{unit}]", fontsize=8)
         above.tick_params(length=2, labelsize=7)
+        tall = flat[3] - flat[2] > 0.4 * (flat[1] - flat[0])
         for axis in (above.xaxis, above.yaxis):
-            axis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
+            axis.set_major_locator(
+                MaxNLocator(3 if axis is above.xaxis or tall else 1, steps=[1, 2, 5, 10], min_n_ticks=1)
+            )
         self._add(above, scenery.from_above, flat, factor, dpi)
         self._add_pattern(pattern)
 
@@ -205,7 +208,7 @@ def _legend(figure: Figure, recording: Recording, scenery: DrapeScenery, drawing
     length = min(0.6 * (high - TITLE), 4.0)
     bottom = 1.0 - (TITLE + CAPTION + length) / high
     place = figure.add_axes((1.0 - (BAR - 0.15) / wide, bottom, 0.14 / wide, length / high))
-    bar = figure.colorbar(drawing.body, cax=place, extend="max" if scenery.clipped else "neither")
+    bar = figure.colorbar(drawing.body, cax=place, extend=scenery.extend)
     bar.set_label(scenery.colour[1])
     bar.outline.set_visible(False)
     name = shorten(scene_name(recording), 60, placeholder=" …")

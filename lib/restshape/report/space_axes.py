@@ -11,6 +11,8 @@ from restshape.report.raster import Camera
 from restshape.report.style import FAINT
 
 GRID = "#e3e3e3"
+MOST = 4
+"""Numbers along the side that is longest in the picture."""
 OFFSET, LYING, UPRIGHT = 4.0, 19.0, 26.0
 """Distances of numbers, and of the name of a lying and of an upright side, from that side [points]."""
 
@@ -24,7 +26,12 @@ def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, fact
         low, high: (3,) corners of the box [m].
         factor, unit: of lengths in numbers.
     """
-    places = [_marks(low[k], high[k], factor) for k in range(3)]
+    middle = camera.project(0.5 * (low + high)[None])[0][0]
+    fixed = {0: (None, low[1], low[2]), 1: (high[0], None, low[2]), 2: (low[0], low[1], None)}
+    ends = [np.array([[e[j] if f is None else f for j, f in enumerate(fixed[k])] for e in (low, high)]) for k in fixed]
+    lengths = np.array([np.linalg.norm(np.diff(camera.project(end)[0], axis=0)) for end in ends])
+    numbers = np.maximum(1, np.round(MOST * lengths / lengths.max())).astype(int)
+    places = [_marks(low[k], high[k], factor, int(numbers[k])) for k in range(3)]
     walls = []
     for wall, bound in ((0, low), (1, high), (2, low)):
         for along in (k for k in range(3) if k != wall):
@@ -34,14 +41,12 @@ def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, fact
                 ends[:, wall], ends[:, along], ends[:, across] = bound[wall], mark, (low[across], high[across])
                 walls.append(camera.project(ends)[0])
     axes.add_collection(LineCollection(walls, colors=GRID, linewidths=0.6, zorder=0), autolim=False)
-    middle = camera.project(0.5 * (low + high)[None])[0][0]
-    fixed = {0: (None, low[1], low[2]), 1: (high[0], None, low[2]), 2: (low[0], low[1], None)}
     for k, name in enumerate("xyz"):
         _side(axes, camera, k, fixed[k], (low[k], high[k]), places[k], factor, f"{name} [{unit}]", middle)
 
 
-def _marks(low: float, high: float, factor: float) -> np.ndarray:
-    marks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low * factor, high * factor) / factor
+def _marks(low: float, high: float, factor: float, most: int) -> np.ndarray:
+    marks = MaxNLocator(most, steps=[1, 2, 5, 10], min_n_ticks=1).tick_values(low * factor, high * factor) / factor
     return marks[(marks >= low) & (marks <= high)]
 
 

@@ -1,0 +1,58 @@
+"""`restshape bench drape`: all ways find a rest of the same cloth, and say so where they do not; no time is asserted."""
+
+import json
+from pathlib import Path
+
+import pytest
+from restshape_apps import couture
+
+SCENES = Path(couture.__file__).parent / "scenes"
+COARSE = ("--set", 'mesh.size="70 mm"', "--set", "effects.cloth.bending=hinge")
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def test_ways_bending_and_policies(tmp_path, restshape):
+    words = ("--ways", "auto,kinetic", "--bending", "nonlinear", "--policies", "auto")
+    files = ("--frames", 5, "--json", "a.json", "--picture", "a.png")
+    done = restshape("bench", "drape", SCENES / "sphere.toml", *COARSE, *words, *files)
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert list(found["ways"]) == ["auto", "kinetic"] and list(found["bending"]) == ["nonlinear"]
+    for way in ("auto", "kinetic"):
+        entry = found["ways"][way]
+        assert entry["at_rest"] and entry["stable"] and 0.0 < entry["residual"] <= 1e-4, way
+        trace = entry["trace"]
+        assert len(trace["seconds"]) == len(trace["residuals"]) == len(trace["energies"]) >= entry["steps"]
+        assert trace["seconds"] == sorted(trace["seconds"]) and entry["seconds"] >= trace["seconds"][-1]
+        # It is laid at the height from which the potential counts, and only sinks; of friction there is no energy then.
+        assert entry["laid"] == 0.0 and -0.7**2 * 0.15 * 9.81 * 0.4 < entry["energy"] < 0.0
+    assert min(entry["short"] for entry in found["ways"].values()) == 0.0
+    assert found["ways"]["kinetic"]["factors"] <= 1 < found["ways"]["auto"]["factors"]
+    assert found["policies"]["auto"]["frames"] == found["policies"]["auto"]["at_rest"] == 2
+    for words in ("ways to rest from the same start", "kinds of bending", "policies", "short of the best", "a.png"):
+        assert words in done.stdout
+    assert (tmp_path / "a.png").read_bytes().startswith(PNG)
+
+
+def test_a_run_that_takes_too_long_is_given_up(tmp_path, restshape):
+    words = ("--ways", "cg", "--bending", "", "--policies", "", "--seconds", 0.1, "--json", "a.json")
+    done = restshape("bench", "drape", SCENES / "pins.toml", *COARSE, *words)
+    assert done.returncode == 0, done.stderr
+    entry = json.loads((tmp_path / "a.json").read_text())["ways"]["cg"]
+    assert not entry["at_rest"] and entry["why"] == "0.1 s are over" and entry["short"] is None
+    assert entry["trace"]["residuals"][0] == pytest.approx(1.0), "laid flat nothing but the weight acts"
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("sphere.toml", "--ways", "auto,fast"), ("fast", "--ways", "kinetic")),
+        (("sphere.toml", "--bending", "cubic"), ("cubic", "morley")),
+        (("sphere.toml", "--frames", "1"), ("--frames",)),
+        (("../../solid/scenes/plate.toml", "--bending", "", "--ways", "auto"), ("effects.drape",)),
+    ],
+)
+def test_bad_input(restshape, words, told):
+    done = restshape("bench", "drape", SCENES / words[0], *words[1:])
+    assert done.returncode == 2 and "Traceback" not in done.stderr
+    assert all(word in done.stderr for word in told)
