@@ -232,6 +232,8 @@ void bind_planks(py::module_& m) {
                  for (const auto& joint : f.shape().joints) nails.push_back(joint.nails);
                  return array(nails);
              })
+        .def("inside", &Furniture::inside, "case"_a,
+             "Whether at the state of a case no contact pulls, or pushes sideways beyond its friction.")
         .def("forget", &Furniture::forget, "Starts the next test from rest.")
         .def("set_state", [](Furniture& f, int load_case, const Doubles& x, int law) {
             require(x.size() == 6 * f.piece().count(), "x must have 6 numbers a plank");

@@ -274,7 +274,7 @@ private:
             for (const auto& q : part.free) sink(part.carrier, Block(floor() * q * q.transpose()));
     }
 
-    static Block block_of(const Dual<6>* r) {
+    static Block block_of(const Dual<6> (&r)[6]) {
         Block block;
         for (int a = 0; a < 6; ++a)
             for (int b = 0; b < 6; ++b) block(a, b) = r[a].d[b];
@@ -283,8 +283,8 @@ private:
 
     Block contact_stiffness(const Contact<double>& contact, Law law, const double* x, bool exact) const {
         using D = Dual<6>;
-        D at[6], r[6];
-        for (int a = 0; a < 6; ++a) at[a] = D::seed(x[6 * contact.plank + a], a), r[a] = D(0.0);
+        D at[6], r[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+        for (int a = 0; a < 6; ++a) at[a] = D::seed(x[6 * contact.plank + a], a);
         if (exact) {
             const Place<D> place = place_of(at);
             const V3<D> v = place.u + times(place.t.less_one, contact.arm);
@@ -300,8 +300,8 @@ private:
     // A load keeps its direction, but its arm turns with the plank.
     Block load_stiffness(const Shape<double>& shape, size_t k, const double* x) const {
         using D = Dual<6>;
-        D at[6], r[6];
-        for (int a = 0; a < 6; ++a) at[a] = D::seed(x[a], a), r[a] = D(0.0);
+        D at[6], r[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+        for (int a = 0; a < 6; ++a) at[a] = D::seed(x[a], a);
         force_gradient(place_of(at), shape.load_arms[k], P.cases[load_case_][k], r);
         return block_of(r);
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 
 #include "planks_overlap.hpp"
 #include "planks_rows.hpp"
@@ -118,6 +119,18 @@ public:
         state.law = law, state.found = true;
     }
 
+    // Whether no contact of the springs pulls, or pushes sideways beyond its friction.
+    bool inside(int load_case) const {
+        const auto forces = contact_forces(load_case);
+        for (size_t k = 0; k < forces.size(); ++k) {
+            const auto& contact = shape_.contacts[k];
+            const double pressed = dot(forces[k], contact.normal);
+            const V3<double> t = forces[k] - scaled(contact.normal, pressed);
+            if (pressed < 0.0 || dot(t, t) > contact.mu * contact.mu * pressed * pressed) return false;
+        }
+        return true;
+    }
+
 private:
     Piece P;
     std::vector<Part> parts_;
@@ -155,18 +168,6 @@ private:
         for (double v : state.x)
             if (!(std::abs(v) < 0.5)) return true;
         return false;
-    }
-
-    // Whether no contact of the springs pulls, or pushes sideways beyond its friction.
-    bool inside(int load_case) const {
-        const auto forces = contact_forces(load_case);
-        for (size_t k = 0; k < forces.size(); ++k) {
-            const auto& contact = shape_.contacts[k];
-            const double pressed = dot(forces[k], contact.normal);
-            const V3<double> t = forces[k] - scaled(contact.normal, pressed);
-            if (pressed < 0.0 || dot(t, t) > contact.mu * contact.mu * pressed * pressed) return false;
-        }
-        return true;
     }
 
     void use(int load_case, Verdict& verdict) {

@@ -35,26 +35,40 @@ class PlankEquilibrium:
         self.snes = self._snes(prefix)
         self.scale = self._scale()
 
-    def solve(self, case: int = 0, one_sided: bool = False, guess: np.ndarray | None = None) -> Forces:
+    def solve(self, case: int = 0, one_sided: bool | None = None, guess: np.ndarray | None = None) -> Forces:
         """The equilibrium of a case, which becomes the model's state.
 
         Args:
             case: 0 is the weights alone, k is push k beside them.
-            one_sided: contacts only push, and slide beyond Coulomb's limit.
+            one_sided: contacts only push, and slide beyond Coulomb's limit; else they are springs both ways. Default:
+                one-sided where springs would pull or slide, unless no such equilibrium is found.
             guess: (n, 6) displacements to start from; default: at rest.
 
         Raises:
             ReplayProblem: Newton's method does not come to an end.
         """
-        self.case, self.law = case, int(one_sided)
-        kernel = self.furniture.kernel
+        if one_sided and guess is not None:
+            return self._solved(case, 1, np.ascontiguousarray(guess).ravel())
         start = np.zeros(6 * self.furniture.count) if guess is None else np.ascontiguousarray(guess).ravel()
-        kernel.set_state(case, start, self.law)
+        springs = self._solved(case, 0, start)
+        if one_sided or (one_sided is None and not self.furniture.kernel.inside(case)):
+            try:
+                return self._solved(case, 1, springs.u.ravel())
+            except ReplayProblem:
+                if one_sided:
+                    raise
+                self.furniture.kernel.set_state(case, springs.u.ravel(), 0)
+        return springs
+
+    def _solved(self, case: int, law: int, start: np.ndarray) -> Forces:
+        self.case, self.law = case, law
+        kernel = self.furniture.kernel
+        kernel.set_state(case, start, law)
         self.x.setArray(self.mixed.join(case))
         self.snes.solve(None, self.x)
         if self.snes.getConvergedReason() < 0:
             raise ReplayProblem(f"no equilibrium of the piece: SNES ends with reason {self.snes.getConvergedReason()}")
-        kernel.set_state(case, self.mixed.part(self.x.getArray(readonly=True)), self.law)
+        kernel.set_state(case, self.mixed.part(self.x.getArray(readonly=True)), law)
         return self.furniture.forces(case)
 
     @property
