@@ -12,7 +12,7 @@ from restshape.shape.planks import Joint, Piece, Plank
 PARALLEL = 0.9
 """Least |n_i . n_j| of planks that count as parallel."""
 
-WIDTH = 0.1
+WIDTH = 0.15
 """Of a support plank [m], where there is room."""
 
 AWAY = (0.0, 0.12, 0.3, 0.5)
@@ -113,11 +113,13 @@ def _planks(piece: Piece, i: int, j: int, k: int, p: np.ndarray, y: np.ndarray) 
     down = np.cross(way, y)
     down *= np.sign(down @ (one.centre - p)) or 1.0
     reach, free = (float(np.abs(one.axes.T @ v) @ one.size) for v in (down, y))
-    wide = min(WIDTH, 0.4 * free)
+    wide = min(WIDTH, free)
     # An end lies flush with a slanted face only if its edge runs along that.
     turns = (True, False) if max(abs(plank.axes[:, 2] @ down) for plank in (one, other)) < 1e-9 else (False,)
     for across, away, along in product(turns, AWAY, ALONG):
         high, broad = (wide, float(third.size[2])) if across else (float(third.size[2]), wide)
+        if along and free - broad < 1e-3:
+            continue
         offset = 0.5 * third.size[2] + 0.5 * high + 1e-3 + away * reach
         place = p + down * offset + y * ((one.centre - p) @ y + 0.5 * along * (free - broad))
         ends = [_met(plank, place, way) for plank in (one, other)]
