@@ -19,13 +19,14 @@ def bench(place: float = 0.1, mu: float = 0.5, kilograms: float = 20.0, leg: flo
 
 
 def stool(
-    feet: list[tuple[float, float]], at: tuple[float, float], kilograms: float = 10.0, short: int = -1, mu: float = 0.5
+    feet: list[tuple[float, float]], at: tuple[float, float], kilograms: float = 10.0, short: int = -1, mu: float = 0.5,
+    width: tuple[float, float, float] = (0.0, THIN, 0.0),
 ) -> Piece:
     """A square board of 1 m on legs that stand on points, with a mass at `at`; leg `short` misses the floor."""
     high, t = 0.4, 0.02
     top = Plank.between("top", (-0.5, 0, high + t / 2), (0.5, 0, high + t / 2), (0, 1.0, 0), t, wood="pine")
     legs = [
-        Plank.between(f"leg {k}", (x, y, 0.01 if k == short else 0.0), (x, y, high), (0, THIN, 0), THIN)
+        Plank.between(f"leg {k}", (x, y, 0.01 if k == short else 0.0), (x, y, high), width, THIN)
         for k, (x, y) in enumerate(feet)
     ]
     planks = (top, *legs)

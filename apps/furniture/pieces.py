@@ -78,7 +78,13 @@ def stool_chair(lean: float = 0.12, kilograms: float = 45.0, thickness: float = 
 
 
 def bookshelf(
-    rows: tuple[int, ...], dividers: int, brackets: int, lean: float = 0.08, kilograms: float = 3.0, heavy: float = 30.0
+    rows: tuple[int, ...],
+    dividers: int,
+    brackets: int,
+    lean: float = 0.08,
+    kilograms: float = 3.0,
+    heavy: float = 30.0,
+    both: bool = True,
 ) -> Piece:
     """Shelves between upright boards, some of them leaning, with dividers between shelves and brackets outside.
 
@@ -89,6 +95,7 @@ def bookshelf(
         lean: of every second upright [m].
         kilograms: on each shelf.
         heavy: on each bracket.
+        both: brackets on both sides by turns; else all are on the left.
     """
     t, deep, wide, high = 0.012, 0.25, 0.5, 1.5
     foot = [wide * k for k in range(len(rows) + 1)]
@@ -103,16 +110,17 @@ def bookshelf(
         heights = 0.12 + 0.03 * bay + np.arange(count) * (high - 0.25) / max(count - 1, 1)
         for row, z in enumerate(heights):
             ends = [foot[bay + s] + lean_of[bay + s] * z / high + (t / 2 if s == 0 else -t / 2) for s in range(2)]
-            planks.append(Plank.between(f"shelf {bay + 1}.{row + 1}", (ends[0], 0, z), (ends[1], 0, z), (0, deep, 0), t))
+            planks.append(Plank.between(f"shelf {bay + 1}.{row + 1}", (ends[0], 0, z), (ends[1], 0, z), (0, 0.92 * deep, 0), t))
             if row:
                 spots.append((0.5 * (ends[0] + ends[1]) + 0.03 * (-1) ** row, heights[row - 1] + t / 2, z - t / 2))
     for k in range(dividers):
-        x, low, up = spots[(2 * k) % len(spots)]
+        x, low, up = (spots[::2] + spots[1::2])[k]
         planks.append(Plank.between(f"divider {k + 1}", (x, 0, low), (x, 0, up), (0, 0.2, 0), t))
     first = len(planks)
     for k in range(brackets):
-        z, side = 0.5 + 0.3 * k, -t / 2
-        planks.append(Plank.between(f"bracket {k + 1}", (side, 0, z), (side - 0.25, 0, z), (0, 0.2, 0), t))
+        z, upright, way = 0.5 + 0.3 * k, -1 if both and k % 2 else 0, 1.0 if both and k % 2 else -1.0
+        x = foot[upright] + lean_of[upright] * z / high + way * t / 2
+        planks.append(Plank.between(f"bracket {k + 1}", (x, 0, z), (x + 0.25 * way, 0, z), (0, 0.2, 0), t))
     shelves = range(len(foot), len(foot) + sum(rows))
     weights = [weight(f"on shelf {k}", k, kilograms) for k in shelves]
     weights += [weight(f"on bracket {k}", first + k, heavy, (0.2, 0.0, 0.5)) for k in range(brackets)]
@@ -126,17 +134,17 @@ def shelf_1() -> Piece:
 
 def shelf_2() -> Piece:
     """Shelf 2: 10 planks and 13 joints, as in the second column of table 6.1."""
-    return bookshelf((4,), dividers=1, brackets=3, heavy=20.0)
+    return bookshelf((4,), dividers=1, brackets=3, heavy=20.0, both=False)
 
 
 def bookshelf_20() -> Piece:
     """The 20-plank bookshelf with 33 joints, as in the third column of table 6.1."""
-    return bookshelf((7, 6), dividers=3, brackets=1)
+    return bookshelf((10,), dividers=5, brackets=3, heavy=26.0)
 
 
 def piece_28() -> Piece:
     """The 28-plank piece with 49 joints, as in the fourth column of table 6.1."""
-    return bookshelf((10, 9), dividers=5, brackets=1, kilograms=2.0)
+    return bookshelf((15,), dividers=8, brackets=3, kilograms=2.0, heavy=26.0)
 
 
 PIECES = {

@@ -164,6 +164,7 @@ py::dict derivative(Furniture& f, const Doubles& directions, int c) {
     py::dict out;
     out["x"] = array(d.x), out["bending"] = array(d.bending), out["tension"] = array(d.tension);
     out["shear_x"] = array(d.shear_x), out["shear_y"] = array(d.shear_y), out["normal"] = array(d.normal);
+    out["length"] = array(d.length);
     return out;
 }
 

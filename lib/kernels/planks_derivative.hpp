@@ -10,7 +10,7 @@ using Design = Dual<lanes>;
 
 // Values and derivatives (modes in rows) of what limits are set on.
 struct Derivatives {
-    Rows x, bending, tension, shear_x, shear_y, normal;
+    Rows x, bending, tension, shear_x, shear_y, normal, length;
 };
 
 class DesignDerivative {
@@ -41,7 +41,7 @@ public:
         Derivatives out;
         const int joints = static_cast<int>(P.joints.size()), contacts = static_cast<int>(F.shape().contacts.size());
         out.x = rhs.transpose();
-        for (Rows* rows : {&out.bending, &out.tension, &out.shear_x, &out.shear_y}) rows->resize(m_, joints);
+        for (Rows* rows : {&out.bending, &out.tension, &out.shear_x, &out.shear_y, &out.length}) rows->resize(m_, joints);
         out.normal.resize(m_, contacts);
         for (int first = 0; first < m_; first += lanes) {
             shape(first);
@@ -57,6 +57,7 @@ public:
                     out.tension(first + lane, k) = f.tension.d[lane];
                     out.shear_x(first + lane, k) = f.shear_x.d[lane];
                     out.shear_y(first + lane, k) = f.shear_y.d[lane];
+                    out.length(first + lane, k) = shape_.joints[k].length.d[lane];
                 }
             }
             for (int k = 0; k < contacts; ++k) {

@@ -80,12 +80,16 @@ private:
         const V3<double> e1 = std::abs(n[0]) < 0.9 ? cross(n, V3<double>{1, 0, 0}) : cross(n, V3<double>{0, 1, 0});
         const V3<double> e2 = cross(n, e1);
         std::vector<std::array<double, 2>> flat;
-        double size = 0.0;
+        T size(0.0);
         for (const auto* contact : contacts) {
-            flat.push_back({value(dot(contact->point, e1)), value(dot(contact->point, e2))});
-            size = std::max({size, std::abs(flat.back()[0] - flat[0][0]), std::abs(flat.back()[1] - flat[0][1])});
+            const V3<T> from_first = contact->point - contacts[0]->point;
+            flat.push_back({value(dot(from_first, e1)), value(dot(from_first, e2))});
+            for (const V3<double>& e : {e1, e2}) {
+                const T extent = dot(from_first, e) * (value(dot(from_first, e)) < 0.0 ? -1.0 : 1.0);
+                if (value(extent) > value(size)) size = extent;
+            }
         }
-        const std::vector<int> corners = hull(flat, 1e-9 * size * size);
+        const std::vector<int> corners = hull(flat, 1e-9 * value(size) * value(size));
         const std::vector<Force> forces = loads(part);
         T weight(0.0);
         V3<T> sum{T(0.0), T(0.0), T(0.0)};
@@ -96,7 +100,7 @@ private:
             T moment(0.0);
             for (const Force& f : forces) moment -= dot(edge, cross(f.at - a, f.force));
             using std::sqrt;
-            rows_.push_back(moment / (sqrt(dot(edge, edge)) * weight) / size);
+            rows_.push_back(moment / (sqrt(dot(edge, edge)) * weight * size));
         }
         const V3<T> along = sum + scaled(V3<double>(n), weight);
         const T size2 = dot(along, along);

@@ -71,21 +71,24 @@ def forecast(modes: int, most: int) -> Forecast:
 def durability_space(furniture: Furniture, modes: DesignModes) -> ForceSpace:
     """Bending moments of all joints and cases, in parts of what their fasteners bear beside the present pull.
 
-    Shear forces join them where one comes near its strength; their circle is taken for a square.
+    Fasteners count by the joint's length here, for their whole number has no derivative. Shear forces join them where
+    one comes near its strength; their circle is taken for a square.
     """
     nails, directions = furniture.nails(), modes.directions
     pull, shear = furniture.strength.T * nails
+    length = furniture.geometry().length
     forces = [furniture.forces(case) for case in range(len(furniture.cases))]
     sheared = any(f.shear_use.max(initial=0.0) > SHEARED for f in forces)
     h, K = [], []
     for case, found in enumerate(forces):
         change = force_derivative(furniture, directions, case)
         bears = 0.5 * furniture.lever * np.maximum(pull - found.tension, 1e-3 * pull)
+        longer = change.length / length
         h.append(found.bending / bears)
-        K.append(change.bending / bears)
-        if sheared:
-            h += [found.shear[:, k] / shear for k in range(2)]
-            K += [change.shear[:, :, k] / shear for k in range(2)]
+        K.append(change.bending / bears - h[-1] * longer)
+        for k in range(2 if sheared else 0):
+            h.append(found.shear[:, k] / shear)
+            K.append(change.shear[:, :, k] / shear - h[-1] * longer)
     h, K = np.concatenate(h), np.ascontiguousarray(np.concatenate(K, axis=1))
     one = np.ones_like(h)
     return ForceSpace(K, h, h, -one, one)

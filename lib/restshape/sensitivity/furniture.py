@@ -17,6 +17,7 @@ class ForceDerivative:
         tension, bending: (m, j) of T [N] and h^r_y [N m].
         shear: (m, j, 2) of h_x and h_y [N].
         pressed: (m, c) of the contacts' normal forces [N].
+        length: (m, j) of the joints [m].
     """
 
     u: np.ndarray
@@ -24,6 +25,7 @@ class ForceDerivative:
     bending: np.ndarray
     shear: np.ndarray
     pressed: np.ndarray
+    length: np.ndarray
 
 
 def force_derivative(furniture: Furniture, directions: np.ndarray, case: int = 0) -> ForceDerivative:
@@ -46,6 +48,7 @@ def force_derivative(furniture: Furniture, directions: np.ndarray, case: int = 0
         raw["bending"],
         np.stack([raw["shear_x"], raw["shear_y"]], axis=2),
         raw["normal"],
+        raw["length"],
     )
 
 
