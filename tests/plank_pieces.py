@@ -19,7 +19,11 @@ def bench(place: float = 0.1, mu: float = 0.5, kilograms: float = 20.0, leg: flo
 
 
 def stool(
-    feet: list[tuple[float, float]], at: tuple[float, float], kilograms: float = 10.0, short: int = -1, mu: float = 0.5,
+    feet: list[tuple[float, float]],
+    at: tuple[float, float],
+    kilograms: float = 10.0,
+    short: int = -1,
+    mu: float = 0.5,
     width: tuple[float, float, float] = (0.0, THIN, 0.0),
 ) -> Piece:
     """A square board of 1 m on legs that stand on points, with a mass at `at`; leg `short` misses the floor."""

@@ -19,7 +19,9 @@ def joined(
     return Furniture(drawn).moved()
 
 
-def cantilever(width: float = 0.06, arm: float = 0.19, kilograms: float = 0.5, fastener: str = "nail-experiment") -> Piece:
+def cantilever(
+    width: float = 0.06, arm: float = 0.19, kilograms: float = 0.5, fastener: str = "nail-experiment"
+) -> Piece:
     """The nail cantilever of section 6.6.1: a board end-on against an upright one that stands on a foot."""
     t, high = 0.012, 0.3
     post = Plank.between("post", (0, 0, t), (0, 0, high), (0, 0.2, 0), t)
@@ -30,7 +32,11 @@ def cantilever(width: float = 0.06, arm: float = 0.19, kilograms: float = 0.5, f
 
 
 def table(
-    slant: float = 0.25, thickness: float = 0.012, kilograms: float = 50.0, fastener: str = "nail-thesis", push: float = 0.0
+    slant: float = 0.25,
+    thickness: float = 0.012,
+    kilograms: float = 50.0,
+    fastener: str = "nail-thesis",
+    push: float = 0.0,
 ) -> Piece:
     """A table on three upright boards for legs and a slanted one; `slant` is that leg's lean [m].
 
@@ -110,7 +116,9 @@ def bookshelf(
         heights = 0.12 + 0.03 * bay + np.arange(count) * (high - 0.25) / max(count - 1, 1)
         for row, z in enumerate(heights):
             ends = [foot[bay + s] + lean_of[bay + s] * z / high + (t / 2 if s == 0 else -t / 2) for s in range(2)]
-            planks.append(Plank.between(f"shelf {bay + 1}.{row + 1}", (ends[0], 0, z), (ends[1], 0, z), (0, 0.92 * deep, 0), t))
+            planks.append(
+                Plank.between(f"shelf {bay + 1}.{row + 1}", (ends[0], 0, z), (ends[1], 0, z), (0, 0.92 * deep, 0), t)
+            )
             if row:
                 spots.append((0.5 * (ends[0] + ends[1]) + 0.03 * (-1) ** row, heights[row - 1] + t / 2, z - t / 2))
     for k in range(dividers):

@@ -1,4 +1,4 @@
-// What joints and contacts do to their planks: gradients of the energy of docs/theory.md, section 9.
+// What joints and contacts do to their planks: gradients of the energy of docs/theory.md, section 11.
 #pragma once
 
 #include "planks_piece.hpp"

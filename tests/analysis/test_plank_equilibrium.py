@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 from plank_pieces import stool
+from restshape_apps.furniture.pieces import PIECES, chair, shelf_1, table
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.physics.furniture import Compliance, Furniture
-from restshape_apps.furniture.pieces import PIECES, chair, shelf_1, table
 
 STEPS = np.array([1e-1, 1e-2, 1e-3])
 

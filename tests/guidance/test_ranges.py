@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from plank_pieces import block, stool
+from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, stool_chair, table
 
 from restshape.guidance.force_space import durability_space
 from restshape.guidance.ranges import predicted_ends, valid_ranges
 from restshape.physics.furniture import ALL, UNSTABLE, Compliance, Furniture
 from restshape.shape.design_modes import DesignModes
 from restshape.shape.planks import FREEDOMS, Load
-from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, stool_chair, table
 
 
 def model(piece) -> tuple[Furniture, DesignModes]:
@@ -21,7 +21,8 @@ def model(piece) -> tuple[Furniture, DesignModes]:
     return furniture, DesignModes.of(piece, furniture.kernel.freedoms())
 
 
-@pytest.mark.parametrize("piece",
+@pytest.mark.parametrize(
+    "piece",
     [table(kilograms=20.0), chair(), stool_chair(), bookshelf((4,), 2, 1, heavy=22.0)],
     ids=lambda p: p.name,
 )

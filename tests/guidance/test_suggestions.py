@@ -5,6 +5,7 @@ from math import comb
 
 import numpy as np
 import pytest
+from restshape_apps.furniture.pieces import bookshelf_20, cantilever, chair, piece_28, shelf_1, shelf_2, table
 
 from restshape.guidance.force_space import (
     LEAST_GAIN,
@@ -21,7 +22,6 @@ from restshape.guidance.suggestions import suggest
 from restshape.guidance.support_planks import support_planks
 from restshape.physics.furniture import ALL, LOST, UNSTABLE, WEAK, Furniture
 from restshape.shape.design_modes import DesignModes
-from restshape_apps.furniture.pieces import bookshelf_20, cantilever, chair, piece_28, shelf_1, shelf_2, table
 
 
 def model(piece) -> tuple[Furniture, DesignModes]:

@@ -35,7 +35,7 @@ def test_a_glued_dowel_pulls_out_with_its_mantle() -> None:
 
 def test_johansen_with_equal_members() -> None:
     f, d, moment = 20e6, 0.003, 3.0
-    # Long members: two hinges, sqrt(2 M f d) times 1.15. Short ones: the wood gives way, (sqrt(2) - 1) f t d at equal t.
+    # Long members: two hinges, sqrt(2 M f d) times 1.15. Short ones: the wood gives way at (sqrt(2) - 1) f t d.
     assert johansen(f, f, 1.0, 1.0, d, moment) == pytest.approx(1.15 * sqrt(2 * moment * f * d))
     assert johansen(f, f, 1e-3, 1e-3, d, moment) == pytest.approx((sqrt(2) - 1) * f * 1e-3 * d, rel=1e-6)
     assert johansen(f, f, 1e-4, 1.0, d, moment) == pytest.approx(f * 1e-4 * d, rel=1e-6)

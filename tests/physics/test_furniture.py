@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from plank_pieces import bench, block, ladder, mirrored, stool
+from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, shelf_1, shelf_2, stool_chair, table
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.errors import UserError
 from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
 from restshape.shape.planks import Load, Piece, Plank, feet_near, joints_near, weight
-from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, shelf_1, shelf_2, stool_chair, table
 
 G = 9.80665
 FINE = Compliance(least_overlap=1e-6)
@@ -230,7 +230,7 @@ def test_a_part_in_the_air_falls_and_two_parts_that_stand_do_not() -> None:
     one, other = bench(leg=0.02), bench(leg=0.02)
     away = np.array([0.0, 2.0, 0.0])
     for lift, falls in ((0.0, False), (0.3, True)):
-        shift = away + [0.0, 0.0, lift]
+        shift = away + np.array([0.0, 0.0, lift])
         planks = (*one.planks, *(replace(p, centre=p.centre + shift, name=p.name + "'") for p in other.planks))
         joints = (*one.joints, *(replace(j, i=j.i + 3, j=j.j + 3) for j in other.joints))
         feet = (*one.feet, *(replace(f, plank=f.plank + 3) for f in other.feet if not falls))
@@ -245,10 +245,12 @@ def test_a_part_in_the_air_falls_and_two_parts_that_stand_do_not() -> None:
 def test_coincident_planks_overlap_and_parallel_ones_do_not() -> None:
     piece = bench(leg=0.02)
     for shift, overlaps in ((0.0, True), (0.005, True), (0.02, False)):
-        twin = replace(piece.planks[1], name="twin", centre=piece.planks[1].centre + [shift, 0.0, 0.0])
+        twin = replace(piece.planks[1], name="twin", centre=piece.planks[1].centre + np.array([shift, 0.0, 0.0]))
         # The twin has the same joint and foot.
         joints = (*piece.joints, replace(piece.joints[0], i=3))
-        double = replace(piece, planks=(*piece.planks, twin), joints=joints, feet=(*piece.feet, replace(piece.feet[0], plank=3)))
+        double = replace(
+            piece, planks=(*piece.planks, twin), joints=joints, feet=(*piece.feet, replace(piece.feet[0], plank=3))
+        )
         verdict = Furniture(double).test()
         assert bool(verdict.flaws & OVERLAPPING) is overlaps
         assert np.isfinite(verdict.pull)
@@ -278,6 +280,6 @@ def test_a_nail_too_short_says_so() -> None:
     thick = Plank.between("slab", (-1, 0, 0.02), (1, 0, 0.02), (0, 1, 0), 0.04)
     post = Plank.between("post", (0, 0, 0.04), (0, 0, 0.4), (0, 0.2, 0), 0.02)
     with pytest.raises(UserError, match="does not reach"):
-        Furniture(Piece((thick, post), joints_near((thick, post)), feet_near((thick, post)), weights=(weight("w", 1, 1),)))
-
-
+        Furniture(
+            Piece((thick, post), joints_near((thick, post)), feet_near((thick, post)), weights=(weight("w", 1, 1),))
+        )

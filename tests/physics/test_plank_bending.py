@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from plank_pieces import bench
+from restshape_apps.furniture.pieces import cantilever
 
 from restshape.physics.furniture import Compliance, Furniture
 from restshape.physics.plank_bending import plank_bending
-from restshape_apps.furniture.pieces import cantilever
 
 G = 9.80665
 

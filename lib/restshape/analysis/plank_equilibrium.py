@@ -23,7 +23,7 @@ class PlankEquilibrium:
         furniture: the model; its last test or shape says where the planks are.
         prefix: of PETSc's options.
 
-    Source: docs/theory.md, section 9.
+    Source: docs/theory.md, section 11.
     """
 
     def __init__(self, furniture: Furniture, prefix: str = "planks_") -> None:
@@ -109,7 +109,9 @@ class PlankEquilibrium:
         # A residual that stays small is rounding.
         if norm <= TOLERANCE * self.scale or (norm <= 1e-6 * self.scale and norm > 0.5 * previous):
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
-        return PETSc.SNES.ConvergedReason.ITERATING if steps < MOST_STEPS else PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT
+        return (
+            PETSc.SNES.ConvergedReason.ITERATING if steps < MOST_STEPS else PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT
+        )
 
     def _snes(self, prefix: str) -> PETSc.SNES:
         snes = PETSc.SNES().create(PETSc.COMM_SELF)

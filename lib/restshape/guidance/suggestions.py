@@ -19,7 +19,10 @@ from restshape.shape.planks import Piece
 
 SHOWN = 8
 TRIALS = 24
-"""Combinations that are tested in full at most."""
+"""Combinations of several modes that are tested in full at most."""
+
+KEPT = 2
+"""Combinations kept of each number of modes and leading mode; 0 keeps all."""
 
 INSIDE = np.array([0.02, 0.1, 0.3, 0.6, 1.0])
 """Where along the predicted span a combination is tested."""
@@ -85,11 +88,20 @@ class Suggestions:
     modes: DesignModes
 
 
-def suggest(furniture: Furniture, most: int = 3, shown: int = SHOWN) -> Suggestions:
+def suggest(
+    furniture: Furniture, most: int = 3, shown: int = SHOWN, trials: int = TRIALS, kept: int = KEPT
+) -> Suggestions:
     """Suggestions for a piece that falls or has a weak joint; none for one that is valid.
 
     Stability comes first: where the piece is weak too and nothing makes it both stable and durable, suggestions that
     make it stable are given, and say so.
+
+    Args:
+        furniture: the model of the piece.
+        most: modes that are combined at most; `forecast` tells what more of them cost.
+        shown: suggestions at most.
+        trials: combinations of several modes tested in full at most.
+        kept: rays kept for each number of modes and leading mode, the widest; 0 keeps all.
     """
     verdict = furniture.test()
     modes = DesignModes.of(furniture.piece, furniture.kernel.freedoms())
@@ -97,7 +109,7 @@ def suggest(furniture: Furniture, most: int = 3, shown: int = SHOWN) -> Suggesti
         return Suggestions((), (), 0, 0, modes)
     unstable = bool(verdict.flaws & UNSTABLE)
     space = stability_space(furniture, modes) if unstable else durability_space(furniture, modes)
-    search = Search(furniture, modes, space)
+    search = Search(furniture, modes, space, trials, kept)
     found = search.run(most, shown, ALL)
     if unstable and not found:
         found = [replace(one, valid=False) for one in search.run(most, shown, LOST | OVERLAPPING | UNSTABLE)]
@@ -111,10 +123,14 @@ class Search:
     Args:
         furniture, modes: the piece and what may change.
         space: its forces.
+        trials, kept: as in `suggest`.
     """
 
-    def __init__(self, furniture: Furniture, modes: DesignModes, space: ForceSpace) -> None:
+    def __init__(
+        self, furniture: Furniture, modes: DesignModes, space: ForceSpace, trials: int = TRIALS, kept: int = KEPT
+    ) -> None:
         self.furniture, self.modes, self.space = furniture, modes, space
+        self.trials, self.kept = trials, kept
         self.tried: tuple[int, ...] = ()
         self.led = self.tested = 0
 
@@ -129,7 +145,7 @@ class Search:
         self.tried, self.led = single.tried, len(single.modes)
         found = [one for one in alone if one]
         if most > 1:
-            several = combinations(self.space, most=most, least=2, barred=barred, keep=2)
+            several = combinations(self.space, most=most, least=2, barred=barred, keep=self.kept)
             self.tried, self.led = self.tried + several.tried[1:], self.led + len(several.modes)
             found = self._with(found, several, shown, wanted)
         return [found[k] for k in _different(*self._numbers(found), shown)]
@@ -141,8 +157,8 @@ class Search:
         for k, (modes, parts, _) in enumerate(each):
             vectors[k, modes] = parts
         widths = rays.spans[:, 1] - rays.spans[:, 0]
-        for trials, k in enumerate(_different(vectors, widths, TRIALS)):
-            if len(found) >= 2 * shown or trials >= TRIALS:
+        for k in _different(vectors, widths, self.trials):
+            if len(found) >= 2 * shown:
                 break
             if one := self.confirmed(*each[k], wanted):
                 found.append(one)
@@ -178,7 +194,9 @@ class Search:
         shown = self._shown(direction, float(left[0]), float(end), float(t[first]), wanted)
         numbers = tuple(int(k) for k in modes)
         words = self.modes.names(modes)
-        return Suggestion(numbers, tuple(map(float, parts)), direction, shown, (float(left[0]), float(end)), words, True)
+        return Suggestion(
+            numbers, tuple(map(float, parts)), direction, shown, (float(left[0]), float(end)), words, True
+        )
 
     def _shown(self, direction: np.ndarray, left: float, right: float, tested: float, wanted: int) -> float:
         t = left + REPRESENTED * (right - left)

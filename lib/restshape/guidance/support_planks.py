@@ -53,7 +53,7 @@ def support_planks(furniture: Furniture, shown: int = SHOWN, trials: int = TRIAL
         shown: how many to give.
         trials: full tests at most.
 
-    Source: docs/theory.md, section 9; the thesis, section 6.5.5.
+    Source: docs/theory.md, section 11; the thesis, section 6.5.5.
     """
     weak = _weak_joints(furniture)
     geometry = furniture.geometry()

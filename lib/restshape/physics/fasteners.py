@@ -112,7 +112,12 @@ def johansen(f1: float, f2: float, t1: float, t2: float, d: float, moment: float
         f2 * t2 * d,
         one / (1 + b) * (sqrt(b + 2 * b**2 * (1 + r + r**2) + b**3 * r**2) - b * (1 + r)),
         1.05 * one / (2 + b) * (sqrt(2 * b * (1 + b) + 4 * b * (2 + b) * moment / (f1 * d * t1**2)) - b),
-        1.05 * f1 * t2 * d / (1 + 2 * b) * (sqrt(2 * b**2 * (1 + b) + 4 * b * (1 + 2 * b) * moment / (f1 * d * t2**2)) - b),
+        1.05
+        * f1
+        * t2
+        * d
+        / (1 + 2 * b)
+        * (sqrt(2 * b**2 * (1 + b) + 4 * b * (1 + 2 * b) * moment / (f1 * d * t2**2)) - b),
         1.15 * sqrt(2 * b / (1 + b)) * sqrt(2 * moment * f1 * d),
     )
 

@@ -11,7 +11,7 @@ from restshape.shape.planks import Joint, Piece
 
 LOST, OVERLAPPING, UNSTABLE, WEAK, UNBALANCED = 1, 2, 4, 8, 16
 ALL = LOST | OVERLAPPING | UNSTABLE | WEAK | UNBALANCED
-"""Flaws of a piece, as bits: a joint or foot is lost, planks overlap, it falls, a joint breaks, no equilibrium found."""
+"""Flaws of a piece, as bits: a joint or foot is lost, planks overlap, it falls, a joint breaks, no equilibrium."""
 
 FAULTS = (
     "",
@@ -21,7 +21,6 @@ FAULTS = (
     "an end misses its face",
     "a foot does not stand flat",
 )
-SIZE_OF_GAMMA = 8
 
 
 @dataclass(frozen=True)
@@ -149,7 +148,7 @@ class Furniture:
     Raises:
         UserError: a name is unknown, or a fastener does not reach through its plank.
 
-    Source: docs/theory.md, section 9.
+    Source: docs/theory.md, section 11.
     """
 
     def __init__(self, piece: Piece, compliance: Compliance | None = None) -> None:

@@ -59,7 +59,9 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
     s = np.unique(np.clip(s, -length / 2 - beside, length / 2 + beside))
     spread = float(furniture.geometry().mass[plank] * np.array(furniture.piece.gravity) @ normal) / length
     right = s[:, None] > place[None, :]
-    moment = (right * (q * (s[:, None] - place) - m)).sum(axis=1) + 0.5 * spread * np.clip(s + length / 2, 0.0, length) ** 2
+    moment = (right * (q * (s[:, None] - place) - m)).sum(axis=1) + 0.5 * spread * np.clip(
+        s + length / 2, 0.0, length
+    ) ** 2
     material = wood(board.wood)
     inertia = width * thickness**3 / 12.0
     deflection = _deflection(s, moment / (material.E * inertia), place[held])

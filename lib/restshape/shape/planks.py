@@ -48,7 +48,9 @@ class Plank:
         if length == 0.0 or size <= 1e-9 * length:
             raise UserError("the two lines of a plank must have lengths and differ in direction", name)
         x, y = along / length, across / size
-        return cls(name, (start + end) / 2, np.stack([x, y, np.cross(x, y)], 1), np.array([length, size, thickness]), **more)
+        return cls(
+            name, (start + end) / 2, np.stack([x, y, np.cross(x, y)], 1), np.array([length, size, thickness]), **more
+        )
 
     def end(self, side: int) -> np.ndarray:
         """The middle (3,) of a side [m]."""
