@@ -30,7 +30,7 @@ INSIDE = np.array([0.02, 0.1, 0.3, 0.6, 1.0])
 BEYOND = np.array([1.1, 1.3, 1.6])
 """And beyond where it is entered, for a prediction that falls short."""
 
-SPAN_TOLERANCE = 5e-3
+SPAN_TOLERANCE = 1e-2
 """Of the ends of a suggestion's range, in parts of the longest step."""
 
 REPRESENTED = 0.1
@@ -178,11 +178,11 @@ class Search:
         t = np.unique(np.concatenate([enters + INSIDE * (leaves - enters), enters * BEYOND]))
         t = np.concatenate([[0.0], t[(t > 0.0) & (t <= LONGEST)]])
         # The piece as it is has a flaw that is wanted away.
-        good = self._good(direction, t, wanted)
-        if not good.any():
+        first = next((k for k in range(1, len(t)) if self._good(direction, t[k : k + 1], wanted)[0]), 0)
+        if not first:
             return None
-        first = int(np.argmax(good))
-        last = first + int(np.argmin(np.append(good[first:], False))) - 1
+        good = self._good(direction, t[first + 1 :], wanted)
+        last = first + int(np.argmin(np.append(good, False)))
         left, _ = bisected(
             self.furniture, direction, t[[first - 1]], t[[first]], np.array([False]), SPAN_TOLERANCE * LONGEST, wanted
         )

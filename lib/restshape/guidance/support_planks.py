@@ -108,6 +108,9 @@ def _planks(piece: Piece, i: int, j: int, k: int, p: np.ndarray, y: np.ndarray) 
     if size < PARALLEL:
         return
     way = across_k / size * np.sign(across_k @ (other.centre - one.centre))
+    aside = one.axes.T @ (other.centre - one.centre - way * (way @ (other.centre - one.centre)))
+    if np.any(np.abs(aside) >= 0.5 * (one.size + np.abs(one.axes.T @ other.axes) @ other.size)):
+        return
     y = y - way * (y @ way)
     y /= np.linalg.norm(y)
     down = np.cross(way, y)
