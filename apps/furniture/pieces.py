@@ -31,6 +31,19 @@ def cantilever(
     return joined("cantilever", [post, foot, beam], (hung,), fastener=fastener)
 
 
+def scales(kilograms: float = 1.6, width: float = 0.06, fastener: str = "nail-experiment") -> Piece:
+    """A post with a loaded board on either side: two weak joints, which no single edit mends."""
+    t, high = 0.012, 0.3
+    post = Plank.between("post", (0, 0, t), (0, 0, high), (0, 0.2, 0), t)
+    foot = Plank.between("foot", (-0.3, 0, t / 2), (0.3, 0, t / 2), (0, 0.2, 0), t)
+    beams = [
+        Plank.between(name, (way * t / 2, 0, z), (way * (t / 2 + 0.19), 0, z), (0, width, 0), t)
+        for name, way, z in (("left", -1.0, 0.15), ("right", 1.0, 0.22))
+    ]
+    hung = tuple(weight(f"on the {beam.name}", 2 + k, kilograms, (0.5, 0.0, 0.0)) for k, beam in enumerate(beams))
+    return joined("scales", [post, foot, *beams], hung, fastener=fastener)
+
+
 def table(
     slant: float = 0.25,
     thickness: float = 0.012,
@@ -157,6 +170,7 @@ def piece_28() -> Piece:
 
 PIECES = {
     "cantilever": cantilever,
+    "scales": scales,
     "table": table,
     "chair-1": chair,
     "chair-2": stool_chair,

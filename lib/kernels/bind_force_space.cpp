@@ -13,7 +13,8 @@ namespace {
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 py::tuple combinations(const Doubles& K, const Doubles& h, const Doubles& e, const Doubles& low, const Doubles& high,
-                       int most, int least, double least_gain, double longest, const std::vector<bool>& barred, int keep) {
+                       int most, int least, double least_gain, double longest, const std::vector<bool>& barred,
+                       int keep) {
     if (K.ndim() != 2) throw std::invalid_argument("K must have the shape (modes, rows)");
     const int m = static_cast<int>(K.shape(0)), rows = static_cast<int>(K.shape(1));
     for (const Doubles* a : {&h, &e, &low, &high})
@@ -41,8 +42,8 @@ py::tuple combinations(const Doubles& K, const Doubles& h, const Doubles& e, con
 }  // namespace
 
 void bind_force_space(py::module_& m) {
-    m.def("combinations", &combinations, "K"_a, "h"_a, "e"_a, "low"_a, "high"_a, "most"_a, "least"_a, "least_gain"_a, "longest"_a,
-          "barred"_a, "keep"_a,
+    m.def("combinations", &combinations, "K"_a, "h"_a, "e"_a, "low"_a, "high"_a, "most"_a, "least"_a, "least_gain"_a,
+          "longest"_a, "barred"_a, "keep"_a,
           "Modes (r, most; -1 is none), unit directions (r, most) and spans (r, 2) of the combinations that lead into "
           "the box, and how many of each size were tried. K (modes, rows) changes the forces h (rows); y minimises "
           "|K y + e|. Combinations that hold a barred mode, or a smaller one that works, are left out. `keep` > 0 "

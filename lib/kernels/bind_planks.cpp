@@ -60,8 +60,7 @@ std::unique_ptr<Furniture> furniture(const Doubles& centre, const Doubles& axes,
         require(f[1] >= 0 && f[1] < 6 && f[2] >= 0 && f[2] < planes.size() / 7, "no such side or plane");
         piece.feet.push_back({plank(f[0]), f[1], f[2]});
     }
-    for (py::ssize_t k = 0; k < nl; ++k)
-        piece.loads.push_back({plank(loaded.data()[k]), three(places.data() + 3 * k)});
+    for (py::ssize_t k = 0; k < nl; ++k) piece.loads.push_back({plank(loaded.data()[k]), three(places.data() + 3 * k)});
     for (py::ssize_t c = 0; c < cases.shape(0); ++c) {
         piece.cases.emplace_back();
         for (py::ssize_t k = 0; k < nl; ++k) piece.cases.back().push_back(three(cases.data() + 3 * (c * nl + k)));
@@ -225,8 +224,9 @@ void bind_planks(py::module_& m) {
              "Derivatives of the last test's equilibrium along design directions (m, 8 n).")
         .def("stability_rows", &stability_rows, "directions"_a, "case"_a,
              "How far each tipping edge and friction are from giving way, and their derivatives (m, rows).")
-        .def("freedoms", [](Furniture& f, double step) { return valid_freedoms(f, step); }, "step"_a = 1e-2,
-             "Plank and number (0 to 7) of each design parameter that is valid.")
+        .def(
+            "freedoms", [](Furniture& f, double step) { return valid_freedoms(f, step); }, "step"_a = 1e-2,
+            "Plank and number (0 to 7) of each design parameter that is valid.")
         .def("nails",
              [](const Furniture& f) {
                  std::vector<double> nails;

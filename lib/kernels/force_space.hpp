@@ -27,10 +27,10 @@ struct RayLimits {
 // All combinations of at most M modes whose least squares direction y = argmin |K y + e| reaches the box
 // low <= h + t K y / |y| <= high for some 0 <= t <= longest. Those are left out that hold a smaller one that does.
 class ForceSpace {
-public:
+ public:
     // K: the change of each force along each mode, one mode after another (m, rows).
-    ForceSpace(const double* K, const double* h, const double* e, const double* low, const double* high, int m, int rows,
-               RayLimits limits)
+    ForceSpace(const double* K, const double* h, const double* e, const double* low, const double* high, int m,
+               int rows, RayLimits limits)
         : m_(m), rows_(rows), limits_(limits), K_(m * rows), gram_(m * m), slope_(m) {
         if (m >= 4096) throw std::invalid_argument("force space: at most 4095 modes");
         // Forces that are out of the box come first: they end most rays.
@@ -54,7 +54,8 @@ public:
 
     // barred: modes that already work alone. keep: rays for each leading mode and count, the widest; 0 keeps all.
     void search(int most, int least, const std::vector<char>& barred, int keep) {
-        if (least < 1 || most < least || most > most_combined) throw std::invalid_argument("force space: combine 1 to 5 modes");
+        if (least < 1 || most < least || most > most_combined)
+            throw std::invalid_argument("force space: combine 1 to 5 modes");
         barred_ = barred;
         keep_ = keep;
         buckets_.assign(keep > 0 ? size_t(m_) * most : 0, {});
@@ -73,7 +74,7 @@ public:
     const std::vector<Ray>& rays() const { return rays_; }
     const std::vector<int64_t>& tried() const { return tried_; }
 
-private:
+ private:
     struct Found {
         int modes[most_combined];
         int count;

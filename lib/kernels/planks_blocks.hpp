@@ -15,7 +15,7 @@ using Block = Eigen::Matrix<double, 6, 6>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 class Blocks {
-public:
+ public:
     Blocks() = default;
 
     // pairs: planks that a joint connects.
@@ -98,7 +98,7 @@ public:
         }
     }
 
-private:
+ private:
     int n_ = 0;
     std::vector<int> order_, slot_;
     std::vector<std::vector<int>> later_;

@@ -14,7 +14,7 @@ struct Derivatives {
 };
 
 class DesignDerivative {
-public:
+ public:
     // directions: (m, 8 n) changes of the design parameters, [m] and [rad] a unit of the mode.
     DesignDerivative(Furniture& furniture, const double* directions, int m)
         : F(furniture), n_(8 * furniture.piece().count()), directions_(directions), m_(m) {}
@@ -41,7 +41,8 @@ public:
         Derivatives out;
         const int joints = static_cast<int>(P.joints.size()), contacts = static_cast<int>(F.shape().contacts.size());
         out.x = rhs.transpose();
-        for (Rows* rows : {&out.bending, &out.tension, &out.shear_x, &out.shear_y, &out.length}) rows->resize(m_, joints);
+        for (Rows* rows : {&out.bending, &out.tension, &out.shear_x, &out.shear_y, &out.length})
+            rows->resize(m_, joints);
         out.normal.resize(m_, contacts);
         for (int first = 0; first < m_; first += lanes) {
             shape(first);
@@ -64,8 +65,8 @@ public:
                 const auto& contact = shape_.contacts[k];
                 const Place<Design> a = place_of(x.data() + 6 * contact.plank);
                 const V3<Design> v = a.u + times(a.t.less_one, contact.arm);
-                const Design pressed = dot(
-                    contact_force(v, contact.normal, contact.mu, equilibrium.floor(), state.law), contact.normal);
+                const Design pressed =
+                    dot(contact_force(v, contact.normal, contact.mu, equilibrium.floor(), state.law), contact.normal);
                 for (int lane = 0; lane < used(first); ++lane) out.normal(first + lane, k) = pressed.d[lane];
             }
         }
@@ -88,7 +89,7 @@ public:
         return out;
     }
 
-private:
+ private:
     Furniture& F;
     int n_;
     const double* directions_;

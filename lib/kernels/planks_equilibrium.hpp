@@ -52,7 +52,7 @@ inline Eigen::Matrix3d spin(const V3<double>& a) {
 }
 
 class Equilibrium {
-public:
+ public:
     Equilibrium(const Piece& piece, std::vector<Part>& parts) : P(piece), parts_(parts), plank_part_(piece.count()) {
         std::vector<std::pair<int, int>> pairs;
         for (const JointSpec& joint : P.joints) pairs.emplace_back(joint.i, joint.j);
@@ -217,7 +217,7 @@ public:
         return -1;
     }
 
-private:
+ private:
     using Wrench6 = Eigen::Matrix<double, 6, 1>;
     const Piece& P;
     std::vector<Part>& parts_;
@@ -282,19 +282,31 @@ private:
     }
 
     Block contact_stiffness(const Contact<double>& contact, Law law, const double* x, bool exact) const {
+        return exact ? exact_contact(contact, law, x + 6 * contact.plank)
+                     : small_contact(contact, law, x + 6 * contact.plank);
+    }
+
+    Block exact_contact(const Contact<double>& contact, Law law, const double* x) const {
         using D = Dual<6>;
         D at[6], r[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-        for (int a = 0; a < 6; ++a) at[a] = D::seed(x[6 * contact.plank + a], a);
-        if (exact) {
-            const Place<D> place = place_of(at);
-            const V3<D> v = place.u + times(place.t.less_one, contact.arm);
-            force_gradient(place, contact.arm, contact_force(v, contact.normal, contact.mu, floor(), law), r);
-        } else {
-            const V3<D> v = V3<D>{at[0], at[1], at[2]} + cross(V3<D>{at[3], at[4], at[5]}, contact.arm);
-            const V3<D> f = contact_force(v, contact.normal, contact.mu, floor(), law), m = cross(contact.arm, f);
-            for (int a = 0; a < 3; ++a) r[a] = -f[a], r[3 + a] = -m[a];
-        }
+        for (int a = 0; a < 6; ++a) at[a] = D::seed(x[a], a);
+        const Place<D> place = place_of(at);
+        const V3<D> v = place.u + times(place.t.less_one, contact.arm);
+        force_gradient(place, contact.arm, contact_force(v, contact.normal, contact.mu, floor(), law), r);
         return block_of(r);
+    }
+
+    Block small_contact(const Contact<double>& contact, Law law, const double* x) const {
+        using D = Dual<3>;
+        const V3<double> moved = V3<double>{x[0], x[1], x[2]} + cross(V3<double>{x[3], x[4], x[5]}, contact.arm);
+        const V3<D> v{D::seed(moved[0], 0), D::seed(moved[1], 1), D::seed(moved[2], 2)};
+        const V3<D> f = contact_force(v, contact.normal, contact.mu, floor(), law);
+        Eigen::Matrix3d stiffness;
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) stiffness(a, b) = -f[a].d[b];
+        Eigen::Matrix<double, 3, 6> way;
+        way << Eigen::Matrix3d::Identity(), -spin(contact.arm);
+        return way.transpose() * stiffness * way;
     }
 
     // A load keeps its direction, but its arm turns with the plank.

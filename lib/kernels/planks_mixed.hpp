@@ -10,7 +10,7 @@ namespace restshape::planks {
 // Unknowns: six forces a joint first, which eliminates them first, then six displacements a plank in the order of
 // least degree. Rows of joints hold d / eps - h.
 class Mixed {
-public:
+ public:
     explicit Mixed(Furniture& furniture) : F(furniture), P(furniture.piece()), nj_(P.joints.size()), at_(P.count()) {
         const auto& order = F.equilibrium().blocks().order();
         for (size_t k = 0; k < order.size(); ++k) at_[order[k]] = 6 * (nj_ + static_cast<int>(k));
@@ -65,7 +65,7 @@ public:
         return x;
     }
 
-private:
+ private:
     Furniture& F;
     const Piece& P;
     int nj_;
@@ -114,8 +114,7 @@ private:
         for (int s = 0; s < 2; ++s)
             for (int a = 0; a < 6; ++a) at[s][a] = D::seed(x[6 * planks[s] + a], 6 * s + a), r[s][a] = D(0.0);
         V3<D> ht, hr, dt, dr;
-        for (int a = 0; a < 3; ++a)
-            ht[a] = D::seed(z[6 * k + a], 12 + a), hr[a] = D::seed(z[6 * k + 3 + a], 15 + a);
+        for (int a = 0; a < 3; ++a) ht[a] = D::seed(z[6 * k + a], 12 + a), hr[a] = D::seed(z[6 * k + 3 + a], 15 + a);
         const Place<D> pa = place_of(at[0]), pb = place_of(at[1]);
         const auto& shape = F.shape().joints[k];
         opening(pa, pb, shape.arm_i, shape.arm_j, dt, dr);

@@ -100,7 +100,7 @@ struct Shape {
 
 template <class T>
 class Shaper {
-public:
+ public:
     // gamma: 8 design parameters a plank, [m], [rad], [m]; null is the piece as it is.
     Shaper(const Piece& piece, const T* gamma, Shape<T>& shape) : P(piece), S(shape) {
         S.fault = Fault::none;
@@ -110,7 +110,7 @@ public:
         measure();
     }
 
-private:
+ private:
     const Piece& P;
     Shape<T>& S;
 
@@ -199,8 +199,7 @@ private:
         for (size_t k = 0; k < P.loads.size(); ++k) {
             const int i = P.loads[k].plank;
             const V3<double>& s = P.loads[k].place;
-            S.load_arms[k] =
-                times(S.axes[i], V3<T>{S.size[i][0] * s[0], S.size[i][1] * s[1], S.size[i][2] * s[2]});
+            S.load_arms[k] = times(S.axes[i], V3<T>{S.size[i][0] * s[0], S.size[i][1] * s[1], S.size[i][2] * s[2]});
         }
     }
 

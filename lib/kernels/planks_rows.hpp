@@ -17,8 +17,7 @@ template <class T>
 JointForce<T> joint_force(const JointShape<T>& joint, const T* d, const Settings& settings) {
     const V3<T> ht = scaled(V3<T>{d[0], d[1], d[2]}, 1.0 / settings.eps_t);
     const V3<T> hr = scaled(V3<T>{d[3], d[4], d[5]}, 1.0 / settings.eps_r);
-    return {dot(ht, joint.n), dot(ht, joint.x), dot(ht, joint.y),
-            dot(hr, joint.y), dot(hr, joint.x), dot(hr, joint.n)};
+    return {dot(ht, joint.n), dot(ht, joint.x), dot(ht, joint.y), dot(hr, joint.y), dot(hr, joint.x), dot(hr, joint.n)};
 }
 
 // Corners, counter-clockwise, of the convex hull of points in a plane (Andrew's monotone chain).
@@ -48,14 +47,14 @@ inline std::vector<int> hull(const std::vector<std::array<double, 2>>& points, d
 // A part whose contacts lie in one line, or on several planes, has no rows.
 template <class T>
 class StabilityRows {
-public:
+ public:
     StabilityRows(const Piece& piece, const Equilibrium& equilibrium, const Shape<T>& shape, int load_case,
                   std::vector<T>& rows)
         : P(piece), S(shape), case_(load_case), rows_(rows) {
         for (const Part& part : equilibrium.parts()) add(part);
     }
 
-private:
+ private:
     const Piece& P;
     const Shape<T>& S;
     int case_;

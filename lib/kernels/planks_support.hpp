@@ -22,7 +22,7 @@ struct Support {
 // Least squares with non-negative weights (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23) over
 // all forces inside the friction cones: the one that fits what remains best is found in closed form at each contact.
 class ConeProjection {
-public:
+ public:
     // load: force and moment about the origin that the contacts must give; lengths in units of the piece's size.
     ConeProjection(const std::vector<V3<double>>& points, const std::vector<V3<double>>& normals,
                    const std::vector<double>& mu, const Wrench& load)
@@ -51,7 +51,7 @@ public:
         return support;
     }
 
-private:
+ private:
     static constexpr int most_steps = 300;
     static constexpr double most_force = 1e3;  // of the sum of the normal forces, in parts of the load
     struct Active {

@@ -30,7 +30,7 @@ struct Verdict {
 };
 
 class Furniture {
-public:
+ public:
     static constexpr double balance_tolerance = 1e-7;
 
     explicit Furniture(Piece piece) : P(std::move(piece)) {
@@ -131,7 +131,7 @@ public:
         return true;
     }
 
-private:
+ private:
     Piece P;
     std::vector<Part> parts_;
     std::unique_ptr<Equilibrium> equilibrium_;
