@@ -76,3 +76,18 @@ def test_soft_joints_turn_far_and_still_balance() -> None:
     assert np.abs(forces.u).max() > 1e-3
     assert forces.contacts.sum(axis=0) == pytest.approx([0.0, 0.0, load], abs=1e-8 * load)
     solver.destroy()
+
+
+def test_a_solver_follows_the_geometry_of_its_model() -> None:
+    furniture = Furniture(table())
+    solver = PlankEquilibrium(furniture)
+    first = solver.solve()
+    gamma = np.zeros((5, 8))
+    gamma[4, 4] = 0.1
+    moved = furniture.moved(gamma)
+    now = solver.solve(guess=first.u)
+    cold = PlankEquilibrium(Furniture(moved))
+    assert now.bending == pytest.approx(cold.solve().bending, rel=1e-8)
+    assert np.abs(now.bending - first.bending).max() > 1e-2 * np.abs(first.bending).max()
+    for each in (solver, cold):
+        each.destroy()

@@ -1,5 +1,6 @@
 """Suggestions that make an invalid piece stable and durable again, by combinations of few design modes."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,10 +25,10 @@ TRIALS = 24
 KEPT = 2
 """Combinations kept of each number of modes and leading mode; 0 keeps all."""
 
-INSIDE = np.array([0.02, 0.1, 0.3, 0.6, 1.0])
+INSIDE = np.array([0.03, 0.15, 0.4, 0.8])
 """Where along the predicted span a combination is tested."""
 
-BEYOND = np.array([1.1, 1.3, 1.6])
+BEYOND = np.array([1.15, 1.5])
 """And beyond where it is entered, for a prediction that falls short."""
 
 SPAN_TOLERANCE = 1e-2
@@ -206,7 +207,7 @@ class Search:
         return self.furniture.kernel.scan(direction, t, wanted)[0] == 0
 
 
-def _each(rays: Rays):
+def _each(rays: Rays) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Modes, parts and span of each ray."""
     for modes, parts, span in zip(rays.modes, rays.parts, rays.spans):
         used = modes >= 0
