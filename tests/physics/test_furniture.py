@@ -10,6 +10,7 @@ from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, shelf_
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.errors import UserError
 from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
+from restshape.shape.design_modes import DesignModes
 from restshape.shape.planks import Load, Piece, Plank, feet_near, joints_near, weight
 
 G = 9.80665
@@ -283,3 +284,32 @@ def test_a_nail_too_short_says_so() -> None:
         Furniture(
             Piece((thick, post), joints_near((thick, post)), feet_near((thick, post)), weights=(weight("w", 1, 1),))
         )
+
+
+@pytest.mark.parametrize(
+    "piece", [shelf_1(), table(push=60.0), stool_chair(lean=0.3, kilograms=80.0)], ids=lambda p: p.name
+)
+def test_a_test_does_not_depend_on_those_before(piece: Piece) -> None:
+    furniture = Furniture(piece)
+    furniture.test()
+    modes = DesignModes.of(piece, furniture.kernel.freedoms())
+    rng, one_sided = np.random.default_rng(0), 0
+    for _ in range(40):
+        gamma = (0.15 * rng.normal(size=len(modes)) / np.sqrt(len(modes)) @ modes.directions).reshape(-1, 8)
+        warm = furniture.test(gamma)
+        furniture.kernel.forget()
+        cold = furniture.test(gamma)
+        one_sided += furniture.forces(len(furniture.cases) - 1).one_sided
+        assert warm.flaws == cold.flaws
+        assert warm.pull == pytest.approx(cold.pull, rel=1e-9)
+    assert one_sided
+
+
+@pytest.mark.parametrize("millimetres", [12, 15, 18])
+def test_strength_follows_the_thickness(millimetres: int) -> None:
+    # Per nail l_z / 2 x 35 kN/m x (32 mm - l_z), which grows up to 16 mm, while the board's own weight grows too.
+    t = millimetres * 1e-3
+    furniture = settled(table(thickness=t))
+    forces, nails = furniture.forces(), furniture.nails()
+    bears = nails * 35e3 * (0.032 - t)
+    assert forces.pull_use == pytest.approx((2 * np.abs(forces.bending) / t + forces.tension) / bears)
