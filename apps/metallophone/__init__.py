@@ -11,7 +11,7 @@ from pydantic import Field
 
 from restshape.application import Application, Decision, Effect, Implied, Knob
 from restshape.errors import UserError
-from restshape.scene.implied import REGIONS
+from restshape.scene.implied import GRAIN, REGIONS
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -74,19 +74,13 @@ def only_normal(raw: dict[str, Any], _: frozenset[str]) -> dict[str, Any]:
     return {**raw, "effects": {**raw.get("effects", {}), "modal": modal}}
 
 
-def grain(scene: Scene, _: frozenset[str]) -> str:
-    """Why stiffness depends on the direction; empty where it does not."""
-    names = [f"material.{name}" for name, material in scene.material.items() if material.orthotropic]
-    return f"{', '.join(names)}: stiffness along and across a grain" if names else ""
-
-
 application = Application(
     name="metallophone",
     summary="plates that sound when struck: eigenfrequencies and modes",
     effects={"modal": Effect(Modal, "free vibrations", required=True)},
     implied={
         "in_plane_modes": Implied("modes in the plane", in_plane, "modes in the plane are passed over", only_normal),
-        "grain": Implied("materials with a grain", grain, "all materials are isotropic"),
+        "grain": GRAIN,
         "regions": REGIONS,
     },
     folder=Path(__file__).parent,

@@ -165,7 +165,8 @@ struct MembraneElement : MembraneParts {
 
     // Eigenvalues below zero become zero.
     static void keep_tension(double (&S)[3]) {
-        const double mean = 0.5 * (S[0] + S[1]), half = 0.5 * (S[0] - S[1]), radius = std::hypot(half, S[2]);
+        const double mean = 0.5 * (S[0] + S[1]), half = 0.5 * (S[0] - S[1]),
+                     radius = std::sqrt(half * half + S[2] * S[2]);
         if (mean >= radius) return;
         const double top = mean + radius;
         if (top <= 0.0) {

@@ -10,6 +10,7 @@
 #include "element_hinge.hpp"
 #include "element_mass.hpp"
 #include "element_membrane.hpp"
+#include "element_mirrored.hpp"
 #include "element_plate.hpp"
 #include "element_point.hpp"
 #include "element_pressure.hpp"
@@ -53,6 +54,8 @@ std::vector<Element> registered() {
         element_of<CorotatedMembraneElement>("membrane_corotated_tri3"),
         element_of<HingeElement>("hinge4"),
         element_of<NonlinearHingeElement>("hinge_nonlinear4"),
+        element_of<MirroredElement<HingeElement>>("hinge_mirrored3"),
+        element_of<MirroredElement<NonlinearHingeElement>>("hinge_nonlinear_mirrored3"),
         element_of<MorleyElement>("morley_tri6"),
         element_of<PointPotentialElement>("potential_point1"),
         element_of<SimplexMassElement<Tri3, 3>>("mass_cloth_tri3"),

@@ -81,6 +81,8 @@ class CsrOperator final : public Operator {
         const Block& b = blocks_[block];
         element_loop(sizes, block, terms, nullptr, b.count, [=, &b](int, int e, const int32_t* cell, const double* K) {
             const int count = sizes.nodes(), fields = sizes.fields(), stride = sizes.stride();
+            // Of nodes that touch nothing the memory need not be either.
+            if (count == 1 && std::all_of(K, K + stride * fields, [](double entry) { return entry == 0.0; })) return;
             const uint16_t* offset = b.offsets(e);
             for (int i = 0; i < count; ++i, offset += count) {
                 const int32_t first = start[cell[i]];

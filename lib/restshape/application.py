@@ -27,12 +27,14 @@ class Decision:
         why: for people; empty where there was nothing to decide.
         order: the element order that it wants where the scene names none; None: it does not matter.
         warns: the scene's own keys make the answer bad, which is why.
+        tolerance: `solve.tolerance` where the scene names none; None: the usual one.
     """
 
     settings: BaseModel
     why: str = ""
     order: int | None = None
     warns: bool = False
+    tolerance: float | None = None
 
 
 @runtime_checkable
@@ -131,6 +133,8 @@ class Application:
         orders: element orders that it supports.
         directions: that supports may fix.
         layered: bodies have a thickness, which may be a formula, and layers of elements over it.
+        nested: its fields, of first order, may live on a mesh nested in coarser ones.
+        cloth: it knows sheets in space: bodies, a start, planes of symmetry, a bending stiffness.
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
         stability: path ``module:attribute`` of its hard cases by name.
@@ -149,6 +153,8 @@ class Application:
     orders: tuple[int, ...] = (1,)
     directions: tuple[str, ...] = ("x", "y")
     layered: bool = False
+    nested: bool = False
+    cloth: bool = False
     columns: str = ""
     stability: str = ""
     transient: bool = False

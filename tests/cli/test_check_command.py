@@ -4,9 +4,11 @@ import json
 from pathlib import Path
 
 import pytest
+from cloths import BALL, write_cloth
 
 from restshape.application import applications
 from restshape.cli.main import main
+from restshape.cli.schema import scene_schema
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -141,3 +143,22 @@ def test_a_thickness_without_a_sign_is_refused_and_a_thin_one_is_not(capsys):
     assert check(bar, "--set", f'{key}="4e-3 - 4.1e-3 * sin(pi * x / 0.1)"') == 2
     told = capsys.readouterr().err
     assert key in told and "the thickness is -" in told
+
+
+def test_check_tells_of_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
+    clamp = '[supports.clamp]\non = "left"\nfix = ["x", "slope"]\n[supports.mirror]\non = "right"\nsymmetry = "x"\n'
+    start = '[start]\nmove = [0, 0, "tilt"]\nscatter = "1 mm"\n'
+    path = write_cloth(tmp_path, BALL, clamp, start)
+    assert check(path, "--json", tmp_path / "check.json") == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "sphere, center (0.5, half, -0.3), radius 0.25, friction 0.3" in told
+    assert "x = 0 and slope = 0 on left" in told and "plane of symmetry with the normal x on right" in told
+    assert "moved by (0, 0, tilt) m, scattered by 0.001 m with the seed 0" in told
+    found = json.loads((tmp_path / "check.json").read_text())
+    assert found["bodies"] == {"ball": {"sphere": {"center": [0.5, "half", -0.3], "radius": 0.25}, "friction": 0.3}}
+    assert found["start"]["move"] == [0.0, 0.0, "tilt"] and "falls through bodies.ball" in found["warnings"][0]
+
+
+def test_the_schema_takes_gravity_in_the_plane_and_in_space():
+    gravity = scene_schema()["properties"]["effects"]["properties"]["gravity"]
+    assert {model["properties"]["g"]["minItems"] for model in gravity["anyOf"]} == {2, 3}

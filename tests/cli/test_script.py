@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from cloths import BALL, CONTACT, write_cloth
 from small_scenes import CURVED
 
 from restshape.cli.main import main
@@ -85,3 +86,15 @@ def test_lines_that_make_no_sense_get_the_grammar(scene, capsys, line):
 def test_a_name_that_is_not_there_is_suggested(scene, capsys):
     assert main(["script", str(scene), "windw by 1 0 in 3 frames"]) == 2
     assert "did you mean 'window'" in capsys.readouterr().err
+
+
+def test_bodies_and_values_over_frames(tmp_path):
+    path, out = write_cloth(tmp_path, BALL, CONTACT), tmp_path / "edits.jsonl"
+    lines = ["body ball by 10 cm 0 in 8 frames", "set bodies.ball.friction = 0.1 in 4 frames", "scale ball by 1.2"]
+    assert main(["script", str(path), *lines, "--out", str(out)]) == 0
+    found = load_scene(path)
+    frames = list(EditSession(found, load_script(out, found)).frames())
+    assert len(frames) == 1 + 10 + 4 + 1 and not any(frame.refused for frame in frames)
+    assert [frame.scene.bodies["ball"].friction for frame in frames[-5:-1]] == pytest.approx([0.25, 0.2, 0.15, 0.1])
+    ball = frames[-1].scene.bodies["ball"].form
+    np.testing.assert_allclose([*ball.center, ball.radius], [0.6, 0.5, -0.3, 0.3], atol=1e-15)

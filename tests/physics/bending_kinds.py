@@ -1,9 +1,11 @@
 """Five kinds of mesh, and how stiff hinges and Morley's triangles are on them. As a program it prints the table.
 
-python tests/physics/bending_kinds.py
+python tests/physics/bending_kinds.py [--picture FILE]
 """
 
+import argparse
 import math
+from pathlib import Path
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -239,28 +241,86 @@ def rolled_share(kind: str, model: str, columns: int) -> float:
     return HINGE_STIFFNESS["strip"] * hinge_energy(mesh, rolled(mesh.X), model) / exact
 
 
-def table() -> str:
-    """The table of docs/theory.md, as Markdown."""
-    lines = [
-        "| mesh | cylinder | at 45 deg | sphere | strip, hinge | plate, hinge | strip, Morley | plate, Morley "
-        "| rolled: hinge | nonlinear | Morley |",
-        "|" + " --- |" * 11,
-    ]
-    for kind in KINDS:
-        shares = [hinge_share(kind, surface) for surface in SURFACES]
-        cells = [f"{share:.3f}" for share in shares]
-        for model in ("hinge", "morley"):
-            # Hinges of k = 1 act as 8/3 and as 3 on equilateral triangles.
-            strip, plate = (1 / HINGE_STIFFNESS[use] if model == "hinge" else 1.0 for use in ("strip", "plate"))
-            pairs = [
-                [strip * strip_share(kind, model, n) for n in (32, 96)],
-                [plate * plate_share(kind, model, n) for n in (16, 48)],
-            ]
-            cells += [", ".join(f"{share:.4f}" for share in pair) for pair in pairs]
-        cells += [f"{rolled_share(kind, model, 48):.4f}" for model in ("hinge4", "hinge_nonlinear4", "morley")]
+def shares(kind: str) -> dict[str, list[float]]:
+    """What the table tells of a kind of mesh, by the heads of its columns; of strips and plates by two sizes."""
+    found = {surface: [hinge_share(kind, surface)] for surface in SURFACES}
+    for model in ("hinge", "Morley"):
+        # Hinges of k = 1 act as 8/3 and as 3 on equilateral triangles.
+        strip, plate = (1 / HINGE_STIFFNESS[use] if model == "hinge" else 1.0 for use in ("strip", "plate"))
+        found[f"strip, {model}"] = [strip * strip_share(kind, model.lower(), n) for n in (32, 96)]
+        found[f"plate, {model}"] = [plate * plate_share(kind, model.lower(), n) for n in (16, 48)]
+    for head, model in (("rolled: hinge", "hinge4"), ("nonlinear", "hinge_nonlinear4"), ("Morley", "morley")):
+        found[head] = [rolled_share(kind, model, 48)]
+    return found
+
+
+def table(found: dict[str, dict[str, list[float]]]) -> str:
+    """The table of docs/theory.md, as Markdown, from the shares of each kind."""
+    heads = list(next(iter(found.values())))
+    lines = ["| mesh | " + " | ".join(heads) + " |", "|" + " --- |" * (len(heads) + 1)]
+    for kind, row in found.items():
+        digits = [3 if head in SURFACES else 4 for head in heads]
+        cells = [", ".join(f"{share:.{n}f}" for share in row[head]) for head, n in zip(heads, digits)]
         lines.append(f"| {kind} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
+SHOWN = {
+    "deflection over the exact one": {
+        "plate, hinge": ("#d55e00", "s", "square plate, hinges"),
+        "strip, hinge": ("#e69f00", "D", "strip, hinges"),
+        "plate, Morley": ("#0072b2", "o", "square plate, Morley"),
+        "strip, Morley": ("#56b4e9", "^", "strip, Morley"),
+    },
+    "energy of hinges over that\non equilateral triangles": {
+        "cylinder": ("#d55e00", "s", "cylinder along x"),
+        "cylinder at 45": ("#e69f00", "D", "cylinder at 45°"),
+        "sphere": ("#cc79a7", "v", "sphere"),
+    },
+}
+"""Panels of the picture, and what each shows: colour, marker, name."""
+
+
+def draw(found: dict[str, dict[str, list[float]]], path: Path) -> None:
+    """Draws the five kinds of mesh and, below, what hinges and Morley's triangles make of them; 1 is right."""
+    from restshape.report.style import FAINT, INK, new_figure
+
+    figure = new_figure(9.5, 5.6)
+    meshes, panels = figure.subfigures(2, 1, height_ratios=(1, 2))
+    for axes, kind in zip(meshes.subplots(1, len(KINDS)), KINDS):
+        mesh = sheet(kind, 6)
+        axes.triplot(*mesh.X.T, mesh.cells, color=INK, linewidth=0.6)
+        axes.set(aspect="equal", title=kind)
+        axes.set_axis_off()
+    for axes, (label, series) in zip(panels.subplots(1, len(SHOWN)), SHOWN.items()):
+        axes.axhline(1.0, color=FAINT, linewidth=0.9)
+        for place, (head, (colour, marker, name)) in enumerate(series.items()):
+            finest = np.array([row[head][-1] for row in found.values()])
+            right = 1.0 if head not in SURFACES else finest[0]
+            x = np.arange(len(KINDS)) + 0.11 * (place - (len(series) - 1) / 2)
+            axes.plot(x, finest / right, color=colour, marker=marker, linestyle="none", label=name)
+        axes.set_xticks(range(len(KINDS)), KINDS)
+        axes.set_ylabel(label)
+        axes.grid(True, axis="y", color="#eeeeee")
+        axes.set_axisbelow(True)
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
+    figure.suptitle(
+        "Bending on five kinds of mesh, 1 is right: hinges are another material on each, Morley's triangles are not"
+    )
+    figure.savefig(path)
+
+
+def main() -> None:
+    """Prints the table, and draws the picture if asked to."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="draws it too (.png)")
+    args = parser.parse_args()
+    found = {kind: shares(kind) for kind in KINDS}
+    print(table(found))
+    if args.picture:
+        draw(found, args.picture)
+        print(f"\nwrote {args.picture}")
+
+
 if __name__ == "__main__":
-    print(table())
+    main()

@@ -15,6 +15,7 @@ CLOSE = 0.01
 NAMES = {
     "motion": "displacement and velocity in the energy norm",
     "energy": "displacement in the energy norm",
+    "strain": "stretch and bending in the energy norm",
     "l2": "displacement in the L2 norm",
     "frequencies": "frequencies (the worst mode)",
     "load_factors": "load factors (the worst mode)",
@@ -29,10 +30,11 @@ class Reference:
 
     Args:
         points: (m, 2) [m]; weights: (m,) areas [m^2].
-        stiffness: (m, 4) lambda, mu, thickness, mass; empty without a displacement.
+        stiffness: (m, 4) lambda, mu, thickness, mass; empty without a displacement, and of cloth.
         outline: (k, 2) control points of the shape [m].
         spectrum: as in `State`.
         solution: at these points.
+        sheet: (m, 2, 3, 3) stiffness of cloth, as in `State`, else None.
     """
 
     points: np.ndarray
@@ -41,6 +43,7 @@ class Reference:
     outline: np.ndarray
     spectrum: str
     solution: Sampled
+    sheet: np.ndarray | None = None
 
     @classmethod
     def of(cls, state: State) -> Reference:
@@ -48,7 +51,8 @@ class Reference:
         places = state.grid.centroids()
         stiffness = np.empty((0, 4)) if state.stiffness is None else state.stiffness
         points = places.points(state.grid)
-        return cls(points, places.area, stiffness, state.outline, state.spectrum, Sampled.of(state, places))
+        solution = Sampled.of(state, places)
+        return cls(points, places.area, stiffness, state.outline, state.spectrum, solution, state.sheet)
 
     def sampled(self, state: State) -> Sampled:
         """Another solution at the same points."""
@@ -68,8 +72,12 @@ class Reference:
         if whole.v is not None:
             apart = np.hypot(self._energy(a.strain - b.strain), self._kinetic(a.v - b.v))
             found["motion"] = _ratio(float(apart), float(np.hypot(self._energy(whole.strain), self._kinetic(whole.v))))
-        if whole.u is not None:
+        if whole.curvature is not None:
+            apart = self._bent(a.strain - b.strain, a.curvature - b.curvature)
+            found["strain"] = _ratio(apart, self._bent(whole.strain, whole.curvature))
+        elif whole.u is not None:
             found["energy"] = _ratio(self._energy(a.strain - b.strain), self._energy(whole.strain))
+        if whole.u is not None:
             found["l2"] = _ratio(self._l2(a.u - b.u), self._l2(whole.u))
         if self.spectrum:
             found["shapes"] = self._shapes(a, b)
@@ -81,6 +89,14 @@ class Reference:
         trace = strain[:, 0, 0] + strain[:, 1, 1]
         density = lame * trace**2 + 2.0 * shear * (strain**2).sum(axis=(1, 2))
         return float(np.sqrt(max(0.0, self.weights @ (thickness * density))))
+
+    def _bent(self, strain: np.ndarray, curvature: np.ndarray) -> float:
+        """The energy norm [sqrt(J)] of strains (m, 2, 2) and curvatures (m, 3, 3) of cloth."""
+        vector = np.stack([strain[:, 0, 0], strain[:, 1, 1], 2.0 * strain[:, 0, 1]], axis=1)
+        membrane, bending = self.sheet.swapaxes(0, 1)
+        density = np.einsum("mi,mij,mj->m", vector, membrane, vector)
+        density += np.einsum("mai,mij,maj->m", curvature, bending, curvature)
+        return float(np.sqrt(max(0.0, self.weights @ density)))
 
     def _kinetic(self, v: np.ndarray) -> float:
         """The root of twice the kinetic energy [sqrt(J)] of a velocity (m, 2)."""
@@ -121,6 +137,8 @@ class Reference:
             u=none if held.u is None else held.u,
             strain=none if held.strain is None else held.strain,
             v=none if held.v is None else held.v,
+            curvature=none if held.curvature is None else held.curvature,
+            sheet=none if self.sheet is None else self.sheet,
             values=held.values,
             shapes=held.shapes,
             names=np.array(list(held.quantities), dtype=str),
@@ -132,11 +150,12 @@ class Reference:
         """The reference in a file."""
         with np.load(path) as data:
             held = {name: data[name] for name in data.files}
-        u, strain, v = (held[name] if held[name].size else None for name in ("u", "strain", "v"))
+        names = ("u", "strain", "v", "curvature", "sheet")
+        u, strain, v, curvature, sheet = (held[name] if held[name].size else None for name in names)
         quantities = dict(zip(held["names"].tolist(), held["quantities"].tolist()))
-        solution = Sampled(u, strain, v, held["values"], held["shapes"], quantities)
+        solution = Sampled(u, strain, v, held["values"], held["shapes"], quantities, curvature)
         geometry = (held[name] for name in ("points", "weights", "stiffness", "outline"))
-        return cls(*geometry, str(held["spectrum"]), solution)
+        return cls(*geometry, str(held["spectrum"]), solution, sheet)
 
 
 def spectral(scale: np.ndarray, a: np.ndarray, b: np.ndarray) -> float:

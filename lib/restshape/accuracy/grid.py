@@ -60,7 +60,7 @@ class Places:
 
     Args:
         grid: whose nodes the fields live on.
-        found: (m,) cell of each place.
+        found: (m,) cell of each place, kept as `cells`.
         reference: (m, 2) coordinates in it, 0 to 1 along the sides from its first corner.
 
     Attributes:
@@ -68,7 +68,7 @@ class Places:
     """
 
     def __init__(self, grid: Grid, found: np.ndarray, reference: np.ndarray) -> None:
-        self.nodes = grid.cells[found]
+        self.cells, self.nodes = found, grid.cells[found]
         if grid.cells.shape[1] == 3:
             x, y = reference.T
             self.values = np.stack([1.0 - x - y, x, y], axis=1)

@@ -22,12 +22,17 @@ COARSER = 1.5
 """How many times as coarse as the reference the second one is, from which its own error is told."""
 COARSE_FACTOR = 2.0
 """The same for time steps and other factors, which must leave whole numbers whole."""
-MOST_UNKNOWNS = {"plane": 1.3e5, "motion": 2.5e4, "space": 2.2e4}
+MOST_UNKNOWNS = {"plane": 1.3e5, "motion": 2.5e4, "space": 2.2e4, "cloth": 4e4}
 """Of the reference, about."""
-CORNERS = {"plane": 16.0, "motion": 4.0, "space": 4.0}
+CORNERS = {"plane": 16.0, "motion": 4.0, "space": 4.0, "cloth": 1.0}
 """How many times as fine it is at the corners of the shape, where stresses may be singular."""
 MOST_CORNERS = 60
-TOLERANCES = {"plane": (1e-10, 1e-8, 1e-6), "motion": (1e-10, 1e-8, 1e-6), "space": (1e-7, 1e-6)}
+TOLERANCES = {
+    "plane": (1e-10, 1e-8, 1e-6),
+    "motion": (1e-10, 1e-8, 1e-6),
+    "space": (1e-7, 1e-6),
+    "cloth": (1e-7, 1e-6, 1e-5),
+}
 """Of the reference, the next where rounding does not let a frame reach the first. Modes are those of bodies in space,
 whose frequencies are right to the square of it."""
 MODULE = "restshape.accuracy.replays"
@@ -39,7 +44,7 @@ class Plan:
 
     Args:
         factor: of the scene's mesh size; order: of the elements; corners: how many times as fine at corners.
-        policy: "rebuild", or "refactor" for motion, which goes on from frame to frame.
+        policy: "rebuild", or "refactor" for motion, which goes on from frame to frame, and cloth, whose folds do.
         tolerances: of the solver, the next where one cannot be reached.
         turned: keys of knobs and the values that they have in it, for people.
         overrides: ``key=value`` of all but sizes.
@@ -108,7 +113,7 @@ def planned(path: Path, given: Sequence[str], application: Application, finest: 
     fine = load_scene(path, (*given, *overrides))
     affordable = sqrt(unknowns(fine, application, 1.0, order) / MOST_UNKNOWNS[kind])
     factor = max(finest / FINER, affordable)
-    policy = "refactor" if application.transient else "rebuild"
+    policy = "refactor" if application.transient or application.cloth else "rebuild"
     return Plan(factor, order, CORNERS[kind], policy, TOLERANCES[kind], turned, overrides, coarse)
 
 

@@ -31,8 +31,8 @@ Row = dict[str, Any]
 TIGHT = (1e-3, 1e-2, 1e-1)
 """Shares of a point's tolerance that its tight replays are tried with, the next where a frame has no solution."""
 
-TIGHTEST = 1e-12
-"""Tolerance beyond which rounding decides."""
+TIGHTEST, CLOTH_TIGHTEST = 1e-12, 1e-8
+"""Tolerance beyond which rounding decides; of cloth, whose forces are small differences of tensions."""
 
 TIMED = 12
 """Frames, about, that are timed of a replay that keeps nothing from frame to frame, and is slow for that."""
@@ -67,7 +67,8 @@ def reference(request: Request, frames: list[int], folder: str, coarser: str = "
     """
     start = perf_counter()
     transient = request.application.transient
-    states, refused = _look(_sparse(request, frames, leap=not transient, every=transient), frames)[:2]
+    replay = _sparse(request, frames, leap=request.policy.regenerate, every=transient)
+    states, refused = _look(replay, frames)[:2]
     found: Row = {"unknowns": 0, "elements": 0, "refused": refused, "distances": {}, "quantities": {}}
     for index, state in states.items():
         own = Reference.of(state)
@@ -209,7 +210,8 @@ def _tight(
         tolerance: in place of shares of the setting's.
     """
     own = request.scene.solve.tolerance
-    chosen = [tolerance] if tolerance else [max(TIGHTEST, share * own) for share in TIGHT]
+    least = CLOTH_TIGHTEST if request.application.cloth else TIGHTEST
+    chosen = [tolerance] if tolerance else [max(least, share * own) for share in TIGHT]
     states: dict[int, State] = {}
     fresh: dict[int, State] = {}
     lost: dict[int, str] = {}

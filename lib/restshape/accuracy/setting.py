@@ -21,7 +21,7 @@ TOLERANCES = (1e2, 1e-2)
 LOOSEST = 0.1
 """Largest tolerance that is tried."""
 
-MOST = {"plane": 4e4, "motion": 1e4, "space": 1.2e4}
+MOST = {"plane": 4e4, "motion": 1e4, "space": 1.2e4, "cloth": 6e3}
 """Unknowns, about, of the finest setting of an order that is tried unasked: see `kind_of`."""
 
 
@@ -146,7 +146,9 @@ def default_sizes(scene: Scene, application: Application, order: int) -> tuple[f
 
 
 def kind_of(application: Application) -> str:
-    """What a frame costs depends on: "space" for layers of elements, "motion" for time steps, else "plane"."""
+    """What a frame costs depends on: "space" for layers of elements, "motion" for time steps, "cloth", else "plane"."""
+    if application.cloth:
+        return "cloth"
     return "space" if application.layered else "motion" if application.transient else "plane"
 
 
@@ -155,6 +157,9 @@ def unknowns(scene: Scene, application: Application, factor: float, order: int) 
     outline = Outline.from_spec(scene.shape, scene.folder)
     triangles = outline.area() / (0.433 * (factor * scene.mesh.size) ** 2)
     nodes = triangles * (0.5 if order == 1 else 2.0)
+    if application.cloth:
+        # Morley's triangles: three a node and three an edge, of which there are three times as many.
+        return 12.0 * nodes
     if not application.layered:
         return 2.0 * nodes
     return 3.0 * nodes * (order * (scene.mesh.layers or 1) + 1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,15 +20,17 @@ class State:
     Args:
         grid: the plane mesh of the fields.
         outline: (k, 2) control points of the shape [m].
-        displacement: (n, 2) [m]; None where there are modes only.
+        displacement: (n, 2) [m], of cloth (n, 3); None where there are modes only.
         velocity: (n, 2) [m/s] of what moves, else None.
         spectrum: what `values` are, "frequencies" or "load_factors"; empty where there are none.
         values: (k,) ascending.
         shapes: (modes, n, d) fields of the modes.
         stiffness: (ne, 4) lambda [Pa], mu [Pa], thickness [m] and, of what moves, mass [kg/m^2] of each cell; None
-            without a displacement.
+            without a displacement, and of cloth.
         large: strains are Green's, for the deformation is large.
         row: of the frame.
+        curvature: (ne, 3, 3) second derivatives xx, yy and twice xy of each coordinate of cloth [1/m]; sheet: (ne, 2, 3,
+            3) its stiffness against strains [N/m] and curvatures [N m]; None of what is no cloth.
     """
 
     grid: Grid
@@ -41,6 +43,8 @@ class State:
     stiffness: np.ndarray | None
     large: bool
     row: dict[str, Any]
+    curvature: np.ndarray | None = None
+    sheet: np.ndarray | None = None
 
     @property
     def quantities(self) -> dict[str, float]:
@@ -56,6 +60,8 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
         outline: (k, 2) control points of the shape [m].
         row: of the frame, with the quantities as q_NAME.
     """
+    if hasattr(analysis, "sheet"):
+        return _cloth(analysis, outline, row)
     spectrum = next((name for name in SPECTRA if hasattr(analysis, name)), "")
     values, shapes = np.empty(0), np.empty((0, len(analysis.mesh.X), 2))
     if spectrum:
@@ -77,9 +83,21 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
     return State(grid, outline.copy(), displacement, velocity, spectrum, values, shapes, stiffness, large, dict(row))
 
 
+def _cloth(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
+    """The positions, as displacements from the flat pattern, that cloth rests at."""
+    sheet, grid = analysis.sheet, Grid.of(analysis.mesh)
+    displacement = sheet.corners(analysis.x) - analysis.flat
+    shape, fabric = (len(grid.cells), 3, 3), sheet.fabric
+    stiffness = np.stack([np.broadcast_to(part, shape) for part in (fabric.membrane, fabric.bending)], axis=1)
+    curvature, none = analysis.estimator.curvatures(analysis.x), np.empty((0, len(grid.X), 3))
+    state = State(grid, outline.copy(), displacement, None, "", np.empty(0), none, None, True, dict(row))
+    return replace(state, curvature=curvature, sheet=stiffness)
+
+
 def strains(gradient: np.ndarray, large: bool) -> np.ndarray:
-    """Strains (m, 2, 2), small ones or Green's, of displacement gradients (m, 2, 2)."""
-    strain = 0.5 * (gradient + gradient.transpose(0, 2, 1))
+    """Strains (m, 2, 2), small ones or Green's, of displacement gradients (m, 2, 2), or (m, 3, 2) of surfaces."""
+    plane = gradient[:, :2]
+    strain = 0.5 * (plane + plane.transpose(0, 2, 1))
     # Turns alone are no strain, however far.
     return strain + 0.5 * np.einsum("mki,mkj->mij", gradient, gradient) if large else strain
 
@@ -89,11 +107,12 @@ class Sampled:
     """A solution at the places that distances are measured at.
 
     Args:
-        u: (m, 2) displacement [m]; strain: (m, 2, 2); None without a displacement.
+        u: (m, 2) displacement [m], of cloth (m, 3); strain: (m, 2, 2); None without a displacement.
         v: (m, 2) velocity [m/s] of what moves, else None.
         values: (k,) frequencies or load factors.
         shapes: (modes, m, d).
         quantities: by name.
+        curvature: (m, 3, 3) of cloth, as in `State`, else None.
     """
 
     u: np.ndarray | None
@@ -102,6 +121,7 @@ class Sampled:
     values: np.ndarray
     shapes: np.ndarray
     quantities: dict[str, float] = field(default_factory=dict)
+    curvature: np.ndarray | None = None
 
     @classmethod
     def of(cls, state: State, places: Places) -> Sampled:
@@ -112,4 +132,5 @@ class Sampled:
         if state.displacement is not None:
             u, strain = places.field(state.displacement), strains(places.gradient(state.displacement), state.large)
         shapes = np.stack([places.field(shape) for shape in state.shapes]) if len(state.shapes) else state.shapes[:, :0]
-        return cls(u, strain, v, state.values, shapes, state.quantities)
+        curvature = None if state.curvature is None else state.curvature[places.cells]
+        return cls(u, strain, v, state.values, shapes, state.quantities, curvature)

@@ -19,7 +19,7 @@ from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 from restshape.scene.script import Script, load_script
 
-FRAMES = {"plane": 40, "motion": 6, "space": 24}
+FRAMES = {"plane": 40, "motion": 6, "space": 24, "cloth": 8}
 """Frames of a script that are replayed unasked, from the first that changes the shape on."""
 
 SECONDS = 30.0

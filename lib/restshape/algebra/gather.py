@@ -45,3 +45,9 @@ def whole_matrix(mat: PETSc.Mat, comm: PETSc.Comm) -> sp.csr_matrix:
     own = sp.csr_matrix((values, indices, indptr), shape=(len(indptr) - 1, n))
     parts = comm.tompi4py().allgather(own) if comm.size > 1 else [own]
     return sp.vstack(parts, format="csr")
+
+
+def matrix_difference(a: sp.csr_matrix, b: sp.csr_matrix) -> float:
+    """The largest difference of two matrices' entries over the largest entry."""
+    scale = abs(b).max()
+    return float(abs(a - b).max() / scale) if scale else float(abs(a).max())

@@ -25,7 +25,7 @@ class Job:
 
     Args:
         scene: scene file.
-        edits: edit script.
+        edits: edit script; empty: the scene's first shape alone.
         policy: name of the policy.
         overrides: ``key=value`` as after --set.
         petsc: words for PETSc's options database.

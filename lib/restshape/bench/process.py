@@ -29,10 +29,10 @@ def request(job: Job) -> Any:
     from restshape.policy import policy
     from restshape.replay.request import Request
     from restshape.scene.load import load_scene
-    from restshape.scene.script import load_script
+    from restshape.scene.script import Script, load_script
 
     scene = load_scene(job.scene, job.overrides)
-    script = load_script(job.edits, scene)
+    script = load_script(job.edits, scene) if job.edits else Script.empty(scene)
     return Request(
         scene, script, application(scene.app), policy(job.policy), Calibration.load(), job.petsc, job.predict
     )

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from restshape.application import applications
-from restshape.cli import bench_design, bench_eigen, bench_order
+from restshape.cli import bench_design, bench_drape, bench_eigen, bench_order
 from restshape.cli.list import scene_of
 from restshape.cli.options import add_json, add_set, open_json, print_table, write_json
 from restshape.errors import UserError
@@ -51,7 +51,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     size.add_argument(
         "--seconds", type=float, default=330.0, metavar="S", help="for all sizes together (default: %(default)g)"
     )
-    plain = (bench_order.arguments(studies), bench_eigen.arguments(studies))
+    plain = tuple(part.arguments(studies) for part in (bench_order, bench_eigen, bench_drape))
     for study in (*plain, *(drawing := (reuse, size, *bench_design.arguments(studies)))):
         add_set(study)
         add_json(study)
@@ -65,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
     """Measure; 0 when it is done, 2 on bad input."""
     open_json(args)
     studies = {"reuse": _reuse, "size": _size, "predict": _predict, "derivative": _derivative}
-    studies |= {"order": _order, "eigen": _eigen}
+    studies |= {"order": _order, "eigen": _eigen, "drape": _drape}
     return studies[args.study](args)
 
 
@@ -120,6 +120,19 @@ def _eigen(args: argparse.Namespace) -> int:
     args.scenes = [args.scene]
     (case,) = _cases(args)
     write_json(args, bench_eigen.eigen(args, case, announce))
+    return 0
+
+
+def _drape(args: argparse.Namespace) -> int:
+    """Compare ways of cloth to rest."""
+    from restshape.scene.load import load_scene
+    from restshape.scene.script import load_script
+
+    scene = load_scene(args.scene, args.set)
+    edits = args.edits or script_of(args.scene)
+    if edits and args.policies:
+        load_script(edits, scene)
+    write_json(args, bench_drape.drape(args, scene, edits, announce))
     return 0
 
 

@@ -16,6 +16,7 @@ from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.sizing import refuse_endless
 from restshape.mesh.thickness import Thickness
 from restshape.physics.held import require_held
+from restshape.scene.bodies import Body, Start
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.model import Load, Material, Scene, Support
 from restshape.scene.plan import Plan, plan
@@ -94,9 +95,10 @@ def check_supports(scene: Scene, outline: Outline) -> None:
     """Makes sure that the supports hold the body, as far as the outline shows.
 
     Raises:
-        UserError: they leave it free to move, and its application is not one for free bodies.
+        UserError: they leave it free to move, and its application is not one for free bodies, or for cloth that falls.
     """
-    if application(scene.app).layered:
+    app = application(scene.app)
+    if app.layered or app.cloth:
         return
     points, masks = [np.zeros((0, 2))], [np.zeros((0, 2))]
     for support in scene.supports.values():
@@ -157,6 +159,9 @@ def held(scene: Scene, effects: Plan, outline: Outline) -> dict[str, Any]:
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
         "supports": {name: support.on for name, support in scene.supports.items()},
         "loads": {name: {"kind": load.kind, "on": load.on} for name, load in scene.loads.items()},
+        "bodies": {name: body.model_dump(exclude_none=True) for name, body in scene.bodies.items()},
+        "start": scene.start.model_dump() if scene.start else None,
+        "warnings": list(effects.warnings),
         "goals": list(scene.goal),
         "quantities": list(scene.quantities),
         "mesh": scene.mesh.model_dump(),
@@ -175,7 +180,8 @@ def made_of(material: Material) -> str:
     thickness = material.thickness
     thick = f"thickness {thickness.text}" if isinstance(thickness, Expression) else f"{thickness:g} m thick"
     known = f"{material.name}: " if material.name else ""
-    return f"{known}{stiff}, rho {material.rho:g} kg/m^3, {thick}"
+    bends = "" if material.bending is None else f", bending {listing(material.bending)} N m"
+    return f"{known}{stiff}, rho {material.rho:g} kg/m^3, {thick}{bends}"
 
 
 def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, str]]:
@@ -188,6 +194,8 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
     rows += [(f"support {name}", f"{fixed(s)} on {', '.join(s.on)}") for name, s in scene.supports.items()]
     rows += [(f"load {name}", f"{loaded(load)} on {', '.join(load.on)}") for name, load in scene.loads.items()]
+    rows += [(f"body {name}", touched(body)) for name, body in scene.bodies.items()]
+    rows += [("start", laid(scene.start))] if scene.start else []
     rows += [
         (f"goal {name}", f"a curve through {len(g.spline or g.polyline)} points") for name, g in scene.goal.items()
     ]
@@ -200,20 +208,39 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     mesh, solve = scene.mesh, scene.solve
     rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))
-    return rows
+    return rows + [("warning", warning) for warning in effects.warnings]
 
 
 def fixed(support: Support) -> str:
     """What a support prescribes."""
+    if support.symmetry:
+        return f"plane of symmetry with the normal {support.symmetry}"
     parts = [f"{axis} = {said(value)}{'' if value == 0 else ' m'}" for axis, value in support.fix.items()]
     return " and ".join(parts)
+
+
+def touched(body: Body) -> str:
+    """Kind, keys and friction of a body."""
+    form = body.form
+    keys = [f"{key} {listing(getattr(form, key))}" for key in type(form).model_fields]
+    return f"{body.kind}, {', '.join(keys)}, friction {said(body.friction)}"
+
+
+def laid(start: Start) -> str:
+    """Where cloth starts."""
+    moved = f"turned by {listing(start.turn)} rad about {listing(start.about)} m, moved by {listing(start.move)} m"
+    return moved + (f", scattered by {start.scatter:g} m with the seed {start.seed}" if start.scatter else "")
+
+
+def listing(value: Any) -> str:
+    """A number, a formula, or several of them in parentheses."""
+    return f"({', '.join(map(said, value))})" if isinstance(value, tuple) else said(value)
 
 
 def loaded(load: Load) -> str:
     """Kind and value of a load with its unit."""
     value = getattr(load, load.kind)
-    text = f"({', '.join(map(said, value))})" if isinstance(value, (list, tuple)) else said(value)
-    return f"{load.kind} {text} {LOAD_UNITS[load.kind]}"
+    return f"{load.kind} {listing(value)} {LOAD_UNITS[load.kind]}"
 
 
 def said(value: Value) -> str:

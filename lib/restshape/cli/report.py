@@ -52,11 +52,14 @@ def run(args: argparse.Namespace) -> int:
 
 def _tables(recording: Any) -> dict[str, Any]:
     """Prints the tables and gives them back for programs."""
-    from restshape.report.tables import estimate_table, level_table, quantity_table, refused
+    from restshape.report.tables import estimate_table, level_table, quantity_table, refused, rest_counts
 
     levels, quantities, errors = level_table(recording), quantity_table(recording), estimate_table(recording)
-    stopped = int(refused(recording).sum())
-    print(f"{recording.path}: {recording.summary}, {stopped} refused\n")
+    stopped, rest = int(refused(recording).sum()), rest_counts(recording)
+    print(f"{recording.path}: {recording.summary}, {stopped} refused")
+    if rest:
+        print(f"at rest: {rest['at_rest']} frames, {rest['stable']} of them stable; not at rest: {rest['not_at_rest']}")
+    print()
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations")
     keys = ("level", "frames", "p50", "p95", "p99", "iterations")
     rows = [[_short(row[key]) for key in keys] for row in levels if row["frames"] or row["level"] in "123"]
@@ -77,6 +80,7 @@ def _tables(recording: Any) -> dict[str, Any]:
         "levels": levels,
         "quantities": quantities,
         "estimates": errors,
+        **({"rest": rest} if rest else {}),
         "writer": recording.writer,
     }
 
@@ -97,29 +101,56 @@ def _short(value: Any) -> Any:
 
 def _draw(recording: Any, folder: Path, args: argparse.Namespace) -> list[Path]:
     """Draws all pictures; their paths."""
-    import numpy as np
-
-    from restshape.report.animation import animated_frames, draw_animation
-    from restshape.report.frames import chosen_frames, draw_frames
+    from restshape.report.drape import shows_cloth
     from restshape.report.levels import draw_levels
-    from restshape.report.scenery import scenery
     from restshape.report.timeline import draw_timeline
 
+    cloth = shows_cloth(recording)
+    if cloth and args.scale is not None:
+        raise UserError("cloth is drawn where it lies, not exaggerated", "--scale", "leave --scale out")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         pictures = [folder / "timeline.png"]
         draw_timeline(recording, pictures[0])
-        if recording.n > 1:
+        # Where bodies move, and the pattern stays, there are no levels.
+        if recording.n > 1 and not (cloth and not recording.table["level"][1:].any()):
             pictures.insert(0, folder / "levels.png")
             draw_levels(recording, pictures[0])
         if recording.dimension == 2:
-            sheet, moving = chosen_frames(recording, args.frames), animated_frames(recording)
-            common = scenery(recording, np.union1d(sheet, moving), args.scale)
-            pictures.insert(0, folder / "frames.png")
-            draw_frames(recording, sheet, common, pictures[0])
-            if args.animation != "none":
-                pictures.append(folder / f"animation.{args.animation}")
-                draw_animation(recording, moving, common, pictures[-1])
+            moving = None if args.animation == "none" else folder / f"animation.{args.animation}"
+            (_draw_cloth if cloth else _draw_plane)(recording, args, folder / "frames.png", moving)
+            pictures = [folder / "frames.png", *pictures, *filter(None, [moving])]
     except OSError as error:
         raise UserError(f"pictures cannot be written: {error.strerror}", str(folder), "choose another --out") from error
     return pictures
+
+
+def _draw_plane(recording: Any, args: argparse.Namespace, still: Path, moving: Path | None) -> None:
+    """Draws a shape in the plane: some frames, and an animation if it has a path."""
+    import numpy as np
+
+    from restshape.report.animation import animated_frames, draw_animation
+    from restshape.report.frames import chosen_frames, draw_frames
+    from restshape.report.scenery import scenery
+
+    shown, animated = chosen_frames(recording, args.frames), animated_frames(recording)
+    common = scenery(recording, np.union1d(shown, animated), args.scale)
+    draw_frames(recording, shown, common, still)
+    if moving:
+        draw_animation(recording, animated, common, moving)
+
+
+def _draw_cloth(recording: Any, args: argparse.Namespace, still: Path, moving: Path | None) -> None:
+    """Draws cloth in space: some frames, and an animation if it has a path."""
+    import numpy as np
+
+    from restshape.report.animation import animated_frames
+    from restshape.report.drape import drape_scenery
+    from restshape.report.drape_frames import draw_drape_animation, draw_drape_frames
+    from restshape.report.frames import chosen_frames
+
+    shown, animated = chosen_frames(recording, args.frames), animated_frames(recording)
+    common = drape_scenery(recording, np.union1d(shown, animated) if moving else shown)
+    draw_drape_frames(recording, shown, common, still)
+    if moving:
+        draw_drape_animation(recording, animated, common, moving)

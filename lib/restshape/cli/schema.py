@@ -38,13 +38,17 @@ def scene_schema() -> dict[str, Any]:
     schema = Scene.model_json_schema()
     names = sorted(applications())
     schema["properties"]["app"] = {"enum": names, "title": "App"}
-    effects = {
-        name: {"description": effect.summary, **effect.model.model_json_schema()}
-        for app in applications().values()
-        for name, effect in app.effects.items()
-    }
+    effects = {name: _effect(name) for app in applications().values() for name in app.effects}
     schema["properties"]["effects"] = {"type": "object", "properties": effects, "additionalProperties": False}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "restshape scene", **schema}
+
+
+def _effect(name: str) -> dict[str, Any]:
+    """The JSON schema of an effect: of any of the applications that know it, where they differ in its keys."""
+    known = [app.effects[name] for app in applications().values() if name in app.effects]
+    models = list(dict.fromkeys(effect.model for effect in known))
+    schemas = [model.model_json_schema() for model in models]
+    return {"description": known[0].summary, **(schemas[0] if len(schemas) == 1 else {"anyOf": schemas})}
 
 
 def script_schema() -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Which kernels fill each matrix: told by watching the operators that element loops fill."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from weakref import WeakKeyDictionary
 
@@ -10,6 +10,8 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra.operator import Operator
 
+FILLING = ("assemble", "keep")
+"""Methods of operators that take terms to fill matrices with."""
 Filled = dict[str, int]
 """Matrix entries by the names of the kernels that fill them, with spaces between; under "" those not filled yet."""
 
@@ -17,17 +19,22 @@ Filled = dict[str, int]
 @contextmanager
 def watched_operators() -> Iterator["Watch"]:
     """Note, while this lasts, which kernels each operator is filled by."""
-    watch, assemble = Watch(), Operator.assemble
+    watch, originals = Watch(), {name: getattr(Operator, name) for name in FILLING}
 
-    def noted(operator: Operator, terms: list[tuple], *rest: object) -> PETSc.Mat:
-        watch.kernels.setdefault(operator, set()).update(term[1].name for term in terms)
-        return assemble(operator, terms, *rest)
+    def noting(fill: Callable) -> Callable:
+        def noted(operator: Operator, terms: list[tuple], *rest: object, **options: object) -> object:
+            watch.kernels.setdefault(operator, set()).update(term[1].name for term in terms)
+            return fill(operator, terms, *rest, **options)
 
-    Operator.assemble = noted
+        return noted
+
+    for name, fill in originals.items():
+        setattr(Operator, name, noting(fill))
     try:
         yield watch
     finally:
-        Operator.assemble = assemble
+        for name, fill in originals.items():
+            setattr(Operator, name, fill)
 
 
 class Watch:

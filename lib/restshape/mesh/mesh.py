@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from restshape import _kernels
 from restshape.shape.outline import Entity, Outline
+
+if TYPE_CHECKING:
+    from restshape.mesh.nested import NestedMesh
 
 _topologies = itertools.count(1)
 
@@ -32,6 +35,7 @@ class Mesh:
         outline: the outline whose entities the mesh resolves.
         places: (n,) of the nodes in an order that does not hang on the number of ranks; default: their numbers.
         topology, geometry: versions; equal versions mean the same connectivity, the same positions.
+        hierarchy: the meshes that this one is the finest of, if it is nested in a coarser one.
     """
 
     X: np.ndarray
@@ -50,6 +54,7 @@ class Mesh:
     places: np.ndarray
     topology: int
     geometry: int = 0
+    hierarchy: NestedMesh | None = None
 
     reseats: ClassVar[tuple] = ()
     """What flips did to nodes of edges, of which there are none; see `restshape.mesh.space`."""

@@ -12,9 +12,11 @@ from restshape import _kernels
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.generate import generate
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.relocate import Boundary, Extension, extension, motion
+from restshape.mesh.sizing import refuse_endless
 from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import MeshSpec
 from restshape.shape.gesture import Gesture
@@ -46,10 +48,10 @@ class Advance:
     Args:
         level: 0 idle, 1 relocation, 2 reconnection, 3 reconstruction.
         flips: number of flipped edges.
-        changed_cells: cells (int32, ascending) whose nodes changed by flips.
-        min_quality: smallest quality of a triangle afterwards, 1 for equilateral.
-        old_mesh: level 3: the mesh before, where it could be relocated to the new shape, else as it lay, of the fields'
-            order.
+        changed_cells: cells (int32, ascending) of the mesh of the fields whose nodes changed by flips.
+        min_quality: smallest quality of a triangle afterwards, 1 for equilateral; of nested meshes in the coarsest.
+        old_mesh: level 3, and level 2 of nested meshes, of which flips make others: the mesh of the fields before,
+            where it could be relocated to the new shape, else as it lay.
         stages: seconds spent in "relocate", "map", "flip" and "mesh".
     """
 
@@ -92,7 +94,8 @@ class MovingMesh:
     Positions, and cells after flips, change in the arrays of ``mesh`` and ``space``; a reconstruction replaces them.
 
     Of second order ``space`` holds the nodes, else it is None. A triangle with a curved side that fails the bound on
-    its Jacobian counts as inverted.
+    its Jacobian counts as inverted. Of more than one level, of first order, ``nested`` holds the meshes, of which
+    ``mesh`` is the coarsest, made so coarse that the finest has the size that is asked for.
 
     Args:
         outline: the first shape.
@@ -111,6 +114,7 @@ class MovingMesh:
 
     mesh: Mesh
     space: LagrangeSpace | None
+    nested: NestedMesh | None
 
     def __init__(
         self,
@@ -149,8 +153,8 @@ class MovingMesh:
 
     @property
     def field_mesh(self) -> Mesh | LagrangeSpace:
-        """What fields live on: the mesh, or the nodes of second order over it."""
-        return self.space or self.mesh
+        """What fields live on: the mesh, the finest of those nested in it, or the nodes of second order over it."""
+        return self.nested.finest if self.nested else self.space or self.mesh
 
     @property
     def Psi(self) -> np.ndarray:
@@ -171,6 +175,8 @@ class MovingMesh:
     @property
     def field_motion(self) -> np.ndarray:
         """The same as `Psi` for the nodes of `field_mesh`."""
+        if self.nested:
+            return self.nested.motion(self.Psi, None if self._gesture is None else self._gesture.basis)
         return self.space.motion(self.Psi) if self.space else self.Psi
 
     @property
@@ -215,6 +221,8 @@ class MovingMesh:
                 self.space.rebuild()
         if kept.X is not None and self.space:
             self.space.take_back()
+        if kept.X is not None and self.nested:
+            self.nested.follow()
 
     def _keep(self) -> None:
         """Note what `take_back` restores; nodes and connectivity are copied when they are about to change."""
@@ -271,7 +279,11 @@ class MovingMesh:
         if verdict[2]:
             return self._reconstruct(frame, stages)
         self._c, self.min_quality = frame.c, verdict[0]
-        return Advance(2 if flips else 1, flips, changed, verdict[0], None, stages)
+        if not self.nested:
+            return Advance(2 if flips else 1, flips, changed, verdict[0], None, stages)
+        self.nested.stamp()
+        old = self._former() if flips else None
+        return Advance(2 if flips else 1, flips, self.nested.cells_in(changed), verdict[0], old, stages)
 
     def _put_back(self) -> None:
         """Lay the nodes where the frame before left them."""
@@ -279,9 +291,22 @@ class MovingMesh:
         if self.space:
             self.space.put_back()
 
+    def _former(self) -> Mesh | LagrangeSpace:
+        """What fields lived on before this frame, where its corners are now if its triangles bear that."""
+        kept = self._kept
+        nested = kept.state["nested"]
+        if not nested:
+            return self.field_mesh
+        nested.place(self.mesh.outline)
+        if areas(nested.finest.X, nested.finest.cells).min() <= 0.0:
+            nested.place(kept.versions[0], kept.X)
+        return nested.finest
+
     def _place(self, frame: EditFrame) -> tuple[float, int, int]:
         """Move the nodes to where the frame wants them; quality, inverted and distorted triangles there."""
         quality, inverted, distorted = self._place_corners(frame)
+        if self.nested:
+            return quality, inverted + self.nested.place(frame.outline), distorted
         if not self.space:
             return quality, inverted, distorted
         if frame.gesture.linear:
@@ -335,7 +360,9 @@ class MovingMesh:
         return flips, changed, verdict
 
     def _reseat(self, changed: np.ndarray) -> None:
-        """Let the nodes of second order follow the flips that changed these cells."""
+        """Let finer meshes, and nodes of second order, follow the flips that changed these cells."""
+        if self.nested:
+            self.nested = self.nested.reconnected()
         if self.space:
             self.space.reconnect(changed)
 
@@ -363,13 +390,13 @@ class MovingMesh:
     def _reconstruct(self, frame: EditFrame, stages: dict[str, float]) -> Advance:
         """Replace the mesh by a new one of the frame's outline."""
         start = perf_counter()
-        old = None if frame.change == "start" else self.field_mesh
+        old = None if frame.change == "start" else self._former()
         if frame.gesture is not None:
             self._gesture, self._c = frame.gesture, frame.c
         if self._imported is not None and frame.change == "start":
             mesh = self._imported
         else:
-            mesh = self._broadcast(lambda: generate(frame.outline, self.spec, self.ranks))
+            mesh = self._broadcast(lambda: self._generate(frame.outline))
         criterion = self._chosen_criterion or self.spec.criterion
         quality_floor, area_floor = thresholds(criterion, self.spec.min_quality, mesh.X, mesh.edge_nodes)
         quality, inverted, _ = _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)
@@ -385,9 +412,20 @@ class MovingMesh:
         stages["mesh"] = perf_counter() - start
         return Advance(3, 0, NO_CELLS, quality, old, stages)
 
+    def _generate(self, outline: Outline) -> Mesh:
+        """A mesh of an outline, of nested ones the coarsest; without a size it has the usual number of triangles."""
+        spec, coarser = self.spec, 2 ** (self.spec.levels - 1)
+        if coarser > 1 and spec.size is not None:
+            refuse_endless(outline, spec.size, spec.near)
+            near = {name: coarser * size for name, size in spec.near.items()}
+            spec = spec.model_copy(update={"size": coarser * spec.size, "near": near})
+        return generate(outline, spec, self.ranks)
+
     def _adopt(self, mesh: Mesh) -> None:
         self.mesh = mesh
-        self.space = LagrangeSpace(mesh) if self.order == 2 else None
+        levels = self.spec.levels
+        self.nested = NestedMesh(mesh, levels) if levels > 1 else None
+        self.space = LagrangeSpace(mesh) if self.order == 2 and not self.nested else None
         self._boundary = Boundary(mesh)
         self._flipper: Reconnection | None = None
         self._fixed = np.zeros(len(mesh.X), dtype=np.uint8)

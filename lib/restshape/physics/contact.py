@@ -19,7 +19,7 @@ class Contact:
         bodies: of `restshape._kernels.Body`; they may be replaced as they move.
         area: (n,) that each node stands for [m^2].
         stiffness: of the penalty [N/m^3]; thickness: distance at which it begins [m].
-        friction: coefficient; slip: way along the surface at which friction is all there [m].
+        friction: coefficient, of all bodies or one of each; slip: way along the surface at which it is all there [m].
 
     Attributes:
         anchors: (bodies, n, 3) [m]; they move in `lag` only.
@@ -33,15 +33,23 @@ class Contact:
         area: np.ndarray,
         stiffness: float,
         thickness: float,
-        friction: float = 0.0,
+        friction: float | Sequence[float] = 0.0,
         slip: float = 1e-4,
     ) -> None:
         self.bodies = list(bodies)
         self.area, self.stiffness, self.thickness = area, stiffness, thickness
-        self.friction, self.slip = friction, slip
+        self.friction, self.slip = np.broadcast_to(friction, len(self.bodies)), slip
         shape = (len(self.bodies), len(area))
         self.anchors, self._normals = np.zeros((*shape, 3)), np.zeros((*shape, 3))
         self._limits = np.zeros(shape)
+
+    def take(self, other: Contact) -> None:
+        """Take anchors, normals and normal forces from contact of the same nodes with the same bodies."""
+        self.anchors[:], self._normals[:], self._limits[:] = other.anchors, other._normals, other._limits
+
+    def pressed(self, body: int) -> bool:
+        """Tell whether a body with friction pressed any node when `lag` was called last."""
+        return bool(self._limits[body].any())
 
     def lag(self, x: np.ndarray) -> float:
         """Take normals and normal forces for friction from x, and drag the anchors; returns the farthest way [m]."""
@@ -50,10 +58,18 @@ class Contact:
             force, self._normals[k] = body.pressing(x, self.area, self.stiffness, self.thickness)
             fresh = self._limits[k] == 0.0
             self.anchors[k][fresh] = x[fresh]
-            self._limits[k] = self.friction * force
+            self._limits[k] = self.friction[k] * force
             way = _kernels.drag_anchors(x, self.anchors[k], self._normals[k], self._limits[k], self.slip)
             dragged = max(dragged, way)
         return dragged
+
+    def passed(self, x: np.ndarray, way: np.ndarray) -> bool:
+        """Tell whether points (n, 3) that go on along a way (3,) touch no body any more: all bodies are convex."""
+        for body in self.bodies:
+            distance, gradient, _ = body.distance(x)
+            if distance.min() <= self.thickness or (gradient @ way).min() < 0.0:
+                return False
+        return True
 
     def potential(self, x: np.ndarray, curved: bool = True) -> tuple[float, np.ndarray]:
         """Energy [J], and the parameters (n, 12) of potential_point1 whose residual and tangent at x are its own.

@@ -197,7 +197,7 @@ class Replay:
         if self.foresight:
             self.foresight.start(edit)
         # On a new mesh, or one whose middle nodes have gone elsewhere, nothing is left to compare with.
-        stays = advance.level < 3 and not reseats
+        stays = advance.level < 3 and advance.old_mesh is None and not reseats
         self.foretold = self.foresight.foretold if self.foresight and stays else None
         report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand, reseats, edit.settled))
         self.solved = self.known = True

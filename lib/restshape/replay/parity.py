@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from restshape.algebra.gather import bury
+from restshape.algebra.gather import bury, matrix_difference
 from restshape.replay.loop import Replay
 
 ENTRIES = 1e-13
@@ -26,7 +26,8 @@ class Parity:
     def __init__(self, replay: Replay) -> None:
         self.replay = replay
         self.entries = self.solution = 0.0
-        self.tolerance = replay.session.scene.solve.tolerance
+        # Cloth has a measure of rest of its own.
+        self.tolerance = getattr(replay.analysis, "tolerance", replay.session.scene.solve.tolerance)
 
     def __call__(self) -> dict[str, float]:
         """The two differences in the frame just computed; none where there was no solution, or a predicted one."""
@@ -47,12 +48,6 @@ class Parity:
         """The largest differences over all frames, and whether they are small enough."""
         holds = self.entries <= ENTRIES and self.solution <= self.tolerance
         return {"entries": self.entries, "solution": self.solution, "tolerance": self.tolerance, "holds": bool(holds)}
-
-
-def matrix_difference(a: sp.csr_matrix, b: sp.csr_matrix) -> float:
-    """The largest difference of two matrices' entries over the largest entry."""
-    scale = abs(b).max()
-    return float(abs(a - b).max() / scale) if scale else float(abs(a).max())
 
 
 def energy_distance(matrix: sp.csr_matrix, x: np.ndarray, reference: np.ndarray, energy: float | None = None) -> float:

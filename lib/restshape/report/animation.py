@@ -54,15 +54,28 @@ def draw_animation(recording: Recording, chosen: np.ndarray, scenery: Scenery, p
     Raises:
         UserError: MP4 without ffmpeg, or ffmpeg failed.
     """
-    pictures = _pictures(recording, chosen, scenery)
-    seconds = _pause(recording, chosen)
+    write_animation(_pictures(recording, chosen, scenery), _palette(), path, pause(recording, chosen))
+
+
+def write_animation(pictures: Iterator[np.ndarray], palette: np.ndarray, path: Path, seconds: float) -> None:
+    """Writes pictures as a GIF or an MP4; the suffix of the path says which.
+
+    Args:
+        pictures: (height, width, 3) uint8, all of one size, which is even.
+        palette: (256, 3) uint8 colours of a GIF, for all pictures, so that nothing flickers.
+        path: ``.gif`` or ``.mp4``.
+        seconds: a picture.
+
+    Raises:
+        UserError: MP4 without ffmpeg, or ffmpeg failed.
+    """
     if path.suffix == ".mp4":
         _write_mp4(pictures, path, seconds)
     else:
-        _write_gif(pictures, path, seconds)
+        _write_gif(pictures, palette, path, seconds)
 
 
-def _pause(recording: Recording, chosen: np.ndarray) -> float:
+def pause(recording: Recording, chosen: np.ndarray) -> float:
     """Seconds a picture: those of the edit, within what a viewer can follow."""
     t = recording.times
     duration = float(t[chosen[-1]] - t[chosen[0]]) if len(chosen) > 1 else 0.0
@@ -97,13 +110,17 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: Scenery) -> Ite
         caption.set_text(f"frame {i}, t = {t[i]:.2f} s" + (" (refused)" if stopped[i] else ""))
         for artist in (drawing.body, drawing.rest, caption):
             axes.draw_artist(artist)
-        picture = np.asarray(canvas.buffer_rgba())[:, :, :3]
-        yield np.ascontiguousarray(picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2])
+        yield even(canvas)
 
 
-def _write_gif(pictures: Iterator[np.ndarray], path: Path, seconds: float) -> None:
+def even(canvas: FigureCanvasAgg) -> np.ndarray:
+    """The picture (height, width, 3) uint8 on a canvas, cut to even sizes."""
+    picture = np.asarray(canvas.buffer_rgba())[:, :, :3]
+    return np.ascontiguousarray(picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2])
+
+
+def _write_gif(pictures: Iterator[np.ndarray], palette: np.ndarray, path: Path, seconds: float) -> None:
     frames: list[Image.Image] = []
-    palette = _palette()
     nearest = _nearest(palette)
     for picture in pictures:
         red, green, blue = np.moveaxis(picture >> 3, -1, 0).astype(np.int32)
@@ -114,7 +131,7 @@ def _write_gif(pictures: Iterator[np.ndarray], path: Path, seconds: float) -> No
 
 
 def _palette() -> np.ndarray:
-    """256 colours for all pictures, so that nothing flickers: the map's, the map's under mesh lines, greys."""
+    """256 colours: the map's, the map's under mesh lines, greys."""
     shades = colormaps[COLOURS](np.linspace(0, 1, 140))[:, :3]
     under = 0.75 * shades[::2] + 0.25 * np.array(to_rgb(MESH))
     greys = np.repeat(np.linspace(0, 1, 45)[:, None], 3, axis=1)

@@ -136,7 +136,7 @@ def scenery(recording: Recording, frames: np.ndarray, scale: float | None = None
     (xmin, ymin), (xmax, ymax) = np.min(low, axis=0) - margin, np.max(high, axis=0) + margin
     extent = (float(xmin), float(xmax), float(ymin), float(ymax))
     known = any(np.isfinite(value).any() for value in values)
-    return Scenery(scale, largest, extent, field if known else None, *_colour_range(values), goals)
+    return Scenery(scale, largest, extent, field if known else None, *colour_range(values), goals)
 
 
 def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:
@@ -151,7 +151,7 @@ def _colour_field(recording: Recording) -> str | None:
     return "von_mises" if "von_mises" in scalars else next(iter(scalars), None)
 
 
-def _colour_range(values: list[np.ndarray]) -> tuple[float, float, bool]:
+def colour_range(values: list[np.ndarray]) -> tuple[float, float, bool]:
     """Bottom, top, and whether some values lie above: a corner's singular stress must not darken all the rest."""
     finite = np.concatenate(values) if values else np.zeros(0)
     finite = finite[np.isfinite(finite)]

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 DPI = 150
 COLOURS = "viridis"
 INK, FAINT, REFUSED = "#222222", "#9a9a9a", "#c0392b"
-GOAL = "#d62728"
+GOAL, RESTLESS = "#d62728", "#e69f00"
 BODY, MESH = "#c9d3dc", "#ffffff"
 VALUES = -1
 """Stands for level 0 where values were changed and the system was solved."""

@@ -30,8 +30,12 @@ def predicted(recording: Recording) -> np.ndarray:
 
 
 def with_values(recording: Recording) -> np.ndarray:
-    """Whether each frame (n,) changed values only, such as a load: the shape rests, and the system was solved."""
-    events = [event in ("set", "undo", "redo") for event in recording.table.get("do", [""] * recording.n)]
+    """Whether each frame (n,) changed values only, such as a load: the shape rests, and the system was solved.
+
+    The bodies that cloth lies on are values too.
+    """
+    known = ("set", "undo", "redo", *(("drag", "rotate", "scale") if "at_rest" in recording.table else ()))
+    events = [event in known for event in recording.table.get("do", [""] * recording.n)]
     return np.array(events, dtype=bool) & (column(recording, "level") == 0) & (column(recording, "iterations") > 0)
 
 
@@ -73,6 +77,17 @@ def estimate_table(recording: Recording) -> list[dict[str, Any]]:
             spread = {"p50": float(np.median(values)), "max": float(values.max())}
             rows.append({"error": kind, "frames": len(values), **spread})
     return rows
+
+
+def rest_counts(recording: Recording) -> dict[str, int]:
+    """How many frames are at rest, how many of these where a stable equilibrium is proven, how many are not.
+
+    Nothing where the recording is of what does not come to rest.
+    """
+    if "at_rest" not in recording.table:
+        return {}
+    rests, stays = column(recording, "at_rest") == 1, column(recording, "stable") == 1
+    return {"at_rest": int(rests.sum()), "stable": int((rests & stays).sum()), "not_at_rest": int((~rests).sum())}
 
 
 def quantity_table(recording: Recording) -> list[dict[str, Any]]:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
-from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, VALUES, new_figure
+from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, RESTLESS, VALUES, new_figure
 from restshape.report.tables import column, predicted, refused, with_values
 
 NARROW, WIDE = 5.0, 100.0
@@ -22,6 +22,7 @@ def draw_timeline(recording: Recording, path: Path) -> None:
     frames = np.arange(recording.n)
     level = np.nan_to_num(column(recording, "level")).astype(int)
     stopped, ahead = refused(recording), predicted(recording)
+    restless = column(recording, "at_rest", 1.0) == 0
     ms = column(recording, "ms")
     kind = np.where(with_values(recording), VALUES, level)
     for k in (k for k in LEVELS if k in kind):
@@ -34,7 +35,8 @@ def draw_timeline(recording: Recording, path: Path) -> None:
     for axes in (levels, times, iterations):
         axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
         axes.set_axisbelow(True)
-        _mark(axes, frames[stopped])
+        _mark(axes, frames[stopped], REFUSED)
+        _mark(axes, frames[restless], RESTLESS)
     levels.set(ylabel="level", yticks=(0, 1, 2, 3), ylim=(-0.5, 3.5))
     _scale_times(times, ms)
     most = max(1.0, np.nanmax(column(recording, "iterations"), initial=1.0))
@@ -51,16 +53,19 @@ def draw_timeline(recording: Recording, path: Path) -> None:
     if stopped.any():
         handles.append(levels.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3))
         names.append(f"refused ({stopped.sum()})")
+    if restless.any():
+        handles.append(levels.axvspan(np.nan, np.nan, color=RESTLESS, alpha=0.3))
+        names.append(f"not at rest ({restless.sum()})")
     figure.legend(handles, names, loc="outside lower center", ncols=len(names))
     figure.align_ylabels()
     figure.savefig(path)
 
 
-def _mark(axes: Axes, frames: np.ndarray) -> None:
-    """Shades the refused frames, neighbours as one band."""
+def _mark(axes: Axes, frames: np.ndarray, colour: str) -> None:
+    """Shades frames, neighbours as one band."""
     if len(frames):
         for run in np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1):
-            axes.axvspan(run[0] - 0.5, run[-1] + 0.5, color=REFUSED, alpha=0.18, linewidth=0, zorder=0)
+            axes.axvspan(run[0] - 0.5, run[-1] + 0.5, color=colour, alpha=0.18, linewidth=0, zorder=0)
 
 
 def _scale_times(axes: Axes, ms: np.ndarray) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from restshape.application import Application
+from restshape.scene.cloth_checks import check_cloth, formulas_of_bodies
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
 from restshape.scene.model import EdgeLoop, Load, Scene
 from restshape.scene.source import Source, suggestion
@@ -34,6 +35,7 @@ def check_scene(scene: Scene, application: Application, source: Source) -> None:
     _check_directions(scene, application, source)
     _check_thickness(scene, application, source)
     _check_grain(scene, application, source)
+    check_cloth(scene, application, source)
 
 
 def _check_names(scene: Scene, source: Source) -> None:
@@ -171,20 +173,21 @@ def _check_formulas(scene: Scene, source: Source) -> None:
 
 
 def _closed_forms(scene: Scene, source: Source) -> list[tuple[tuple[str, ...], Any]]:
-    """Places and values of closed forms of quantities.
+    """Places and values of closed forms of quantities, and of what holds for a body as a whole.
 
     Raises:
         UserError: one of them is a formula of places.
     """
     found = [(("quantities", name, "exact"), quantity.exact) for name, quantity in scene.quantities.items()]
-    for place, value in found:
-        if isinstance(value, Expression) and value.names.intersection(COORDINATES):
-            raise source.error(place, "a closed form is one number: it cannot name x or y", "use [parameters] only")
-    return found
+    for what, places in (("a closed form", found), ("a number of a body", formulas_of_bodies(scene))):
+        for place, value in places:
+            if isinstance(value, Expression) and value.names.intersection(COORDINATES):
+                raise source.error(place, f"{what} is one number: it cannot name x or y", "use [parameters] only")
+    return [*found, *formulas_of_bodies(scene)]
 
 
 def _check_mesh(scene: Scene, application: Application, source: Source) -> None:
-    """Refuses a mesh without a size, and element orders that the application does not have."""
+    """Refuses a mesh without a size, and element orders, layers and levels that the application does not have."""
     if scene.mesh.size is None and scene.mesh.file is None:
         raise source.error(("mesh", "size"), "the mesh has no size", 'add size = "20 mm" to [mesh]')
     if scene.mesh.order not in (None, *application.orders):
@@ -196,6 +199,10 @@ def _check_mesh(scene: Scene, application: Application, source: Source) -> None:
     if scene.mesh.layers is not None and not application.layered:
         raise source.error(
             ("mesh", "layers"), f"the application {application.name!r} has no layers of elements", "leave it out"
+        )
+    if scene.mesh.levels > 1 and not application.nested:
+        raise source.error(
+            ("mesh", "levels"), f"the application {application.name!r} has one mesh only", "leave it out"
         )
 
 
@@ -213,7 +220,7 @@ def _check_thickness(scene: Scene, application: Application, source: Source) -> 
 def _check_grain(scene: Scene, application: Application, source: Source) -> None:
     """Refuses a grain where the application knows isotropic materials only."""
     for name, material in scene.material.items():
-        if material.orthotropic is not None and not application.layered:
+        if material.orthotropic is not None and not (application.layered or application.cloth):
             raise source.error(
                 ("material", name),
                 f"the application {application.name!r} knows isotropic materials only",

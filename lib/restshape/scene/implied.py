@@ -37,7 +37,10 @@ def _moved(scene: Scene) -> list[str]:
 
 
 def _held_still(raw: Tables, _: On) -> Tables:
-    supports = {name: {**held, "fix": dict.fromkeys(held["fix"], 0.0)} for name, held in raw["supports"].items()}
+    supports = {
+        name: {**held, "fix": dict.fromkeys(held["fix"], 0.0)} if "fix" in held else held
+        for name, held in raw["supports"].items()
+    }
     return {**raw, "supports": supports}
 
 
@@ -52,6 +55,23 @@ def _one_material(raw: Tables, _: On) -> Tables:
     rest = next((name for name, material in materials.items() if "region" not in material), next(iter(materials)))
     alone = {key: value for key, value in materials[rest].items() if key != "region"}
     return {**raw, "material": {rest: alone}}
+
+
+def _grain(scene: Scene, _: On) -> str:
+    return _listed("material", [name for name, material in scene.material.items() if material.orthotropic])
+
+
+def _rough(scene: Scene) -> list[str]:
+    """Bodies with friction."""
+    return [name for name, body in scene.bodies.items() if body.friction != 0]
+
+
+def _smooth_bodies(raw: Tables, _: On) -> Tables:
+    return {**raw, "bodies": {name: {**body, "friction": 0.0} for name, body in raw.get("bodies", {}).items()}}
+
+
+def _mirrors(scene: Scene) -> str:
+    return _listed("supports", [name for name, support in scene.supports.items() if support.symmetry])
 
 
 def _stresses(scene: Scene) -> str:
@@ -107,6 +127,21 @@ MOVING_SUPPORTS = Implied(
     drives=True,
 )
 REGIONS = Implied("materials of regions", _regions, "one material fills the shape", _one_material)
+GRAIN = Implied(
+    "materials with a grain", _cause(_grain, "stiffness along and across a grain"), "all materials are isotropic"
+)
+FRICTION = Implied(
+    "friction of bodies",
+    _cause(lambda scene, _: _listed("bodies", _rough(scene)), "anchors hold what touches them"),
+    "no body has friction",
+    _smooth_bodies,
+    needs="contact",
+)
+SYMMETRY = Implied(
+    "planes of symmetry",
+    _cause(lambda scene, _: _mirrors(scene), "half of the cloth stands for both"),
+    "no edge is on a plane of symmetry",
+)
 STRESSES = Implied(
     "stresses recovered at nodes",
     _cause(lambda scene, _: _stresses(scene), "a stress is asked for"),
@@ -123,3 +158,12 @@ SOLID = {
     "stresses": STRESSES,
 }
 """What follows from scenes of solids in the plane."""
+
+CLOTH = {
+    "friction": FRICTION,
+    "grain": GRAIN,
+    "symmetry": SYMMETRY,
+    "moving_supports": MOVING_SUPPORTS,
+    "regions": REGIONS,
+}
+"""What follows from scenes of cloth."""

@@ -16,8 +16,9 @@ from restshape.scene.plan import plan
 from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, split_key, suggestion
 
-NAMED_TABLES = (("parameters",), ("material",), ("supports",), ("loads",), ("goal",), ("quantities",))
-NAMED_TABLES += tuple(("shape", key) for key in ("vertices", "edges", "holes", "regions", "points", "groups"))
+NAMED = ("parameters", "material", "supports", "loads", "bodies", "goal", "quantities")
+NAMED_OF_SHAPE = ("vertices", "edges", "holes", "regions", "points", "groups")
+NAMED_TABLES = (*((key,) for key in NAMED), *(("shape", key) for key in NAMED_OF_SHAPE))
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
@@ -64,6 +65,8 @@ def revise(scene: Scene, key: str, value: Any) -> Scene:
     if revised.mesh.order != scene.mesh.order:
         # The change makes the plan decide on another order.
         shared.pop("mesh", None)
+    if revised.solve.tolerance != scene.solve.tolerance:
+        shared.pop("solve", None)
     return revised.model_copy(update=shared)
 
 
@@ -178,15 +181,18 @@ def _scene(raw: dict[str, Any], source: Source) -> Scene:
     scene = scene.model_copy(update={"effects": effects})
     check_scene(scene, app, source)
     scene._source, scene._raw = source, raw
-    return _with_order(scene, app)
+    return _decided(scene, app)
 
 
-def _with_order(scene: Scene, app: Application) -> Scene:
-    """The scene with the element order that its plan decides, where it names none."""
+def _decided(scene: Scene, app: Application) -> Scene:
+    """The scene with the element order and the tolerance that its plan decides, where it names none."""
     try:
-        order = plan(scene, app).order
+        planned = plan(scene, app)
     except UserError as error:
         raise scene.located(error) from None
-    if scene.mesh.order == order:
-        return scene
-    return scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"order": order})})
+    update = {}
+    if scene.mesh.order != planned.order:
+        update["mesh"] = scene.mesh.model_copy(update={"order": planned.order})
+    if planned.tolerance is not None and "tolerance" not in scene.solve.model_fields_set:
+        update["solve"] = scene.solve.model_copy(update={"tolerance": planned.tolerance})
+    return scene.model_copy(update=update) if update else scene

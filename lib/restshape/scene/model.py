@@ -17,27 +17,15 @@ from pydantic import (
 )
 
 from restshape.errors import UserError
+from restshape.scene.bodies import Body, Start
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.materials import NAMES, named
 from restshape.scene.source import Source, split_key
 from restshape.scene.units import UnitError, quantity, reads_as_quantity
-from restshape.scene.values import Entities, Length, Name, Point, Strict, number_of, value_of
+from restshape.scene.values import Entities, Length, Name, Point, Strict, number_of, only_one, value_of
 
 FORMAT = "restshape-scene"
 VERSION = 1
-
-
-def only_one(model: Strict, keys: tuple[str, ...]) -> str:
-    """The one of these keys that the model holds.
-
-    Raises:
-        UnitError: none of them, or more than one.
-    """
-    held = [key for key in keys if getattr(model, key) is not None]
-    if len(held) != 1:
-        found = " and ".join(held) if held else "none of them"
-        raise UnitError(f"exactly one of {', '.join(keys)} is wanted here, but there is {found}")
-    return held[0]
 
 
 def _tag_by_key(keys: tuple[str, ...]) -> Discriminator:
@@ -181,6 +169,27 @@ def _refuse_flat(value: Value) -> Value:
     return value
 
 
+def _read_bending(raw: Any) -> float | tuple[float, float]:
+    """One bending stiffness, or two, along and across the grain."""
+    given = raw if isinstance(raw, (list, tuple)) else [raw, raw]
+    if len(given) != 2:
+        raise UnitError(f"two bending stiffnesses are wanted, along and across the grain, or one, not {len(given)}")
+    along, across = (quantity(value, "moment") for value in given)
+    if min(along, across) < 0.0:
+        raise UnitError(f"{min(along, across):g} is too small: a bending stiffness must be at least 0")
+    return along if given is not raw else (along, across)
+
+
+Bending = Annotated[
+    float | tuple[float, float],
+    BeforeValidator(_read_bending),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": kind} for kind in ("number", "string", "array")],
+            "description": 'in N m, such as "5e-6 N m", or two along and across the grain',
+        }
+    ),
+]
 Modulus = Annotated[number_of("pressure"), Field(gt=0)]
 Ratio = number_of("number")
 
@@ -210,7 +219,8 @@ class Material(Strict):
     """``[material.NAME]``: what a body is made of; without ``region`` it fills what no other material does.
 
     Isotropic by ``E`` and ``nu``, or ``orthotropic`` with a ``grain`` at an angle from x towards y. ``name`` takes all
-    of these and the density from a material that is known; what is given besides comes before that.
+    of these and the density from a material that is known; what is given besides comes before that. Cloth bends by
+    E thickness^3/(12 (1 - nu^2)) [N m], or by ``bending``; two values are those along and across the grain.
     """
 
     name: Literal[NAMES] | None = None
@@ -220,6 +230,7 @@ class Material(Strict):
     grain: number_of("angle") = 0.0
     rho: Annotated[number_of("density"), Field(ge=0)] = 0.0
     thickness: Annotated[value_of("length"), AfterValidator(lambda value: _refuse_flat(value))] = 1.0
+    bending: Bending | None = None
     region: Entities | None = None
 
     @model_validator(mode="before")
@@ -237,6 +248,8 @@ class Material(Strict):
                 raise UnitError("an isotropic material has no grain: leave it out, or add orthotropic")
         elif len(missing) < 2:
             raise UnitError("E and nu are of isotropic materials: set orthotropic.E and orthotropic.nu instead")
+        if isinstance(self.bending, tuple) and self.orthotropic is None:
+            raise UnitError("an isotropic material has one bending stiffness: give one, or add orthotropic")
         return self
 
 
@@ -252,28 +265,44 @@ def _read_fix(raw: Any) -> Any:
     return raw
 
 
+DIRECTIONS = ("x", "y", "z", "rx", "ry", "slope")
+
+
 class Support(Strict):
     """``[supports.NAME]``: where and in which directions the displacement is given.
 
-    z is normal to the plane, rx and ry are turns about x and y: for bodies that have them.
+    z is normal to the plane, rx and ry are turns about x and y: for bodies that have them. Cloth may be clamped at an
+    edge, "slope", across which its direction then stays; ``symmetry`` instead of fix puts an edge on a plane of
+    symmetry with the normal x or y.
     """
 
     on: Entities
     fix: Annotated[
-        dict[Literal["x", "y", "z", "rx", "ry"], Displacement],
+        dict[Literal[DIRECTIONS], Displacement],
         BeforeValidator(_read_fix),
         WithJsonSchema(
             {
-                "anyOf": [{"type": "array", "items": {"enum": ["x", "y", "z", "rx", "ry"]}}, {"type": "object"}],
+                "anyOf": [{"type": "array", "items": {"enum": list(DIRECTIONS)}}, {"type": "object"}],
                 "description": "directions",
             }
         ),
-    ]
+    ] = {}
+    symmetry: Literal["x", "y"] | None = None
+
+    @model_validator(mode="after")
+    def _is_one_kind(self) -> Self:
+        if not self.fix and self.symmetry is None:
+            raise UnitError("the key 'fix' is missing: add it")
+        if self.fix and self.symmetry is not None:
+            raise UnitError("a support has fix or symmetry, not both: make it two supports")
+        if self.fix.get("slope", 0.0) != 0.0:
+            raise UnitError("a slope is held as it is, and has no displacement: write slope = 0")
+        return self
 
 
 Force = tuple[value_of("force"), value_of("force")]
 Traction = tuple[value_of("pressure"), value_of("pressure")]
-Body = tuple[value_of("body force"), value_of("body force")]
+BodyForce = tuple[value_of("body force"), value_of("body force")]
 
 
 class Load(Strict):
@@ -288,7 +317,7 @@ class Load(Strict):
     force: Force | None = None
     traction: Traction | None = None
     pressure: value_of("pressure") | None = None
-    body: Body | None = None
+    body: BodyForce | None = None
 
     @property
     def kind(self) -> str:
@@ -304,11 +333,13 @@ class Load(Strict):
 class MeshSpec(Strict):
     """``[mesh]``: how fine, of which order (left out, the effects decide), and how it follows the shape.
 
-    Solids over the plane outline have ``layers`` of tetrahedra.
+    Solids over the plane outline have ``layers`` of tetrahedra. Of ``levels`` of nested meshes the finest has the sizes
+    given; the coarsest is what moves, flips and is made anew.
     """
 
     size: Annotated[Length, Field(gt=0)] | None = None
     near: dict[str, Annotated[Length, Field(gt=0)]] = {}
+    levels: Annotated[int, Field(ge=1, le=5)] = 1
     order: Literal[1, 2] | None = None
     layers: Annotated[int, Field(ge=1)] | None = None
     relocation: Literal["harmonic", "mvc", "laplacian"] = "harmonic"
@@ -391,7 +422,8 @@ class Quantity(Strict):
 
     "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
     Energies: "strain", "kinetic" (relative to the ground), "total" of both, "edit" (work of all edits so far) and
-    "remesh" (what carrying the motion to new meshes has added so far); all but the first are for what moves.
+    "remesh" (what carrying the motion to new meshes has added so far); all but the first are for what moves. Those of
+    cloth: "membrane", "bending", "strain" (both) and "potential" (with weight and contact).
     """
 
     kinds: ClassVar[tuple[str, ...]] = (
@@ -417,10 +449,10 @@ class Quantity(Strict):
         "load_factor": "sum",
     }
 
-    displacement: Literal["x", "y", "magnitude"] | None = None
-    reaction: Literal["x", "y"] | None = None
+    displacement: Literal["x", "y", "z", "magnitude"] | None = None
+    reaction: Literal["x", "y", "z"] | None = None
     stress: Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"] | None = None
-    energy: Literal["strain", "kinetic", "total", "edit", "remesh"] | None = None
+    energy: Literal["strain", "kinetic", "total", "edit", "remesh", "membrane", "bending", "potential"] | None = None
     area: Literal[True] | None = None
     distance: str | None = None
     frequency: Annotated[int, Field(ge=1)] | None = None
@@ -466,6 +498,8 @@ class Scene(Strict):
     effects: dict[str, dict[str, Any]] = {}
     supports: dict[Name, Support] = {}
     loads: dict[Name, Load] = {}
+    bodies: dict[Name, Body] = {}
+    start: Start | None = None
     goal: dict[Name, Goal] = {}
     mesh: MeshSpec
     solve: SolveSpec = SolveSpec()

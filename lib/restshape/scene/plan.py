@@ -42,6 +42,7 @@ class Plan:
         order: of the elements.
         order_why: the reason.
         warnings: what makes answers bad, for people.
+        tolerance: of the solver where the scene names none; None: the usual one.
     """
 
     effects: tuple[PlannedEffect, ...]
@@ -50,6 +51,7 @@ class Plan:
     order: int = 1
     order_why: str = ""
     warnings: tuple[str, ...] = ()
+    tolerance: float | None = None
 
     def on(self, name: str) -> bool:
         """Whether the effect is simulated."""
@@ -66,7 +68,7 @@ def plan(scene: Scene, application: Application) -> Plan:
     Raises:
         UserError: an effect cannot be had in this scene.
     """
-    planned, warnings = [], []
+    planned, warnings, tolerances = [], [], []
     orders = [(scene.mesh.order, "the scene says so in mesh.order")]
     for name, effect in application.effects.items():
         if name not in scene.effects and not effect.required:
@@ -79,12 +81,14 @@ def plan(scene: Scene, application: Application) -> Plan:
         planned.append(PlannedEffect(name, True, why, decision.settings, "named" if named else "required"))
         orders.append((decision.order, f"{name} asks for it{decision.why and ': ' + decision.why}"))
         warnings += [f"effects.{name}: {decision.why}"] if decision.warns else []
+        tolerances += [decision.tolerance] if decision.tolerance is not None else []
     on = frozenset(effect.name for effect in planned if effect.on)
     implied = tuple(_implied(name, effect, scene, on) for name, effect in application.implied.items())
     solver = solver_plan(scene, on, {effect.name: effect.settings for effect in planned})
     usual = (application.orders[0], f"the usual one of {application.name}")
     order, order_why = next((asked for asked in orders if asked[0] in application.orders), usual)
-    return Plan(tuple(planned), implied, solver, order, order_why, tuple(warnings))
+    tolerance = min(tolerances, default=None)
+    return Plan(tuple(planned), implied, solver, order, order_why, tuple(warnings), tolerance)
 
 
 def as_written(scene: Scene) -> Scene:

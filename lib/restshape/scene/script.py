@@ -10,11 +10,11 @@ from pydantic.json_schema import SkipJsonSchema
 
 from restshape.application import application
 from restshape.errors import UserError
-from restshape.scene.model import Scene, only_one
+from restshape.scene.model import Scene
 from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, suggestion
 from restshape.scene.units import article, length_unit, quantity
-from restshape.scene.values import Name, Strict, number_of
+from restshape.scene.values import Name, Strict, number_of, only_one
 
 FORMAT = "restshape-edits"
 VERSION = 1
@@ -105,11 +105,12 @@ class Scale(EventLine):
 
 
 class Set(EventLine):
-    """A key of the scene gets another value."""
+    """A key of the scene gets another value; in several frames a number, or a list of numbers, gets there evenly."""
 
     do: Literal["set"]
     key: Annotated[str, Field(min_length=1)]
     value: Any
+    frames: Frames = 1
 
 
 class Insert(EventLine):

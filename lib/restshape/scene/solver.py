@@ -52,6 +52,8 @@ def solver_plan(scene: Scene, on: On, settings: dict[str, Any]) -> SolverPlan:
     """The plan of a scene whose effects `on` are simulated, with the settings of each by name."""
     if "modal" in on:
         return _vibrations(settings["modal"])
+    if "cloth" in on:
+        return _drape(settings["drape"])
     moving = "dynamics" in on
     displaced = _displacement(scene, on, moving)
     if LARGE in on:
@@ -93,3 +95,29 @@ def _vibrations(modal: Any) -> SolverPlan:
     return SolverPlan(
         "eigenvalues", (system,), f"free vibrations: the {modal.modes} lowest modes of K phi = lambda M phi"
     )
+
+
+def _drape(drape: Any) -> SolverPlan:
+    """Cloth that comes to rest: F(x) = 0, the gradient of an energy."""
+    steps = System(
+        "steps in time",
+        DEFINITE,
+        "cg",
+        "",
+        "M/dt^2 + K with the stabilised tangent, whose membrane is never in compression",
+    )
+    newton = System(
+        "Newton's steps", DEFINITE, "cg", "cholesky", "all forces have a potential, and cloth rests where it is least"
+    )
+    stabilised = System("Newton's steps", DEFINITE, "cg", "cholesky", "the stabilised tangent is positive definite")
+    gradients = System("steps along gradients", DEFINITE, "", "", "nonlinear conjugate gradients solve no system")
+    ways = {
+        "auto": ((steps, newton), "steps in time with kinetic damping until rest is near, then Newton's method"),
+        "kinetic": ((steps,), "steps in time that begin anew at each peak of the kinetic energy"),
+        "rayleigh": ((steps,), "steps in time with Rayleigh damping"),
+        "newton": ((newton,), "Newton's method with a line search on the energy"),
+        "stabilised": ((stabilised,), "Newton's method with the stabilised tangent and a line search on the energy"),
+        "cg": ((gradients,), "nonlinear conjugate gradients on the energy"),
+    }
+    systems, how = ways[drape.way]
+    return SolverPlan("nonlinear", systems, f"cloth moves far and turns: {how}")

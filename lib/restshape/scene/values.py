@@ -18,6 +18,19 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, allow_inf_nan=False)
 
 
+def only_one(model: Strict, keys: tuple[str, ...]) -> str:
+    """The one of these keys that the model holds.
+
+    Raises:
+        UnitError: none of them, or more than one.
+    """
+    held = [key for key in keys if getattr(model, key) is not None]
+    if len(held) != 1:
+        found = " and ".join(held) if held else "none of them"
+        raise UnitError(f"exactly one of {', '.join(keys)} is wanted here, but there is {found}")
+    return held[0]
+
+
 def _schema(dimension: str | None, formula: bool = False) -> dict[str, Any]:
     """The JSON schema of a number with a unit."""
     example = EXAMPLES[dimension].strip('"') if dimension else "12 mm"

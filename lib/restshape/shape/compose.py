@@ -16,20 +16,22 @@ from restshape.scene.model import Scene
 from restshape.scene.problems import plain
 from restshape.scene.script import EVENTS, FORMAT, VERSION, Script
 from restshape.scene.units import quantity
+from restshape.shape.body_hold import place_of
 from restshape.shape.handpath import cursor_path
 from restshape.shape.outline import Outline
 from restshape.shape.pull import pull
 from restshape.shape.session import FRAME_TIME, EditSession
 
 GRAMMAR = """\
-[KIND] ENTITY by DX DY in N frames[, straight | jerk | hand-like][, pause K]   KIND: vertex, edge, hole, region, group
+[KIND] ENTITY by DX DY in N frames[, straight | jerk | hand-like][, pause K]
+                                                       KIND: vertex, edge, hole, region, group, body
 rotate ENTITY by ANGLE [about X Y] [in N frames]       scale ENTITY by FACTOR [about X Y] [in N frames]
 pull CURVE [at X Y] by DX DY [pins PIN PIN ...] in N frames[, straight | jerk | hand-like][, pause K]
                                                        PIN: a vertex, or (X Y)
 smooth CURVE by STRENGTH [pins PIN ...] [in N frames]  STRENGTH: between 0 and 1
 arc EDGE to BULGE [in N frames]                        insert NAME on EDGE at S (0 < S < 1)
 hole NAME at X Y radius R                              delete ENTITY
-set KEY = VALUE                                        idle N | undo | redo | analyse
+set KEY = VALUE [in N frames]                          idle N | undo | redo | analyse
 lengths in m or with a unit (8 mm), angles with a unit (30 deg)"""
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -40,7 +42,7 @@ FRAMES = r"(?:\s+in\s+(?P<frames>\d+)\s+frames?)?"
 ABOUT = rf"(?:\s+about\s+(?P<ax>{LENGTH})\s+(?P<ay>{LENGTH}))?"
 PIN = rf"\s+(?:\(\s*(?P<px>{LENGTH})\s+(?P<py>{LENGTH})\s*\)|(?P<vertex>(?!in\s)[^\s,=()]+))"
 PINS = rf"(?:\s+pins(?P<pins>(?:{re.sub(r'P<[a-z]+>', ':', PIN)})+))?"
-KINDS = r"(?:vertex|point|edge|hole|region|group)\s+"
+KINDS = r"(?:vertex|point|edge|hole|region|group|body)\s+"
 
 
 @dataclass
@@ -110,8 +112,10 @@ class Composer:
         return [step.refused for step in steps if step.refused is not None]
 
     def _place(self, name: str) -> tuple[float, float]:
-        """Where an entity is now [m]."""
-        outline = self._session.outline
+        """Where an entity or a body is now [m]."""
+        outline, scene = self._session.outline, self._session.scene
+        if name in scene.bodies:
+            return place_of(scene, name)
         x, y = outline.centroid(outline.entity(name)).tolist()
         return x, y
 
@@ -169,7 +173,8 @@ class Composer:
 
     def _set(self, match: re.Match) -> list[dict[str, Any]]:
         _, value = parse_override(f"{match['key']}={match['value']}")
-        return [{"do": "set", "key": match["key"], "value": value}]
+        frames = _frames(match)
+        return [{"do": "set", "key": match["key"], "value": value} | ({"frames": frames} if frames > 1 else {})]
 
     def _idle(self, match: re.Match) -> list[dict[str, Any]]:
         return [{"do": "idle", "frames": int(match["frames"])}]
@@ -249,7 +254,7 @@ RULES: list[Rule] = [
             Composer._hole,
         ),
         (rf"delete\s+(?:{KINDS})?(?P<on>{NAME})", Composer._delete),
-        (r"set\s+(?P<key>[^\s=]+)\s*=\s*(?P<value>.+)", Composer._set),
+        (rf"set\s+(?P<key>[^\s=]+)\s*=\s*(?P<value>.+?){FRAMES}", Composer._set),
         (r"idle\s+(?P<frames>\d+)(?:\s+frames?)?", Composer._idle),
         (r"analyse", Composer._analyse),
         (r"undo", Composer._undo),

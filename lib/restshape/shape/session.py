@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,13 +16,15 @@ from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
 from restshape.scene.script import Script
 from restshape.scene.source import split_key
+from restshape.shape import body_hold, surgery
 from restshape.shape import gesture as gestures
-from restshape.shape import surgery
+from restshape.shape.body_hold import BodyHold, hold_body
 from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
+from restshape.shape.sweep import sweep
 from restshape.shape.validity import MotionCheck, problem
 
 FRAME_TIME = 1.0 / 60.0
@@ -115,7 +117,7 @@ class EditSession:
         self._application = application or application_named(scene.app)
         self._columns = self._application.own_columns(scene)
         self._script = script
-        self._hold: Hold | None = None
+        self._hold: Hold | BodyHold | None = None
         self._past: tuple[State, ...] = ()
         self._future: tuple[State, ...] = ()
         self._mark()
@@ -162,7 +164,7 @@ class EditSession:
 
     @property
     def held(self) -> Gesture | None:
-        """The gesture of the hand that holds the shape; None where none does."""
+        """The gesture of the hand that holds the shape; None where none does, or holds a body."""
         return None if self._hold is None else self._hold.gesture
 
     def take_back(self) -> None:
@@ -188,6 +190,10 @@ class EditSession:
         return frames or 1
 
     def _do_press(self, event: Any) -> Iterator[Step]:
+        if event.on in self.scene.bodies:
+            self._hold = hold_body(self.outline, self.scene, event.on, event.at)
+            yield Step("none")
+            return
         try:
             entity = self.outline.entity(event.on)
         except UserError as error:
@@ -221,11 +227,15 @@ class EditSession:
         for cursor in path:
             yield self._move_to(self._hold, cursor)
 
-    def _move_to(self, hold: Hold, cursor: tuple[float, float]) -> Step:
+    def _move_to(self, hold: Hold | BodyHold, cursor: tuple[float, float]) -> Step:
         hold.cursor = cursor
         c = (cursor[0] - hold.origin[0], cursor[1] - hold.origin[1])
         if c == hold.c:
-            return Step("none", hold.gesture, c)
+            return Step("none", **self._held())
+        if isinstance(hold, BodyHold):
+            step = self._revised(lambda: hold.moved(self.scene, c))
+            hold.c = hold.c if step.refused else c
+            return step
         wrong = hold.check.problem(c)
         if wrong is not None:
             return Step("none", hold.gesture, hold.c, wrong)
@@ -249,6 +259,10 @@ class EditSession:
         yield self._unchanged()
 
     def _do_rotate(self, event: Any) -> Iterator[Step]:
+        if event.on in self.scene.bodies:
+            yield from self._change_body(event, body_hold.turned, lambda part: part * event.by)
+            return
+
         def coefficients(part: float) -> tuple[float, float]:
             # 1 - cos would lose the digits of small angles.
             return -2.0 * float(np.sin(0.5 * part * event.by)) ** 2, float(np.sin(part * event.by))
@@ -256,6 +270,9 @@ class EditSession:
         yield from self._turn(event, gestures.rotate, coefficients)
 
     def _do_scale(self, event: Any) -> Iterator[Step]:
+        if event.on in self.scene.bodies:
+            yield from self._change_body(event, body_hold.scaled, lambda part: 1.0 + part * (event.factor - 1.0))
+            return
         yield from self._turn(event, gestures.scale, lambda part: (part * (event.factor - 1.0), 0.0))
 
     def _do_smooth(self, event: Any) -> Iterator[Step]:
@@ -327,21 +344,49 @@ class EditSession:
     def _do_set(self, event: Any) -> Iterator[Step]:
         if next(iter(split_key(event.key)), "") in FIXED:
             why = f"{event.key} cannot be set during an edit (change the scene, or use --set)"
-            yield Step("none", refused=why, **self._held())
+            for _ in range(event.frames):
+                yield Step("none", refused=why, **self._held())
             return
-        before = self.outline, self.scene
+        if event.frames == 1:
+            yield from self._revise_evenly(1, lambda _: revise(self.scene, event.key, event.value))
+            return
         try:
-            self.scene = revise(self.scene, event.key, event.value)
-            refuse_lost_names(self.scene, self.outline)
-            refuse_switched(before[1], self.scene, self._application)
-            self._refuse_new_columns()
+            part_of = sweep(self.scene, event.key, event.value)
         except UserError as error:
-            self.scene = before[1]
-            yield self._refusal(error)
+            for _ in range(event.frames):
+                yield self._refusal(error)
             return
+        yield from self._revise_evenly(event.frames, lambda part: part_of(self.scene, part))
+
+    def _change_body(self, event: Any, change: Any, amount: Callable[[float], float]) -> Iterator[Step]:
+        """A body whose form is that at first, turned or scaled by the amount of the part of the event that is done."""
+        kind, form = body_hold.form_of(self.scene, event.on)
+
+        def revised(part: float) -> Scene:
+            return body_hold.with_form(self.scene, event.on, kind, change(kind, form, amount(part), event.about))
+
+        yield from self._revise_evenly(event.frames, revised)
+
+    def _revise_evenly(self, frames: int, revised: Callable[[float], Scene]) -> Iterator[Step]:
+        """Scenes of the part of an event that is done, a frame each; all of them are undone at once."""
+        before = self.outline, self.scene
+        for i in range(1, frames + 1):
+            yield self._revised(lambda part=i / frames: revised(part))
         if self._hold is None:
             self._remember(before)
-        yield Step(self._scene_change(before[1], self.scene), **self._held())
+
+    def _revised(self, revised: Callable[[], Scene]) -> Step:
+        """One frame of an edit that changes the scene, but not the shape."""
+        before = self.scene
+        try:
+            self.scene = revised()
+            refuse_lost_names(self.scene, self.outline)
+            refuse_switched(before, self.scene, self._application)
+            self._refuse_new_columns()
+        except UserError as error:
+            self.scene = before
+            return self._refusal(error)
+        return Step(self._scene_change(before, self.scene), **self._held())
 
     def _refuse_new_columns(self) -> None:
         """Refuses what would show numbers, such as a further mode, that the replay's table has no column for."""
@@ -417,7 +462,8 @@ class EditSession:
         return "values" if old.mesh == new.mesh and effects[0] == effects[1] else "mesh"
 
     def _held(self) -> dict[str, Any]:
-        return {} if self._hold is None else {"gesture": self._hold.gesture, "c": self._hold.c}
+        gesture = self.held
+        return {} if gesture is None else {"gesture": gesture, "c": self._hold.c}
 
     def _unchanged(self) -> Step:
         return Step("none", **self._held())

@@ -1,0 +1,69 @@
+"""Bodies that are small beside the cloth: what they have to bear, and whether they find their way between its nodes."""
+
+import math
+
+from restshape.scene.bodies import Body, number
+from restshape.scene.model import Scene
+
+BORNE = 10.0
+"""Multiple of the cloth's own weight that contact bears at half of its thickness, at least."""
+SPARE = 1.5
+"""Multiple of what a body bears on which the whole cloth lies."""
+SPREAD = 1.25
+"""Distance of nodes, over the mesh size, with some to spare."""
+
+
+def borne(scene: Scene) -> tuple[float, str]:
+    """How many times the cloth's weight by area contact must bear at half of its thickness, and what asks for it.
+
+    All of a cloth may come to lie on one thin body, which has little of its area below it.
+    """
+    sides = _sides(scene)
+    loads = {name: SPARE * _concentration(sides, body) for name, body in _settled(scene).items()}
+    most = max(loads, key=loads.__getitem__, default="")
+    if not most or loads[most] <= BORNE:
+        return BORNE, ""
+    return loads[most], f"bodies.{most} is small and may have to bear all of the cloth"
+
+
+def may_come_through(scene: Scene, thickness: float) -> str:
+    """A warning of bodies thin enough to come through between nodes, for these alone touch; empty without any."""
+    size = scene.mesh.size or 0.0
+    thin = [name for name, body in _settled(scene).items() if min(_diameters(body)) + 2.0 * thickness < SPREAD * size]
+    if not thin:
+        return ""
+    names = ", ".join(f"bodies.{name}" for name in thin)
+    return f"cloth touches with its nodes alone, between which {names} may come through: make mesh.size smaller"
+
+
+def _settled(scene: Scene) -> dict[str, Body]:
+    return {name: body.settled(scene.parameters) for name, body in scene.bodies.items()}
+
+
+def _sides(scene: Scene) -> tuple[float, float]:
+    """Width and height [m] of the pattern's vertices; 0 of one that comes from a file."""
+    points = [[number(value, scene.parameters) for value in point] for point in scene.shape.vertices.values()]
+    width, height = (max(column) - min(column) for column in zip(*points)) if points else (0.0, 0.0)
+    return width, height
+
+
+def _diameters(body: Body) -> tuple[float, float]:
+    """The two smaller ways through a body [m]."""
+    form = body.form
+    match body.kind:
+        case "sphere":
+            return 2.0 * form.radius, 2.0 * form.radius
+        case "capsule":
+            return 2.0 * form.radius, 2.0 * form.radius + math.dist(form.start, form.end)
+        case "box":
+            first, second, _ = sorted(form.half)
+            return 2.0 * first, 2.0 * second
+        case _:
+            return math.inf, math.inf
+
+
+def _concentration(sides: tuple[float, float], body: Body) -> float:
+    """The cloth's area over that of it which a body can have below it, at worst."""
+    first, second = _diameters(body)
+    ways = ((first, second), (second, first))
+    return max(math.prod(max(side / across, 1.0) for side, across in zip(sides, way)) for way in ways)

@@ -1,0 +1,211 @@
+"""Ways down an energy that PETSc's SNES has: quasi-Newton, nonlinear conjugate gradients, Newton with line search."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.nodal import Nodal
+from restshape.algebra.preconditioner import set_preconditioner
+
+Reason = PETSc.SNES.ConvergedReason
+MEMORY = 15
+"""Pairs of steps and gradients that quasi-Newton keeps, and its steps on one tangent."""
+
+
+class Energy(Protocol):
+    """An energy of nodal values, its gradient r and a tangent."""
+
+    held: np.ndarray
+
+    def residual(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` (n, f) to r; 0 at held unknowns."""
+
+    def energy(self, x: np.ndarray) -> float:
+        """The energy whose gradient is r."""
+
+    def tangent(self, x: np.ndarray) -> PETSc.Mat:
+        """The matrix that steps are made with."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A type of SNES.
+
+    Args:
+        snes: PETSc's type; options: of its own, without prefix.
+        tangent: whether it solves with a tangent.
+    """
+
+    snes: str
+    options: dict[str, object]
+    tangent: bool = True
+
+
+KINDS = {
+    "quasi": Kind(
+        "qn",
+        {
+            "snes_qn_type": "lbfgs",
+            "snes_qn_m": MEMORY,
+            "snes_qn_scale_type": "jacobian",
+            "snes_qn_restart_type": "none",
+            "snes_linesearch_type": "bt",
+        },
+    ),
+    "newton": Kind("newtonls", {"snes_linesearch_type": "bt"}),
+    # Steps along forces are lengths by stiffness: the line search must be let to find how long.
+    "cg": Kind(
+        "ncg",
+        {"snes_ncg_type": "prp", "snes_linesearch_type": "cp", "snes_linesearch_max_it": 8},
+        tangent=False,
+    ),
+}
+
+
+class Descent:
+    """One SNES on an energy, run again and again from where it has come to.
+
+    Args:
+        comm: PETSc communicator.
+        prefix: of its options in PETSc's database.
+        energy: what is minimised.
+        shape: (n, f) of the unknowns; rows: this rank's, of n f.
+        kind: of `KINDS`.
+        factor: PETSc's preconditioner for the tangent, applied once a step.
+        reach: farthest way of a value in one step.
+
+    Attributes:
+        steps: of the last run; why: of SNES.
+        on_step: called with positions (n, f) and the norm of the residual at each iterate; a true answer ends the run.
+
+    Source: docs/theory.md, section "Cloth".
+    """
+
+    def __init__(
+        self,
+        comm: PETSc.Comm,
+        prefix: str,
+        energy: Energy,
+        shape: tuple[int, int],
+        rows: slice,
+        kind: str = "quasi",
+        factor: str = "cholesky",
+        reach: float = np.inf,
+    ) -> None:
+        self.energy, self.kind, self.factor, self.reach = energy, KINDS[kind], factor, reach
+        self.nodal = Nodal(comm, shape, rows)
+        self.x, self.f = self.nodal.vector(), self.nodal.vector()
+        self.work = np.zeros(shape)
+        self.on_step = lambda *_: False
+        self.steps, self.why, self.norm = 0, 0, np.inf
+        self.mat: PETSc.Mat | None = None
+        self.prefix, self.ksp = prefix, self._solver(comm, prefix) if self.kind.tangent else None
+        self.snes = self._made()
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        for part in (self.snes, self.ksp, self.x, self.f):
+            if part:
+                part.destroy()
+
+    def run(self, x: np.ndarray, goal: float, most: int) -> float:
+        """Go down from x (n, f), which is changed, to a residual of norm `goal`, in `most` steps.
+
+        Returns: the norm that is reached.
+        """
+        self.goal = goal
+        # A SNES that has run goes on with its steps, when tangent, friction or bodies were others.
+        self.snes.destroy()
+        self.snes = self._made()
+        if self.kind.tangent:
+            self.mat = self.energy.tangent(x)
+            self.snes.setJacobian(self._jacobian, self.mat)
+        self.snes.setTolerances(max_it=most)
+        self.nodal.put(x, self.x)
+        self.snes.solve(None, self.x)
+        self.steps, self.why = self.snes.getIterationNumber(), self.snes.getConvergedReason()
+        x[:] = self.nodal.values(self.x)
+        return self.norm
+
+    def _function(self, snes: PETSc.SNES, X: PETSc.Vec, F: PETSc.Vec) -> None:
+        self.energy.residual(self.nodal.values(X), self.work)
+        self.nodal.put(self.work, F)
+
+    def _objective(self, snes: PETSc.SNES, X: PETSc.Vec) -> float:
+        return self.energy.energy(self.nodal.values(X))
+
+    def _jacobian(self, snes: PETSc.SNES, X: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
+        # That of the first iterate is there already.
+        if snes.getIterationNumber():
+            self.energy.tangent(self.nodal.values(X))
+
+    def _shortened(self, X: PETSc.Vec, Y: PETSc.Vec) -> bool:
+        """Make a step shorter that goes too far; tells whether it did."""
+        far = Y.norm(PETSc.NormType.NORM_INFINITY)
+        if far <= self.reach:
+            return False
+        Y.scale(self.reach / far)
+        return True
+
+    def _test(self, snes: PETSc.SNES, steps: int, norms: tuple[float, float, float]) -> int:
+        self.norm = norms[2]
+        if not np.isfinite(self.norm):
+            return Reason.DIVERGED_FNORM_NAN
+        if self.norm <= self.goal:
+            return Reason.CONVERGED_FNORM_ABS
+        return Reason.CONVERGED_ITS if self.on_step(self.nodal.values(self.x), self.norm) else Reason.ITERATING
+
+    def _made(self) -> PETSc.SNES:
+        snes = PETSc.SNES().create(self.nodal.comm)
+        snes.setOptionsPrefix(self.prefix)
+        snes.setType(self.kind.snes)
+        options = PETSc.Options(self.prefix)
+        given = [key for key in self.kind.options if not options.hasName(key)]
+        for key in given:
+            options.setValue(key, self.kind.options[key])
+        snes.setFromOptions()
+        snes.setFunction(self._function, self.f)
+        snes.setObjective(self._objective)
+        snes.setConvergenceTest(self._test)
+        snes.setLineSearchPreCheck(self._shortened)
+        if self.ksp:
+            ksp = snes.getKSP()
+            ksp.setType("preonly")
+            ksp.getPC().setType("python")
+            ksp.getPC().setPythonContext(Outliving(self.ksp))
+        for key in given:
+            options.delValue(key)
+        return snes
+
+    def _solver(self, comm: PETSc.Comm, prefix: str) -> PETSc.KSP:
+        """One factor's application, whose pattern outlives runs."""
+        ksp = PETSc.KSP().create(comm)
+        ksp.setOptionsPrefix(prefix)
+        ksp.setType("preonly")
+        set_preconditioner(ksp, self.factor, 0)
+        ksp.setFromOptions()
+        return ksp
+
+
+class Outliving:
+    """A preconditioner that hands on to a solver, whose pattern SNES would forget with its own.
+
+    Args:
+        ksp: the solver.
+    """
+
+    def __init__(self, ksp: PETSc.KSP) -> None:
+        self.ksp = ksp
+
+    def setUp(self, pc: PETSc.PC) -> None:
+        """Take in the matrix."""
+        self.ksp.setOperators(*pc.getOperators())
+        self.ksp.setUp()
+
+    def apply(self, pc: PETSc.PC, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Set y to what the solver makes of x."""
+        self.ksp.solve(x, y)

@@ -1,0 +1,247 @@
+"""Rest by motion: semi-implicit steps whose velocities are taken away, as a SNES of type python."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.nodal import Nodal
+from restshape.algebra.preconditioner import set_preconditioner
+from restshape.errors import ReplayProblem
+
+Reason = PETSc.SNES.ConvergedReason
+SHIFT = 0.01
+"""Part of the diagonal that is added to the matrix that factors are made from: without it incomplete ones fail."""
+PEAK = 3
+"""Samples of the kinetic energy that show a peak."""
+LONGER, SHORTER = 1.5, 0.35
+"""Factors of the time step after a step that was good, and after one that was not."""
+SLACK = 1e-13
+"""Rounding of an energy, over its size."""
+SHORTEST = 1e-9
+"""Time step, over the first one, below which there is no use in shorter ones."""
+NO_SOLUTION = "a step of the cloth's motion has no solution: part of it has neither mass nor support"
+
+
+class Motion(Protocol):
+    """Equations r(x) = 0 with a mass, whose tangent may be made positive semidefinite."""
+
+    held: np.ndarray
+
+    def residual(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` (n, f) to r; 0 at held unknowns."""
+
+    def energy(self, x: np.ndarray) -> float:
+        """The energy whose gradient is r."""
+
+    def step_matrix(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
+        """The stabilised tangent plus `inertia` [1/s^2] times the mass."""
+
+
+@dataclass(frozen=True)
+class Steps:
+    """How the motion is followed.
+
+    Args:
+        time_step: the first one [s].
+        longest: the longest one [s]; equal to the first: all are the same, and none is rejected.
+        damping: "kinetic", or "rayleigh" by `alpha` [1/s] and `beta` [s].
+        tolerance: residual of the linear solves over their right side.
+        reach: farthest way of a node in one step [m], for bodies are not to be passed through.
+        most: steps.
+        factor: PETSc's preconditioner of the linear solves: "ilu" without fill, or "cholesky", which solves alone.
+    """
+
+    time_step: float = 1.0 / 60.0
+    longest: float = 1.0
+    damping: str = "kinetic"
+    alpha: float = 0.0
+    beta: float = 0.0
+    tolerance: float = 1e-2
+    reach: float = np.inf
+    most: int = 500
+    factor: str = "ilu"
+
+    @property
+    def adaptive(self) -> bool:
+        """Tell whether time steps are chosen, and steps that gain energy rejected."""
+        return self.longest > self.time_step
+
+
+class KineticDamping:
+    """Semi-implicit steps (M/h^2 + K) d = -r + M v/h; v = d/h is set to zero when the kinetic energy has passed a peak.
+
+    K is the tangent without its compressed part. A step that makes kinetic and potential energy together larger is
+    rejected and the next one shorter, so that without friction potential energies at successive resets never rise.
+
+    Args:
+        comm: PETSc communicator.
+        prefix: of the options of SNES and KSP in PETSc's database.
+        motion: the equations.
+        mass: (n,) of the nodes [kg].
+        shape: (n, f) of the unknowns; rows: this rank's, of n f.
+        steps: how the motion is followed.
+
+    Attributes:
+        resets: potential energies [J] at resets; rejected: steps taken back; iterations: of CG, in the last `solve`.
+        on_step: called with positions (n, f) and the norm of the residual before each step; a true answer ends it.
+        on_move: called with positions (n, f) after each step; tells whether it changed the equations.
+
+    Source: docs/theory.md, section "Cloth"; Baraff and Witkin, SIGGRAPH 1998, 43; Volino and Magnenat-Thalmann 2005.
+    """
+
+    def __init__(
+        self,
+        comm: PETSc.Comm,
+        prefix: str,
+        motion: Motion,
+        mass: np.ndarray,
+        shape: tuple[int, int],
+        rows: slice,
+        steps: Steps,
+    ) -> None:
+        self.motion, self.steps, self.mass = motion, steps, mass[:, None]
+        self.nodal = Nodal(comm, shape, rows)
+        self.time_step = steps.time_step
+        self.resets: list[float] = []
+        self.iterations = self.rejected = 0
+        self.on_step = self.on_move = lambda *_: False
+        self.right, self.way = self.nodal.vector(), self.nodal.vector()
+        self.x, self.f = self.nodal.vector(), self.nodal.vector()
+        self.snes = PETSc.SNES().create(comm)
+        self.snes.setOptionsPrefix(prefix)
+        self.snes.setType("python")
+        self.snes.setPythonContext(self)
+        # SNES checks that there is a function; the context evaluates the residual itself.
+        self.snes.setFunction(lambda *_: None, self.f)
+        self.copied, self.copy, self.diagonal = 0, None, None
+        self.ksp = self._made(comm, f"{prefix}step_")
+
+    def free(self) -> None:
+        """Free PETSc's objects."""
+        for part in (self.snes, self.ksp, self.right, self.way, self.x, self.f):
+            part.destroy()
+
+    def run(self, x: np.ndarray, goal: float) -> float:
+        """Go on from x (n, f), which is changed, until the residual's norm is at `goal`; returns the norm then.
+
+        Raises:
+            ReplayProblem: no step leads on from the positions in x.
+        """
+        self.goal, self.resets, self.iterations, self.rejected = goal, [], 0, 0
+        self.nodal.put(x, self.x)
+        try:
+            self.snes.solve(None, self.x)
+        finally:
+            x[:] = self.nodal.values(self.x)
+        return self.norm
+
+    def solve(self, snes: PETSc.SNES, b: PETSc.Vec | None, X: PETSc.Vec) -> None:
+        """What SNES calls: moves X until it rests, or until the steps are over."""
+        motion, steps = self.motion, self.steps
+        x = self.nodal.values(X).copy()
+        v, force = np.zeros_like(x), np.zeros_like(x)
+        self.time_step, seen = steps.time_step, [0.0, 0.0]
+        potential = motion.energy(x)
+        for k in range(steps.most + 1):
+            motion.residual(x, force)
+            self.norm = float(np.linalg.norm(force))
+            snes.setIterationNumber(k)
+            reason = self._reason(x, k)
+            if reason:
+                break
+            try:
+                x, v, potential = self._advance(x, v, force, potential)
+            except ReplayProblem:
+                self.nodal.put(x, X)
+                raise
+            if self.on_move(x):
+                potential = motion.energy(x)
+            seen = [*seen[1 - PEAK :], self._kinetic(v)]
+            if steps.damping == "kinetic" and len(seen) == PEAK and seen[0] <= seen[1] > seen[2]:
+                v, seen = np.zeros_like(v), [0.0]
+                self.resets.append(potential)
+        self.nodal.put(x, X)
+        snes.setConvergedReason(reason)
+
+    def _reason(self, x: np.ndarray, k: int) -> int:
+        """Why it ends at x (n, f) after k steps; 0 where it goes on."""
+        if not np.isfinite(self.norm):
+            return Reason.DIVERGED_FNORM_NAN
+        if self.norm <= self.goal:
+            return Reason.CONVERGED_FNORM_ABS
+        if self.on_step(x, self.norm):
+            return Reason.CONVERGED_ITS
+        return Reason.DIVERGED_MAX_IT if k == self.steps.most else Reason.ITERATING
+
+    def _advance(
+        self, x: np.ndarray, v: np.ndarray, force: np.ndarray, potential: float
+    ) -> tuple[np.ndarray, np.ndarray, float]:
+        """Positions, velocities and potential energy after one step that is accepted."""
+        steps, before, guess = self.steps, potential + self._kinetic(v), v
+        while True:
+            h = self.time_step
+            damped = 1.0 + steps.beta / h
+            inertia = (1.0 / h**2 + steps.alpha / h) / damped
+            d = self._solved(x, inertia, (self.mass * v / h - force) / damped, h * guess)
+            if d is not None:
+                after = self.motion.energy(x + d)
+                far = np.abs(d).max() > steps.reach
+                gained = not after + self._kinetic(d / h) <= before + SLACK * abs(before)
+                if not steps.adaptive or not (far or gained):
+                    break
+            elif not steps.adaptive or h < SHORTEST * steps.time_step:
+                raise ReplayProblem(NO_SOLUTION)
+            self.rejected += 1
+            self.time_step *= SHORTER
+            # Every iterate of CG from 0 goes down in the step's own energy, so that a short enough step does too.
+            guess = np.zeros_like(v)
+            if d is not None and self.time_step < SHORTEST * steps.time_step:
+                raise ReplayProblem("no time step is short enough: the cloth's energy is no number, or nothing moves")
+        if steps.adaptive:
+            self.time_step = min(LONGER * self.time_step, steps.longest)
+        return x + d, d / h, after
+
+    def _kinetic(self, v: np.ndarray) -> float:
+        return 0.5 * float((self.mass * v * v).sum())
+
+    def _solved(self, x: np.ndarray, inertia: float, right: np.ndarray, guess: np.ndarray) -> np.ndarray:
+        """The way (n, f) of a step, from a guess at it."""
+        matrix = self.motion.step_matrix(x, inertia)
+        self.ksp.setOperators(matrix, self._shifted(matrix))
+        right.ravel()[self.motion.held] = 0.0
+        self.nodal.put(right, self.right)
+        self.nodal.put(guess, self.way)
+        self.ksp.solve(self.right, self.way)
+        if self.ksp.getConvergedReason() < 0:
+            raise ReplayProblem("a step of the cloth's motion has no solution: part of it has neither mass nor support")
+        self.iterations += self.ksp.getIterationNumber()
+        return self.nodal.values(self.way).copy()
+
+    def _shifted(self, matrix: PETSc.Mat) -> PETSc.Mat:
+        """A copy of a matrix with a larger diagonal; the matrix itself where the factor is complete."""
+        if self.steps.factor != "ilu":
+            return matrix
+        if self.copied != matrix.handle:
+            self.copied, self.copy = matrix.handle, matrix.duplicate(copy=True)
+            self.diagonal = matrix.createVecLeft()
+        else:
+            matrix.copy(self.copy, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        self.copy.getDiagonal(self.diagonal)
+        self.diagonal.scale(1.0 + SHIFT)
+        self.copy.setDiagonal(self.diagonal)
+        return self.copy
+
+    def _made(self, comm: PETSc.Comm, prefix: str) -> PETSc.KSP:
+        ksp = PETSc.KSP().create(comm)
+        ksp.setOptionsPrefix(prefix)
+        ksp.setType("cg")
+        ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        ksp.setInitialGuessNonzero(True)
+        ksp.setTolerances(rtol=self.steps.tolerance, max_it=2000)
+        set_preconditioner(ksp, self.steps.factor, 0)
+        ksp.setFromOptions()
+        return ksp

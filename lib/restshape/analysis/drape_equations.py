@@ -1,0 +1,89 @@
+"""The equations of cloth as SNES wants them, on one operator whose pattern and bending stiffness are kept."""
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.operator import Operator
+from restshape.algebra.stages import Stages
+from restshape.physics.sheet import Sheet
+
+HELD_UP = 0.02
+"""Inertia of the tangent of descents, over that of a pendulum as long as the cloth, g/L: without any, cloth that lies
+loosely has motions that nothing resists."""
+WEIGHTLESS = 1.0
+"""The same inertia [1/s^2] where there is no weight."""
+
+
+class ClothEquations:
+    """Forces out of balance of a sheet, as `algebra.newton`, `kinetic_damping` and `descent` want them.
+
+    Args:
+        sheet: whose nodes may move, and whose membrane may be softened.
+        comm: PETSc communicator.
+        stages: takes the time of values.
+        backend: of the operator.
+
+    Attributes:
+        stabilised: whether `tangent` leaves out what is compressed; inertia: times the mass, on its diagonal.
+    """
+
+    potential = True
+
+    def __init__(self, sheet: Sheet, comm: PETSc.Comm, stages: Stages, backend: str | None = None) -> None:
+        self.sheet, self.stages = sheet, stages
+        self.operator = Operator(comm, 3, sheet.node_offsets, backend)
+        self.operator.set_topology(sheet.blocks, sheet.mask)
+        self.stabilised, self.inertia = True, self.held_up
+        self.begin()
+
+    @property
+    def held_up(self) -> float:
+        """Inertia [1/s^2] that is small beside what moves the cloth."""
+        size = float(np.ptp(self.sheet.X, axis=0).max())
+        return HELD_UP * float(np.linalg.norm(self.sheet.g)) / size or WEIGHTLESS
+
+    @property
+    def held(self) -> np.ndarray:
+        """Unknowns, of all 3 n, that never change."""
+        return self.sheet.held
+
+    def begin(self) -> None:
+        """Assemble what stays while the nodes of the mesh do."""
+        with self.stages("values"):
+            self.operator.set_constraints(self.sheet.mask)
+            self.constant = self.sheet.constant_terms()
+            if self.constant:
+                self.operator.keep(self.constant)
+
+    def residual(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` (n, 3) [N] to the forces out of balance at positions x (n, 3) [m]."""
+        with self.stages("values"):
+            self.sheet.residual(x, out)
+
+    def energy(self, x: np.ndarray) -> float:
+        """Potential energy [J]."""
+        with self.stages("values"):
+            return self.sheet.energy(x)
+
+    def assemble(self, x: np.ndarray, out: np.ndarray | None) -> PETSc.Mat:
+        """The true tangent at x (n, 3) [m]; `out` as in `residual`."""
+        if out is not None:
+            self.residual(x, out)
+        return self._assembled(x, False, 0.0)
+
+    def tangent(self, x: np.ndarray) -> PETSc.Mat:
+        """The tangent that descents make steps with."""
+        return self._assembled(x, self.stabilised, self.inertia)
+
+    def true_tangent(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
+        """The true tangent plus `inertia` [1/s^2] times the mass."""
+        return self._assembled(x, False, inertia)
+
+    def step_matrix(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
+        """The stabilised tangent plus `inertia` [1/s^2] times the mass."""
+        return self._assembled(x, True, inertia)
+
+    def _assembled(self, x: np.ndarray, stabilised: bool, inertia: float) -> PETSc.Mat:
+        with self.stages("values"):
+            terms = self.sheet.terms(x, stabilised, inertia)
+            return self.operator.assemble(terms, None, kept=bool(self.constant))

@@ -1,0 +1,257 @@
+"""The contact sheet and the animation of cloth: each frame in space, from above, and as a flat pattern."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import ceil
+from pathlib import Path
+from textwrap import shorten
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.ticker import MaxNLocator
+
+from restshape.replay.recording import Recording
+from restshape.report.animation import even, pause, write_animation
+from restshape.report.drape import BODY, COLOURS, TENSION, DrapeScenery, Picture
+from restshape.report.frames import scene_name
+from restshape.report.outlines import border, lines, polygons
+from restshape.report.raster import Camera
+from restshape.report.space_axes import draw_box
+from restshape.report.style import BODY as PLAIN
+from restshape.report.style import DPI, INK, REFUSED, new_figure
+from restshape.report.tables import column, refused
+
+WIDTH, ALONE = 9.5, 5.5
+"""Width of a sheet, and of one with a single frame [inch]."""
+ACROSS = 3
+"""Most frames side by side."""
+LEFT, RIGHT, BELOW, ABOVE = 0.25, 0.08, 0.1, 0.02
+"""Room for numbers around the box, over its width in the picture."""
+BAR, TITLE, CAPTION, UNDER, NUMBERS, BETWEEN = 0.85, 0.55, 0.42, 0.55, 0.5, 0.3
+"""Room for the colour bar, above all, above and below each frame, and before and after the view from above [inch]."""
+PATTERN = 0.6
+"""Scale of the flat pattern over that of the view from above."""
+ANIMATED_DPI = 90
+
+
+class DrapeDrawing:
+    """The artists of one frame, used again from frame to frame.
+
+    Args:
+        panels: axes of the view in perspective, of that from above, and of the flat pattern.
+        scenery: common to all frames.
+        dpi: of the figure.
+    """
+
+    def __init__(self, panels: Sequence[Axes], scenery: DrapeScenery, dpi: float) -> None:
+        self.scenery = scenery
+        space, above, pattern = panels
+        self.window = seen_window(scenery)
+        self.pictures: list[tuple[AxesImage, Picture]] = []
+        factor, unit = scenery.unit
+        left, right, bottom, top = self.window
+        width = right - left
+        space.set(xlim=(left - LEFT * width, right + RIGHT * width), aspect="equal")
+        space.set_ylim(bottom - BELOW * width, top + ABOVE * width)
+        space.set_axis_off()
+        draw_box(space, scenery.from_aside, scenery.low, scenery.high, factor, unit)
+        self._add(space, scenery.from_aside, self.window, 1.0, dpi)
+        flat = (scenery.low[0], scenery.high[0], scenery.low[1], scenery.high[1])
+        above.set(xlim=(factor * flat[0], factor * flat[1]), ylim=(factor * flat[2], factor * flat[3]))
+        above.set(aspect="equal", anchor="SW")
+        above.set_xlabel(f"x [{unit}]", fontsize=8)
+        above.set_ylabel(f"y [{unit}]", fontsize=8)
+        above.tick_params(length=2, labelsize=7)
+        for axis in (above.xaxis, above.yaxis):
+            axis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
+        self._add(above, scenery.from_above, flat, factor, dpi)
+        self._add_pattern(pattern)
+
+    def _add(self, axes: Axes, camera: Camera, window: tuple, factor: float, dpi: float) -> None:
+        position = axes.get_position().width * axes.figure.get_figwidth() * dpi
+        columns = max(120, round(position))
+        extent = [factor * bound for bound in window]
+        limits = axes.get_xlim(), axes.get_ylim()
+        image = axes.imshow(np.ones((2, 2, 4)), extent=extent, origin="lower", zorder=2, aspect="equal")
+        axes.set(xlim=limits[0], ylim=limits[1])
+        self.pictures.append((image, Picture(self.scenery, camera, window, columns)))
+
+    def _add_pattern(self, axes: Axes) -> None:
+        scenery, (factor, unit) = self.scenery, self.scenery.unit
+        (left, bottom), (right, top) = scenery.flat
+        room = 0.02 * max(right - left, top - bottom)
+        axes.set(xlim=(left - room, right + room), ylim=(bottom - room, top + room), aspect="equal", anchor="SW")
+        axes.set(xticks=(), yticks=())
+        for spine in axes.spines.values():
+            spine.set_visible(False)
+        axes.set_xlabel(
+            f"flat pattern\n{factor * (right - left):.4g} × {factor * (top - bottom):.4g} {unit}", fontsize=7.5
+        )
+        self.body = PolyCollection([], antialiaseds=False, facecolors=PLAIN)
+        self.body.set_cmap(colormaps[COLOURS].with_extremes(bad=PLAIN))
+        colour, _ = scenery.colour
+        self.body.set_clim(scenery.bottom * colour, scenery.top * colour)
+        self.rest = LineCollection([], colors=INK, linewidths=0.5)
+        for artist in (self.body, self.rest):
+            axes.add_collection(artist, autolim=False)
+
+    @property
+    def artists(self) -> list[Artist]:
+        """All that changes from frame to frame."""
+        return [*(image for image, _ in self.pictures), self.body, self.rest]
+
+    def show(self, recording: Recording, i: int) -> None:
+        """Put frame i into the artists."""
+        for image, picture in self.pictures:
+            image.set_data(picture.pixels(recording, i))
+        X, cells = recording.mesh(i)
+        self.body.set_verts(polygons(X, cells))
+        self.body.set_array(np.ma.masked_invalid(self.scenery.colour[0] * recording.field(i, TENSION)))
+        self.rest.set_segments(lines(X, border(cells)))
+
+
+def seen_window(scenery: DrapeScenery) -> tuple[float, float, float, float]:
+    """Left, right, bottom and top of the box as the camera aside sees it [m]."""
+    ends = np.array([scenery.low, scenery.high])
+    corners = np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    seen, _ = scenery.from_aside.project(corners)
+    (left, bottom), (right, top) = seen.min(axis=0), seen.max(axis=0)
+    return float(left), float(right), float(bottom), float(top)
+
+
+def rest_words(recording: Recording, i: int) -> tuple[str, bool]:
+    """What is known of a frame's rest, and whether it rests where it stays."""
+    rests, stays = column(recording, "at_rest")[i], column(recording, "stable")[i]
+    residual = column(recording, "residual")[i]
+    size = f"residual {residual:.0e}" if np.isfinite(residual) else ""
+    if refused(recording)[i]:
+        return "refused", False
+    if rests == 0:
+        return f"NOT AT REST, {size}".rstrip(", "), False
+    if rests == 1 and stays == 0:
+        return f"at rest, but not stable, {size}", False
+    if rests == 1:
+        return f"at rest{' and stable' if stays == 1 else ''}, {size}".rstrip(", "), True
+    return size, True
+
+
+def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery, path: Path) -> None:
+    """Writes the contact sheet as a PNG.
+
+    Args:
+        recording: of cloth.
+        chosen: frames to show.
+        scenery: box and colours.
+        path: of the picture.
+    """
+    across = min(ACROSS, len(chosen))
+    down = ceil(len(chosen) / across)
+    figure, grid = _sheet(scenery, across, down)
+    for i, panels in zip(map(int, chosen), grid):
+        drawing = DrapeDrawing(panels, scenery, DPI)
+        drawing.show(recording, i)
+        words, good = rest_words(recording, i)
+        title = f" frame {i}, t = {recording.times[i]:.2f} s\n {words}"
+        panels[0].set_title(title, loc="left", pad=3, color=INK if good else REFUSED)
+    for panels in grid[len(chosen) :]:
+        for axes in panels:
+            axes.set_visible(False)
+    _legend(figure, recording, scenery, drawing)
+    figure.savefig(path)
+
+
+def _sheet(scenery: DrapeScenery, across: int, down: int) -> tuple[Figure, list[list[Axes]]]:
+    """A figure, and for each frame the axes in perspective, from above, and of the flat pattern."""
+    left, right, bottom, top = seen_window(scenery)
+    wide = WIDTH if across > 1 else ALONE
+    each = (wide - BAR) / across
+    tall = each * ((top - bottom) / (right - left) + BELOW + ABOVE) / (1.0 + LEFT + RIGHT)
+    above, flat = (scenery.high - scenery.low)[:2], PATTERN * (scenery.flat[1] - scenery.flat[0])
+    scale = min((each - NUMBERS - 1.5 * BETWEEN) / (above[0] + flat[0]), 0.8 * each / max(above[1], flat[1]))
+    low = scale * max(above[1], flat[1])
+    band = CAPTION + tall + low + UNDER
+    high = TITLE + down * band
+    figure = new_figure(wide, high)
+    figure.set_layout_engine("none")
+
+    def place(x: float, y: float, width: float, height: float) -> Axes:
+        return figure.add_axes((x / wide, 1.0 - (y + height) / high, width / wide, height / high))
+
+    frames = []
+    for k in range(across * down):
+        x, y = k % across * each, TITLE + k // across * band + CAPTION
+        ground = y + tall + low
+        frames.append(
+            [
+                place(x, y, each, tall),
+                place(x + NUMBERS, ground - scale * above[1], *(scale * above)),
+                place(x + NUMBERS + scale * above[0] + BETWEEN, ground - scale * flat[1], *(scale * flat)),
+            ]
+        )
+    return figure, frames
+
+
+def _legend(figure: Figure, recording: Recording, scenery: DrapeScenery, drawing: DrapeDrawing) -> None:
+    """The colour bar, and the name of the scene with what is drawn."""
+    wide, high = figure.get_size_inches()
+    length = min(0.6 * (high - TITLE), 4.0)
+    bottom = 1.0 - (TITLE + CAPTION + length) / high
+    place = figure.add_axes((1.0 - (BAR - 0.15) / wide, bottom, 0.14 / wide, length / high))
+    bar = figure.colorbar(drawing.body, cax=place, extend="max" if scenery.clipped else "neither")
+    bar.set_label(scenery.colour[1])
+    bar.outline.set_visible(False)
+    name = shorten(scene_name(recording), 60, placeholder=" …")
+    drawn = "true places, in perspective and from above"
+    drawn += "; dashes: body behind cloth" * scenery.bodies
+    figure.suptitle(f"{name}\n{drawn}", color=INK, fontsize=10, y=1.0 - 0.08 / high)
+
+
+def draw_drape_animation(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery, path: Path) -> None:
+    """Writes the animation; the suffix of the path says which kind.
+
+    Args:
+        recording: of cloth.
+        chosen: frames to draw.
+        scenery: box and colours.
+        path: ``.gif`` or ``.mp4``.
+
+    Raises:
+        UserError: MP4 without ffmpeg, or ffmpeg failed.
+    """
+    write_animation(_pictures(recording, chosen, scenery), _palette(), path, pause(recording, chosen))
+
+
+def _pictures(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery) -> Iterator[np.ndarray]:
+    """RGB pictures (height, width, 3) uint8, both sizes even."""
+    figure, (panels,) = _sheet(scenery, 1, 1)
+    figure.set_dpi(ANIMATED_DPI)
+    canvas = FigureCanvasAgg(figure)
+    drawing = DrapeDrawing(panels, scenery, ANIMATED_DPI)
+    caption = panels[0].set_title(" ", loc="left")
+    _legend(figure, recording, scenery, drawing)
+    for i in map(int, chosen):
+        drawing.show(recording, i)
+        words, good = rest_words(recording, i)
+        caption.set_text(f" frame {i}, t = {recording.times[i]:.2f} s, {words}")
+        caption.set_color(INK if good else REFUSED)
+        canvas.draw()
+        yield even(canvas)
+
+
+def _palette() -> np.ndarray:
+    """256 colours: the map's in several lights, the bodies' over it and over white, greys."""
+    shades = colormaps[COLOURS](np.linspace(0, 1, 36))[:, :3]
+    lit = np.vstack([light * shades for light in np.linspace(0.45, 1.0, 5)])
+    body = np.linspace(0.4, 1.0, 12)[:, None] * BODY
+    over = np.vstack([0.6 * body + 0.4 * white for white in (1.0, 0.4)])
+    greys = np.repeat(np.linspace(0, 1, 256 - len(lit) - len(over) - 2)[:, None], 3, axis=1)
+    colours = np.vstack([lit, over, greys, to_rgb(PLAIN), to_rgb(REFUSED)])
+    return (255 * colours).round().astype(np.uint8)

@@ -1,0 +1,73 @@
+"""The box around what is shown in space: its back walls with a grid, and three sides with numbers and units."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.ticker import MaxNLocator
+
+from restshape.report.raster import Camera
+from restshape.report.style import FAINT
+
+GRID = "#e3e3e3"
+OFFSET, LYING, UPRIGHT = 4.0, 19.0, 26.0
+"""Distances of numbers, and of the name of a lying and of an upright side, from that side [points]."""
+
+
+def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, factor: float, unit: str) -> None:
+    """Draw the walls and sides of a box; the camera looks from above, from -y and +x.
+
+    Args:
+        axes: of a picture whose coordinates are those of the camera.
+        camera: looks at the box.
+        low, high: (3,) corners of the box [m].
+        factor, unit: of lengths in numbers.
+    """
+    places = [_marks(low[k], high[k], factor) for k in range(3)]
+    walls = []
+    for wall, bound in ((0, low), (1, high), (2, low)):
+        for along in (k for k in range(3) if k != wall):
+            across = 3 - wall - along
+            for mark in (low[along], *places[along], high[along]):
+                ends = np.empty((2, 3))
+                ends[:, wall], ends[:, along], ends[:, across] = bound[wall], mark, (low[across], high[across])
+                walls.append(camera.project(ends)[0])
+    axes.add_collection(LineCollection(walls, colors=GRID, linewidths=0.6, zorder=0), autolim=False)
+    middle = camera.project(0.5 * (low + high)[None])[0][0]
+    fixed = {0: (None, low[1], low[2]), 1: (high[0], None, low[2]), 2: (low[0], low[1], None)}
+    for k, name in enumerate("xyz"):
+        _side(axes, camera, k, fixed[k], (low[k], high[k]), places[k], factor, f"{name} [{unit}]", middle)
+
+
+def _marks(low: float, high: float, factor: float) -> np.ndarray:
+    marks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low * factor, high * factor) / factor
+    return marks[(marks >= low) & (marks <= high)]
+
+
+def _side(axes, camera, k, fixed, ends, marks, factor, label, middle) -> None:
+    """Draw one side with its numbers and its name, outside of the box."""
+
+    def at(values) -> np.ndarray:
+        places = np.array([[value if fixed[j] is None else fixed[j] for j in range(3)] for value in values])
+        return camera.project(places)[0]
+
+    line = at(ends)
+    axes.plot(*line.T, color=FAINT, linewidth=0.9, zorder=1)
+    along = line[1] - line[0]
+    out = np.array([along[1], -along[0]]) / np.linalg.norm(along)
+    out *= np.sign(out @ (line.mean(axis=0) - middle)) or 1.0
+    where = {
+        "ha": "right" if out[0] < -0.4 else "left" if out[0] > 0.4 else "center",
+        "va": "top" if out[1] < -0.4 else "bottom" if out[1] > 0.4 else "center",
+        "textcoords": "offset points",
+        "annotation_clip": False,
+        "color": "#444444",
+    }
+    for mark, place in zip(marks, at(marks)):
+        number = f"{mark * factor:g}".replace("-", "\N{MINUS SIGN}")
+        axes.annotate(number, place, xytext=OFFSET * out, fontsize=7, **where)
+    # Beside an upright side the numbers lie side by side with the name.
+    upright = abs(along[1]) > abs(along[0])
+    away, turned = (UPRIGHT, {"rotation": 90, "va": "center"}) if upright and k == 2 else (LYING, {})
+    axes.annotate(label, line.mean(axis=0), xytext=away * out, fontsize=8, **where | turned)

@@ -1,0 +1,146 @@
+"""Bodies that cloth comes to lie on, and where it lies before it falls."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from restshape.scene.expressions import Expression
+from restshape.scene.units import UnitError
+from restshape.scene.values import Strict, number_of, only_one, value_of
+
+Place = tuple[value_of("length"), value_of("length"), value_of("length")]
+Direction = tuple[value_of("number"), value_of("number"), value_of("number")]
+Angles = tuple[value_of("angle"), value_of("angle"), value_of("angle")]
+Size = value_of("length")
+ORIGIN = (0.0, 0.0, 0.0)
+
+
+class Sphere(Strict):
+    """A ball by centre [m] and radius [m]."""
+
+    center: Place
+    radius: Size
+
+
+class Plane(Strict):
+    """A half-space behind a plane through a point [m]; the normal points out of it."""
+
+    point: Place
+    normal: Direction
+
+
+class Box(Strict):
+    """A box by centre and half sizes [m], turned about x, then y, then z [rad]; edges are rounded within the sizes."""
+
+    center: Place
+    half: tuple[Size, Size, Size]
+    rotate: Angles = ORIGIN
+    radius: Size = 0.0
+
+
+class Capsule(Strict):
+    """All within a radius [m] of the line from start to end [m]."""
+
+    start: Place
+    end: Place
+    radius: Size
+
+
+class Body(Strict):
+    """``[bodies.NAME]``: a sphere, plane, box or capsule, which cloth does not enter; ``friction`` is Coulomb's.
+
+    All numbers may be formulas of the parameters.
+    """
+
+    kinds: ClassVar[tuple[str, ...]] = ("sphere", "plane", "box", "capsule")
+
+    sphere: Sphere | None = None
+    plane: Plane | None = None
+    box: Box | None = None
+    capsule: Capsule | None = None
+    friction: value_of("number") = 0.0
+
+    @property
+    def kind(self) -> str:
+        """Which of sphere, plane, box and capsule this body is."""
+        return only_one(self, self.kinds)
+
+    @property
+    def form(self) -> Sphere | Plane | Box | Capsule:
+        """The keys of its kind."""
+        return getattr(self, self.kind)
+
+    @model_validator(mode="after")
+    def _is_one_kind(self) -> Self:
+        only_one(self, self.kinds)
+        return self
+
+    def settled(self, parameters: dict[str, float]) -> Self:
+        """The body with numbers in place of formulas.
+
+        Raises:
+            UnitError: a size is not positive, a normal has no direction, a formula gives no number.
+        """
+        form = settled(self.form, parameters)
+        _refuse_flat(self.kind, form)
+        friction = number(self.friction, parameters)
+        if friction < 0.0:
+            raise UnitError(f"the coefficient of friction is {friction:g}: it must be at least 0")
+        return self.model_copy(update={self.kind: form, "friction": friction})
+
+
+class Start(Strict):
+    """``[start]``: where the flat cloth lies at first: turned about x, then y, then z through ``about``, then moved.
+
+    Supports hold it there. ``scatter`` moves each free node by up to so much along each axis, at random, but by the
+    same for the same ``seed``.
+    """
+
+    move: Place = ORIGIN
+    turn: Angles = ORIGIN
+    about: Place = ORIGIN
+    scatter: Annotated[number_of("length"), Field(ge=0)] = 0.0
+    seed: Annotated[int, Field(ge=0)] = 0
+
+
+def number(value: Any, parameters: dict[str, float]) -> float:
+    """A value as a number.
+
+    Raises:
+        UnitError: its formula gives none.
+    """
+    if not isinstance(value, Expression):
+        return value
+    found = float(value.evaluate(0.0, 0.0, parameters))
+    if not abs(found) < float("inf"):
+        raise UnitError(f"the formula {value.text!r} gives {found}: change it, or the parameters")
+    return found
+
+
+def settled(form: Strict, parameters: dict[str, float]) -> Any:
+    """A copy of a model, of numbers and tuples of numbers, with numbers in place of formulas.
+
+    Raises:
+        UnitError: a formula gives no number.
+    """
+
+    def each(value: Any) -> Any:
+        return tuple(map(each, value)) if isinstance(value, tuple) else number(value, parameters)
+
+    return form.model_copy(update={name: each(getattr(form, name)) for name in type(form).model_fields})
+
+
+def _refuse_flat(kind: str, form: Any) -> None:
+    """Refuses a body without a size or a direction."""
+    if kind == "plane":
+        if not any(form.normal):
+            raise UnitError("the normal of a plane has no direction: one of its three numbers must not be 0")
+        return
+    sizes = form.half if kind == "box" else (form.radius,)
+    if min(sizes) <= 0.0:
+        raise UnitError(f"a size of the {kind} is {min(sizes):g} m: it must be greater than 0")
+    if kind == "box" and not 0.0 <= form.radius <= min(form.half):
+        most = f"at least 0 and at most the smallest half size, {min(form.half):g} m"
+        raise UnitError(f"the radius of the box's edges is {form.radius:g} m: it must be {most}")

@@ -1,0 +1,195 @@
+"""Cloth at rest: against closed forms, against other ways to the same rest, and what is kept between frames."""
+
+import numpy as np
+import pytest
+from cloths import BALL, CONTACT, PIN, cloth, write_cloth
+from petsc4py import PETSc
+
+from restshape.algebra.stages import Stages
+from restshape.analysis.drape import DrapeAnalysis
+from restshape.analysis.frame import Frame
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.policy import policy
+from restshape.replay.loop import Replay
+from restshape.scene.load import load_scene, revise
+from restshape.scene.plan import plan
+from restshape.scene.script import Script, load_script
+
+NONE = np.empty(0, dtype=np.int32)
+CLAMP = '[supports.clamp]\non = "left"\nfix = ["x", "y", "z", "slope"]\n'
+WEAK = "[effects.gravity]\ng = [0, 0, -1e-7]\n"
+
+
+def analysis_of(scene, name="auto"):
+    return DrapeAnalysis(
+        scene, plan(scene, application("couture")), PETSc.COMM_SELF, policy(name), Calibration.load(), Stages()
+    )
+
+
+def replay_of(scene, script=None):
+    made = script or Script.empty(scene)
+    return Replay(scene, made, application("couture"), policy("auto"), PETSc.COMM_SELF, Calibration.load())
+
+
+def solved(scene, name="auto", mesh=None):
+    """The analysis after the first frame, on a mesh or on that of a replay."""
+    if mesh is None:
+        replay = replay_of(scene)
+        next(replay.frames())
+        return replay.analysis
+    found = analysis_of(scene, name)
+    found.solve(Frame(mesh, NONE, None, scene, (None, (0.0, 0.0))))
+    return found
+
+
+def independent_residual(found):
+    """The residual at rest from differences of the energy, over the weight."""
+    rng, x, h = np.random.default_rng(3), found.x, 1e-8
+    out = np.zeros_like(x)
+    found.sheet.residual(x, out)
+    for _ in range(3):
+        v = rng.uniform(-1, 1, x.shape) * found.sheet.free
+        slope = (found.sheet.energy(x + h * v) - found.sheet.energy(x - h * v)) / (2 * h)
+        assert slope == pytest.approx((out * v).sum(), abs=1e-7)
+    return np.linalg.norm(out) / found.sheet.load
+
+
+def test_a_weak_plate_deflects_as_a_cantilever(tmp_path):
+    """D w'''' = q: tip q L^4 / (8 D) where nu = 0."""
+    text = write_cloth(tmp_path, CLAMP).read_text().replace("nu = 0.25", "nu = 0").replace("[effects.gravity]\n", WEAK)
+    path = tmp_path / "weak.toml"
+    path.write_text(text)
+    scene = load_scene(path, ["mesh.size=0.125", "effects.drape.rest=1e-3"])
+    found = solved(scene)
+    D, q = 2e6 * 0.5e-3**3 / 12, 0.2 * 1e-7
+    tip = found.sheet.corners(found.x)[found.mesh.X[:, 0] > 1 - 1e-9, 2].mean()
+    assert tip == pytest.approx(-q / (8 * D), rel=0.02)
+    assert found.arrival.at_rest and found.arrival.stable
+
+
+@pytest.mark.parametrize("bending", ["morley", "hinge", "nonlinear", "none"])
+def test_pinned_cloth_comes_to_rest(tmp_path, bending):
+    pins = PIN + '[supports.other]\non = "d"\nfix = ["x", "y", "z"]\n'
+    scene = cloth(tmp_path, pins, overrides=(f"effects.cloth.bending={bending}", "mesh.size=0.15"))
+    found = solved(scene)
+    assert found.arrival.at_rest
+    assert independent_residual(found) <= 1e-4
+    weight = found.sheet.density.mean() * 9.81
+    out = np.zeros_like(found.x)
+    found.sheet.unheld(found.x, out)
+    held = found.sheet.mask.any(axis=1)
+    assert out[held, 2].sum() == pytest.approx(weight, rel=1e-3)
+
+
+def test_cloth_lies_on_the_ball_and_not_in_it(tmp_path):
+    scene = cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.12", "effects.cloth.bending=hinge"))
+    found = solved(scene)
+    assert found.arrival.at_rest and found.arrival.stable
+    assert independent_residual(found) <= 1e-4
+    distance = np.linalg.norm(found.sheet.corners(found.x) - (0.5, 0.5, -0.3), axis=1) - 0.25
+    # A penalty lets cloth in by a part of its thickness, 2 mm.
+    assert distance.min() > -1e-3
+    assert (distance < 2e-3).sum() > 3
+
+
+def test_two_ways_find_the_one_rest(tmp_path):
+    """A cantilever hangs in one way only: kinetic damping and descent agree, and so does a start from elsewhere."""
+    shape = cloth(
+        tmp_path, CLAMP, overrides=("mesh.size=0.2", "effects.drape.rest=1e-7", "effects.cloth.bending=hinge")
+    )
+    usual = solved(shape)
+    moved = solved(revise(shape, "effects.drape.way", "kinetic"), mesh=usual.mesh)
+    assert usual.arrival.at_rest and moved.arrival.at_rest
+    np.testing.assert_allclose(moved.x, usual.x, atol=1e-5)
+    lifted = solved(revise(shape, "start", {"move": [0.0, 0.0, 0.0], "scatter": 0.02}), mesh=usual.mesh)
+    np.testing.assert_allclose(lifted.x, usual.x, atol=1e-5)
+
+
+def test_the_same_bytes_twice(tmp_path):
+    scene = cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.15",))
+    first, second = solved(scene), solved(scene)
+    assert first.x.tobytes() == second.x.tobytes()
+
+
+def test_nested_meshes_lead_to_rest(tmp_path):
+    scene = cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.1", "mesh.levels=3"))
+    found = solved(scene)
+    assert found.mesh.hierarchy is not None and found.arrival.at_rest
+    assert independent_residual(found) <= 1e-4
+
+
+def test_what_is_not_at_rest_says_so(tmp_path):
+    scene = cloth(tmp_path, PIN, overrides=("effects.drape.steps=3", "mesh.size=0.2"))
+    found = solved(scene)
+    told = found.row()
+    assert not told["at_rest"] and told["stable"] == -1
+    assert told["note"].startswith("not at rest: residual ") and f"{found.arrival.residual:.2e}" in told["note"]
+    assert found.residual() == pytest.approx(found.arrival.residual, rel=1e-6)
+
+
+def test_anchors_go_with_their_body(tmp_path):
+    """Cloth that sticks to a ball goes along with it, wherever it goes."""
+    scene = cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.15", "effects.cloth.bending=hinge"))
+    rough = revise(scene, "bodies.ball.friction", 5.0)
+    found = solved(rough)
+    before, mesh = found.sheet.corners(found.x).copy(), found.mesh
+    touching = found.sheet.contact._limits[0] > 0.0
+    aside = revise(rough, "bodies.ball.sphere.center", [0.55, 0.5, -0.3])
+    found.solve(Frame(mesh, NONE, None, aside, (None, (0.0, 0.0))))
+    assert found.arrival.at_rest
+    way = found.sheet.corners(found.x) - before
+    np.testing.assert_allclose(way[touching].mean(axis=0), [0.05, 0.0, 0.0], atol=2e-3)
+
+
+def test_frames_after_an_error_go_on_from_the_last_rest(tmp_path):
+    scene = cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.2", "effects.contact.stiffness=5e4"))
+    script = tmp_path / "edits.jsonl"
+    script.write_text(
+        '{"format": "restshape-edits", "version": 1, "scene": "cloth.toml", "units": "m"}\n'
+        '{"t": 0, "do": "set", "key": "bodies.ball.sphere.radius", "value": 0.26}\n'
+        '{"t": 1, "do": "set", "key": "material.cotton.rho", "value": 0}\n'
+        '{"t": 2, "do": "set", "key": "bodies.ball.sphere.radius", "value": 0.27}\n'
+    )
+    replay = replay_of(scene, load_script(script, scene))
+    rows = list(replay.frames())
+    assert "density" in rows[2]["refused"]
+    assert [row["at_rest"] for row in rows] == [1, 1, 1, 1]
+
+
+def test_moved_material_takes_its_place_on_the_cloth(tmp_path):
+    """Flat cloth keeps its place while its nodes move in it; nothing has to be found anew."""
+    scene = cloth(
+        tmp_path,
+        '[supports.flat]\non = "all"\nfix = ["z"]\n[supports.a]\non = "a"\nfix = ["x", "y"]\n'
+        '[supports.b]\non = "b"\nfix = ["y"]\n',
+    )
+    found = solved(scene)
+    stayed = found.sheet.along(found.x)
+    inner = np.flatnonzero(found.mesh.node_edge < 0)[:5]
+    found.mesh.X[inner] += 0.01
+    found.sheet.move()
+    x = found.sheet.corners(stayed(found.x))
+    np.testing.assert_allclose(x[:, :2], found.mesh.X, atol=1e-9)
+
+
+def test_a_saddle_is_left(tmp_path):
+    """A sheet that stands upright on its clamp stays so while q L^3 / D < 7.84, and falls to a side beyond."""
+    text = write_cloth(tmp_path, CLAMP).read_text()
+    path = tmp_path / "upright.toml"
+    path.write_text(text.replace("[effects.gravity]\n", "[effects.gravity]\ng = [-1.0, 0, 0]\n"))
+    light = load_scene(path, ["mesh.size=0.2", "effects.cloth.bending=hinge", "material.cotton.bending=0.1"])
+    found = solved(light)
+    assert found.arrival.at_rest and found.arrival.stable
+    assert np.abs(found.sheet.corners(found.x)[:, 2]).max() < 1e-6
+    heavy = revise(light, "effects.gravity.g", [-9.81, 0, 0])
+    found.solve(Frame(found.mesh, NONE, None, heavy, (None, (0.0, 0.0))))
+    assert found.arrival.at_rest and found.arrival.stable
+    assert np.abs(found.sheet.corners(found.x)[:, 2]).max() > 0.1
+
+
+def test_empty_scripts_show_one_frame(tmp_path):
+    scene = cloth(tmp_path, PIN, overrides=("mesh.size=0.25",))
+    replay = replay_of(scene)
+    (row,) = replay.frames()
+    assert row["at_rest"] == 1 and row["residual"] <= 1e-4 and 0.0 < row["estimate"] < 2.0

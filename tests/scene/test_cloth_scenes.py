@@ -1,0 +1,184 @@
+"""Scenes of cloth: what they may hold, what is refused in words, and what follows from them."""
+
+import pytest
+from cloths import BALL, CONTACT, PIN, cloth, write_cloth
+from pydantic import ValidationError
+
+from restshape.application import application
+from restshape.errors import UserError
+from restshape.scene.bodies import Body
+from restshape.scene.load import load_scene, revise
+from restshape.scene.model import Material, Support
+from restshape.scene.plan import plan
+from restshape.scene.without import without
+
+COUTURE = application("couture")
+
+
+def settled(**keys):
+    return Body.model_validate(keys).settled({"k": 2.0})
+
+
+def test_bodies_take_units_and_formulas_of_the_parameters(tmp_path):
+    scene = cloth(tmp_path, BALL, CONTACT)
+    ball = scene.bodies["ball"].settled(scene.parameters)
+    assert ball.kind == "sphere" and ball.friction == 0.3
+    assert ball.form.center == (0.5, 0.5, -0.3) and ball.form.radius == 0.25
+    moved = revise(scene, "parameters.half", 0.75)
+    assert moved.bodies["ball"].settled(moved.parameters).form.center == (0.5, 0.75, -0.3)
+
+
+def test_each_kind_of_body():
+    assert settled(sphere={"center": [0, 0, "k"], "radius": "k/4"}).form.radius == 0.5
+    assert settled(plane={"point": [0, 0, "1 cm"], "normal": [0, 0, 2]}).form.point[2] == 0.01
+    assert settled(box={"center": [0, 0, 0], "half": [1, 1, 1]}).form.rotate == (0.0, 0.0, 0.0)
+    assert settled(capsule={"start": [0, 0, 0], "end": [0, 1, 0], "radius": 1}, friction="k").friction == 2.0
+
+
+@pytest.mark.parametrize(
+    ("keys", "what"),
+    [
+        ({"sphere": {"center": [0, 0, 0], "radius": "k - 2"}}, "greater than 0"),
+        ({"plane": {"point": [0, 0, 0], "normal": [0, 0, "k - 2"]}}, "no direction"),
+        ({"box": {"center": [0, 0, 0], "half": [1, 0, 1]}}, "greater than 0"),
+        ({"box": {"center": [0, 0, 0], "half": [1, 1, 1], "radius": "1.1 m"}}, "at most the smallest half size, 1 m"),
+        ({"capsule": {"start": [0, 0, 0], "end": [0, 0, 1], "radius": "1/(k - 2)"}}, "gives inf"),
+        ({"sphere": {"center": [0, 0, 0], "radius": 1}, "friction": -0.1}, "at least 0"),
+    ],
+)
+def test_bodies_without_a_size_or_a_direction_are_refused(keys, what):
+    with pytest.raises(ValueError, match=what):
+        settled(**keys)
+
+
+@pytest.mark.parametrize("keys", [{}, {"sphere": {"center": [0, 0, 0], "radius": 1}, "plane": {}}])
+def test_a_body_is_of_one_kind(keys):
+    with pytest.raises(ValidationError):
+        Body.model_validate(keys)
+
+
+@pytest.mark.parametrize(
+    ("parts", "override", "where", "what"),
+    [
+        ((BALL, CONTACT), "bodies.ball.sphere.radius=-1", "bodies.ball (line", "is -1 m"),
+        ((BALL, CONTACT), 'bodies.ball.sphere.center=[0, 0, "x"]', "bodies.ball.sphere.center", "cannot name x or y"),
+        ((BALL, CONTACT), 'bodies.ball.friction="mu"', "bodies.ball.friction", "names 'mu'"),
+        ((BALL.replace("ball", "patch"), CONTACT), "title=a", "bodies.patch", "a part of the shape, which is 'region'"),
+        ((BALL, CONTACT), "bodies.bal.friction=1", "set bodies.bal.friction", "there is no bodies.bal"),
+        ((PIN, "[start]\nmove = [0, 0, 'tall']"), "title=a", "start.move", "names 'tall'"),
+        ((PIN, CONTACT), "title=a", "effects.contact", "no body that could be touched"),
+        ((), "title=a", "effects.gravity", "falls for ever"),
+        ((PIN, "[loads.l]\non = 'a'\nforce = [0, 1]"), "title=a", "loads.l (line", "no loads but its weight"),
+        ((PIN, "[quantities]\nq = { stress = 'xx' }"), "title=a", "quantities.q (line", "no stress"),
+        ((PIN, "[quantities]\nq = { energy = 'kinetic' }"), "title=a", "quantities.q.energy", "no energy 'kinetic'"),
+        ((PIN,), "material.cotton={E=1e6,nu=0.3,rho=1}", "material.cotton", "no thickness"),
+        ((PIN,), 'supports.pin.fix=["rx"]', "supports.pin.fix", "no direction 'rx'"),
+        ((BALL, CONTACT), "material.cotton.rho=0", "effects.contact.stiffness", "which has none"),
+        ((PIN,), "effects.gravity.g=[0, -9.81]", "effects.gravity.g", "at least 3"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_in_words(tmp_path, parts, override, where, what):
+    with pytest.raises(UserError) as refused:
+        cloth(tmp_path, *parts, overrides=(override,))
+    assert where in refused.value.where and what in refused.value.what
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        (BALL, "bodies.ball (line"),
+        ("[start]\nmove = [0, 0, 1]\n", "start (line"),
+        ("[material.steel.bending]\n", "material.steel.bending"),
+        ('[supports.mirror]\non = "left"\nsymmetry = "x"\n', "supports.mirror.symmetry (line"),
+        ('[quantities.down]\ndisplacement = "z"\n', "quantities.down.displacement (line"),
+        ('[quantities.held]\nreaction = "z"\n', "quantities.held.reaction (line"),
+        ('[quantities.bent]\nenergy = "bending"\n', "quantities.bent.energy (line"),
+    ],
+)
+def test_other_applications_know_nothing_of_cloth(scene_file, text, key):
+    if "bending]" in text:
+        written = scene_file.read_text().replace("[material.steel]\n", "[material.steel]\nbending = 1\n")
+    else:
+        written = scene_file.read_text() + "\n" + text.replace('"half"', "0.5")
+    scene_file.write_text(written)
+    with pytest.raises(UserError) as refused:
+        load_scene(scene_file)
+    assert key in refused.value.where and "'solid' knows nothing of cloth" in refused.value.what
+
+
+def test_supports_of_cloth():
+    assert Support(on="left", fix=["x", "slope"]).fix == {"x": 0.0, "slope": 0.0}
+    assert Support(on="left", symmetry="y").fix == {}
+    for keys in ({}, {"fix": ["x"], "symmetry": "x"}, {"fix": {"slope": 1}}, {"symmetry": "z"}):
+        with pytest.raises(ValidationError):
+            Support(on="left", **keys)
+
+
+def test_a_bending_stiffness_of_its_own():
+    assert Material(E=1e6, nu=0.3, bending="5 mN mm").bending == pytest.approx(5e-6)
+    wood = {"E": [2e6, 1e6, 1e6], "nu": [0.3, 0.3, 0.3], "G": [1e6, 1e6, 1e6]}
+    assert Material(orthotropic=wood, bending=["1e-5 N m", 2e-6]).bending == (1e-5, 2e-6)
+    assert Material(E=1e6, nu=0.3, bending=0).bending == 0.0
+    for keys in ({"bending": [1, 1]}, {"bending": -1}, {"bending": "1 N"}, {"bending": [1]}):
+        with pytest.raises(ValidationError):
+            Material(E=1e6, nu=0.3, **keys)
+
+
+def test_the_stiffness_of_contact_comes_from_the_weight(tmp_path):
+    """k s^2/(2 t) at s = t/2 is k t/8: ten times 400 kg/m^3 * 0.5 mm * 9.81 m/s^2, for t = 4 mm."""
+    scene = cloth(tmp_path, BALL, CONTACT, overrides=('effects.contact.thickness="4 mm"',))
+    assert plan(scene, COUTURE).settings("contact").stiffness == pytest.approx(10 * 1.962 * 8 / 4e-3, rel=1e-12)
+    given = revise(scene, "effects.contact.stiffness", "70 kN/m^3")
+    assert plan(given, COUTURE).settings("contact").stiffness == 70e3
+
+
+def test_what_follows_from_a_scene_of_cloth(tmp_path):
+    bare = plan(cloth(tmp_path, PIN), COUTURE)
+    assert [effect.name for effect in bare.implied if effect.on] == []
+    mirror = '[supports.mirror]\non = "left"\nsymmetry = "x"\n'
+    full = cloth(tmp_path, BALL, CONTACT, mirror, "[supports.up]\non = 'c'\nfix = { z = 0.1 }")
+    assert {effect.name for effect in plan(full, COUTURE).implied if effect.on} == {
+        "friction",
+        "symmetry",
+        "moving_supports",
+    }
+    smooth = without(full, COUTURE, ["friction", "moving_supports"])
+    assert smooth.bodies["ball"].friction == 0 and smooth.supports["mirror"].symmetry == "x"
+    assert smooth.supports["up"].fix == {"z": 0.0}
+
+
+def test_bodies_without_contact_are_warned_of(tmp_path):
+    told = plan(cloth(tmp_path, PIN, BALL), COUTURE).warnings
+    assert len(told) == 1 and "falls through bodies.ball" in told[0]
+    assert plan(cloth(tmp_path, BALL, CONTACT), COUTURE).warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("way", "systems"),
+    [
+        ("auto", ["steps in time", "Newton's steps"]),
+        ("rayleigh", ["steps in time"]),
+        ("newton", ["Newton's steps"]),
+        ("cg", ["steps along gradients"]),
+    ],
+)
+def test_the_solver_of_each_way(tmp_path, way, systems):
+    solver = plan(cloth(tmp_path, PIN, overrides=(f"effects.drape.way={way}",)), COUTURE).solver
+    assert solver.equations == "nonlinear" and solver.symmetric
+    assert [system.of for system in solver.systems] == systems
+
+
+def test_a_line_is_named_for_a_bad_body(tmp_path):
+    path = write_cloth(tmp_path, BALL.replace("radius", "radios"), CONTACT)
+    with pytest.raises(UserError, match="radios") as refused:
+        load_scene(path)
+    line = path.read_text().splitlines()[int(refused.value.where.split("line ")[1].rstrip(")")) - 1]
+    assert "radios" in line and "'radius'" in refused.value.do
+
+
+def test_all_levels_of_the_mesh_lead_to_rest_unless_fewer_are_asked_for(tmp_path):
+    scene = cloth(tmp_path, PIN, overrides=("mesh.levels=3",))
+    assert plan(scene, COUTURE).settings("drape").levels == 3
+    assert plan(revise(scene, "effects.drape.levels", 2), COUTURE).settings("drape").levels == 2
+    with pytest.raises(UserError, match="the mesh has 3 levels"):
+        revise(scene, "effects.drape.levels", 4)

@@ -1,0 +1,176 @@
+"""Bodies under the hand, and values that change evenly over frames: places, sizes, undo and redo, refusals."""
+
+import numpy as np
+import pytest
+from cloths import BALL, CLOTH, CONTACT, PIN
+from shape_scenes import scene_and_script
+
+from restshape.shape.session import EditSession
+
+BOX = """
+[bodies.box]
+box = { center = [1, 0, -1], half = [0.1, 0.2, 0.3], rotate = [0, 0, "10 deg"], radius = 0.01 }
+"""
+FLOOR = """
+[bodies.floor]
+plane = { point = [1, 0, -2], normal = [1, 0, 1] }
+"""
+BAR = """
+[bodies.bar]
+capsule = { start = [-1, 0, 0], end = [1, 0, 2], radius = 0.1 }
+"""
+LIFT = """
+[supports.lift]
+on = "c"
+fix = { x = 0, z = "1 cm" }
+"""
+
+
+def frames_of(folder, *events):
+    text = CLOTH + PIN + BALL + CONTACT + BOX + FLOOR + BAR + LIFT
+    session = EditSession(*scene_and_script(folder, list(events), text))
+    return list(session.frames())
+
+
+def form(frame, name):
+    return frame.scene.bodies[name].settled(frame.scene.parameters).form
+
+
+def test_a_drag_moves_a_body_by_the_way_of_the_hand(tmp_path):
+    press = {"do": "press", "on": "ball", "at": [0.4, 0.4]}
+    frames = frames_of(tmp_path, press, {"do": "drag", "to": [0.7, 0.3], "frames": 4}, {"do": "release"})
+    assert [f.change for f in frames] == ["start", "none", *["values"] * 4, "none"]
+    np.testing.assert_allclose(form(frames[3], "ball").center, [0.5 + 0.15, 0.5 - 0.05, -0.3], atol=1e-15)
+    np.testing.assert_allclose(form(frames[-1], "ball").center, [0.8, 0.4, -0.3], atol=1e-15)
+    assert form(frames[-1], "ball").radius == 0.25
+    assert all(f.gesture is None and f.refused is None and f.outline is frames[0].outline for f in frames)
+    assert [f.settled for f in frames] == [False, True, False, False, False, False, True]
+
+
+def test_a_hand_without_a_point_takes_the_body_at_its_own_place(tmp_path):
+    drag = {"do": "drag", "to": [0.5, 0.5]}
+    frames = frames_of(tmp_path, {"do": "press", "on": "bar"}, drag, {"do": "release"})
+    bar = form(frames[-1], "bar")
+    np.testing.assert_allclose([bar.start, bar.end], [[-0.5, 0.5, 0], [1.5, 0.5, 2]], atol=1e-15)
+
+
+def test_values_set_while_a_body_is_held_stay(tmp_path):
+    frames = frames_of(
+        tmp_path,
+        {"do": "press", "on": "ball", "at": [0.5, 0.5]},
+        {"do": "drag", "to": [0.6, 0.5]},
+        {"do": "set", "key": "bodies.ball.sphere.radius", "value": 0.1},
+        {"do": "drag", "to": [0.7, 0.5]},
+        {"do": "release"},
+        {"do": "undo"},
+    )
+    assert form(frames[5], "ball").radius == 0.1 and form(frames[5], "ball").center[0] == pytest.approx(0.7)
+    assert frames[-1].change == "values" and frames[-1].scene is frames[0].scene
+
+
+def test_bodies_turn_about_the_vertical(tmp_path):
+    turn = {"do": "rotate", "by": "90 deg", "frames": 3}
+    frames = frames_of(
+        tmp_path,
+        {**turn, "on": "box"},
+        {**turn, "on": "floor", "about": [0, 0]},
+        {**turn, "on": "bar"},
+        {**turn, "on": "ball", "about": [0, 0]},
+    )
+    last = frames[-1]
+    box, floor, bar = (form(last, name) for name in ("box", "floor", "bar"))
+    np.testing.assert_allclose(box.rotate, [0, 0, np.radians(100)], atol=1e-15)
+    np.testing.assert_allclose([box.center, box.half], [[1, 0, -1], [0.1, 0.2, 0.3]], atol=1e-15)
+    np.testing.assert_allclose([floor.point, floor.normal], [[0, 1, -2], [0, 1, 1]], atol=1e-15)
+    np.testing.assert_allclose([bar.start, bar.end], [[0, -1, 0], [0, 1, 2]], atol=1e-15)
+    np.testing.assert_allclose(form(last, "ball").center, [-0.5, 0.5, -0.3], atol=1e-15)
+    third = form(frames[2], "box").rotate[2]
+    assert third == pytest.approx(np.radians(10 + 60), rel=1e-14)
+
+
+def test_bodies_grow_about_their_own_centre_or_a_point(tmp_path):
+    frames = frames_of(
+        tmp_path,
+        {"do": "scale", "on": "ball", "factor": 2, "frames": 2},
+        {"do": "scale", "on": "box", "factor": 3, "about": [0, 0]},
+        {"do": "scale", "on": "bar", "factor": 0.5},
+        {"do": "scale", "on": "floor", "factor": 2},
+    )
+    assert form(frames[1], "ball").radius == pytest.approx(0.375, rel=1e-15)
+    ball, box, bar = (form(frames[-1], name) for name in ("ball", "box", "bar"))
+    assert ball.radius == 0.5 and ball.center == (0.5, 0.5, -0.3)
+    np.testing.assert_allclose([box.center, box.half], [[3, 0, -1], [0.3, 0.6, 0.9]], atol=1e-15)
+    assert box.radius == pytest.approx(0.03)
+    np.testing.assert_allclose([bar.start, bar.end], [[-0.5, 0, 0.5], [0.5, 0, 1.5]], atol=1e-15)
+    assert frames[-1].change == "none" and "a plane has no size" in frames[-1].refused
+
+
+def test_numbers_change_evenly_and_end_exactly(tmp_path):
+    frames = frames_of(
+        tmp_path,
+        {"do": "set", "key": "bodies.ball.sphere.radius", "value": "7 cm", "frames": 6},
+        {"do": "set", "key": "supports.lift.fix.z", "value": "0.2 m", "frames": 5},
+        {"do": "set", "key": "effects.gravity.g", "value": [0, 1, -1.62], "frames": 3},
+        {"do": "set", "key": "parameters.half", "value": 0.6, "frames": 2},
+    )
+    assert {f.change for f in frames[1:]} == {"values"}
+    radii = [form(f, "ball").radius for f in frames[:7]]
+    np.testing.assert_allclose(np.diff(radii), (0.07 - 0.25) / 6, rtol=1e-12)
+    assert radii[-1] == 0.07
+    lifts = [f.scene.supports["lift"].fix["z"] for f in frames[6:12]]
+    np.testing.assert_allclose(lifts, np.linspace(0.01, 0.2, 6), rtol=1e-12)
+    assert lifts[-1] == 0.2 and frames[-1].scene.effects["gravity"]["g"] == [0.0, 1.0, -1.62]
+    assert form(frames[-2], "ball").center[1] == pytest.approx(0.55)
+
+
+def test_a_sweep_is_undone_and_redone_at_once(tmp_path):
+    sweep = {"do": "set", "key": "bodies.ball.sphere.radius", "value": 0.1, "frames": 5}
+    scale = {"do": "scale", "on": "box", "factor": 2, "frames": 3}
+    frames = frames_of(tmp_path, sweep, scale, {"do": "undo"}, {"do": "undo"}, {"do": "redo"}, {"do": "redo"})
+    assert [f.change for f in frames[-4:]] == ["values"] * 4
+    scenes = [f.scene for f in (frames[5], frames[0], frames[5], frames[8])]
+    assert all(f.scene is scene for f, scene in zip(frames[-4:], scenes))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "what"),
+    [
+        ("material.cotton.E", "soft", "not a number"),
+        ("bodies.ball.sphere.center", [0, 0, 0], "no number that could change evenly"),
+        ("supports.pin.on", "b", "no number that could change evenly"),
+        ("material.cotton.bending", "1e-5 N m", "no number that could change evenly"),
+        ("bodies.ball.sphere.radius", "half", "no number that could change evenly"),
+        ("effects.drape.steps", 20, "no number that could change evenly"),
+        ("bodies.bal.friction", 0.1, "there is no bodies.bal"),
+        ("title", "other", "no number"),
+        ("shape.vertices.a", [0.1, 0], "cannot be set during an edit"),
+    ],
+)
+def test_what_cannot_change_evenly_is_refused_in_all_frames(tmp_path, key, value, what):
+    frames = frames_of(tmp_path, {"do": "set", "key": key, "value": value, "frames": 3})
+    assert [f.change for f in frames[1:]] == ["none"] * 3
+    assert all(what in f.refused for f in frames[1:])
+
+
+def test_frames_that_make_no_sense_are_refused_one_by_one(tmp_path):
+    sweep = {"do": "set", "key": "material.cotton.nu", "value": 0.49, "frames": 2}
+    frames = frames_of(
+        tmp_path, sweep, {"do": "set", "key": "bodies.box.box.half", "value": [0.1, 0.2, 0.005], "frames": 2}
+    )
+    assert [f.refused is None for f in frames] == [True, True, True, False, False]
+    assert "radius of the box's edges" in frames[-1].refused
+
+
+def test_a_frame_without_a_solution_is_taken_back(tmp_path):
+    events = [
+        {"do": "press", "on": "ball", "at": [0.5, 0.5]},
+        {"do": "drag", "path": [[0.6, 0.5], [0.7, 0.5], [0.8, 0.5]]},
+        {"do": "release"},
+    ]
+    session = EditSession(*scene_and_script(tmp_path, events, CLOTH + PIN + BALL + CONTACT))
+    centres = []
+    for frame in session.frames():
+        if frame.index == 3:
+            session.take_back()
+        centres.append(session.scene.bodies["ball"].settled(session.scene.parameters).form.center[0])
+    np.testing.assert_allclose(centres, [0.5, 0.5, 0.6, 0.6, 0.8, 0.8], atol=1e-15)
