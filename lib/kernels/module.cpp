@@ -18,6 +18,8 @@ void bind_order(py::module_&);
 void bind_outline(py::module_&);
 void bind_space(py::module_&);
 void bind_fields(py::module_&);
+void bind_force_space(py::module_&);
+void bind_planks(py::module_&);
 void bind_thickness(py::module_&);
 void bind_second_order(py::module_&);
 
@@ -38,6 +40,8 @@ PYBIND11_MODULE(_kernels, m) {
     bind_outline(m);
     bind_space(m);
     bind_fields(m);
+    bind_force_space(m);
+    bind_planks(m);
     bind_thickness(m);
     bind_second_order(m);
 }

@@ -1,0 +1,228 @@
+"""Suggestions that make an invalid piece stable and durable again, by combinations of few design modes."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from restshape.guidance.force_space import (
+    LONGEST,
+    ForceSpace,
+    Rays,
+    combinations,
+    durability_space,
+    stability_space,
+)
+from restshape.guidance.ranges import bisected
+from restshape.physics.furniture import ALL, LOST, OVERLAPPING, UNSTABLE, Furniture
+from restshape.shape.design_modes import DesignModes
+from restshape.shape.planks import Piece
+
+SHOWN = 8
+TRIALS = 24
+"""Combinations of several modes that are tested in full at most."""
+
+KEPT = 2
+"""Combinations kept of each number of modes and leading mode; 0 keeps all."""
+
+INSIDE = np.array([0.03, 0.15, 0.4, 0.8])
+"""Where along the predicted span a combination is tested."""
+
+BEYOND = np.array([1.15, 1.5])
+"""And beyond where it is entered, for a prediction that falls short."""
+
+SPAN_TOLERANCE = 1e-2
+"""Of the ends of a suggestion's range, in parts of the longest step."""
+
+REPRESENTED = 0.1
+"""Where in its range a suggestion is shown."""
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """A way to make the piece valid: slide t along a direction.
+
+    Args:
+        modes: numbers of the modes it combines.
+        parts: unit direction in them.
+        direction: (n, 8) change of the design parameters by a unit of t.
+        t: where it is shown.
+        span: range of t around it where the full test holds, up to `SPAN_TOLERANCE`.
+        words: what each mode does.
+        valid: the full test holds; else the piece is stable, but a joint still breaks.
+    """
+
+    modes: tuple[int, ...]
+    parts: tuple[float, ...]
+    direction: np.ndarray
+    t: float
+    span: tuple[float, float]
+    words: tuple[str, ...]
+    valid: bool
+
+    @property
+    def gamma(self) -> np.ndarray:
+        """Design parameters (n, 8) of what is shown."""
+        return self.t * self.direction
+
+    def piece(self, furniture: Furniture) -> Piece:
+        """The piece that is shown."""
+        return furniture.moved(self.gamma)
+
+
+@dataclass(frozen=True)
+class Suggestions:
+    """What a search found.
+
+    Args:
+        found: at most `SHOWN`, the most different and widest first.
+        tried: combinations tried of each number of modes.
+        led: combinations kept that lead into the box.
+        tested: combinations tested in full.
+        modes: that were combined.
+    """
+
+    found: tuple[Suggestion, ...]
+    tried: tuple[int, ...]
+    led: int
+    tested: int
+    modes: DesignModes
+
+
+def suggest(
+    furniture: Furniture, most: int = 3, shown: int = SHOWN, trials: int = TRIALS, kept: int = KEPT
+) -> Suggestions:
+    """Suggestions for a piece that falls or has a weak joint; none for one that is valid.
+
+    Stability comes first: where the piece is weak too and nothing makes it both stable and durable, suggestions that
+    make it stable are given, and say so.
+
+    Args:
+        furniture: the model of the piece.
+        most: modes that are combined at most; `forecast` tells what more of them cost.
+        shown: suggestions at most.
+        trials: combinations of several modes tested in full at most.
+        kept: rays kept for each number of modes and leading mode, the widest; 0 keeps all.
+    """
+    verdict = furniture.test()
+    modes = DesignModes.of(furniture.piece, furniture.kernel.freedoms())
+    if verdict.valid or verdict.flaws & (LOST | OVERLAPPING) or not len(modes):
+        return Suggestions((), (), 0, 0, modes)
+    unstable = bool(verdict.flaws & UNSTABLE)
+    space = stability_space(furniture, modes) if unstable else durability_space(furniture, modes)
+    search = Search(furniture, modes, space, trials, kept)
+    found = search.run(most, shown, ALL)
+    if unstable and not found:
+        found = [replace(one, valid=False) for one in search.run(most, shown, LOST | OVERLAPPING | UNSTABLE)]
+    furniture.test()
+    return Suggestions(tuple(found), search.tried, search.led, search.tested, modes)
+
+
+class Search:
+    """One search in the force space of a piece.
+
+    Args:
+        furniture, modes: the piece and what may change.
+        space: its forces.
+        trials, kept: as in `suggest`.
+    """
+
+    def __init__(
+        self, furniture: Furniture, modes: DesignModes, space: ForceSpace, trials: int = TRIALS, kept: int = KEPT
+    ) -> None:
+        self.furniture, self.modes, self.space = furniture, modes, space
+        self.trials, self.kept = trials, kept
+        self.tried: tuple[int, ...] = ()
+        self.led = self.tested = 0
+
+    def run(self, most: int, shown: int, wanted: int) -> list[Suggestion]:
+        """Suggestions of at most `most` modes, tested for the flaws wanted."""
+        if not len(self.space.h):
+            return []
+        single = combinations(self.space, most=1)
+        alone = [self.confirmed(*ray, wanted) for ray in _each(single)]
+        barred = np.zeros(len(self.modes), dtype=bool)
+        barred[[one.modes[0] for one in alone if one]] = True
+        self.tried, self.led = single.tried, len(single.modes)
+        found = [one for one in alone if one]
+        if most > 1:
+            several = combinations(self.space, most=most, least=2, barred=barred, keep=self.kept)
+            self.tried, self.led = self.tried + several.tried[1:], self.led + len(several.modes)
+            found = self._with(found, several, shown, wanted)
+        return [found[k] for k in _different(*self._numbers(found), shown)]
+
+    def _with(self, found: list[Suggestion], rays: Rays, shown: int, wanted: int) -> list[Suggestion]:
+        """What was found and those of further rays that the full test confirms, the most different first."""
+        each = list(_each(rays))
+        vectors = np.zeros((len(each), len(self.modes)))
+        for k, (modes, parts, _) in enumerate(each):
+            vectors[k, modes] = parts
+        widths = rays.spans[:, 1] - rays.spans[:, 0]
+        for k in _different(vectors, widths, self.trials):
+            if len(found) >= 2 * shown:
+                break
+            if one := self.confirmed(*each[k], wanted):
+                found.append(one)
+        return found
+
+    def _numbers(self, found: list[Suggestion]) -> tuple[np.ndarray, np.ndarray]:
+        vectors, widths = np.zeros((len(found), len(self.modes))), np.zeros(len(found))
+        for k, one in enumerate(found):
+            vectors[k, list(one.modes)], widths[k] = one.parts, one.span[1] - one.span[0]
+        return vectors, widths
+
+    def confirmed(self, modes: np.ndarray, parts: np.ndarray, span: np.ndarray, wanted: int) -> Suggestion | None:
+        """The suggestion along a ray, or None if the full test holds nowhere that was looked at."""
+        self.tested += 1
+        direction = self.modes.direction(modes, parts)
+        enters, leaves = span
+        t = np.unique(np.concatenate([enters + INSIDE * (leaves - enters), enters * BEYOND]))
+        t = np.concatenate([[0.0], t[(t > 0.0) & (t <= LONGEST)]])
+        # The piece as it is has a flaw that is wanted away.
+        first = next((k for k in range(1, len(t)) if self._good(direction, t[k : k + 1], wanted)[0]), 0)
+        if not first:
+            return None
+        good = self._good(direction, t[first + 1 :], wanted)
+        last = first + int(np.argmin(np.append(good, False)))
+        left, _ = bisected(
+            self.furniture, direction, t[[first - 1]], t[[first]], np.array([False]), SPAN_TOLERANCE * LONGEST, wanted
+        )
+        end = t[last]
+        if last + 1 < len(t):
+            end = bisected(
+                self.furniture, direction, t[[last]], t[[last + 1]], np.array([True]), SPAN_TOLERANCE * LONGEST, wanted
+            )[0][0]
+        shown = self._shown(direction, float(left[0]), float(end), float(t[first]), wanted)
+        numbers = tuple(int(k) for k in modes)
+        words = self.modes.names(modes)
+        return Suggestion(
+            numbers, tuple(map(float, parts)), direction, shown, (float(left[0]), float(end)), words, True
+        )
+
+    def _shown(self, direction: np.ndarray, left: float, right: float, tested: float, wanted: int) -> float:
+        t = left + REPRESENTED * (right - left)
+        return t if self._good(direction, np.array([t]), wanted)[0] else tested
+
+    def _good(self, direction: np.ndarray, t: np.ndarray, wanted: int) -> np.ndarray:
+        return self.furniture.kernel.scan(direction, t, wanted)[0] == 0
+
+
+def _each(rays: Rays) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Modes, parts and span of each ray."""
+    for modes, parts, span in zip(rays.modes, rays.parts, rays.spans):
+        used = modes >= 0
+        yield modes[used], parts[used], span
+
+
+def _different(vectors: np.ndarray, widths: np.ndarray, count: int) -> list[int]:
+    """An order of directions (k, m): the widest first, then what is wide and far from all before."""
+    if not len(vectors):
+        return []
+    order, far = [], np.ones(len(vectors))
+    score = widths / max(widths.max(), 1e-300)
+    while len(order) < min(count, len(vectors)):
+        merit = far * (0.25 + score)
+        merit[order] = -1.0
+        order.append(int(np.argmax(merit)))
+        far = np.minimum(far, 1.0 - vectors @ vectors[order[-1]])
+    return order

@@ -1,0 +1,185 @@
+"""Strength of fasteners and woods, from `fasteners.toml` and `woods.toml` beside this module."""
+
+import tomllib
+from dataclasses import dataclass
+from importlib.resources import files
+from math import pi, sqrt
+from typing import Any
+
+from restshape.errors import UserError
+from restshape.scene.units import quantity
+
+
+@dataclass(frozen=True)
+class Wood:
+    """A wood: densities [kg/m^3], specific gravity, E, bending and shear strength [Pa], and what of a fastener's pull
+    and shear strength is left in its end grain.
+    """
+
+    name: str
+    density: float
+    characteristic_density: float
+    gravity: float
+    E: float
+    bending: float
+    shear: float
+    end_grain: tuple[float, float]
+    source: str
+
+
+@dataclass(frozen=True)
+class Fastener:
+    """A fastener: length and diameters [m], pull strength [N/m] or the name of its formula, shear strength [N] or the
+    name of its formula, strength of what it is made of [Pa].
+    """
+
+    name: str
+    length: float
+    diameter: float
+    pull: float | str
+    shear: float | str
+    source: str
+    core: float = 0.0
+    tensile: float = 0.0
+
+    def pull_strength(self, wood: Wood, thickness: float) -> float:
+        """The pull [N] that one bears: through a plank of that thickness [m], in the end of a plank of that wood.
+
+        Raises:
+            UserError: it does not reach through the plank.
+        """
+        into = self.length - thickness
+        if into <= 0.0:
+            raise UserError(
+                f"{self.name} of {self.length * 1e3:g} mm does not reach through {thickness * 1e3:g} mm",
+                do="take a longer fastener or a thinner plank",
+            )
+        if not isinstance(self.pull, str):
+            return self.pull * into
+        return PULLS[self.pull](self, wood, into) * wood.end_grain[0]
+
+    def shear_strength(self, wood: Wood, through: Wood, thickness: float) -> float:
+        """The shear [N] that one bears, through a plank of that wood and thickness [m] into the end of another wood."""
+        if not isinstance(self.shear, str):
+            return self.shear
+        return SHEARS[self.shear](self, wood, through, thickness) * wood.end_grain[1]
+
+
+def _nail_pull(fastener: Fastener, wood: Wood, into: float) -> float:
+    # 54.12 G^(5/2) D L in N and mm.
+    return 54.12e6 * wood.gravity**2.5 * fastener.diameter * into
+
+
+def _screw_pull(fastener: Fastener, wood: Wood, into: float) -> float:
+    # 108.25 G^2 D L in N and mm.
+    return 108.25e6 * wood.gravity**2 * fastener.diameter * into
+
+
+def _mantle_pull(fastener: Fastener, wood: Wood, into: float) -> float:
+    return pi * fastener.diameter * into * wood.shear
+
+
+def _nailed_shear(fastener: Fastener, wood: Wood, through: Wood, thickness: float) -> float:
+    d = 1.1 * fastener.core if fastener.core else fastener.diameter
+    # EN 1995-1-1 (8.15) in N/mm^2 and (8.14) in N mm, d in mm.
+    bearing = [82e3 * w.characteristic_density * (1e3 * d) ** -0.3 for w in (through, wood)]
+    moment = 0.3 * fastener.tensile * 1e-6 * (1e3 * d) ** 2.6 * 1e-3
+    return johansen(*bearing, thickness, fastener.length - thickness, d, moment)
+
+
+def _dowelled_shear(fastener: Fastener, wood: Wood, through: Wood, thickness: float) -> float:
+    d = fastener.diameter
+    # EN 1995-1-1 (8.32), and a round bar in bending.
+    bearing = [82e3 * (1.0 - 10.0 * d) * w.characteristic_density for w in (through, wood)]
+    return johansen(*bearing, thickness, fastener.length - thickness, d, fastener.tensile * pi * d**3 / 32.0)
+
+
+def johansen(f1: float, f2: float, t1: float, t2: float, d: float, moment: float) -> float:
+    """The least shear [N] of a fastener in single shear without rope effect.
+
+    Args:
+        f1, f2: bearing strengths of the two members [Pa].
+        t1, t2: lengths of the fastener in them [m].
+        d: its diameter [m].
+        moment: its yield moment [N m].
+
+    Source: EN 1995-1-1:2004, (8.6) a to f.
+    """
+    b, r = f2 / f1, t2 / t1
+    one = f1 * t1 * d
+    return min(
+        one,
+        f2 * t2 * d,
+        one / (1 + b) * (sqrt(b + 2 * b**2 * (1 + r + r**2) + b**3 * r**2) - b * (1 + r)),
+        1.05 * one / (2 + b) * (sqrt(2 * b * (1 + b) + 4 * b * (2 + b) * moment / (f1 * d * t1**2)) - b),
+        1.05
+        * f1
+        * t2
+        * d
+        / (1 + 2 * b)
+        * (sqrt(2 * b**2 * (1 + b) + 4 * b * (1 + 2 * b) * moment / (f1 * d * t2**2)) - b),
+        1.15 * sqrt(2 * b / (1 + b)) * sqrt(2 * moment * f1 * d),
+    )
+
+
+PULLS = {"wood_handbook_nail": _nail_pull, "wood_handbook_screw": _screw_pull, "mantle": _mantle_pull}
+SHEARS = {"johansen": _nailed_shear, "johansen_dowel": _dowelled_shear}
+
+DIMENSIONS = {
+    "density": "density",
+    "characteristic_density": "density",
+    "E": "pressure",
+    "bending": "pressure",
+    "shear": "pressure",
+    "length": "length",
+    "diameter": "length",
+    "core": "length",
+    "tensile": "pressure",
+}
+
+
+def _table(name: str) -> dict[str, dict[str, Any]]:
+    return tomllib.loads((files(__package__) / name).read_text("utf-8"))
+
+
+def _value(key: str, raw: Any, dimension: str | None) -> Any:
+    if key == "end_grain":
+        return tuple(raw)
+    return quantity(raw, dimension) if dimension and isinstance(raw, str) else raw
+
+
+def _wood(name: str, raw: dict[str, Any]) -> Wood:
+    return Wood(name, **{key: _value(key, value, DIMENSIONS.get(key)) for key, value in raw.items()})
+
+
+def _fastener(name: str, raw: dict[str, Any]) -> Fastener:
+    given = {key: _value(key, value, DIMENSIONS.get(key)) for key, value in raw.items() if key not in ("pull", "shear")}
+    pull = raw["pull"] if raw["pull"] in PULLS else quantity(raw["pull"], "stiffness")
+    shear = raw["shear"] if raw["shear"] in SHEARS else quantity(raw["shear"], "force")
+    return Fastener(name, pull=pull, shear=shear, **given)
+
+
+WOODS: dict[str, Wood] = {name: _wood(name, raw) for name, raw in _table("woods.toml").items()}
+FASTENERS: dict[str, Fastener] = {name: _fastener(name, raw) for name, raw in _table("fasteners.toml").items()}
+
+
+def wood(name: str) -> Wood:
+    """The wood of that name.
+
+    Raises:
+        UserError: there is none.
+    """
+    if name not in WOODS:
+        raise UserError(f"there is no wood {name}", do=f"name one of {', '.join(WOODS)}")
+    return WOODS[name]
+
+
+def fastener(name: str) -> Fastener:
+    """The fastener of that name.
+
+    Raises:
+        UserError: there is none.
+    """
+    if name not in FASTENERS:
+        raise UserError(f"there is no fastener {name}", do=f"name one of {', '.join(FASTENERS)}")
+    return FASTENERS[name]

@@ -1,0 +1,71 @@
+"""Edits of a piece that change what it is made of: planks added and deleted, joints made by nearness, weights put."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from restshape.errors import UserError
+from restshape.shape.planks import Foot, Joint, Load, Piece, Plank, feet_near, joints_near
+
+NEAR = 0.015
+"""How near an end must be to a face to be joined to it [m]."""
+
+
+def added(piece: Piece, plank: Plank, near: float = NEAR, fastener: str = "nail-thesis") -> Piece:
+    """The piece with a plank more, joined to what is near it and standing on the floor if it reaches it.
+
+    Raises:
+        UserError: there is a plank of that name.
+    """
+    if any(plank.name == other.name for other in piece.planks):
+        raise UserError(f"there is a plank {plank.name} already", piece.name, "give it another name")
+    grown = replace(piece, planks=(*piece.planks, plank))
+    return connected(grown, len(piece.planks), near, fastener)
+
+
+def connected(piece: Piece, plank: int, near: float = NEAR, fastener: str = "nail-thesis") -> Piece:
+    """The piece with joints and feet wherever a plank has come near others or the floor; those it has are kept."""
+    joints = joints_near(piece.planks, near, (plank,), fastener)
+    held = {(joint.i, joint.side) for joint in piece.joints} | {(foot.plank, foot.side) for foot in piece.feet}
+    more: list[Joint] = []
+    for joint in joints:
+        if (joint.i, joint.side) not in held:
+            held.add((joint.i, joint.side))
+            more.append(joint)
+    feet = [
+        foot
+        for foot in feet_near(piece.planks, planes=piece.planes)
+        if foot.plank == plank and (foot.plank, foot.side) not in held
+    ]
+    return replace(piece, joints=(*piece.joints, *more), feet=(*piece.feet, *feet))
+
+
+def removed(piece: Piece, plank: int) -> Piece:
+    """The piece without a plank, its joints, feet and loads.
+
+    Raises:
+        UserError: it is the only one.
+    """
+    if len(piece.planks) == 1:
+        raise UserError("a piece keeps at least one plank", piece.name, "delete another one, or start anew")
+    number = [k - (k > plank) for k in range(len(piece.planks))]
+
+    def kept(loads: Iterable[Load]) -> tuple[Load, ...]:
+        return tuple(replace(load, plank=number[load.plank]) for load in loads if load.plank != plank)
+
+    return replace(
+        piece,
+        planks=(*piece.planks[:plank], *piece.planks[plank + 1 :]),
+        joints=tuple(
+            replace(joint, i=number[joint.i], j=number[joint.j])
+            for joint in piece.joints
+            if plank not in (joint.i, joint.j)
+        ),
+        feet=tuple(Foot(number[foot.plank], foot.side, foot.plane) for foot in piece.feet if foot.plank != plank),
+        weights=kept(piece.weights),
+        pushes=kept(piece.pushes),
+    )
+
+
+def loaded(piece: Piece, load: Load) -> Piece:
+    """The piece with a weight more; one of the same name is replaced."""
+    return replace(piece, weights=(*(old for old in piece.weights if old.name != load.name), load))

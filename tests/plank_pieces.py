@@ -1,0 +1,68 @@
+"""Small pieces of furniture that tests of several folders share."""
+
+import numpy as np
+
+from restshape.shape.planks import Foot, Joint, Piece, Plane, Plank, feet_near, joints_near, weight
+
+THIN = 1e-4
+"""Thickness of legs that stand on a line or a point [m]."""
+
+
+def bench(place: float = 0.1, mu: float = 0.5, kilograms: float = 20.0, leg: float = THIN) -> Piece:
+    """A board on two upright ones, 1 m apart, with a mass at `place` [m] from the middle; the legs stand on lines."""
+    high, t = 0.5, 0.02
+    top = Plank.between("top", (-0.6, 0, high + t / 2), (0.6, 0, high + t / 2), (0, 0.3, 0), t, wood="pine")
+    legs = [Plank.between(f"leg {k}", (x, 0, 0), (x, 0, high), (0, 0.3, 0), leg) for k, x in ((1, -0.5), (2, 0.5))]
+    planks = (top, *legs)
+    put = weight("weight", 0, kilograms, (place / 1.2, 0.0, 0.0))
+    return Piece(planks, joints_near(planks), feet_near(planks), (Plane(mu=mu),), (put,))
+
+
+def stool(
+    feet: list[tuple[float, float]],
+    at: tuple[float, float],
+    kilograms: float = 10.0,
+    short: int = -1,
+    mu: float = 0.5,
+    width: tuple[float, float, float] = (0.0, THIN, 0.0),
+) -> Piece:
+    """A square board of 1 m on legs that stand on points, with a mass at `at`; leg `short` misses the floor."""
+    high, t = 0.4, 0.02
+    top = Plank.between("top", (-0.5, 0, high + t / 2), (0.5, 0, high + t / 2), (0, 1.0, 0), t, wood="pine")
+    legs = [
+        Plank.between(f"leg {k}", (x, y, 0.01 if k == short else 0.0), (x, y, high), width, THIN)
+        for k, (x, y) in enumerate(feet)
+    ]
+    planks = (top, *legs)
+    put = weight("weight", 0, kilograms, (at[0], at[1], 0.0))
+    return Piece(planks, joints_near(planks), feet_near(planks), (Plane(mu=mu),), (put,))
+
+
+def ladder(angle: float, mu: float, length: float = 1.0) -> Piece:
+    """A plank that leans against a smooth wall."""
+    end = (length * np.cos(angle), 0.0, length * np.sin(angle))
+    plank = Plank.between("ladder", (0, 0, 0), end, (0, 0.3, 0), 1e-7)
+    wall = Plane((end[0], 0.0, 0.0), (-1.0, 0.0, 0.0), 0.0)
+    return Piece((plank,), (), (Foot(0, 0, 0), Foot(0, 1, 1)), (Plane(mu=mu), wall))
+
+
+def block(base: float, high: float, mu: float, incline: float = 0.0) -> Piece:
+    """A plank that stands on its end, on a plane of that incline."""
+    up = np.array([np.sin(incline), 0.0, np.cos(incline)])
+    plank = Plank.between("block", (0, 0, 0), tuple(high * up), (0, 0.4, 0), base)
+    return Piece((plank,), (), (Foot(0, 0, 0),), (Plane((0, 0, 0), tuple(up), mu),))
+
+
+def mirrored(piece: Piece) -> Piece:
+    """The piece in the mirror x = 0; the thickness of its planks points the other way."""
+    flip = np.diag([-1.0, 1.0, 1.0])
+    other = {4: 5, 5: 4}
+    planks = tuple(
+        Plank(p.name, flip @ p.centre, flip @ p.axes @ np.diag([1.0, 1.0, -1.0]), p.size, p.wood) for p in piece.planks
+    )
+    joints = tuple(Joint(j.i, j.side, j.j, other[j.face], j.fastener) for j in piece.joints)
+    loads = tuple(
+        weight(w.name, w.plank, w.force[2] / -9.80665, (w.place[0], w.place[1], -w.place[2])) for w in piece.weights
+    )
+    feet = tuple(Foot(f.plank, other.get(f.side, f.side), f.plane) for f in piece.feet)
+    return Piece(planks, joints, feet, piece.planes, loads, spacing=piece.spacing)
