@@ -9,6 +9,7 @@ bridge := apps/bridge/scenes/bridge.toml
 building := apps/vibration/scenes/building.toml
 fish := apps/metallophone/scenes/fish.toml
 bar := apps/metallophone/scenes/bar_200.toml
+canvas := apps/couture/scenes/strip.toml
 cantilever_edits := apps/cantilever/edits/cantilever.jsonl
 
 # Two cores hold two ranks or two test workers, one thread each; the rest lets mpiexec start as root, in a
@@ -52,7 +53,7 @@ results: setup
 	.venv/bin/python -m restshape_apps.metallophone.accuracy --picture results/metallophone-accuracy.png
 	.venv/bin/python -m restshape_apps.solid.picture apps/solid/scenes/column.toml --out results/column-modes.png
 	$(restshape) bench eigen $(bar) --set effects.modal.modes=5 --json results/bench-eigen.json
-	$(restshape) accuracy $(plate) $(cantilever) $(bridge) $(building) $(fish) --out results/accuracy \
+	$(restshape) accuracy $(plate) $(cantilever) $(bridge) $(building) $(fish) $(canvas) --out results/accuracy \
 		--json results/accuracy/accuracy.json
 	$(restshape) stability --json results/stability.json
 	$(restshape) stability --fuzz 1000 --json results/fuzz.json

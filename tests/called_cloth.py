@@ -1,9 +1,9 @@
 """What frames of cloth without an effect may call, from first principles: nothing else is to be found in them.
 
-How many steps cloth takes to rest is not known beforehand. But its residual is one pass over the triangles and one over what
-bends; each tangent is one over the triangles, beside that of bending, which is constant and made once a frame; and points
-take part where descents have inertia, or bodies are near. The first frame falls with hinges, which Morley's triangles go on
-from.
+How many steps cloth takes to rest is not known beforehand. But its residual is one pass over the triangles and one over
+what bends; each tangent is one over the triangles, beside that of bending, which is constant and made once a frame; and
+points take part where descents have inertia, or bodies are near. The first frame falls with hinges, which Morley's
+triangles go on from.
 """
 
 from itertools import pairwise

@@ -3,7 +3,7 @@
 The author's released program moves cloth in steps of one length with kinetic damping. The force of its contact begins
 with a kink; normal forces, and anchors of friction on springs about as stiff as contact, are taken anew in each step.
 Here cloth on a ball is moved like that until it goes round. From there it goes on once more like that, with either
-cause taken away, with both, and by the way of this application.
+cause taken away, with both, with both and an eye on the energy, and by the way of this application.
 
 python -m restshape_apps.couture.cycles [--picture FILE] [--json FILE] [--set KEY=VALUE]
 """
@@ -56,7 +56,7 @@ class Course:
 
     Args:
         residuals: forces out of balance over the weight.
-        speeds: of the fastest node [m/s]; None where it has not moved yet; empty where there is no motion in time.
+        speeds: of the fastest node [m/s]; None where it has not moved yet; empty where steps have no one length.
         at_rest: it comes to rest, friction included.
     """
 
@@ -72,10 +72,12 @@ class Manner:
     Args:
         kink: the force begins with one; otherwise it is smooth.
         anew: normal forces and anchors are taken in each step; otherwise they stay until the cloth rests with them.
+        checked: steps that gain energy are taken back; otherwise all have one length and stand.
     """
 
     kink: bool
     anew: bool
+    checked: bool = False
 
 
 AUTHOR = Manner(True, True)
@@ -84,6 +86,7 @@ MANNERS = {
     "friction held, kink": Manner(True, False),
     "smooth onset, friction anew in each step": Manner(False, True),
     "smooth onset, friction held": Manner(False, False),
+    "smooth onset, friction held, steps that gain energy taken back": Manner(False, False, True),
 }
 OURS = "smooth onset, friction held, descent"
 
@@ -119,13 +122,13 @@ class Cloth:
         return sheet
 
 
-def move(sheet: Sheet, x: np.ndarray, anew: bool, most: int) -> Course:
-    """The course of a cloth in steps of one length from x (n, 3), which is changed.
+def move(sheet: Sheet, x: np.ndarray, manner: Manner, most: int) -> Course:
+    """The course of a cloth in implicit steps with kinetic damping from x (n, 3), which is changed.
 
     Args:
-        sheet: the cloth.
+        sheet: the cloth, with the onset of that manner.
         x: positions [m].
-        anew: friction is taken anew in each step.
+        manner: of contact and steps.
         most: steps.
     """
     course, before = Course(), x.copy()
@@ -133,17 +136,19 @@ def move(sheet: Sheet, x: np.ndarray, anew: bool, most: int) -> Course:
 
     def note(x: np.ndarray, norm: float) -> bool:
         course.residuals.append(norm / sheet.load)
-        course.speeds.append(float(np.linalg.norm(x - before, axis=1).max()) / TIME_STEP or None)
-        before[:] = x
+        if not manner.checked:
+            course.speeds.append(float(np.linalg.norm(x - before, axis=1).max()) / TIME_STEP or None)
+            before[:] = x
         return False
 
     while len(course.residuals) <= most:
-        left = Steps(TIME_STEP, longest=TIME_STEP, most=most - len(course.residuals))
+        longest = Steps().longest if manner.checked else TIME_STEP
+        left = Steps(TIME_STEP, longest=longest, most=most - len(course.residuals))
         moving = KineticDamping(
             PETSc.COMM_SELF, "cycles_", equations, sheet.mass, x.shape, equations.operator.rows, left
         )
         moving.on_step = note
-        if anew:
+        if manner.anew:
             moving.on_move = lambda x: sheet.lag(x) >= 0.0
         norm = moving.run(x, REST * sheet.load)
         moving.free()
@@ -180,9 +185,9 @@ def study(overrides: Sequence[str] = (), before: int = BEFORE, after: int = AFTE
     first = cloth.sheet(AUTHOR.kink)
     x = first.flat(cloth.arguments.start)
     first.lag(x)
-    courses = {"start": move(first, x, AUTHOR.anew, before)}
+    courses = {"start": move(first, x, AUTHOR, before)}
     for name, manner in MANNERS.items():
-        courses[name] = move(cloth.sheet(manner.kink, first), x.copy(), manner.anew, after)
+        courses[name] = move(cloth.sheet(manner.kink, first), x.copy(), manner, after)
     courses[OURS] = settle(cloth.sheet(False, first), x.copy())
     return courses
 

@@ -90,7 +90,7 @@ def endless_fall(trial: Trial) -> Iterator[Statement]:
 
 
 def without_weight(trial: Trial) -> Iterator[Statement]:
-    """Cloth without gravity: flat it stays as it is; crumpled it comes to rest where nothing pulls; drawn, it is flat."""
+    """Cloth without gravity: flat it stays so, crumpled it comes to rest where nothing pulls, and drawn it is flat."""
     free = square(0.025, PINS).replace(GRAVITY, "")
     made, rows = played(trial, free)
     yield from sound(rows)
@@ -112,6 +112,6 @@ CASES = {
     "crumpled_on_a_ball": Case(crumpled_on_a_ball),
     "textile": Case(textile),
     "thin_plate": Case(thin_plate),
-    "endless_fall": Case(endless_fall),
+    "endless_fall": Case(endless_fall, exempt={"rebuild": "cloth that starts anew does not go along with a ball"}),
     "without_weight": Case(without_weight),
 }

@@ -36,8 +36,9 @@ MOVES = '[effects.dynamics]\ntime_step = "1 ms"\nsteps = 2\n'
 THICK = block(2.0, 1.0) + HOLE + STEEL.partition("[effects")[0].replace("thickness = 0.01", "thickness = 0.6")
 COTTON = '[material.cotton]\nE = "2 MPa"\nnu = 0.3\nrho = 400\nthickness = "0.5 mm"\nbending = "1e-4 N m"\n'
 HAMMOCK = '[supports.walls]\non = ["left", "right"]\nfix = ["x", "y", "z"]\n'
-TIGHT = '[supports.wall]\non = "left"\nfix = ["x", "y", "z"]\n[supports.pull]\non = "right"\nfix = { x = X, y = 0, z = 0 }\n'
-FLOOR = '[bodies.floor]\nplane = { point = [0, 0, -0.05], normal = [0, 0, 1] }\nfriction = 0\n[effects.contact]\n'
+TIGHT = '[supports.wall]\non = "left"\nfix = ["x", "y", "z"]\n'
+TIGHT += '[supports.pull]\non = "right"\nfix = { x = X, y = 0, z = 0 }\n'
+FLOOR = "[bodies.floor]\nplane = { point = [0, 0, -0.05], normal = [0, 0, 1] }\nfriction = 0\n[effects.contact]\n"
 MIRROR = '[supports.mirror]\non = "top"\nsymmetry = "y"\n'
 HEMP = "orthotropic = { E = [2e6, 1e6, 1e6], nu = [0.3, 0.3, 0.3], G = [5e5, 5e5, 5e5] }"
 LINEN = (

@@ -14,12 +14,14 @@ def courses():
 def test_either_cause_alone_keeps_the_cloth_moving(courses):
     for name, manner in cycles.MANNERS.items():
         course = courses[name]
-        assert course.at_rest == (not manner.kink and not manner.anew), name
-        if not course.at_rest:
-            # It moves on and on, however long: not less at the end than in the middle.
+        if manner.kink or manner.anew:
+            # It moves on and on: no slower at the end than in the middle.
             late, middle = (max(course.speeds[part]) for part in (slice(-50, None), slice(100, 150)))
-            assert late > 0.3 * middle and late > 1e-2 and min(course.residuals) > 0.1, name
+            assert not course.at_rest and late > 0.3 * middle and late > 1e-2, name
+            assert min(course.residuals[-50:]) > 0.1, name
 
 
-def test_descent_rests_from_the_cycle(courses):
-    assert courses[cycles.OURS].at_rest and courses[cycles.OURS].residuals[-1] <= cycles.REST
+def test_without_both_the_cloth_rests_from_the_cycle(courses):
+    checked = next(name for name, manner in cycles.MANNERS.items() if manner.checked)
+    for name in (checked, cycles.OURS):
+        assert courses[name].at_rest and courses[name].residuals[-1] <= cycles.REST, name

@@ -1,4 +1,4 @@
-"""The estimate of cloth beside the distance from a far finer solution of the same folds, and states that it knows exactly."""
+"""The estimate of cloth beside the distance from a far finer solution of the same folds, and what it knows exactly."""
 
 from pathlib import Path
 
@@ -56,7 +56,7 @@ def settled(name, mesh, overrides):
 
 
 def finer(coarse, levels, name, overrides):
-    """The same folds on a mesh with 4^levels times as many triangles, from which errors are counted: sheet, positions."""
+    """Sheet and positions of the same folds on a mesh with 4^levels times as many triangles, which is the reference."""
     nest, x = NestedMesh(coarse.mesh, levels + 1), coarse.sheet.corners(coarse.x)
     for level in range(levels):
         x = nest.prolong(level, x)
@@ -153,8 +153,10 @@ def test_effectivity(name, size, levels, more, bounds):
     coarse, reference = None, None
     for kind, (least, most) in bounds.items():
         own = (*overrides, f"effects.cloth.bending={kind}")
-        found = settled(name, coarse and coarse.mesh, own) if coarse is None else settled_from(
-            name, coarse.mesh, own, coarse.sheet.corners(coarse.x)
+        found = (
+            settled(name, coarse and coarse.mesh, own)
+            if coarse is None
+            else settled_from(name, coarse.mesh, own, coarse.sheet.corners(coarse.x))
         )
         if coarse is None:
             coarse, reference = found, finer(found, levels, name, overrides)

@@ -116,9 +116,11 @@ def test_a_plane_is_shown_within_the_box():
 
 
 def test_a_body_beyond_the_box_is_cut():
-    long = Body.model_validate({"capsule": {"start": [0, 0, -9], "end": [0, 0, 9], "radius": 0.5}})
+    long = Body.model_validate({"capsule": {"start": [0, -9, 0], "end": [0, 9, 0], "radius": 0.5}})
     places, triangles = body_surface(long, LOW, HIGH)
-    assert 1.0 < np.abs(places[triangles][..., 2]).max() < 4.0
+    window = (-4.0, 4.0, -4.0, 4.0)
+    assert hits(ABOVE, places, triangles, window, 200).there.mean() * 64 == pytest.approx(8.0, rel=0.02)
+    assert hits(ABOVE, places, triangles, window, 200, (LOW, HIGH)).there.mean() * 64 == pytest.approx(4.0, rel=0.02)
 
 
 def test_cloth_from_above_covers_its_area_and_hides_the_ball(recording):

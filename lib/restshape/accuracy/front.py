@@ -85,8 +85,8 @@ def rates(records: Sequence[Row], policy: str) -> dict[str, dict[str, float]]:
 def rivals(records: Sequence[Row]) -> dict[str, tuple[float, dict[Any, float]]]:
     """Key that was tried with several mesh sizes -> a time of a frame [ms], and the error there by the key's value.
 
-    Each value's errors are joined by straight lines of logarithms, smallest errors by time; the time is the middle of what
-    all values span. None stands for the scene's own value. Keys whose values have no time in common are left out.
+    Each value's errors are joined by straight lines of logarithms, smallest errors by time; the time is the middle of
+    what all values span. None stands for the scene's own value. Keys whose values have no time in common are left out.
     """
     found, good = {}, usable(records)
     plain = [r for r in good if not r["varied"]]

@@ -22,8 +22,8 @@ HEADS = ("error", "discretisation", "algebraic", "reuse", "ms a frame, p50", "to
 HEADS += ("order", "policy", "tolerance", "varied alone", "")
 
 CLOTH = (
-    ": of cloth that of Green's strains and of the second derivatives of the positions, of hinges those of surfaces fitted "
-    "to the nodes around each triangle"
+    ": of cloth that of Green's strains and of the second derivatives of the positions, which hinges have of surfaces "
+    "fitted to the nodes around each triangle"
 )
 """What the energy norm is of cloth."""
 FRONT, BELOW = "front", "below what the reference can tell"

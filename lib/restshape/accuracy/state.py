@@ -29,8 +29,8 @@ class State:
             without a displacement, and of cloth.
         large: strains are Green's, for the deformation is large.
         row: of the frame.
-        curvature: (ne, 3, 3) second derivatives xx, yy and twice xy of each coordinate of cloth [1/m]; sheet: (ne, 2, 3,
-            3) its stiffness against strains [N/m] and curvatures [N m]; None of what is no cloth.
+        curvature: (ne, 3, 3) second derivatives xx, yy and twice xy of each coordinate of cloth [1/m].
+        sheet: (ne, 2, 3, 3) its stiffness against strains [N/m] and curvatures [N m]. None of what is no cloth, both.
     """
 
     grid: Grid

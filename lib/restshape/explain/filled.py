@@ -5,8 +5,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from weakref import WeakKeyDictionary
 
-from petsc4py import PETSc
-
 from restshape import _kernels
 from restshape.algebra.operator import Operator
 

@@ -86,8 +86,8 @@ def prices(runs: Sequence[Sequence[Row]], tried: Variants) -> Prices:
 
     Of each frame the least time over all runs counts. A spread is half the range of what comes out without one of the
     runs and, for an effect, no less than the largest difference of the twins in a run; a share below 0 by no more than
-    that is none. One farther below 0, or above 1, is no price: of nonlinear equations that have another solution without
-    the effect, the time to find it says nothing of the effect.
+    that is none. One farther below 0, or above 1, is no price: of nonlinear equations that have another solution
+    without the effect, the time to find it says nothing of the effect.
     """
     sets = {names: k for k, names in enumerate(tried.sets)}
     count = len(sets) + 1

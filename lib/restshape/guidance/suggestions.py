@@ -14,6 +14,7 @@ from restshape.guidance.force_space import (
     stability_space,
 )
 from restshape.guidance.ranges import bisected
+from restshape.guidance.relinearised import relinearised
 from restshape.physics.furniture import ALL, LOST, OVERLAPPING, UNSTABLE, Furniture
 from restshape.shape.design_modes import DesignModes
 from restshape.shape.planks import Piece
@@ -30,6 +31,9 @@ INSIDE = np.array([0.03, 0.15, 0.4, 0.8])
 
 BEYOND = np.array([1.15, 1.5])
 """And beyond where it is entered, for a prediction that falls short."""
+
+MENDED = 8
+"""Combinations of several modes whose direction is mended where they are, at most, in one search."""
 
 SPAN_TOLERANCE = 1e-2
 """Of the ends of a suggestion's range, in parts of the longest step."""
@@ -80,6 +84,7 @@ class Suggestions:
         led: combinations kept that lead into the box.
         tested: combinations tested in full.
         modes: that were combined.
+        mended: combinations whose direction was looked for again where the first one had led.
     """
 
     found: tuple[Suggestion, ...]
@@ -87,10 +92,16 @@ class Suggestions:
     led: int
     tested: int
     modes: DesignModes
+    mended: int = 0
 
 
 def suggest(
-    furniture: Furniture, most: int = 3, shown: int = SHOWN, trials: int = TRIALS, kept: int = KEPT
+    furniture: Furniture,
+    most: int = 3,
+    shown: int = SHOWN,
+    trials: int = TRIALS,
+    kept: int = KEPT,
+    mended: int = MENDED,
 ) -> Suggestions:
     """Suggestions for a piece that falls or has a weak joint; none for one that is valid.
 
@@ -103,6 +114,7 @@ def suggest(
         shown: suggestions at most.
         trials: combinations of several modes tested in full at most.
         kept: rays kept for each number of modes and leading mode, the widest; 0 keeps all.
+        mended: combinations at most whose direction is looked for again where it failed.
     """
     verdict = furniture.test()
     modes = DesignModes.of(furniture.piece, furniture.kernel.freedoms())
@@ -110,12 +122,12 @@ def suggest(
         return Suggestions((), (), 0, 0, modes)
     unstable = bool(verdict.flaws & UNSTABLE)
     space = stability_space(furniture, modes) if unstable else durability_space(furniture, modes)
-    search = Search(furniture, modes, space, trials, kept)
+    search = Search(furniture, modes, space, trials, kept, mended)
     found = search.run(most, shown, ALL)
     if unstable and not found:
         found = [replace(one, valid=False) for one in search.run(most, shown, LOST | OVERLAPPING | UNSTABLE)]
     furniture.test()
-    return Suggestions(tuple(found), search.tried, search.led, search.tested, modes)
+    return Suggestions(tuple(found), search.tried, search.led, search.tested, modes, search.mended)
 
 
 class Search:
@@ -124,16 +136,22 @@ class Search:
     Args:
         furniture, modes: the piece and what may change.
         space: its forces.
-        trials, kept: as in `suggest`.
+        trials, kept, mends: as `trials`, `kept` and `mended` of `suggest`.
     """
 
     def __init__(
-        self, furniture: Furniture, modes: DesignModes, space: ForceSpace, trials: int = TRIALS, kept: int = KEPT
+        self,
+        furniture: Furniture,
+        modes: DesignModes,
+        space: ForceSpace,
+        trials: int = TRIALS,
+        kept: int = KEPT,
+        mends: int = MENDED,
     ) -> None:
         self.furniture, self.modes, self.space = furniture, modes, space
-        self.trials, self.kept = trials, kept
+        self.trials, self.kept, self.mends = trials, kept, mends
         self.tried: tuple[int, ...] = ()
-        self.led = self.tested = 0
+        self.led = self.tested = self.mended = 0
 
     def run(self, most: int, shown: int, wanted: int) -> list[Suggestion]:
         """Suggestions of at most `most` modes, tested for the flaws wanted."""
@@ -161,9 +179,20 @@ class Search:
         for k in _different(vectors, widths, self.trials):
             if len(found) >= 2 * shown:
                 break
-            if one := self.confirmed(*each[k], wanted):
+            if one := self.confirmed(*each[k], wanted) or self._mended(*each[k], wanted):
                 found.append(one)
         return found
+
+    def _mended(self, modes: np.ndarray, parts: np.ndarray, span: np.ndarray, wanted: int) -> Suggestion | None:
+        """The suggestion along a direction that was looked for again where the first one enters the box."""
+        if self.mended >= self.mends:
+            return None
+        self.mended += 1
+        end = relinearised(self.furniture, self.modes, modes, float(span[0]) * parts, wanted)
+        if end is None:
+            return None
+        length = float(np.linalg.norm(end))
+        return self.confirmed(modes, end / length, np.array([length, 1.5 * length]), wanted)
 
     def _numbers(self, found: list[Suggestion]) -> tuple[np.ndarray, np.ndarray]:
         vectors, widths = np.zeros((len(found), len(self.modes))), np.zeros(len(found))
@@ -176,7 +205,7 @@ class Search:
         self.tested += 1
         direction = self.modes.direction(modes, parts)
         enters, leaves = span
-        t = np.unique(np.concatenate([enters + INSIDE * (leaves - enters), enters * BEYOND]))
+        t = np.unique(np.concatenate([[enters], enters + INSIDE * (leaves - enters), enters * BEYOND]))
         t = np.concatenate([[0.0], t[(t > 0.0) & (t <= LONGEST)]])
         # The piece as it is has a flaw that is wanted away.
         first = next((k for k in range(1, len(t)) if self._good(direction, t[k : k + 1], wanted)[0]), 0)

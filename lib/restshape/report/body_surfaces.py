@@ -15,18 +15,13 @@ Surface = tuple[np.ndarray, np.ndarray]
 
 
 def body_surface(body: Body, low: np.ndarray, high: np.ndarray) -> Surface:
-    """What of the surface of a body lies within a box, as triangles.
+    """The surface of a body as triangles; of a plane what lies within a box.
 
     Args:
         body: of numbers.
         low, high: (3,) corners of the box [m].
     """
-    places, triangles = _whole(body.form, low, high)
-    middle = places[triangles].mean(axis=1)
-    return places, triangles[((middle >= low) & (middle <= high)).all(axis=1)]
-
-
-def _whole(form: Sphere | Capsule | Box | Plane, low: np.ndarray, high: np.ndarray) -> Surface:
+    form = body.form
     match form:
         case Sphere():
             return _rounded(np.zeros(3), form.radius, np.eye(3), np.array(form.center))

@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape.report.style import FAINT, GOAL, INK, new_figure
 
-COLOURS = ("#d55e00", "#e69f00", "#cc79a7", "#0072b2", "#222222")
+COLOURS = ("#d55e00", "#e69f00", "#cc79a7", "#56b4e9", "#0072b2", "#222222")
 
 
 def draw_cycles(path: Path, courses: Mapping[str, Any], goal: float) -> None:

@@ -115,11 +115,9 @@ def drape_scenery(recording: Recording, frames: np.ndarray) -> DrapeScenery:
     most = low - ROOM * size, high + ROOM * size
     shown = [body for i in frames for body in bodies(recording, int(i)).values()]
     for body in shown:
-        surface, triangles = body_surface(body, *most)
-        # A plane ends where the box does.
-        if body.kind != "plane" and len(triangles):
-            corners = surface[triangles]
-            low, high = np.minimum(low, corners.min((0, 1))), np.maximum(high, corners.max((0, 1)))
+        surface, _ = body_surface(body, *most)
+        ends = np.clip((surface.min(axis=0), surface.max(axis=0)), *most) if body.kind != "plane" else (low, high)
+        low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])
     thin = np.maximum(0.0, THINNEST * max(high - low) - (high - low))
     margin = MARGIN * max(high - low)
     X = np.vstack([recording.points(int(i)) for i in frames])
@@ -175,12 +173,13 @@ class Picture:
         surface, triangles = self._bodies(recording, i)
         if len(triangles):
             away = BEHIND * float(np.linalg.norm(self.scenery.high - self.scenery.low))
-            body = self._hits(surface - away * self.camera.axes[2], triangles)
+            box = self.scenery.low - away, self.scenery.high + away
+            body = self._hits(surface - away * self.camera.axes[2], triangles, box)
             _lay(picture, body, cloth, BODY * self._light(body, surface, triangles)[:, None])
         return _coarser(picture)
 
-    def _hits(self, x: np.ndarray, triangles: np.ndarray) -> Hits:
-        return hits(self.camera, x, triangles, self.window, FINER * self.columns)
+    def _hits(self, x: np.ndarray, triangles: np.ndarray, box: tuple | None = None) -> Hits:
+        return hits(self.camera, x, triangles, self.window, FINER * self.columns, box)
 
     def _bodies(self, recording: Recording, i: int) -> tuple[np.ndarray, np.ndarray]:
         """All bodies as one surface."""

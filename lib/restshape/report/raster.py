@@ -72,7 +72,12 @@ class Hits:
 
 
 def hits(
-    camera: Camera, places: np.ndarray, triangles: np.ndarray, window: tuple[float, float, float, float], columns: int
+    camera: Camera,
+    places: np.ndarray,
+    triangles: np.ndarray,
+    window: tuple[float, float, float, float],
+    columns: int,
+    box: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> Hits:
     """What of a surface is nearest in each pixel of a picture.
 
@@ -82,6 +87,7 @@ def hits(
         triangles: (m, 3) corners.
         window: left, right, bottom, top of the picture, as `Camera.project` has them [m].
         columns: pixels across; pixels are square.
+        box: two corners (3,) [m]; what lies outside of it is cut off.
     """
     left, right, bottom, top = window
     scale = columns / (right - left)
@@ -94,6 +100,9 @@ def hits(
     middle = np.column_stack([pixel % columns, pixel // columns]) + 0.5
     weights = _weights(corners, doubled, owner, middle)
     inside = (weights >= 0.0).all(axis=1)
+    if box:
+        x = np.einsum("pk,pkc->pc", weights[inside], places[triangles][owner[inside]])
+        inside[inside] = ((x >= box[0]) & (x <= box[1])).all(axis=1)
     pixel, owner, weights = pixel[inside], owner[inside], weights[inside]
     depth = (weights * near[triangles][owner]).sum(axis=1)
     # Of several values for one pixel the last one stays: the nearest.

@@ -10,8 +10,9 @@ from typing import Any
 from hypothesis import strategies as st
 
 from restshape.policy import POLICIES
+from restshape.stability.cloth_strategies import CLOTH, cloth_scenes, cloth_sets
+from restshape.stability.shape_strategies import Table, angles, entities, mesh_size, numbers, places, shapes, sides
 
-Table = dict[str, Any]
 MOST_ELEMENTS = 200
 """Of a scene's first mesh."""
 SCENE, EDITS = "scene.toml", "edits.jsonl"
@@ -81,55 +82,6 @@ def _inline(value: Any) -> str:
     return json.dumps(value)
 
 
-# Numbers of few digits shrink to what people can read.
-def numbers(least: float, most: float) -> st.SearchStrategy[float]:
-    """Numbers of at most three decimals."""
-    return st.integers(math.ceil(1000 * least), math.floor(1000 * most)).map(lambda k: k / 1000)
-
-
-places = st.tuples(numbers(-1.5, 1.5), numbers(-1.5, 1.5)).map(list)
-angles = numbers(-4, 4)
-
-
-@st.composite
-def shapes(draw: st.DrawFn) -> tuple[Table, float]:
-    """The [shape] of an outline about the origin, with or without a hole, a region and a point, and its area [m^2]."""
-    count = draw(st.integers(3, 6))
-    turns = [(k + draw(numbers(-0.25, 0.25))) * 2 * math.pi / count for k in range(count)]
-    corners = [(r * math.cos(a), r * math.sin(a)) for a, r in ((a, draw(numbers(0.5, 1.0))) for a in turns)]
-    corners = [(round(x, 3), round(y, 3)) for x, y in corners]
-    edges = {}
-    for k, (p, q) in enumerate(zip(corners, [*corners[1:], corners[0]]), start=1):
-        ends = [f"p{k}", f"p{k % count + 1}"]
-        middle = [round(0.52 * (p[i] + q[i]), 3) for i in (0, 1)]
-        kind = draw(st.sampled_from(["line", "line", "line", "arc", "spline", "polyline"]))
-        more = {"line": {}, "arc": {"bulge": draw(numbers(-0.2, 0.3))}}.get(kind, {"through": [middle]})
-        edges[f"e{k}"] = {kind: ends, **more}
-    shape: Table = {"outline": list(edges), "vertices": {f"p{k}": list(p) for k, p in enumerate(corners, start=1)}}
-    shape["edges"] = edges
-    if draw(st.booleans()):
-        round_hole = {"circle": {"center": [-0.1, 0.0], "radius": draw(numbers(0.01, 0.12))}}
-        square = {"polygon": [[-0.15, -0.05], [-0.05, -0.05], [-0.05, 0.05], [-0.15, 0.05]]}
-        shape["holes"] = {"window": draw(st.sampled_from([round_hole, square]))}
-    if draw(st.integers(0, 2)) == 0:
-        shape["regions"] = {"patch": {"polygon": [[0.06, -0.06], [0.18, -0.06], [0.18, 0.06], [0.06, 0.06]]}}
-    if draw(st.integers(0, 4)) == 0:
-        shape["points"] = {"probe": [0.0, 0.15]}
-    area = 0.5 * sum(p[0] * q[1] - p[1] * q[0] for p, q in zip(corners, [*corners[1:], corners[0]]))
-    return shape, area
-
-
-def entities(shape: Table) -> list[str]:
-    """Names that a shape gives: corners, edges, hole, region, point."""
-    named = [*shape["vertices"], *shape["edges"], *shape.get("holes", {}), *shape.get("regions", {})]
-    inner = [f"window.{part}" for part in ("1", "2", "v1")] if "holes" in shape else []
-    return [*named, *inner, *shape.get("points", {})]
-
-
-def _sides(shape: Table) -> list[str]:
-    return [*shape["edges"], "outline", *shape.get("holes", {})]
-
-
 @st.composite
 def isotropic(draw: st.DrawFn) -> Table:
     """A material by E and nu."""
@@ -189,7 +141,7 @@ def loads(draw: st.DrawFn, shape: Table, stiffness: float, thickness: float) -> 
         if draw(st.integers(0, 5)) == 0 and kind != "force":
             value = f"{size!r}*x" if kind == "pressure" else [f"{size!r}*(x + k*y)", vector[1]]
         on = {"force": [*shape["vertices"], *shape["edges"]], "body": ["all", *shape.get("regions", {})]}
-        found[f"l{k}"] = {"on": draw(st.sampled_from(on.get(kind, _sides(shape)))), kind: value}
+        found[f"l{k}"] = {"on": draw(st.sampled_from(on.get(kind, sides(shape)))), kind: value}
     return found
 
 
@@ -273,8 +225,8 @@ def meshes(draw: st.DrawFn, area: float, effects: Table) -> Table:
     """The [mesh] of about 3 to 120 elements over an area [m^2]."""
     model = effects.get("modal", {}).get("model", "")
     most = 20 if model == "solid" else 120
-    size = math.sqrt(4 * area / (math.sqrt(3) * draw(st.integers(3, most))))
-    mesh: Table = {"size": round(size, 3)}
+    size = mesh_size(area, draw(st.integers(3, most)))
+    mesh: Table = {"size": size}
     if draw(st.booleans()) and model != "plate":
         mesh["order"] = draw(st.sampled_from([1, 2]))
     if model == "solid":
@@ -293,6 +245,8 @@ def meshes(draw: st.DrawFn, area: float, effects: Table) -> Table:
 @st.composite
 def scenes(draw: st.DrawFn, app: str) -> Table:
     """The tables of a scene of an application."""
+    if app == CLOTH:
+        return draw(cloth_scenes())
     shape, area = draw(shapes())
     modal = app == "metallophone"
     effects = draw(modal_effects() if modal else solid_effects(app))
@@ -401,8 +355,9 @@ rests = st.sampled_from([[{"do": "idle", "frames": 2}], [{"do": "analyse"}]])
 
 def scripts(scene: Table) -> st.SearchStrategy[list[Table]]:
     """Events of at most some 60 frames for a scene, with the header first."""
-    names = [*entities(scene["shape"]), "q", "h1", "outline", "all"]
-    part = st.one_of(small_moves(scene), gestures(names), single_edits(names), sets(scene), rests)
+    names = [*entities(scene["shape"]), *scene.get("bodies", {}), "q", "h1", "outline", "all"]
+    values = cloth_sets(scene) if scene["app"] == CLOTH else sets(scene)
+    part = st.one_of(small_moves(scene), gestures(names), single_edits(names), values, rests)
     heads = [{}, {}, {}] + [{"analysis": "on demand"}] * (scene["app"] != "vibration")
     return st.builds(timed, st.sampled_from(heads), st.lists(part, min_size=1, max_size=8))
 
@@ -473,7 +428,7 @@ def examples(draw: st.DrawFn, apps: Sequence[str], damaged: bool) -> Example:
         edits = spliced(edits, draw(st.lists(splices, min_size=1, max_size=3)))
     policy = draw(st.sampled_from(list(POLICIES)[::-1]))
     # What cannot be predicted is asked for at times, for it is refused.
-    can = app != "vibration" and policy != "rebuild" and "analysis" not in lines[0]
+    can = app not in ("vibration", CLOTH) and policy != "rebuild" and "analysis" not in lines[0]
     predict = draw(st.sampled_from(["none", "linear"])) if can or draw(st.integers(0, 19)) == 19 else "none"
     written = draw(st.integers(1, WRITTEN_SHARE)) == WRITTEN_SHARE
     return Example(app, text, edits, policy, predict, harm, written)
