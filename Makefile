@@ -10,6 +10,7 @@ building := apps/vibration/scenes/building.toml
 fish := apps/metallophone/scenes/fish.toml
 bar := apps/metallophone/scenes/bar_200.toml
 canvas := apps/couture/scenes/strip.toml
+couture := apps/couture
 cantilever_edits := apps/cantilever/edits/cantilever.jsonl
 
 # Two cores hold two ranks or two test workers, one thread each; the rest lets mpiexec start as root, in a
@@ -51,6 +52,17 @@ results: setup
 		--rasp results/metallophone-rasp.png
 	.venv/bin/python -m restshape_apps.metallophone.sound $(fish) --out results/metallophone-fish.wav --seconds 1
 	.venv/bin/python -m restshape_apps.metallophone.accuracy --picture results/metallophone-accuracy.png
+	$(restshape) replay $(couture)/scenes/sphere.toml --edits $(couture)/edits/sphere-drag.jsonl --out results/couture.vtkhdf
+	$(restshape) report results/couture.vtkhdf --animation none
+	.venv/bin/python -m restshape_apps.couture.picture results/couture.vtkhdf --frames 0 24 61 \
+		--out results/couture-sphere.png
+	$(restshape) replay $(couture)/scenes/pins.toml --edits $(couture)/edits/pins.jsonl --out results/couture-pins.vtkhdf
+	.venv/bin/python -m restshape_apps.couture.picture results/couture-pins.vtkhdf --frames 0 17 26 \
+		--out results/couture-pins.png
+	.venv/bin/python tests/physics/bending_kinds.py --picture results/couture-bending.png
+	$(restshape) bench drape $(couture)/scenes/sphere.toml --set effects.cloth.bending=hinge --frames 20 \
+		--json results/bench-drape.json --picture results/bench-drape.png
+	.venv/bin/python -m restshape_apps.couture.cycles --picture results/couture-cycles.png
 	.venv/bin/python -m restshape_apps.solid.picture apps/solid/scenes/column.toml --out results/column-modes.png
 	$(restshape) bench eigen $(bar) --set effects.modal.modes=5 --json results/bench-eigen.json
 	$(restshape) accuracy $(plate) $(cantilever) $(bridge) $(building) $(fish) $(canvas) --out results/accuracy \

@@ -23,6 +23,7 @@ from restshape.stability.scenery import set_value
 PINS = pinned("c", "d")
 ANYWHERE = 0.3
 """Scatter [m] as large as the cloth: nodes lie anywhere in a box."""
+FOLDED = "motion alone comes to rest in other folds"
 KINDS = ("morley", "hinge", "nonlinear")
 
 
@@ -104,11 +105,11 @@ def without_weight(trial: Trial) -> Iterator[Statement]:
     made, rows = played(trial, square(0.025, pinned("left"), drawn, start(0.02)).replace(GRAVITY, ""))
     yield from resting(made, rows)
     x = made.analysis.sheet.corners(made.analysis.x)
-    yield below("out of plane [m]", float(np.abs(x[:, 2]).max()), 1e-6)
+    yield below("out of plane [m]", float(np.abs(x[:, 2]).max()), 1e-5)
 
 
 CASES = {
-    "scattered": Case(scattered, share=0.34),
+    "scattered": Case(scattered, exempt={"thesis": FOLDED}, share=0.34),
     "crumpled_on_a_ball": Case(crumpled_on_a_ball),
     "textile": Case(textile),
     "thin_plate": Case(thin_plate),

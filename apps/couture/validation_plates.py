@@ -10,7 +10,7 @@ from restshape.validation.case import Check
 
 SCENES = Path(__file__).parent / "scenes"
 LOAD = 0.25
-"""q a^4/D of plate.toml [m]."""
+"""q a^4/D of square_plate.toml [m]."""
 
 SIDES = {
     "simply supported": ('["x","y","z"]', 0.00406235, 0.01),
@@ -26,7 +26,7 @@ def plates(comm: PETSc.Comm) -> list[Check]:
         found = []
         for level in (1, 2):
             mesh = [f"mesh.size={0.1 / level}", f"mesh.levels={level}"]
-            row = still(SCENES / "plate.toml", [f"supports.sides.fix={fix}", *mesh], comm).row
+            row = still(SCENES / "square_plate.toml", [f"supports.sides.fix={fix}", *mesh], comm).row
             found.append(-row["q_middle"] / LOAD)
         slope = float(np.log2((found[0] - exact) / (found[1] - exact)))
         # What is left of an error that goes with the square of the size.

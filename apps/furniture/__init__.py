@@ -1,1 +1,119 @@
-"""Furniture of planks and nails: valid ranges and suggestions while it is being designed."""
+"""Furniture of planks and nails: valid ranges and suggestions while it is being designed.
+
+After chapter 6 of the thesis. What is told of each frame: whether the piece is connected, stands and bears its loads,
+how far the parameter under the hand may go, and what would mend a piece that does not hold.
+"""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from restshape.application import Application, Decision, Effect
+from restshape.errors import UserError
+from restshape.guidance.force_space import forecast
+from restshape.physics.fasteners import fastener, wood
+from restshape.scene.model import Scene
+from restshape.scene.values import Strict, number_of
+
+MANY = 3
+"""Freedoms of a suggestion from which on the search is announced."""
+
+
+class Nails(Strict):
+    """Keys of ``[effects.nails]``: none; ``[fastener]`` and ``[joints]`` say what joins the planks."""
+
+    def decide(self, scene: Scene) -> Decision:
+        """The same.
+
+        Raises:
+            UserError: a wood or a fastener has a name that nobody knows.
+        """
+        places = [("wood.name", wood, scene.wood.name), ("fastener.name", fastener, scene.fastener.name)]
+        places += [(f"planks.{name}.wood", wood, p.wood) for name, p in scene.planks.items() if p.wood]
+        places += [
+            (f"joints.{name}.fastener", fastener, j.fastener) for name, j in scene.joints.named.items() if j.fastener
+        ]
+        for key, known, name in places:
+            try:
+                known(name)
+            except UserError as error:
+                raise UserError(error.what, key, error.do) from error
+        idle = "pushes are not looked at: there is no [effects.push]"
+        warns = bool(scene.pushes) and "push" not in scene.effects
+        return Decision(self, idle if warns else "", warns=warns)
+
+
+class Gravity(Strict):
+    """Keys of ``[effects.gravity]``: the acceleration g [m/s^2] that planks and weights have."""
+
+    g: Annotated[list[number_of("acceleration")], Field(min_length=3, max_length=3)] = [0.0, 0.0, -9.80665]
+
+
+class Push(Strict):
+    """Keys of ``[effects.push]``: none; each of ``[pushes]`` is a case of its own beside the weights."""
+
+    def decide(self, scene: Scene) -> Decision:
+        """The same.
+
+        Raises:
+            UserError: there is no push.
+        """
+        if not scene.pushes:
+            raise UserError("there is no push", "effects.push", "add [pushes.NAME], or leave out [effects.push]")
+        return Decision(self)
+
+
+class Bending(Strict):
+    """Keys of ``[effects.bending]``: none; planks sag as beams under the forces of rigid ones."""
+
+
+class Guide(Strict):
+    """Keys of ``[effects.guidance]``: what is looked for while the piece is edited.
+
+    Args:
+        ranges: where the parameter under the hand may go.
+        suggestions: for a piece that does not hold, at most so many.
+        freedoms: of the design that one of them changes at most.
+    """
+
+    ranges: bool = True
+    suggestions: Annotated[int, Field(ge=0, le=8)] = 8
+    freedoms: Annotated[int, Field(ge=1, le=5)] = MANY
+
+    def decide(self, scene: Scene) -> Decision:
+        """The same keys, with a warning of how many combinations there are of more freedoms than usual."""
+        if self.freedoms <= MANY or not self.suggestions:
+            return Decision(self)
+        most = forecast(8 * len(scene.planks), self.freedoms)
+        why = (
+            f"up to {most.combinations:,} combinations of {self.freedoms} freedoms, about {most.seconds:.3g} s a search"
+        )
+        return Decision(self, why, warns=True)
+
+
+def columns(scene: Scene) -> dict[str, Any]:
+    """The columns that a replay of furniture has besides."""
+    reals = ("use", "margin", "missing", "sag", "bending_use", "at", "range_low", "range_high")
+    reals += ("ms_equilibrium", "ms_range", "ms_suggestions")
+    integers = ("flaws", "inside", "tried", "tested", "suggested")
+    texts = {"parameter": "S96", "ranges": "S240", "suggestions": "S2400"}
+    return dict.fromkeys(integers, np.int64) | dict.fromkeys(reals, np.float64) | texts
+
+
+application = Application(
+    name="furniture",
+    summary="planks and nails: what holds, how far each edit may go, and what would mend it",
+    effects={
+        "nails": Effect(Nails, "joints of planks, and the strength of what holds them", required=True),
+        "gravity": Effect(Gravity, "weight of planks and of what is put on them", drives=True),
+        "push": Effect(Push, "sideways forces, a case each", drives=True),
+        "bending": Effect(Bending, "sag of planks by beam theory"),
+        "guidance": Effect(Guide, "valid ranges and suggestions", required=True),
+    },
+    folder=Path(__file__).parent,
+    analysis="restshape.guidance.furnishing:FurnitureAnalysis",
+    session="restshape.guidance.plank_session:PlankSession",
+    columns="restshape_apps.furniture:columns",
+)

@@ -1,47 +1,41 @@
-"""Pieces of furniture as data: those of the thesis's figures in kind, with the planks and joints of its table 6.1."""
+"""Pieces of furniture: those of the thesis's figures in kind, with the planks and joints of its table 6.1."""
+
+from pathlib import Path
 
 import numpy as np
 
 from restshape.physics.furniture import Furniture
+from restshape.scene.load import load_scene
+from restshape.shape.plank_scene import piece_of
 from restshape.shape.planks import Load, Piece, Plank, feet_near, joints_near, weight
 
 NEAR = 0.015
 """How far drawn ends may be from what they are joined to [m]."""
 
+SCENES = Path(__file__).parent / "scenes"
 
-def joined(
-    name: str, planks: list[Plank], weights: tuple[Load, ...] = (), pushes: tuple[Load, ...] = (), **more
-) -> Piece:
-    """A piece of drawn planks: what is near is joined, what is near the floor stands on it, and joints are closed."""
-    fastener = more.pop("fastener", "nail-thesis")
-    joints = joints_near(planks, NEAR, fastener=fastener)
-    drawn = Piece(tuple(planks), joints, feet_near(planks), weights=weights, pushes=pushes, name=name, **more)
-    return Furniture(drawn).moved()
+
+def drawn(name: str, *overrides: str) -> Piece:
+    """The piece of a scene, its joints closed.
+
+    Args:
+        name: of the scene.
+        overrides: ``key=value``, applied before it is read.
+    """
+    return Furniture(piece_of(load_scene(SCENES / f"{name}.toml", overrides))).moved()
 
 
 def cantilever(
     width: float = 0.06, arm: float = 0.19, kilograms: float = 0.5, fastener: str = "nail-experiment"
 ) -> Piece:
     """The nail cantilever of section 6.6.1: a board end-on against an upright one that stands on a foot."""
-    t, high = 0.012, 0.3
-    post = Plank.between("post", (0, 0, t), (0, 0, high), (0, 0.2, 0), t)
-    foot = Plank.between("foot", (-0.3, 0, t / 2), (0.3, 0, t / 2), (0, 0.2, 0), t)
-    beam = Plank.between("beam", (t / 2, 0, 0.2), (t / 2 + arm, 0, 0.2), (0, width, 0), t)
-    hung = weight("hung", 2, kilograms, (0.5, 0.0, 0.0))
-    return joined("cantilever", [post, foot, beam], (hung,), fastener=fastener)
+    values = {"deep": width, "arm": arm, "load": kilograms}
+    return drawn("cantilever", *_parameters(values), f"fastener.name={fastener}")
 
 
 def scales(kilograms: float = 1.6, width: float = 0.06, fastener: str = "nail-experiment") -> Piece:
     """A post with a loaded board on either side: two weak joints, which no single edit mends."""
-    t, high = 0.012, 0.3
-    post = Plank.between("post", (0, 0, t), (0, 0, high), (0, 0.2, 0), t)
-    foot = Plank.between("foot", (-0.3, 0, t / 2), (0.3, 0, t / 2), (0, 0.2, 0), t)
-    beams = [
-        Plank.between(name, (way * t / 2, 0, z), (way * (t / 2 + 0.19), 0, z), (0, width, 0), t)
-        for name, way, z in (("left", -1.0, 0.15), ("right", 1.0, 0.22))
-    ]
-    hung = tuple(weight(f"on the {beam.name}", 2 + k, kilograms, (0.5, 0.0, 0.0)) for k, beam in enumerate(beams))
-    return joined("scales", [post, foot, *beams], hung, fastener=fastener)
+    return drawn("scales", *_parameters({"load": kilograms, "deep": width}), f"fastener.name={fastener}")
 
 
 def table(
@@ -55,45 +49,54 @@ def table(
 
     `push` is a sideways force on the top [N], a case of its own.
     """
-    high, long, wide, t = 0.7, 1.1, 0.6, thickness
-    top = Plank.between("top", (-long / 2, 0, high + t / 2), (long / 2, 0, high + t / 2), (0, wide, 0), t)
-    x, y = long / 2 - 0.1, wide / 2 - 0.1
-    legs = [
-        Plank.between(f"leg {k + 1}", (sx * x, sy * y, 0), (sx * x - lean, sy * y, high), (0, 0.12, 0), t)
-        for k, (sx, sy, lean) in enumerate([(-1, -1, 0.0), (-1, 1, 0.0), (1, -1, 0.0), (1, 1, slant)])
-    ]
-    pushes = (Load("push", 0, (0.0, 0.0, 0.0), (push, 0.0, 0.0)),) if push else ()
-    put = weight("weight", 0, kilograms, (0.1, 0.0, 0.5))
-    return joined("table", [top, *legs], (put,), pushes, fastener=fastener)
+    values = {"slant": slant, "t": thickness, "load": kilograms, "push": push}
+    pushed = ["effects.push={}"] if push else []
+    return drawn("table", *_parameters(values), f"fastener.name={fastener}", *pushed)
 
 
 def chair(back: float = 0.1, kilograms: float = 50.0, thickness: float = 0.012) -> Piece:
     """Chair 1: a seat between two boards for sides, with a back that leans by `back` [m] and a stretcher."""
-    t, wide, deep, seat = thickness, 0.42, 0.4, 0.42
-    x = wide / 2 + t / 2
-    planks = [
-        Plank.between("seat", (-wide / 2, 0, seat), (wide / 2, 0, seat), (0, deep, 0), t),
-        Plank.between("left", (-x, 0, 0), (-x, 0, 0.6), (0, deep, 0), t),
-        Plank.between("right", (x, 0, 0), (x, 0, 0.6), (0, deep, 0), t),
-        Plank.between("stretcher", (-wide / 2, 0, 0.15), (wide / 2, 0, 0.15), (0, 0.15, 0), t),
-        Plank.between("back", (0, 0.1, seat + t / 2), (0, 0.1 + back, seat + 0.45), (0.3, 0, 0), t),
-    ]
-    weights = (weight("sitter", 0, kilograms), weight("leaning", 4, 0.3 * kilograms / 3.0, (0.3, 0.0, 0.0)))
-    return joined("chair 1", planks, weights)
+    return drawn("chair-1", *_parameters({"lean": back, "load": kilograms, "t": thickness}))
 
 
 def stool_chair(lean: float = 0.12, kilograms: float = 45.0, thickness: float = 0.012) -> Piece:
     """Chair 2: a seat on two slanted boards, with a back board, an arm on it, and three weights."""
-    t, seat = thickness, 0.4
-    planks = [
-        Plank.between("seat", (-0.25, 0, seat + t / 2), (0.25, 0, seat + t / 2), (0, 0.4, 0), t),
-        Plank.between("front", (-0.18 - lean, 0, 0), (-0.18, 0, seat), (0, 0.36, 0), t),
-        Plank.between("rear", (0.18 + lean, 0, 0), (0.18, 0, seat), (0, 0.36, 0), t),
-        Plank.between("back", (0.2, 0, seat + t), (0.26, 0, seat + 0.4), (0, 0.3, 0), t),
-        Plank.between("arm", (0.22, 0.0, seat + 0.2), (0.0, 0.0, seat + 0.2), (0, 0.1, 0), t),
-    ]
-    weights = (weight("sitter", 0, kilograms), weight("leaning", 3, 5.0, (0.3, 0, 0)), weight("book", 4, 2.0))
-    return joined("chair 2", planks, weights)
+    return drawn("chair-2", *_parameters({"lean": lean, "load": kilograms, "t": thickness}))
+
+
+def shelf_1() -> Piece:
+    """Shelf 1: 9 planks and 13 joints, as in the first column of table 6.1."""
+    return drawn("shelf-1")
+
+
+def shelf_2() -> Piece:
+    """Shelf 2: 10 planks and 13 joints, as in the second column of table 6.1."""
+    return drawn("shelf-2")
+
+
+def bookshelf_20() -> Piece:
+    """The 20-plank bookshelf with 33 joints, as in the third column of table 6.1."""
+    return drawn("bookshelf")
+
+
+def piece_28() -> Piece:
+    """The 28-plank piece with 49 joints, as in the fourth column of table 6.1."""
+    return drawn("piece-28")
+
+
+def _parameters(values: dict[str, float]) -> list[str]:
+    """Overrides of a scene's parameters."""
+    return [f"parameters.{name}={float(value)!r}" for name, value in values.items()]
+
+
+def joined(
+    name: str, planks: list[Plank], weights: tuple[Load, ...] = (), pushes: tuple[Load, ...] = (), **more
+) -> Piece:
+    """A piece of drawn planks: what is near is joined, what is near the floor stands on it, and joints are closed."""
+    fastener = more.pop("fastener", "nail-thesis")
+    joints = joints_near(planks, NEAR, fastener=fastener)
+    drawn = Piece(tuple(planks), joints, feet_near(planks), weights=weights, pushes=pushes, name=name, **more)
+    return Furniture(drawn).moved()
 
 
 def bookshelf(
@@ -120,7 +123,7 @@ def bookshelf(
     foot = [wide * k for k in range(len(rows) + 1)]
     lean_of = [lean if k % 2 else 0.0 for k in range(len(rows) + 1)]
     planks = [
-        Plank.between(f"upright {k + 1}", (x, 0, 0), (x + l, 0, high), (0, deep, 0), t)
+        Plank.between(f"upright-{k + 1}", (x, 0, 0), (x + l, 0, high), (0, deep, 0), t)
         for k, (x, l) in enumerate(zip(foot, lean_of))
     ]
     spots = []
@@ -130,42 +133,22 @@ def bookshelf(
         for row, z in enumerate(heights):
             ends = [foot[bay + s] + lean_of[bay + s] * z / high + (t / 2 if s == 0 else -t / 2) for s in range(2)]
             planks.append(
-                Plank.between(f"shelf {bay + 1}.{row + 1}", (ends[0], 0, z), (ends[1], 0, z), (0, 0.92 * deep, 0), t)
+                Plank.between(f"shelf-{bay + 1}-{row + 1}", (ends[0], 0, z), (ends[1], 0, z), (0, 0.92 * deep, 0), t)
             )
             if row:
                 spots.append((0.5 * (ends[0] + ends[1]) + 0.03 * (-1) ** row, heights[row - 1] + t / 2, z - t / 2))
     for k in range(dividers):
         x, low, up = (spots[::2] + spots[1::2])[k]
-        planks.append(Plank.between(f"divider {k + 1}", (x, 0, low), (x, 0, up), (0, 0.2, 0), t))
+        planks.append(Plank.between(f"divider-{k + 1}", (x, 0, low), (x, 0, up), (0, 0.2, 0), t))
     first = len(planks)
     for k in range(brackets):
         z, upright, way = 0.5 + 0.3 * k, -1 if both and k % 2 else 0, 1.0 if both and k % 2 else -1.0
         x = foot[upright] + lean_of[upright] * z / high + way * t / 2
-        planks.append(Plank.between(f"bracket {k + 1}", (x, 0, z), (x + 0.25 * way, 0, z), (0, 0.2, 0), t))
+        planks.append(Plank.between(f"bracket-{k + 1}", (x, 0, z), (x + 0.25 * way, 0, z), (0, 0.2, 0), t))
     shelves = range(len(foot), len(foot) + sum(rows))
-    weights = [weight(f"on shelf {k}", k, kilograms) for k in shelves]
-    weights += [weight(f"on bracket {k}", first + k, heavy, (0.2, 0.0, 0.5)) for k in range(brackets)]
+    weights = [weight(f"on-shelf-{k}", k, kilograms) for k in shelves]
+    weights += [weight(f"on-bracket-{k}", first + k, heavy, (0.2, 0.0, 0.5)) for k in range(brackets)]
     return joined(f"{len(planks)} planks", planks, tuple(weights))
-
-
-def shelf_1() -> Piece:
-    """Shelf 1: 9 planks and 13 joints, as in the first column of table 6.1."""
-    return bookshelf((4,), dividers=2, brackets=1)
-
-
-def shelf_2() -> Piece:
-    """Shelf 2: 10 planks and 13 joints, as in the second column of table 6.1."""
-    return bookshelf((4,), dividers=1, brackets=3, heavy=20.0, both=False)
-
-
-def bookshelf_20() -> Piece:
-    """The 20-plank bookshelf with 33 joints, as in the third column of table 6.1."""
-    return bookshelf((10,), dividers=5, brackets=3, heavy=26.0)
-
-
-def piece_28() -> Piece:
-    """The 28-plank piece with 49 joints, as in the fourth column of table 6.1."""
-    return bookshelf((15,), dividers=8, brackets=3, kilograms=2.0, heavy=26.0)
 
 
 PIECES = {

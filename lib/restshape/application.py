@@ -135,6 +135,8 @@ class Application:
         layered: bodies have a thickness, which may be a formula, and layers of elements over it.
         nested: its fields, of first order, may live on a mesh nested in coarser ones.
         cloth: it knows sheets in space: bodies, a start, planes of symmetry, a bending stiffness.
+        session: path ``module:attribute`` of the class that edits what has neither outline nor mesh, which are planks;
+            empty for all others. Of a scene and a script it makes their frames, and models of them.
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
         stability: path ``module:attribute`` of its hard cases by name.
@@ -155,11 +157,21 @@ class Application:
     layered: bool = False
     nested: bool = False
     cloth: bool = False
+    session: str = ""
     columns: str = ""
     stability: str = ""
     transient: bool = False
     knobs: tuple[Knob, ...] = ()
     implied: dict[str, Implied] = field(default_factory=dict)
+
+    @property
+    def planks(self) -> bool:
+        """Whether its objects are made of planks, which have no mesh."""
+        return bool(self.session)
+
+    def make_session(self) -> Callable[..., Any]:
+        """The class of sessions of planks, imported now."""
+        return _attribute(self.session)
 
     def make_analysis(self) -> Callable[..., Any]:
         """The factory of this application's analysis, imported now."""

@@ -1,6 +1,7 @@
 """Errors of cloth: distances beside closed forms, and a small study of a strip whose tip is known."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -93,8 +94,10 @@ def test_all_ways_of_bending_are_held_against_morleys_triangles(strip):
         assert by[kind, 2.0] > by[None, 2.0]
     # Two thirds of the size, and about two thirds of the error: Morley's triangles are of first order.
     assert by[None, 2.0] / by[None, 3.0] == pytest.approx(2.0 / 3.0, abs=0.2)
-    (line,) = values_lines(strip)
-    assert "Best is `morley` there" in line and "hinge" in line and "nonlinear" in line
+    # The clock of a busy machine tells nothing: let a frame take as long as it has triangles.
+    timed = replace(strip, records=[r | {"frame_ms": 1e-2 * r["elements"]} for r in strip.records])
+    (line,) = values_lines(timed)
+    assert line.endswith("The most accurate is `morley`.") and "`hinge`" in line and "`nonlinear`" in line
 
 
 def test_reuse_and_the_tolerance_leave_next_to_nothing(strip):

@@ -89,12 +89,14 @@ def test_nothing_can_be_picked_from_nothing():
 
 def test_values_of_a_key_are_compared_at_one_time():
     def point(ms, error, **given):
-        return {"frame_ms": ms, "error": error, "order": 1, "policy": "auto", "varied": "", "given": None} | given
+        return record(error, ms, size=1.0 / ms, **{"varied": "", "given": None, **given})
 
     # error = 0.1/ms of the scene's own value, 0.4/ms of the other: in between too, along lines of logarithms.
     own = [point(ms, 0.1 / ms) for ms in (1.0, 4.0, 16.0)]
     other = [point(ms, 0.4 / ms, varied="key", given="b") for ms in (4.0, 64.0)]
     alone = [point(1.0, 0.3, varied="solve.tolerance", given=1e-2)]
-    ms, errors = rivals([*own, *other, *alone])["key"]
-    assert ms == pytest.approx(8.0) and errors == {None: pytest.approx(0.1 / 8.0), "b": pytest.approx(0.4 / 8.0)}
-    assert "solve.tolerance" not in rivals([*own, *other, *alone])
+    found = rivals([*own, *other, *alone])
+    assert list(found) == ["key"] and found["key"].ms == pytest.approx(8.0)
+    assert found["key"].then == {None: pytest.approx(0.1 / 8.0), "b": pytest.approx(0.4 / 8.0)}
+    assert found["key"].finest == {None: pytest.approx((0.1 / 16.0, 1.0)), "b": pytest.approx((0.4 / 64.0, 1.0))}
+    assert rivals([*own, *other[:1]]) == {}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import scipy.sparse as sparse
-from plank_pieces import stool
+from restshape_apps.furniture.small_pieces import stool
 from restshape_apps.furniture.pieces import PIECES, chair, shelf_1, table
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plank_pieces import block, stool
+from restshape_apps.furniture.small_pieces import block, stool
 from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, stool_chair, table
 
 from restshape.guidance.force_space import durability_space

@@ -179,7 +179,7 @@ def test_lost_joints_are_brought_back() -> None:
         assert not lost.test(way.t * way.direction).flaws & LOST
         assert lost.test((way.span[0] - 1e-4) * way.direction).flaws & LOST
     # Back by a quarter of what it was moved: the leg's half width of 60 mm must meet the top by 10 mm.
-    back = next(way for way in ways if way.mode == "leg 1: move y")
+    back = next(way for way in ways if way.mode == "leg-1: move y")
     assert back.span[0] * DesignModes.of(lost.piece, []).unit == pytest.approx(0.05, abs=1e-4)
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cloths import PIN, cloth
 from petsc4py import PETSc
 
 from restshape.algebra.stages import Stages
@@ -107,6 +108,18 @@ def test_uniform_strain_has_no_error(kind):
     sheet = loose(square(), kind)
     flat = np.column_stack([1.1 * sheet.mesh.X[:, 0], 0.9 * sheet.mesh.X[:, 1], 0.2 * sheet.mesh.X[:, 0]])
     assert ClothEstimate(sheet).relative(sheet.flat(flat)) < 1e-6
+
+
+def test_materials_that_meet_have_no_error_of_their_own(tmp_path):
+    scene = cloth(tmp_path, PIN)
+    mesh = generate(Outline.from_spec(scene.shape, scene.folder), scene.mesh)
+    assert len(np.unique(mesh.cell_region)) == 2
+    inside = (mesh.cell_region > 0)[:, None, None]
+    none = np.zeros((len(mesh.X), 3))
+    fabric = Fabric(np.where(inside, 100.0 * C, C), np.where(inside, 100.0 * D, D), 0.2, "morley")
+    sheet = Sheet(mesh, fabric, Held(none.astype(bool), none), FREE)
+    stretched = sheet.flat(np.column_stack([1.1 * mesh.X[:, 0], mesh.X[:, 1], none[:, 0]]))
+    assert ClothEstimate(sheet).relative(stretched) < 1e-6
 
 
 def test_what_is_not_strained_has_no_estimate():

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plank_pieces import bench, block, ladder, mirrored, stool
+from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool
+from restshape_apps.furniture.least_energy import least_energy
 from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, shelf_1, shelf_2, stool_chair, table
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
@@ -137,40 +138,6 @@ def test_feet_in_one_line_fall_unless_the_weight_is_right_above() -> None:
 
 
 # --- indeterminate ----------------------------------------------------------------------------------------------------
-
-
-def least_energy(furniture: Furniture) -> tuple[np.ndarray, np.ndarray]:
-    """Joint forces h_t, h_r (j, 6) and contact forces (c, 3) of the least complementary energy in equilibrium."""
-    piece, geometry, compliance = furniture.piece, furniture.geometry(), furniture.compliance
-    n, nj, nc = len(piece.planks), len(piece.joints), len(geometry.contacts)
-    A = np.zeros((6 * n, 6 * nj + 3 * nc))
-
-    def arm(point: np.ndarray, plank: int) -> np.ndarray:
-        x, y, z = point - geometry.centre[plank]
-        return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-
-    for k, joint in enumerate(piece.joints):
-        for plank, sign in ((joint.i, -1.0), (joint.j, 1.0)):
-            A[6 * plank : 6 * plank + 3, 6 * k : 6 * k + 3] += sign * np.eye(3)
-            A[6 * plank + 3 : 6 * plank + 6, 6 * k : 6 * k + 3] += sign * arm(geometry.p[k], plank)
-            # The opening is the rotation of j seen from i.
-            A[6 * plank + 3 : 6 * plank + 6, 6 * k + 3 : 6 * k + 6] -= sign * np.eye(3)
-    for k, point in enumerate(geometry.contacts):
-        plank, column = piece.feet[k // 4].plank, 6 * nj + 3 * k
-        A[6 * plank : 6 * plank + 3, column : column + 3] = np.eye(3)
-        A[6 * plank + 3 : 6 * plank + 6, column : column + 3] = arm(point, plank)
-    b = np.zeros(6 * n)
-    for i in range(n):
-        b[6 * i + 2] = geometry.mass[i] * G
-    for load in piece.weights:
-        at = geometry.centre[load.plank] + geometry.axes[load.plank] @ (load.place * geometry.size[load.plank])
-        b[6 * load.plank : 6 * load.plank + 3] -= load.force
-        b[6 * load.plank + 3 : 6 * load.plank + 6] -= arm(at, load.plank) @ load.force
-    C = np.concatenate([np.tile([compliance.joint_t] * 3 + [compliance.joint_r] * 3, nj), [compliance.floor] * 3 * nc])
-    C = C / compliance.joint_t
-    system = np.block([[np.diag(C), A.T], [A, np.zeros((6 * n, 6 * n))]])
-    f = np.linalg.lstsq(system, np.concatenate([np.zeros(len(C)), b]), rcond=1e-13)[0]
-    return f[: 6 * nj].reshape(-1, 6), f[6 * nj : len(C)].reshape(-1, 3)
 
 
 @pytest.mark.parametrize("piece", [table(), chair(), stool_chair(), shelf_1(), bench(leg=0.02)], ids=lambda p: p.name)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from plank_pieces import bench
+from restshape_apps.furniture.small_pieces import bench
 from restshape_apps.furniture.pieces import cantilever
 
 from restshape.physics.furniture import Compliance, Furniture

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from plank_pieces import stool
+from restshape_apps.furniture.small_pieces import stool
 from restshape_apps.furniture.pieces import bookshelf, shelf_1, stool_chair, table
 
 from restshape.physics.furniture import Compliance, Furniture

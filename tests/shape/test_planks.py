@@ -41,9 +41,9 @@ def test_a_table_has_a_joint_and_a_foot_for_each_leg() -> None:
 def test_freedoms_that_would_open_joints_or_lift_feet_are_left_out() -> None:
     piece = table()
     # A leg held at both ends keeps its length, slides along the top, and turns about the edge and upright alone.
-    assert freedoms(piece, "leg 1") == {"length y", "move y", "move z", "turn x", "turn y"}
+    assert freedoms(piece, "leg-1") == {"length y", "move y", "move z", "turn x", "turn y"}
     # The slanted one would lift an edge of its foot if it turned about its own length.
-    assert freedoms(piece, "leg 4") == {"length y", "move y", "move z", "turn y"}
+    assert freedoms(piece, "leg-4") == {"length y", "move y", "move z", "turn y"}
     # The top may tip about the edges of its legs' joints alone.
     assert freedoms(piece, "top") == {"length x", "length y", "move x", "move y", "move z", "turn z", "turn y"}
 

@@ -1,6 +1,7 @@
 """The Pareto front of error and time, its slope, and the choice of a point on it."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -82,33 +83,51 @@ def rates(records: Sequence[Row], policy: str) -> dict[str, dict[str, float]]:
     return found
 
 
-def rivals(records: Sequence[Row]) -> dict[str, tuple[float, dict[Any, float]]]:
-    """Key that was tried with several mesh sizes -> a time of a frame [ms], and the error there by the key's value.
+@dataclass(frozen=True)
+class Rivals:
+    """How the values of a key compare; None stands for the scene's own.
 
-    Each value's errors are joined by straight lines of logarithms, smallest errors by time; the time is the middle of
-    what all values span. None stands for the scene's own value. Keys whose values have no time in common are left out.
+    Args:
+        ms: a time of a frame in the middle of what all values span [ms].
+        then: the error of each at that time; both empty where they have no time in common.
+        finest: of each with its finest mesh the error, and the p of error ~ (mesh size)^p over its two finest.
     """
+
+    ms: float
+    then: dict[Any, float]
+    finest: dict[Any, tuple[float, float]]
+
+
+def rivals(records: Sequence[Row]) -> dict[str, Rivals]:
+    """The values of each key that was tried with several mesh sizes, in two sizes at least."""
     found, good = {}, usable(records)
-    plain = [r for r in good if not r["varied"]]
     for key in dict.fromkeys(r["varied"] for r in good if r["varied"]):
         own = [r for r in good if r["varied"] == key]
-        policy = own[0]["policy"]
-        lines = {None: [r for r in plain if r["policy"] == policy and r["order"] == own[0]["order"]]}
+        like = {"varied": "", "policy": own[0]["policy"], "order": own[0]["order"]}
+        lines = {None: [r for r in good if like.items() <= r.items()]}
         for record in own:
             lines.setdefault(record["given"], []).append(record)
-        points = {value: sorted((r["frame_ms"], r["error"]) for r in line) for value, line in lines.items()}
-        start = max((line[0][0] for line in points.values() if line), default=0.0)
-        end = min((line[-1][0] for line in points.values() if line), default=0.0)
-        known = min(map(len, points.values())) > 1 and all(error > 0.0 for line in points.values() for _, error in line)
-        if not (known and 0.0 < start < end):
+        if min(len({r["size"] for r in line}) for line in lines.values()) < 2 or not all(r["error"] for r in own):
             continue
-        ms = float(np.sqrt(start * end))
-        found[key] = (ms, {value: _at(line, ms) for value, line in points.items()})
+        points = {value: sorted((r["frame_ms"], r["error"]) for r in line) for value, line in lines.items()}
+        start, end = (pick(line[k][0] for line in points.values()) for pick, k in ((max, 0), (min, -1)))
+        ms = float(np.sqrt(start * end)) if start < end else 0.0
+        then = {value: _at(line, ms) for value, line in points.items()} if ms else {}
+        found[key] = Rivals(ms, then, {value: _finest(line) for value, line in lines.items()})
     return found
 
 
+def _finest(line: list[Row]) -> tuple[float, float]:
+    """The error with the finest mesh, and the p of error ~ (mesh size)^p over the two finest."""
+    fine, coarse = sorted(line, key=lambda record: record["size"])[:2]
+    return fine["error"], exponent([fine["size"], coarse["size"]], [fine["error"], coarse["error"]]) or 0.0
+
+
 def _at(line: list[tuple[float, float]], ms: float) -> float:
-    """The error at a time, between points (time, error) that are sorted by time; no more than any faster point has."""
+    """The error at a time: points (time, error), sorted by time, are joined by straight lines of logarithms.
+
+    It is no more than any faster point has.
+    """
     times, errors = np.log(np.array(line)).T
     return float(np.exp(np.interp(np.log(ms), times, np.minimum.accumulate(errors))))
 

@@ -89,11 +89,19 @@ def values_lines(study: Study) -> list[str]:
     """How the values of a key compare that was tried with several mesh sizes, in words, a line a key."""
     lines = []
     for key, found in rivals(study.records).items():
-        value, (ms, errors) = present(study.scene, application(study.scene.app), key), found
-        ranked = sorted(errors.items(), key=lambda pair: pair[1])
-        told = ", ".join(f"{shown(value if name is None else name)} {percent(error)}" for name, error in ranked)
-        best = shown(value if ranked[0][0] is None else ranked[0][0])
-        lines.append(f"`{key}`, all with a frame of {ms:.3g} ms, between the points: {told}. Best is `{best}` there.")
+        own = present(study.scene, application(study.scene.app), key)
+
+        def name(value: Any, own: Any = own) -> str:
+            return f"`{shown(own if value is None else value)}`"
+
+        finest = sorted(found.finest.items(), key=lambda pair: pair[1][0])
+        told = ", ".join(f"{name(value)} {percent(error)}, which falls as h^{p:.2f}" for value, (error, p) in finest)
+        line = f"`{key}`: the error with the finest mesh of each is {told}."
+        if found.then:
+            then = sorted(found.then.items(), key=lambda pair: pair[1])
+            line += f" In frames of {found.ms:.3g} ms it is "
+            line += f"{', '.join(f'{name(value)} {percent(error)}' for value, error in then)}."
+        lines.append(f"{line} The most accurate is {name(finest[0][0])}.")
     return lines
 
 
@@ -189,10 +197,10 @@ def _varied(study: Study) -> str:
     sizes = ", ".join(si(size, "m") for size in sorted({record["size"] for record in grid}, reverse=True))
     orders = " and ".join(str(order) for order in sorted({record["order"] for record in grid}))
     policies = ", ".join(f"`{policy}`" for policy in dict.fromkeys(record["policy"] for record in grid))
-    alone: dict[str, list[str]] = {}
+    alone: dict[str, dict[str, None]] = {}
     for record in study.records:
         if record["varied"]:
-            alone.setdefault(record["varied"], []).append(shown(record["given"]))
+            alone.setdefault(record["varied"], {})[shown(record["given"])] = None
     lines = [
         "## What was varied\n",
         f"- mesh size: {sizes} (the scene's own: {si(study.scene.mesh.size, 'm')})",
@@ -235,8 +243,9 @@ def _reference(study: Study) -> str:
             1,
         ),
         "The energy norm is the root of the strain energy of the difference of two displacements, over that of the "
-        f"reference{CLOTH * (study.measure == 'strain')}. A frequency or load factor is compared with that of the same rank; a mode's shape with what the "
-        "modes of nearly the same value span. A quantity's error is relative to its largest size over these frames.\n",
+        f"reference{CLOTH * (study.measure == 'strain')}. A frequency or load factor is compared with that of the same "
+        "rank; a mode's shape with what the modes of nearly the same value span. A quantity's error is relative to its "
+        "largest size over these frames.\n",
     ]
     lines += _closed(study)
     return "\n".join(lines)
@@ -288,7 +297,8 @@ def _direct(study: Study) -> str:
             "with a new complete factor in each solve: motion hangs on all that came before, so that it is replayed as "
             "a whole, with matrices that may be kept (`restshape replay --parity` compares those with new ones)"
         )
-    return "where each sampled frame is solved from nothing on its mesh: new matrices, a new factor, no guess"
+    guess = "from where it rests, for other folds are as right" if study.measure == "strain" else "no guess"
+    return f"where each sampled frame is solved from nothing on its mesh: new matrices, a new factor, {guess}"
 
 
 def _quantities(study: Study) -> str:

@@ -34,6 +34,9 @@ TIGHT = (1e-3, 1e-2, 1e-1)
 TIGHTEST, CLOTH_TIGHTEST = 1e-12, 1e-8
 """Tolerance beyond which rounding decides; of cloth, whose forces are small differences of tensions."""
 
+FARTHER = 0.1
+"""Share of the tolerance to which cloth that is solved from where it rests goes on."""
+
 TIMED = 12
 """Frames, about, that are timed of a replay that keeps nothing from frame to frame, and is slow for that."""
 
@@ -236,6 +239,8 @@ def _tight(
 class Afresh:
     """Solves frames of a replay once more from nothing: new pattern, values and factor, and no guess.
 
+    Cloth begins where it rests, for from nothing it may find other folds, which are as right; and goes on from there.
+
     Args:
         request: of the replay.
         states: takes the solutions, by frame.
@@ -251,10 +256,15 @@ class Afresh:
             ReplayProblem: it has no solution from nothing.
         """
         scene, kept = replay.session.scene, replay.analysis
+        folded = hasattr(kept, "begin_from")
+        if folded:
+            scene = revise(scene, "solve.tolerance", max(CLOTH_TIGHTEST, FARTHER * scene.solve.tolerance))
         policy = replace(replay.policy, solver="direct")
         make = self.request.application.make_analysis()
         planned = plan(scene, self.request.application)
         analysis = make(scene, planned, replay.comm, policy, self.request.calibration, Stages())
+        if folded:
+            analysis.begin_from(kept)
         none = np.empty(0, dtype=np.int32)
         analysis.solve(Frame(replay.moving.field_mesh, none, None, scene, (None, (0.0, 0.0)), settled=True))
         row = {f"q_{name}": value for name, value in analysis.observe().items()}

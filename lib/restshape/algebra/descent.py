@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.block_cholesky import BLOCK, BlockCholesky
 from restshape.algebra.nodal import Nodal
 from restshape.algebra.preconditioner import set_preconditioner
 
@@ -103,6 +104,7 @@ class Descent:
         self.on_step = lambda *_: False
         self.steps, self.why, self.norm = 0, 0, np.inf
         self.mat: PETSc.Mat | None = None
+        self.known: tuple[np.ndarray, float] | None = None
         self.prefix, self.ksp = prefix, self._solver(comm, prefix) if self.kind.tangent else None
         self.snes = self._made()
 
@@ -117,7 +119,7 @@ class Descent:
 
         Returns: the norm that is reached.
         """
-        self.goal = goal
+        self.goal, self.known = goal, None
         # A SNES that has run goes on with its steps, when tangent, friction or bodies were others.
         self.snes.destroy()
         self.snes = self._made()
@@ -136,7 +138,11 @@ class Descent:
         self.nodal.put(self.work, F)
 
     def _objective(self, snes: PETSc.SNES, X: PETSc.Vec) -> float:
-        return self.energy.energy(self.nodal.values(X))
+        x = self.nodal.values(X)
+        # Line searches begin where the last one has ended.
+        if self.known is None or not np.array_equal(self.known[0], x):
+            self.known = x.copy(), self.energy.energy(x)
+        return self.known[1]
 
     def _jacobian(self, snes: PETSc.SNES, X: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         # That of the first iterate is there already.
@@ -186,7 +192,13 @@ class Descent:
         ksp = PETSc.KSP().create(comm)
         ksp.setOptionsPrefix(prefix)
         ksp.setType("preonly")
-        set_preconditioner(ksp, self.factor, 0)
+        if self.factor == "cholesky" and comm.size == 1 and self.nodal.shape[1] == BLOCK:
+            BlockCholesky(ksp.getPC())
+        elif self.factor == "cholesky" and comm.size > 1:
+            # Every rank factors all of it: with its own rows alone a descent would lead elsewhere.
+            ksp.getPC().setType("redundant")
+        else:
+            set_preconditioner(ksp, self.factor, 0)
         ksp.setFromOptions()
         return ksp
 

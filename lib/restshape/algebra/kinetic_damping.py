@@ -103,7 +103,8 @@ class KineticDamping:
         rows: slice,
         steps: Steps,
     ) -> None:
-        self.motion, self.steps, self.mass = motion, steps, mass[:, None]
+        self.motion, self.steps = motion, steps
+        self.weigh(mass)
         self.nodal = Nodal(comm, shape, rows)
         self.time_step = steps.time_step
         self.resets: list[float] = []
@@ -119,6 +120,12 @@ class KineticDamping:
         self.snes.setFunction(lambda *_: None, self.f)
         self.copied, self.copy, self.diagonal = 0, None, None
         self.ksp = self._made(comm, f"{prefix}step_")
+
+    def weigh(self, mass: np.ndarray) -> None:
+        """Take in the masses (n,) of the nodes [kg]."""
+        self.mass = mass[:, None]
+        # What has none, such as slopes, moves at once however short a step is.
+        self.heavy = mass > 0.0
 
     def free(self) -> None:
         """Free PETSc's objects."""
@@ -189,7 +196,7 @@ class KineticDamping:
             d = self._solved(x, inertia, (self.mass * v / h - force) / damped, h * guess)
             if d is not None:
                 after = self.motion.energy(x + d)
-                far = np.abs(d).max() > steps.reach
+                far = np.abs(d[self.heavy]).max(initial=0.0) > steps.reach
                 gained = not after + self._kinetic(d / h) <= before + SLACK * abs(before)
                 if not steps.adaptive or not (far or gained):
                     break
@@ -208,8 +215,8 @@ class KineticDamping:
     def _kinetic(self, v: np.ndarray) -> float:
         return 0.5 * float((self.mass * v * v).sum())
 
-    def _solved(self, x: np.ndarray, inertia: float, right: np.ndarray, guess: np.ndarray) -> np.ndarray:
-        """The way (n, f) of a step, from a guess at it."""
+    def _solved(self, x: np.ndarray, inertia: float, right: np.ndarray, guess: np.ndarray) -> np.ndarray | None:
+        """The way (n, f) of a step, from a guess at it; None where none is found."""
         matrix = self.motion.step_matrix(x, inertia)
         self.ksp.setOperators(matrix, self._shifted(matrix))
         right.ravel()[self.motion.held] = 0.0
@@ -217,7 +224,7 @@ class KineticDamping:
         self.nodal.put(guess, self.way)
         self.ksp.solve(self.right, self.way)
         if self.ksp.getConvergedReason() < 0:
-            raise ReplayProblem("a step of the cloth's motion has no solution: part of it has neither mass nor support")
+            return None
         self.iterations += self.ksp.getIterationNumber()
         return self.nodal.values(self.way).copy()
 

@@ -92,6 +92,7 @@ class DrapeAnalysis:
         self.arrival = Arrival()
         self.observed: dict[str, float] | None = None
         self._estimator: ClothEstimate | None = None
+        self._others: DrapeAnalysis | None = None
         self.watch: Callable[[Rest, np.ndarray, float], None] = lambda *_: None
         self.age = 0
 
@@ -130,6 +131,10 @@ class DrapeAnalysis:
         self.mesh, self.scene = mesh, frame.scene
         self.topology, self.geometry, self.observed = mesh.topology, mesh.geometry, None
         return report
+
+    def begin_from(self, other: DrapeAnalysis) -> None:
+        """Let the first frame start where another analysis of the same mesh rests, its friction included."""
+        self._others = other
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest, evaluated once a solution."""
@@ -205,12 +210,22 @@ class DrapeAnalysis:
         if self.sheet.contact and old is not None and old.contact and not cold and not new_mesh:
             self._carry_anchors(before)
             self._go_along(before)
+        if self._others:
+            cold = self._take(self._others)
         self.flat = np.column_stack([mesh.X, np.zeros(len(mesh.X))])
         self.observer = ClothObserver(self.sheet, scene.quantities, self.flat)
         self.rest.goal = self.rest.linear.tolerance = self.tolerance
         self.rest.keep_short(self._reach)
         self.rest.begin()
         return cold
+
+    def _take(self, other: DrapeAnalysis) -> bool:
+        """Lie as another cloth of the same mesh does; tells that this one does not start anew."""
+        self.x = np.where(self.sheet.mask, self.sheet.prescribed, other.x)
+        if self.sheet.contact and other.sheet.contact:
+            self.sheet.contact.take(other.sheet.contact)
+        self._others = None
+        return False
 
     def _make(self, scene: Scene, mesh: Mesh, arguments: SheetArguments) -> None:
         """A sheet and what brings it to rest, on a mesh that is not known."""
@@ -220,8 +235,10 @@ class DrapeAnalysis:
         self.age = 0
 
     def _rest(self, sheet: Sheet, scene: Scene, prefix: str = "drape_") -> Rest:
-        # Only a complete factor tells whether a rest is stable: no other preconditioner is chosen.
-        settings, complete = self.plan.settings("drape"), "direct" if self.policy.name != "auto" else "stale"
+        settings, complete = self.plan.settings("drape"), "direct"
+        if self.policy.name == "auto":
+            # Only a complete factor tells whether a rest is stable, and on one rank alone there is one.
+            complete = "stale" if self.comm.size == 1 else "auto"
         linear = LinearSolver(
             self.comm,
             f"{prefix}linear_",
@@ -284,7 +301,7 @@ class DrapeAnalysis:
         WAYS[way](self.rest, self.x, settings.steps, self.arrival)
         if not np.isfinite(self.x).all():
             raise ReplayProblem("the cloth's positions are no numbers")
-        if self.arrival.at_rest and self.comm.size == 1:
+        if self.arrival.at_rest:
             self._make_stable(way, settings.steps)
         arrival = self.arrival
         return LinearReport(arrival.iterations, arrival.factors > 0, self.age, self._name, arrival.newton)
@@ -366,8 +383,8 @@ class DrapeAnalysis:
     def cold_differences(self) -> tuple[float, float]:
         """How far the tangent and the positions are from those of a cold solve; for `replay --parity`.
 
-        Entries by the largest one. Positions from those to which Newton's method goes on, on a new sheet and pattern, by
-        the forces over the weight that the difference takes, for that is what rest is measured by.
+        Entries by the largest one. Positions from those to which Newton's method goes on, on a new sheet and pattern,
+        by the forces over the weight that the difference takes, for that is what rest is measured by.
         """
         cold = self._rest(self._cold_sheet(), self.scene, "drape_cold_")
         cold.begin()

@@ -12,9 +12,9 @@ from restshape.analysis.rest import ROUGH, Arrival, Rest
 from restshape.physics.cloth import HINGE_STIFFNESS
 from restshape.physics.sheet import Fabric
 
-SOFT = (0.01, 0.1)
+SOFT = (0.01, 0.05)
 """Parts of the membrane's stiffness that cloth falls with at first: soft cloth finds its folds in large steps."""
-ROUNDS, LAST_ROUNDS = 8, 2
+ROUNDS, LAST_ROUNDS = 4, 2
 """Tangents of a descent with a soft membrane, on coarse meshes and on the finest one."""
 STIFF_ROUNDS = 30
 """Tangents of a descent of hinges in place of Morley's triangles, with all of the membrane's stiffness."""
@@ -61,7 +61,7 @@ def fall(
 
 
 def loosen(way: Rest, x: np.ndarray, most: int, arrival: Arrival) -> None:
-    """From positions x (n, 3), which are changed, that a stiff membrane leaves in small steps only: soft for a while."""
+    """Soft for a while, from positions x (n, 3), which are changed, that a stiff membrane leaves in small steps only."""
     for part in SOFT:
         way.sheet.soften(part)
         way.begin()

@@ -9,6 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.descent import MEMORY, Descent
+from restshape.algebra.gather import whole_matrix
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
@@ -25,8 +26,10 @@ DRAGGED = 1e-2
 """Way that anchors of friction may still be dragged at rest, over the way of slipping."""
 STIFFER = 10.0
 """Factor of the inertia where a descent does not get on."""
+MOST_INERTIA = 1e12
+"""Inertia [1/s^2] above which there is no use in more."""
 INVERSE_STEPS, LEAP = 4, 1e-3
-"""Steps of the inverse iteration for the lowest mode of an unstable equilibrium, and how far it is left along it [m]."""
+"""Steps of the inverse iteration for the lowest mode of an unstable equilibrium; how far that is left along it [m]."""
 FALLS = "nothing catches the cloth: it falls without end"
 LEAST = 1e-9
 """Strain whose forces are the least that residuals of cloth without weight are measured against."""
@@ -123,6 +126,7 @@ class Rest:
     def begin(self) -> None:
         """Take in that nodes, stiffness, supports or bodies have changed."""
         self.equations.begin()
+        self.moving.weigh(self.sheet.mass)
         if self.newton:
             self.newton.take(self.equations)
             self.newton.begin(self.new_system, False, self._places())
@@ -174,7 +178,7 @@ class Rest:
             arrival.factors, arrival.iterations = arrival.factors + 1, arrival.iterations + steps
             arrival.steps, taken = arrival.steps + steps, taken + max(steps, 1)
             arrival.residual = norm / self.scale(x)
-            if not np.isfinite(x).all():
+            if not self.sound(x):
                 x[:] = before
             if arrival.residual <= goal:
                 return True
@@ -245,22 +249,39 @@ class Rest:
         self.newton.current = False
         while not linear.definite(matrix := self.equations.true_tangent(x, inertia), places, False):
             inertia *= STIFFER
+            if inertia > MOST_INERTIA:
+                # What has no mass is not held up by any.
+                return False
         if inertia == least:
             return False
-        rows = self.newton.x.duplicate(), self.newton.x.duplicate()
-        mode = np.random.default_rng(0).uniform(-1.0, 1.0, x.shape) * sheet.free
-        for _ in range(INVERSE_STEPS):
-            nodal = self.moving.nodal
-            nodal.put(sheet.mass[:, None] * mode, rows[0])
-            rows[1].set(0.0)
-            linear.solve(matrix, *rows, False, same_matrix=True, places=places, aside=True)
-            mode = nodal.values(rows[1]).copy()
-            mode *= LEAP / np.abs(sheet.corners(mode)).max()
+        mode = self._lowest_mode(matrix)
         sides = x + mode, x - mode
-        x[:] = min(sides, key=sheet.energy)
-        for row in rows:
-            row.destroy()
+        best = min(sides, key=sheet.energy)
+        if not mode.any() or not self.sound(best):
+            return False
+        x[:] = best
         return True
+
+    def _lowest_mode(self, matrix: PETSc.Mat) -> np.ndarray:
+        """The lowest mode (n, 3) of a definite tangent, as long as the way off a saddle [m]; 0 where none is found."""
+        sheet, nodal = self.sheet, self.moving.nodal
+        rows = self.newton.x.duplicate(), self.newton.x.duplicate()
+        mode = np.random.default_rng(0).uniform(-1.0, 1.0, (sheet.n_nodes, 3)) * sheet.free
+        try:
+            for _ in range(INVERSE_STEPS):
+                nodal.put(sheet.mass[:, None] * mode, rows[0])
+                rows[1].set(0.0)
+                self.linear.solve(matrix, *rows, False, same_matrix=True, places=self._places(), aside=True)
+                mode = nodal.values(rows[1]).copy()
+                if not (size := np.abs(sheet.corners(mode)).max()):
+                    break
+                mode *= LEAP / size
+        except ReplayProblem:
+            mode = np.zeros_like(mode)
+        finally:
+            for row in rows:
+                row.destroy()
+        return mode
 
     @property
     def rounding(self) -> float:
@@ -271,15 +292,31 @@ class Rest:
         return self.sheet.X[self.rows.start // 3 : self.rows.stop // 3]
 
     def certify(self, x: np.ndarray) -> bool:
-        """Tell whether the true tangent at x (n, 3) is positive definite."""
+        """Tell whether the true tangent at x (n, 3) is positive definite, by a factor of all of it on each rank."""
         self.newton.current = False
-        return self.newton.definite(x)
+        if self.comm.size == 1:
+            return self.newton.definite(x)
+        whole = whole_matrix(self.newton.tangent(x), self.comm)
+        matrix = PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data), comm=PETSc.COMM_SELF)
+        pc = PETSc.PC().create(PETSc.COMM_SELF)
+        pc.setType("cholesky")
+        pc.setFactorOrdering("amd")
+        pc.setOperators(matrix)
+        pc.setUp()
+        negative = pc.getFactorMatrix().getInertia()[0]
+        for part in (pc, matrix):
+            part.destroy()
+        return negative == 0
 
     def residual(self, x: np.ndarray) -> float:
         """The forces out of balance over the load, at x (n, 3)."""
         out = np.empty_like(x)
         self.sheet.residual(x, out)
         return float(np.linalg.norm(out)) / self.scale(x)
+
+    def sound(self, x: np.ndarray) -> bool:
+        """Tell whether positions x (n, 3), their energy and their residual are numbers."""
+        return bool(np.isfinite([np.abs(x).max(), self.sheet.energy(x), self.residual(x)]).all())
 
     @property
     def slip(self) -> float:

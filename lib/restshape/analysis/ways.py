@@ -78,8 +78,8 @@ def _in_rounds(
             arrival.why = str(problem)
             return arrival
         arrival.steps += steps()
-        if not np.isfinite(x).all():
-            x[:], arrival.why = before, "positions that are no numbers"
+        if not rest.sound(x):
+            x[:], arrival.why = before, "it goes where positions, or their energy, are no numbers"
             return arrival
         arrival.residual = norm / rest.scale(x)
         if rest.sheet.falls(x):

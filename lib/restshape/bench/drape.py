@@ -15,7 +15,7 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 
-COUNTED = {"factors": "MatCholFctrNum", "applications": "PCApply"}
+COUNTED = {"factors": "MatCholFctrNum", "applications": "MatSolve"}
 
 
 class Over(Exception):

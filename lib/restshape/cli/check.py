@@ -46,6 +46,8 @@ def run(args: argparse.Namespace) -> int:
     scene = read_scene(args)
     app = application(scene.app)
     effects = plan(scene, app)
+    if app.planks:
+        return check_planks(args, scene, effects)
     outline = starting_outline(scene)
     check_supports(scene, outline)
     check_thickness(scene, outline)
@@ -56,6 +58,21 @@ def run(args: argparse.Namespace) -> int:
             raise scene.located(error) from error
     data = held(scene, effects, outline)
     print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), described(scene, effects, outline))
+    return finish(args, scene, data, outline)
+
+
+def check_planks(args: argparse.Namespace, scene: Scene, effects: Plan) -> int:
+    """The same for a piece of furniture, which has no outline."""
+    from restshape.cli.check_planks import described_piece, held_piece
+    from restshape.guidance.plank_session import PlankSession
+
+    design = PlankSession(scene, Script.empty(scene)).design
+    print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), described_piece(scene, effects, design))
+    return finish(args, scene, held_piece(scene, effects, design))
+
+
+def finish(args: argparse.Namespace, scene: Scene, data: dict[str, Any], outline: Outline | None = None) -> int:
+    """Replays the script, if there is one, on paper, writes what programs want, and gives the exit code."""
     refused: list[dict[str, Any]] = []
     if args.edits is not None:
         script = load_script(args.edits, scene)
@@ -254,14 +271,14 @@ def listed(names: list[str], most: int = 12) -> str:
     return f"{len(names)}: {', '.join(names[:most])}{more}" if names else "0"
 
 
-def replayed(scene: Scene, script: Script, outline: Outline) -> dict[str, Any]:
+def replayed(scene: Scene, script: Script, outline: Outline | None = None) -> dict[str, Any]:
     """What the script does to the shape: frames, what changes in them, and the edits that are refused."""
-    from restshape.shape.session import EditSession
+    from restshape.replay.sessions import session_of
 
     frames, seconds = 0, 0.0
     changes: Counter[str] = Counter()
     refused = []
-    for frame in EditSession(scene, script, outline=outline).frames():
+    for frame in session_of(scene, script, outline).frames():
         frames += 1
         seconds = frame.t
         changes[frame.change] += 1

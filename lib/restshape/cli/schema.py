@@ -10,6 +10,7 @@ from pydantic import TypeAdapter
 from restshape.application import applications
 from restshape.cli.options import check_output
 from restshape.scene.model import Scene
+from restshape.scene.plank_events import PlankEvent
 from restshape.scene.script import Event, Header
 
 SUMMARY = "write the JSON schema of a scene or of a line of an edit script"
@@ -52,7 +53,7 @@ def _effect(name: str) -> dict[str, Any]:
 
 
 def script_schema() -> dict[str, Any]:
-    """The JSON schema of one line of an edit script: the header, or an event."""
-    schema = TypeAdapter(Header | Event).json_schema()
+    """The JSON schema of one line of an edit script: the header, or an event, also of furniture."""
+    schema = TypeAdapter(Header | Event | PlankEvent).json_schema()
     title = "one line of a restshape edit script"
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **schema}

@@ -4,9 +4,10 @@ import argparse
 import sys
 from pathlib import Path
 
+from restshape.application import application
 from restshape.cli.options import add_scene, check_output, read_scene, write_json
 from restshape.scene.model import Scene
-from restshape.shape.compose import GRAMMAR, compose
+from restshape.shape.compose import GRAMMAR, PLANK_GRAMMAR, Composition, compose, composed
 from restshape.shape.outline import Outline
 
 SUMMARY = "write an edit script from lines such as 'hole window by 0.8 0 in 160 frames, hand-like'"
@@ -15,7 +16,8 @@ SUMMARY = "write an edit script from lines such as 'hole window by 0.8 0 in 160 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments of this command."""
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.description = f"{SUMMARY}\n\n{GRAMMAR}\n\n60 frames are a second of edit time."
+    grammars = f"{GRAMMAR}\n\nof furniture:\n{PLANK_GRAMMAR}"
+    parser.description = f"{SUMMARY}\n\n{grammars}\n\n60 frames are a second of edit time."
     add_scene(parser)
     parser.add_argument("lines", metavar="LINE", nargs="+", help="what to do, one edit an argument, in order")
     parser.add_argument("--out", metavar="FILE", type=Path, help="edit script to write (default: standard output)")
@@ -26,7 +28,7 @@ def run(args: argparse.Namespace) -> int:
     """Writes the script and tells how many frames it has and what of it will be refused; the exit code."""
     scene = read_scene(args)
     check_output(args.out, "--out")
-    made = compose(scene, args.lines, args.seed, _imported_outline(scene))
+    made = _composed(scene, args)
     if args.out is None:
         sys.stdout.write(made.text())
     else:
@@ -37,6 +39,15 @@ def run(args: argparse.Namespace) -> int:
     refused = [{"line": text, "frames": frames, "why": why} for text, frames, why in made.refused]
     write_json(args, {"events": len(made.lines) - 1, "frames": made.frames, "refused": refused})
     return 0
+
+
+def _composed(scene: Scene, args: argparse.Namespace) -> Composition:
+    """The script that the lines describe."""
+    if application(scene.app).planks:
+        from restshape.guidance.compose_planks import PlankComposer
+
+        return composed(PlankComposer(scene), args.lines)
+    return compose(scene, args.lines, args.seed, _imported_outline(scene))
 
 
 def _imported_outline(scene: Scene) -> Outline | None:

@@ -5,7 +5,6 @@ from pathlib import Path
 
 from restshape.scene.model import Scene
 from restshape.scene.script import Script
-from restshape.shape.session import EditSession
 
 
 def note_script(scene: Scene, script: Script, path: Path) -> None:
@@ -15,7 +14,9 @@ def note_script(scene: Scene, script: Script, path: Path) -> None:
     if scene.mesh.file:
         # The outline is that of the mesh, which is not read here.
         return
-    refused = [frame for frame in EditSession(scene, script).frames() if frame.refused]
+    from restshape.replay.sessions import session_of
+
+    refused = [frame for frame in session_of(scene, script).frames() if frame.refused]
     if refused:
         first, why = refused[0], str(refused[0].refused).splitlines()[0]
         print(

@@ -13,6 +13,9 @@ AIM = 0.6
 SPARE = 0.02
 """What a step leaves to the rows of stability."""
 
+SLOWEST = 0.8
+"""What lies outside must fall to this part of it in each step."""
+
 
 def relinearised(
     furniture: Furniture, modes: DesignModes, numbers: np.ndarray, start: np.ndarray, wanted: int
@@ -28,23 +31,38 @@ def relinearised(
 
     Source: (6.19) and (6.21) of the thesis, each repeated as by Gauss and Newton.
     """
-    y = start
-    for _ in range(STEPS):
+    y, before = start, np.inf
+    stands = not furniture.test(None, UNSTABLE).flaws & UNSTABLE
+    for step in range(STEPS + 1):
         gamma = modes.direction(numbers, y)
-        moved = Furniture(furniture.moved(gamma), furniture.compliance)
-        flaws = moved.test().flaws
-        if flaws & (LOST | OVERLAPPING):
-            return None
+        flaws = furniture.test(gamma, wanted).flaws
         if not flaws & wanted:
             return y
+        if flaws & (LOST | OVERLAPPING) or step == STEPS:
+            return None
+        stands = stands and not flaws & UNSTABLE
+        moved = Furniture(furniture.moved(gamma), furniture.compliance)
+        moved.test()
         few = DesignModes(moved.piece, modes.freedoms[numbers], modes.unit)
-        if flaws & UNSTABLE:
-            space = stability_space(moved, few)
-            outside = np.minimum(space.h - SPARE, 0.0)
-        else:
-            space = durability_space(moved, few)
-            outside = space.h - np.clip(space.h, -AIM, AIM)
-        y = y - np.linalg.lstsq(space.K.T, outside, rcond=1e-6)[0]
+        K, outside = _outside(moved, few, stands)
+        size = float(np.linalg.norm(outside))
+        if size > SLOWEST * before:
+            return None
+        y, before = y - np.linalg.lstsq(K.T, outside, rcond=1e-6)[0], size
         if not np.linalg.norm(y) <= LONGEST:
             return None
-    return y if furniture.test(modes.direction(numbers, y), wanted, True).flaws & wanted == 0 else None
+    return None
+
+
+def _outside(moved: Furniture, few: DesignModes, stands: bool) -> tuple[np.ndarray, np.ndarray]:
+    """The change (k, r) of forces by a few modes, and what of them (r,) a step is to take away.
+
+    What makes a piece stable may overload a joint, and the reverse: where one fell, both count at once.
+    """
+    durability = durability_space(moved, few)
+    outside = durability.h - np.clip(durability.h, -AIM, AIM)
+    if stands:
+        return durability.K, outside
+    stability = stability_space(moved, few)
+    spare = np.minimum(stability.h - SPARE, 0.0)
+    return np.concatenate([stability.K, durability.K], axis=1), np.concatenate([spare, outside])

@@ -32,8 +32,11 @@ INSIDE = np.array([0.03, 0.15, 0.4, 0.8])
 BEYOND = np.array([1.15, 1.5])
 """And beyond where it is entered, for a prediction that falls short."""
 
-MENDED = 8
+MENDED = 4
 """Combinations of several modes whose direction is mended where they are, at most, in one search."""
+
+AFTER = np.array([1.0, 2.0, 3.0]) / 3.0
+"""Where between the predicted end and the longest step the range is followed further."""
 
 SPAN_TOLERANCE = 1e-2
 """Of the ends of a suggestion's range, in parts of the longest step."""
@@ -205,7 +208,8 @@ class Search:
         self.tested += 1
         direction = self.modes.direction(modes, parts)
         enters, leaves = span
-        t = np.unique(np.concatenate([[enters], enters + INSIDE * (leaves - enters), enters * BEYOND]))
+        after = leaves + AFTER * (LONGEST - leaves)
+        t = np.unique(np.concatenate([[enters], enters + INSIDE * (leaves - enters), enters * BEYOND, after]))
         t = np.concatenate([[0.0], t[(t > 0.0) & (t <= LONGEST)]])
         # The piece as it is has a flaw that is wanted away.
         first = next((k for k in range(1, len(t)) if self._good(direction, t[k : k + 1], wanted)[0]), 0)

@@ -1,4 +1,4 @@
-"""Support planks: boards between two parallel planks that take load off a weak joint to a third."""
+"""Support planks: boards between two parallel planks, or a plank and the floor, that take load off a weak joint."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -6,8 +6,8 @@ from itertools import product
 
 import numpy as np
 
-from restshape.physics.furniture import ALL, Furniture, Verdict
-from restshape.shape.planks import Joint, Piece, Plank
+from restshape.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture, Verdict
+from restshape.shape.planks import Foot, Joint, Piece, Plank
 
 PARALLEL = 0.9
 """Least |n_i . n_j| of planks that count as parallel."""
@@ -22,31 +22,39 @@ ALONG = (-1.0, 0.0, 1.0)
 """Where it is along the joint: at one end, in the middle, at the other."""
 
 SHOWN = 2
-TRIALS = 24
+TRIALS = 36
+EACH = 8
+"""Tests at most of one pair of planks."""
+
+FLOOR = -1
+"""Stands for the first plane, in place of a plank's number."""
 
 
 @dataclass(frozen=True)
 class SupportPlank:
-    """A piece with one more plank, which passes the full test.
+    """A piece with one more plank.
 
     Args:
         piece: with the plank as its last.
-        between: the two planks that it connects.
+        between: the two planks that it connects; the second may be `FLOOR`.
         third: the plank they share, through the weak joint.
-        verdict: of the full test.
+        verdict: of the full test: valid, or weak in joints that were weak before.
+        relieved: joints that are weak no more.
     """
 
     piece: Piece
     between: tuple[int, int]
     third: int
     verdict: Verdict
+    relieved: tuple[int, ...]
 
 
 def support_planks(furniture: Furniture, shown: int = SHOWN, trials: int = TRIALS) -> tuple[SupportPlank, ...]:
-    """Support planks that make a piece durable, at most `shown`, tried in the order of the rules.
+    """Support planks that make a weak joint durable, at most `shown`; those that make the whole piece valid are first.
 
     Between two planks i and j that are nearly parallel and share a third plank k through joints, one of them weak,
-    a board goes straight across, with its face along k or across it, at places along the joint and away from k.
+    a board goes straight across, with its face along k or across it, at places along the joint and away from k. The
+    floor counts as such a plank j where k stands on it. No other joint may become weak.
 
     Args:
         furniture: the model of the weak piece, just tested at no change of its design parameters.
@@ -55,61 +63,74 @@ def support_planks(furniture: Furniture, shown: int = SHOWN, trials: int = TRIAL
 
     Source: docs/theory.md, section 11; the thesis, section 6.5.5.
     """
-    weak = _weak_joints(furniture)
+    use = _uses(furniture)
     geometry = furniture.geometry()
     found: list[SupportPlank] = []
     tried = 0
-    for i, j, k, joint in _candidates(furniture.piece, weak):
-        for plank in _planks(furniture.piece, i, j, k, geometry.p[joint], geometry.y[joint]):
-            if len(found) >= shown or tried >= trials:
+    for i, j, k, joint in _candidates(furniture.piece, use):
+        places = _planks(furniture.piece, i, j, k, geometry.p[joint], geometry.y[joint])
+        for number, plank in enumerate(places):
+            if number >= EACH or tried >= trials or sum(one.verdict.valid for one in found) >= shown:
                 break
             tried += 1
-            model = Furniture(_with(furniture.piece, plank, i, j), furniture.compliance)
-            verdict = model.test(None, ALL, True)
-            if verdict.valid:
-                found.append(SupportPlank(model.moved(), (i, j), k, verdict))
+            if one := _relief(furniture, plank, (i, j), k, use, joint):
+                found.append(one)
                 # The next one shall be another idea.
                 break
     furniture.test()
-    return tuple(found)
+    return tuple(sorted(found, key=lambda one: (not one.verdict.valid, -len(one.relieved)))[:shown])
 
 
-def _weak_joints(furniture: Furniture) -> np.ndarray:
-    """Numbers of the weak joints, the weakest first."""
+def _relief(
+    furniture: Furniture, plank: Plank, between: tuple[int, int], third: int, use: np.ndarray, joint: int
+) -> SupportPlank | None:
+    """The piece with that plank, if it takes enough load off the joint and overloads no other."""
+    model = Furniture(_with(furniture.piece, plank, *between), furniture.compliance)
+    verdict = model.test()
+    if verdict.flaws & (LOST | OVERLAPPING | UNSTABLE | UNBALANCED):
+        return None
+    now = _uses(model)
+    weak = now > 1.0
+    before = np.append(use > 1.0, np.zeros(len(now) - len(use), dtype=bool))
+    if weak[joint] or np.any(weak & ~before):
+        return None
+    return SupportPlank(model.moved(), between, third, verdict, tuple(map(int, np.flatnonzero(before & ~weak))))
+
+
+def _uses(furniture: Furniture) -> np.ndarray:
+    """The largest use (j,) of each joint's strength in the cases of the last test."""
     use = np.zeros(len(furniture.piece.joints))
     for case in range(len(furniture.cases)):
         forces = furniture.forces(case)
         use = np.maximum(use, np.maximum(forces.pull_use, forces.shear_use))
-    order = np.argsort(-use)
-    return order[use[order] > 1.0]
+    return use
 
 
-def _candidates(piece: Piece, weak: np.ndarray) -> Iterator[tuple[int, int, int, int]]:
-    """Planks i, j, the third k that both are joined to, and the weak joint of i and k."""
+def _candidates(piece: Piece, use: np.ndarray) -> Iterator[tuple[int, int, int, int]]:
+    """Planks i, j, the third k that both are joined to, and the weak joint of i and k; the weakest joint first."""
     joined: dict[int, set[int]] = {}
     for joint in piece.joints:
         joined.setdefault(joint.i, set()).add(joint.j)
         joined.setdefault(joint.j, set()).add(joint.i)
     normals = np.array([plank.axes[:, 2] for plank in piece.planks])
-    for number in weak:
+    level = np.abs(normals @ np.array(piece.planes[0].normal)) > PARALLEL
+    standing = {foot.plank for foot in piece.feet if foot.plane == 0}
+    order = np.argsort(-use)
+    for number in order[use[order] > 1.0]:
         ends = piece.joints[number].i, piece.joints[number].j
         for i, k in (ends, ends[::-1]):
             for j in sorted(joined[k] - {i}):
                 if abs(normals[i] @ normals[j]) > PARALLEL:
                     yield i, j, k, int(number)
+            if level[i] and k in standing:
+                yield i, FLOOR, k, int(number)
 
 
 def _planks(piece: Piece, i: int, j: int, k: int, p: np.ndarray, y: np.ndarray) -> Iterator[Plank]:
-    """Support planks from plank i to plank j beside plank k, by the rules of this module."""
-    one, other, third = piece.planks[i], piece.planks[j], piece.planks[k]
-    # Straight along k, where that meets both.
-    across_k = one.axes[:, 2] - third.axes[:, 2] * (one.axes[:, 2] @ third.axes[:, 2])
-    size = float(np.linalg.norm(across_k))
-    if size < PARALLEL:
-        return
-    way = across_k / size * np.sign(across_k @ (other.centre - one.centre))
-    aside = one.axes.T @ (other.centre - one.centre - way * (way @ (other.centre - one.centre)))
-    if np.any(np.abs(aside) >= 0.5 * (one.size + np.abs(one.axes.T @ other.axes) @ other.size)):
+    """Support planks from plank i to plank j or the floor beside plank k, by the rules of this module."""
+    one, third = piece.planks[i], piece.planks[k]
+    way = _way(piece, i, j, k)
+    if way is None:
         return
     y = y - way * (y @ way)
     y /= np.linalg.norm(y)
@@ -117,19 +138,36 @@ def _planks(piece: Piece, i: int, j: int, k: int, p: np.ndarray, y: np.ndarray) 
     down *= np.sign(down @ (one.centre - p)) or 1.0
     reach, free = (float(np.abs(one.axes.T @ v) @ one.size) for v in (down, y))
     wide = min(WIDTH, free)
+    normals = [one.axes[:, 2], np.array(piece.planes[0].normal) if j == FLOOR else piece.planks[j].axes[:, 2]]
     # An end lies flush with a slanted face only if its edge runs along that.
-    turns = (True, False) if max(abs(plank.axes[:, 2] @ down) for plank in (one, other)) < 1e-9 else (False,)
+    turns = (True, False) if max(abs(normal @ down) for normal in normals) < 1e-9 else (False,)
     for across, away, along in product(turns, AWAY, ALONG):
         high, broad = (wide, float(third.size[2])) if across else (float(third.size[2]), wide)
         if along and free - broad < 1e-3:
             continue
         offset = 0.5 * third.size[2] + 0.5 * high + 1e-3 + away * reach
         place = p + down * offset + y * ((one.centre - p) @ y + 0.5 * along * (free - broad))
-        ends = [_met(plank, place, way) for plank in (one, other)]
+        ends = [_met(one, place, way), _landed(piece, place, way) if j == FLOOR else _met(piece.planks[j], place, way)]
         if ends[0] is None or ends[1] is None or (ends[1] - ends[0]) @ way <= 0.02:
             continue
         width = (down if across else y) * wide
         yield Plank.between("support", ends[0], ends[1], width, float(third.size[2]), wood=third.wood)
+
+
+def _way(piece: Piece, i: int, j: int, k: int) -> np.ndarray | None:
+    """The direction (3,) from plank i to plank j along plank k, or down to the floor; None where that misses j."""
+    one, third = piece.planks[i], piece.planks[k]
+    if j == FLOOR:
+        return -np.array(piece.planes[0].normal)
+    other = piece.planks[j]
+    # Straight along k, where that meets both.
+    across_k = one.axes[:, 2] - third.axes[:, 2] * (one.axes[:, 2] @ third.axes[:, 2])
+    size = float(np.linalg.norm(across_k))
+    if size < PARALLEL:
+        return None
+    way = across_k / size * np.sign(across_k @ (other.centre - one.centre))
+    aside = one.axes.T @ (other.centre - one.centre - way * (way @ (other.centre - one.centre)))
+    return way if np.all(np.abs(aside) < 0.5 * (one.size + np.abs(one.axes.T @ other.axes) @ other.size)) else None
 
 
 def _met(plank: Plank, place: np.ndarray, way: np.ndarray) -> np.ndarray | None:
@@ -140,10 +178,19 @@ def _met(plank: Plank, place: np.ndarray, way: np.ndarray) -> np.ndarray | None:
     return point if abs(slope) > 1e-3 and inside.all() else None
 
 
+def _landed(piece: Piece, place: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """Where a line down meets the floor."""
+    normal = np.array(piece.planes[0].normal)
+    return place + way * ((np.array(piece.planes[0].point) - place) @ normal / (way @ normal))
+
+
 def _with(piece: Piece, plank: Plank, i: int, j: int) -> Piece:
-    """The piece with a plank more, its ends against planks i and j; they are drawn to the middle of those."""
+    """The piece with a plank more, its ends against planks i and j, or on the floor; they are drawn to their middle."""
     new, fastener = len(piece.planks), piece.joints[0].fastener
-    ways = (1.0 if piece.planks[p].axes[:, 2] @ (plank.centre - piece.planks[p].centre) > 0 else -1.0 for p in (i, j))
-    faces = [5 if way > 0 else 4 for way in ways]
-    joints = (Joint(new, 0, i, faces[0], fastener), Joint(new, 1, j, faces[1], fastener))
-    return replace(piece, planks=(*piece.planks, plank), joints=(*piece.joints, *joints))
+    joints = []
+    for side, p in ((0, i), (1, j)):
+        if p != FLOOR:
+            above = piece.planks[p].axes[:, 2] @ (plank.centre - piece.planks[p].centre) > 0
+            joints.append(Joint(new, side, p, 5 if above else 4, fastener))
+    feet = (*piece.feet, Foot(new, 1, 0)) if j == FLOOR else piece.feet
+    return replace(piece, planks=(*piece.planks, plank), joints=(*piece.joints, *joints), feet=feet)

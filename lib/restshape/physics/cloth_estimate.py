@@ -84,7 +84,7 @@ class ClothEstimate:
         return _kernels.recovery_energies(mesh.X, mesh.cells, rows, nodal, sampled, compliance, kinds)[0]
 
     def _off(self, smooth: np.ndarray, x: np.ndarray) -> float:
-        """Twice the energy [J] of what hinges have wrong, by their stiffness, of curvatures of energies `smooth` (ne,)."""
+        """Twice the energy [J] that hinges have wrong by their stiffness, of curvatures of energies `smooth` (ne,)."""
         around, hinged = (self._patches.sums(energy) for energy in (smooth, self.sheet.bent_cells(x)))
         # No more than all of it: where hinges hardly bend, their stiffness is not to be told.
         off = np.minimum(np.abs(around - hinged), hinged)

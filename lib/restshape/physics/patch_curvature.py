@@ -45,7 +45,7 @@ class PatchCurvature:
         return np.stack([part @ x for part in self._parts], axis=-1)
 
     def sums(self, values: np.ndarray) -> np.ndarray:
-        """Sums (ne,) of values (ne,) over the triangles around, each as often as it shares a node with the one there."""
+        """Sums (ne,) of values (ne,) over the triangles around, each once for a node that it shares."""
         return self._touched @ (self._touched.T @ values)
 
 

@@ -23,12 +23,13 @@ from restshape.replay.columns import ESTIMATES
 from restshape.replay.foresight import Foresight
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
+from restshape.replay.sessions import session_of
 from restshape.replay.verdict import broken, limits_of, verdict
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script
 from restshape.shape.outline import Outline
-from restshape.shape.session import EditFrame, EditSession
+from restshape.shape.session import EditFrame
 
 NATIVE = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe")
 
@@ -66,22 +67,9 @@ class Replay:
     ) -> None:
         self.policy, self.comm, self.recorder = policy, comm, recorder
         self.stages = Stages()
-        imported, outline = self._imported(scene)
-        self.session = EditSession(scene, script, outline=outline)
+        self.session, self.moving = self._set_up(scene, script, application)
         self.analysis = application.make_analysis()(
             scene, plan(scene, application), comm, policy, calibration, self.stages
-        )
-        self.moving = MovingMesh(
-            self.session.outline,
-            scene.mesh,
-            ranks=comm.size,
-            regenerate=policy.regenerate,
-            broadcast=self._from_first_rank if comm.size > 1 else None,
-            relocation=policy.relocation,
-            criterion=policy.criterion,
-            flip_everywhere=policy.flip_everywhere,
-            imported=imported,
-            order_of=lambda scene: plan(scene, application).order,
         )
         ahead = predict == "linear"
         if ahead and script.header.analysis != "every frame":
@@ -250,6 +238,26 @@ class Replay:
         if self.foretold is not None:
             found["prediction_error"] = self.analysis.prediction_error(self.foretold)
         return found
+
+    def _set_up(self, scene: Scene, script: Script, application: Application) -> tuple[Any, Any]:
+        """The session, and what follows its shapes: a mesh, or planks, which have none."""
+        imported, outline = self._imported(scene)
+        session = session_of(scene, script, outline)
+        if application.planks:
+            return session, session.models()
+        moving = MovingMesh(
+            session.outline,
+            scene.mesh,
+            ranks=self.comm.size,
+            regenerate=self.policy.regenerate,
+            broadcast=self._from_first_rank if self.comm.size > 1 else None,
+            relocation=self.policy.relocation,
+            criterion=self.policy.criterion,
+            flip_everywhere=self.policy.flip_everywhere,
+            imported=imported,
+            order_of=lambda scene: plan(scene, application).order,
+        )
+        return session, moving
 
     def _imported(self, scene: Scene) -> tuple[Mesh | None, Outline | None]:
         """The mesh that the scene imports, if it does, and the outline of its boundary."""

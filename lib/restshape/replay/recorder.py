@@ -22,7 +22,7 @@ from restshape.replay.rows import RowPacker, row_dtype
 RING_BYTES = 32 << 20
 _MPI_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PRTE_", "HYDRA_", "MPI_LOCAL")
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-_CELL_TYPES = {2: 3, 3: 5, 6: 22, 4: 10, 10: 24}
+_CELL_TYPES = {2: 3, 3: 5, 6: 22, 4: 10, 8: 12, 10: 24}
 _CHECK_EVERY = 64
 
 
@@ -117,7 +117,8 @@ class Recorder:
 
         Args:
             cells: (ne, nodes an element) node indices.
-            cell_type: VTK's number; default by the node count (2 line, 3 and 6 triangle, 4 and 10 tetrahedron).
+            cell_type: VTK's number; default by the node count (2 line, 3 and 6 triangle, 4 and 10 tetrahedron, 8
+                hexahedron).
         """
         self.ready()
         cells = np.ascontiguousarray(cells, dtype=np.int32)

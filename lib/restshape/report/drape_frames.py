@@ -16,7 +16,6 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.ticker import MaxNLocator
 
 from restshape.replay.recording import Recording
 from restshape.report.animation import even, pause, write_animation
@@ -24,7 +23,7 @@ from restshape.report.drape import BODY, COLOURS, TENSION, DrapeScenery, Picture
 from restshape.report.frames import scene_name
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.raster import Camera
-from restshape.report.space_axes import draw_box
+from restshape.report.space_axes import draw_box, few_ticks
 from restshape.report.style import BODY as PLAIN
 from restshape.report.style import DPI, INK, REFUSED, new_figure
 from restshape.report.tables import column, refused
@@ -72,9 +71,7 @@ class DrapeDrawing:
         above.tick_params(length=2, labelsize=7)
         tall = flat[3] - flat[2] > 0.4 * (flat[1] - flat[0])
         for axis in (above.xaxis, above.yaxis):
-            axis.set_major_locator(
-                MaxNLocator(3 if axis is above.xaxis or tall else 1, steps=[1, 2, 5, 10], min_n_ticks=1)
-            )
+            axis.set_major_locator(few_ticks(4 if axis is above.xaxis or tall else 1))
         self._add(above, scenery.from_above, flat, factor, dpi)
         self._add_pattern(pattern)
 

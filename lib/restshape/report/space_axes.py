@@ -45,8 +45,13 @@ def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, fact
         _side(axes, camera, k, fixed[k], (low[k], high[k]), places[k], factor, f"{name} [{unit}]", middle)
 
 
+def few_ticks(most: int) -> MaxNLocator:
+    """Chooses round numbers for a side, at most so many and one more."""
+    return MaxNLocator(most, steps=[1, 2, 5, 10], min_n_ticks=2 if most > 2 else 1)
+
+
 def _marks(low: float, high: float, factor: float, most: int) -> np.ndarray:
-    marks = MaxNLocator(most, steps=[1, 2, 5, 10], min_n_ticks=1).tick_values(low * factor, high * factor) / factor
+    marks = few_ticks(most).tick_values(low * factor, high * factor) / factor
     return marks[(marks >= low) & (marks <= high)]
 
 

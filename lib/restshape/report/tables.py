@@ -32,11 +32,13 @@ def predicted(recording: Recording) -> np.ndarray:
 def with_values(recording: Recording) -> np.ndarray:
     """Whether each frame (n,) changed values only, such as a load: the shape rests, and the system was solved.
 
-    The bodies that cloth lies on are values too.
+    The bodies that cloth lies on are values too, and it may go along with them without a solve.
     """
-    known = ("set", "undo", "redo", *(("drag", "rotate", "scale") if "at_rest" in recording.table else ()))
+    cloth = "at_rest" in recording.table
+    known = ("set", "undo", "redo", *(("drag", "rotate", "scale") if cloth else ()))
     events = [event in known for event in recording.table.get("do", [""] * recording.n)]
-    return np.array(events, dtype=bool) & (column(recording, "level") == 0) & (column(recording, "iterations") > 0)
+    solved = (column(recording, "iterations") > 0) | cloth
+    return np.array(events, dtype=bool) & (column(recording, "level") == 0) & solved
 
 
 def level_table(recording: Recording) -> list[dict[str, Any]]:

@@ -6,6 +6,7 @@ from typing import Any
 from restshape.application import Application
 from restshape.scene.cloth_checks import check_cloth, formulas_of_bodies
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
+from restshape.scene.furniture_checks import check_furniture, refuse_furniture
 from restshape.scene.model import EdgeLoop, Load, Scene
 from restshape.scene.source import Source, suggestion
 
@@ -24,6 +25,11 @@ def check_scene(scene: Scene, application: Application, source: Source) -> None:
     Raises:
         UserError: the first thing that makes no sense.
     """
+    if application.planks:
+        _check_parameters(scene, source)
+        check_furniture(scene, source)
+        return
+    refuse_furniture(scene, application, source)
     _check_names(scene, source)
     _check_shape(scene, source)
     _check_parameters(scene, source)

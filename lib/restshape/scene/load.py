@@ -16,7 +16,7 @@ from restshape.scene.plan import plan
 from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, split_key, suggestion
 
-NAMED = ("parameters", "material", "supports", "loads", "bodies", "goal", "quantities")
+NAMED = ("parameters", "material", "supports", "loads", "bodies", "goal", "planks", "weights", "pushes", "quantities")
 NAMED_OF_SHAPE = ("vertices", "edges", "holes", "regions", "points", "groups")
 NAMED_TABLES = (*((key,) for key in NAMED), *(("shape", key) for key in NAMED_OF_SHAPE))
 

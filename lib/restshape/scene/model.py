@@ -19,6 +19,7 @@ from pydantic import (
 from restshape.errors import UserError
 from restshape.scene.bodies import Body, Start
 from restshape.scene.expressions import Expression, Value
+from restshape.scene.furniture import Fastening, Floor, Joints, PlankSpec, PushSpec, WeightSpec, Wood
 from restshape.scene.materials import NAMES, named
 from restshape.scene.source import Source, split_key
 from restshape.scene.units import UnitError, quantity, reads_as_quantity
@@ -486,7 +487,10 @@ class Quantity(Strict):
 
 
 class Scene(Strict):
-    """A whole scene: object, material, effects, supports, loads, mesh, solution and what is observed."""
+    """A whole scene: object, material, effects, supports, loads, mesh, solution and what is observed.
+
+    Furniture has planks in place of a shape, and no mesh.
+    """
 
     format: Literal["restshape-scene"]
     version: Literal[1]
@@ -494,14 +498,21 @@ class Scene(Strict):
     title: str = ""
     parameters: dict[Name, number_of(None)] = {}
     shape: ShapeSpec = ShapeSpec()
-    material: Annotated[dict[Name, Material], Field(min_length=1)]
+    material: Annotated[dict[Name, Material], Field(min_length=1)] = {}
     effects: dict[str, dict[str, Any]] = {}
     supports: dict[Name, Support] = {}
     loads: dict[Name, Load] = {}
     bodies: dict[Name, Body] = {}
     start: Start | None = None
     goal: dict[Name, Goal] = {}
-    mesh: MeshSpec
+    wood: Wood = Wood()
+    fastener: Fastening = Fastening()
+    planks: dict[Name, PlankSpec] = {}
+    joints: Joints = Joints()
+    floor: Floor = Floor()
+    weights: dict[Name, WeightSpec] = {}
+    pushes: dict[Name, PushSpec] = {}
+    mesh: MeshSpec = MeshSpec()
     solve: SolveSpec = SolveSpec()
     quantities: dict[Name, Quantity] = {}
 

@@ -110,7 +110,7 @@ def known_keys(root: Any, location: Sequence[str | int]) -> list[str]:
         if kind is None:
             return []
     kind = _models(kind)
-    return [name for model in kind for name in model.model_fields]
+    return [field.alias or name for model in kind for name, field in model.model_fields.items()]
 
 
 def _step(kind: Any, part: str | int) -> Any:

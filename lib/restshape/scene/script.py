@@ -5,36 +5,20 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn, Self, get_args
 
-from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, WithJsonSchema, model_validator
-from pydantic.json_schema import SkipJsonSchema
+from pydantic import Field, ValidationError, model_validator
 
 from restshape.application import application
 from restshape.errors import UserError
+from restshape.scene.event_line import Coordinate, EventLine, Frames, Position
 from restshape.scene.model import Scene
+from restshape.scene.plank_events import PLANK_EVENTS
 from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, suggestion
-from restshape.scene.units import article, length_unit, quantity
+from restshape.scene.units import article, length_unit
 from restshape.scene.values import Name, Strict, number_of, only_one
 
 FORMAT = "restshape-edits"
 VERSION = 1
-
-
-def _read_coordinate(raw: Any, info: ValidationInfo) -> float:
-    """A length in metres: plain numbers are in the units of the script's header."""
-    scale = (info.context or {}).get("scale", 1.0)
-    return quantity(raw, "length") * (1.0 if isinstance(raw, str) else scale)
-
-
-Coordinate = Annotated[
-    float,
-    BeforeValidator(_read_coordinate),
-    WithJsonSchema(
-        {"anyOf": [{"type": "number"}, {"type": "string"}], "description": 'in the header\'s units, or "12 mm"'}
-    ),
-]
-Position = tuple[Coordinate, Coordinate]
-Frames = Annotated[int, Field(ge=1, le=1_000_000, strict=True)]
 
 
 class Header(Strict):
@@ -45,14 +29,6 @@ class Header(Strict):
     scene: str = ""
     units: str = "m"
     analysis: Literal["every frame", "on demand"] = "every frame"
-    note: str = ""
-
-
-class EventLine(Strict):
-    """What every event has: its edit time [s], the line it stands on (0 = not from a file), and room for a remark."""
-
-    line: SkipJsonSchema[int] = Field(default=0, exclude=True)
-    t: Annotated[number_of("time"), Field(ge=0)]
     note: str = ""
 
 
@@ -288,7 +264,8 @@ def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = 
     lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if line.strip()]
     if not lines:
         raise UserError("the edit script is empty", path.name, _first_line())
-    reader = _Reader(path, whole=text.endswith("\n"), last=lines[-1][0])
+    planks = scene is not None and application(scene.app).planks
+    reader = _Reader(path, text.endswith("\n"), lines[-1][0], PLANK_EVENTS if planks else EVENTS)
     header = reader.header(*lines[0])
     _check_analysis(header, scene, path, lines[0][0])
     try:
@@ -341,6 +318,7 @@ class _Reader:
     path: Path
     whole: bool
     last: int
+    known: dict[str, type[EventLine]]
     events: list[Event] = field(default_factory=list)
     torn: str | None = None
     error: UserError | None = None
@@ -391,15 +369,15 @@ class _Reader:
         table = self.table(number, line)
         do = table.get("do")
         if do is None:
-            self.fail(number, "the key 'do' is missing", f"use one of: {', '.join(EVENTS)}")
-        if not isinstance(do, str) or do not in EVENTS:
-            self.fail(number, f"there is no event {do!r}", suggestion(str(do), list(EVENTS)))
+            self.fail(number, "the key 'do' is missing", f"use one of: {', '.join(self.known)}")
+        if not isinstance(do, str) or do not in self.known:
+            self.fail(number, f"there is no event {do!r}", suggestion(str(do), list(self.known)))
         if "line" in table:
-            self.fail(number, "there is no key 'line' here", suggestion("line", list(EVENTS[do].model_fields)[1:]))
+            self.fail(number, "there is no key 'line' here", suggestion("line", list(self.known[do].model_fields)[1:]))
         try:
-            event = EVENTS[do].model_validate(table | {"line": number}, context={"scale": self.scale})
+            event = self.known[do].model_validate(table | {"line": number}, context={"scale": self.scale})
         except ValidationError as error:
-            raise self.told(error, number, EVENTS[do]) from error
+            raise self.told(error, number, self.known[do]) from error
         self.check_order(event, number)
         self.events.append(event)
 

@@ -34,12 +34,22 @@ def form_of(scene: Scene, name: str) -> tuple[str, Form]:
 
 
 def with_form(scene: Scene, name: str, kind: str, form: Form) -> Scene:
-    """The scene whose body has these numbers.
+    """The scene whose body has these numbers; a formula whose number stays is kept.
 
     Raises:
         UserError: they make no body.
     """
-    return revise(scene, f"bodies.{name}.{kind}", {key: value.tolist() for key, value in form.items()})
+    written, (_, before) = scene.raw["bodies"][name][kind], form_of(scene, name)
+    found = {key: _kept(written.get(key), before[key], value) for key, value in form.items()}
+    return revise(scene, f"bodies.{name}.{kind}", found)
+
+
+def _kept(written: Any, before: np.ndarray, value: np.ndarray) -> Any:
+    """Numbers, and in place of each that is what it was before what is written for it."""
+    if value.ndim == 0:
+        return written if written is not None and value == before else value.item()
+    parts = written if isinstance(written, (list, tuple)) else [None] * len(value)
+    return [_kept(part, old, new) for part, old, new in zip(parts, before, value)]
 
 
 def place_of(scene: Scene, name: str) -> tuple[float, float]:

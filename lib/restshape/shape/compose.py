@@ -34,6 +34,16 @@ hole NAME at X Y radius R                              delete ENTITY
 set KEY = VALUE [in N frames]                          idle N | undo | redo | analyse
 lengths in m or with a unit (8 mm), angles with a unit (30 deg)"""
 
+PLANK_GRAMMAR = """\
+drag PLANK by DX DY DZ [in N frames]                   drag PLANK PARAMETER by AMOUNT [in N frames]
+                                                       PARAMETER: move x, turn y, length x, ...
+rotate PLANK by ANGLE [about x|y|z] [in N frames]      scale PLANK by FACTOR [along x|y] [in N frames]
+plank NAME from X Y Z to X Y Z width X Y Z             connect PLANK
+weight NAME of MASS on PLANK [at X Y Z]                delete PLANK or WEIGHT
+choose NUMBER                                          slide to PART [in N frames]
+set KEY = VALUE [in N frames]                          idle N | undo | redo | analyse
+lengths in m or with a unit (8 mm), angles with a unit (30 deg), places on a plank in parts of its size"""
+
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 LENGTH = rf"{NUMBER}(?:\s*(?:mm|cm|dm|km|um|nm|µm|in|ft|m)\b)?"
 ANGLE = rf"{NUMBER}(?:\s*(?:deg|rad|°))?"
@@ -73,11 +83,22 @@ class Composer:
         outline: the shape, when it does not come from ``[shape]``.
     """
 
+    grammar = GRAMMAR
+    events = EVENTS
+
     def __init__(self, scene: Scene, seed: int = 0, outline: Outline | None = None) -> None:
-        self._session = EditSession(scene, Script.empty(scene), outline=outline)
+        self._session = self._begin(scene, outline)
         self._seed = seed
         header = {"format": FORMAT, "version": VERSION, "scene": scene.path.name, "units": "m"}
         self.result = Composition([json.dumps(header)])
+
+    def _begin(self, scene: Scene, outline: Outline | None) -> Any:
+        """The session that carries events out."""
+        return EditSession(scene, Script.empty(scene), outline=outline)
+
+    def _rules(self) -> list[Rule]:
+        """What lines of text may be, and what makes events of them."""
+        return RULES
 
     def add(self, text: str) -> None:
         """Adds one line of text.
@@ -85,10 +106,12 @@ class Composer:
         Raises:
             UserError: it is not understood, or names what is not there.
         """
-        found = ((make, pattern.fullmatch(text.strip())) for pattern, make in RULES)
+        found = ((make, pattern.fullmatch(text.strip())) for pattern, make in self._rules())
         make, match = next((pair for pair in found if pair[1]), (None, None))
         if match is None:
-            raise UserError(f"{text.strip()!r} is not understood", "line of the script", f"write one of\n{GRAMMAR}")
+            raise UserError(
+                f"{text.strip()!r} is not understood", "line of the script", f"write one of\n{self.grammar}"
+            )
         wrong, why = 0, ""
         for event in make(self, match):
             for refused in self._perform(text, event):
@@ -100,12 +123,12 @@ class Composer:
         """Why frames of an event are refused; the event is written down in any case."""
         stamped = {"t": round(self.result.frames * FRAME_TIME, 6), **event}
         try:
-            found = EVENTS[event["do"]].model_validate(stamped)
+            found = self.events[event["do"]].model_validate(stamped)
         except ValidationError as error:
             first = error.errors()[0]
             key = ".".join(str(part) for part in first["loc"])
             what, do = plain(first)
-            raise UserError(f"{key}: {what}", text.strip(), do or f"write one of\n{GRAMMAR}") from error
+            raise UserError(f"{key}: {what}", text.strip(), do or f"write one of\n{self.grammar}") from error
         steps = list(self._session.steps(found))
         self.result.frames += len(steps)
         self.result.lines.append(json.dumps(stamped, allow_nan=False, default=str))
@@ -279,7 +302,11 @@ def compose(scene: Scene, texts: Sequence[str], seed: int = 0, outline: Outline 
     Raises:
         UserError: a line that is not understood, or names what is not there.
     """
-    composer = Composer(scene, seed, outline)
+    return composed(Composer(scene, seed, outline), texts)
+
+
+def composed(composer: Composer, texts: Sequence[str]) -> Composition:
+    """The edit script that a composer makes of lines of text, as `compose` does."""
     for text in (line for block in texts for line in block.splitlines()):
         if text.strip() and not text.strip().startswith("#"):
             composer.add(text)

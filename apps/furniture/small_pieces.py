@@ -1,6 +1,7 @@
-"""Small pieces of furniture that tests of several folders share."""
+"""Small pieces whose statics is worked by hand: a bench, a stool, a ladder, a block; and pieces in a mirror."""
 
 import numpy as np
+from restshape_apps.furniture.pieces import cantilever
 
 from restshape.shape.planks import Foot, Joint, Piece, Plane, Plank, feet_near, joints_near, weight
 
@@ -51,6 +52,11 @@ def block(base: float, high: float, mu: float, incline: float = 0.0) -> Piece:
     up = np.array([np.sin(incline), 0.0, np.cos(incline)])
     plank = Plank.between("block", (0, 0, 0), tuple(high * up), (0, 0.4, 0), base)
     return Piece((plank,), (), (Foot(0, 0, 0),), (Plane((0, 0, 0), tuple(up), mu),))
+
+
+def toppling(kilograms: float = 2.0) -> Piece:
+    """A nail cantilever with so long an arm that its load lies beyond its foot."""
+    return cantilever(width=0.08, arm=0.6, kilograms=kilograms, fastener="nail-thesis")
 
 
 def mirrored(piece: Piece) -> Piece:

@@ -119,8 +119,8 @@ def test_a_body_beyond_the_box_is_cut():
     long = Body.model_validate({"capsule": {"start": [0, -9, 0], "end": [0, 9, 0], "radius": 0.5}})
     places, triangles = body_surface(long, LOW, HIGH)
     window = (-4.0, 4.0, -4.0, 4.0)
-    assert hits(ABOVE, places, triangles, window, 200).there.mean() * 64 == pytest.approx(8.0, rel=0.02)
-    assert hits(ABOVE, places, triangles, window, 200, (LOW, HIGH)).there.mean() * 64 == pytest.approx(4.0, rel=0.02)
+    assert hits(ABOVE, places, triangles, window, 800).there.mean() * 64 == pytest.approx(8.0, rel=0.02)
+    assert hits(ABOVE, places, triangles, window, 800, (LOW, HIGH)).there.mean() * 64 == pytest.approx(4.0, rel=0.02)
 
 
 def test_cloth_from_above_covers_its_area_and_hides_the_ball(recording):

@@ -1,0 +1,225 @@
+"""Pictures of furniture: pieces with their joints, suggestions, ranges, force space, valid regions, thickness.
+
+python -m restshape_apps.furniture.pictures --out results/furniture [--only NAME ...] [--piece NAME] [--joints A B]
+"""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from restshape_apps.furniture.pieces import PIECES, scales, table
+from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
+from restshape_apps.furniture.small_pieces import toppling
+
+from restshape.errors import UserError
+from restshape.guidance.suggestions import Suggestion, suggest
+from restshape.guidance.support_planks import support_planks
+from restshape.physics.furniture import Furniture
+from restshape.report.force_space import Region, draw_forces, draw_region, region_marks
+from restshape.report.furniture import Slide, add_use_bar, bounds, draw_piece
+from restshape.report.style import INK, LEVELS, REFUSED, new_figure
+from restshape.shape.planks import Piece
+
+SIDES = 3
+"""Suggestions shown beside a piece."""
+
+
+def model(piece: Piece) -> Furniture:
+    """The tested model of a piece."""
+    furniture = Furniture(piece)
+    furniture.test()
+    return furniture
+
+
+def state(furniture: Furniture) -> str:
+    """What is wrong with a piece, in words."""
+    return ", ".join(furniture.test().words) or "valid"
+
+
+def told(one: Suggestion, furniture: Furniture) -> str:
+    """What a suggestion changes, and between which changes it is valid."""
+    size, words = furniture.piece.size, []
+    for words_of, part in zip(one.words, one.parts):
+        factor, unit = (np.degrees(part), "°") if "turn" in words_of else (1e3 * size * part, " mm")
+        low, high = sorted(factor * t for t in one.span)
+        words.append(f"{words_of} {factor * one.t:+.0f}{unit}, valid from {low:+.0f} to {high:+.0f}{unit}")
+    return "\n".join(words).replace("-", "\N{MINUS SIGN}").replace("leg\N{MINUS SIGN}", "leg-")
+
+
+def pieces(path: Path, names: Sequence[str] = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")) -> None:
+    """Pieces as they are: joints by the use of their strength, forces of feet, weights."""
+    across = min(3, len(names))
+    down = -(-len(names) // across)
+    figure = new_figure(3.6 * across + 0.7, 3.5 * down)
+    panels = figure.subplots(down, across, squeeze=False).ravel()
+    for axes, name in zip(panels, names):
+        furniture = model(PIECES[name]())
+        draw_piece(axes, furniture, f"{name}: {state(furniture)}", numbers=len(furniture.piece.planks) <= 10)
+    for axes in panels[len(names) :]:
+        axes.set_visible(False)
+    add_use_bar(figure, panels)
+    _save(figure, path)
+
+
+def suggestions(path: Path, name: str = "table") -> None:
+    """A piece and its first suggestions: arrows, and end states translucent; a support plank where there is one."""
+    furniture = model(PIECES[name]())
+    verdict = state(furniture)
+    found = suggest(furniture).found[:SIDES]
+    supports = support_planks(furniture)
+    if not (found or supports):
+        raise UserError(f"{name} has no suggestions: it is {verdict}", "--piece", "choose a piece that breaks or falls")
+    every = [one.piece(furniture) for one in found] + [one.piece for one in supports[:1]]
+    furniture.test()
+    box = bounds(furniture.piece, *every)
+    count = 1 + len(every)
+    figure = new_figure(9.6, 3.6 * (-(-count // 2)))
+    panels = figure.subplots(-(-count // 2), 2, squeeze=False).ravel()
+    draw_piece(panels[0], furniture, f"{name}: {verdict}", box=box)
+    for axes, one in zip(panels[1:], found):
+        draw_piece(axes, furniture, told(one, furniture), Slide(one.direction, one.t), numbers=False, box=box)
+    if supports:
+        made = model(supports[0].piece)
+        words = f"a support plank: {state(made)}\nit relieves {len(supports[0].relieved)} joint(s)"
+        draw_piece(panels[len(found) + 1], made, words, numbers=False, box=box)
+    for axes in panels[count:]:
+        axes.set_visible(False)
+    add_use_bar(figure, panels)
+    _save(figure, path)
+
+
+def ranges(path: Path) -> None:
+    """The valid range of what is dragged as an annotation: black where the piece is valid, red where it is not."""
+    figure = new_figure(9.6, 3.9)
+    panels = figure.subplots(1, len(RANGES))
+    for axes, (words, make) in zip(panels, RANGES.items()):
+        furniture, slide = make()
+        draw_piece(axes, furniture, f"{words}: {state(furniture)}", slide, numbers=False)
+    add_use_bar(figure, panels)
+    _save(figure, path)
+
+
+def force_space(path: Path, name: str = "scales", joints: tuple[int, int] | None = None) -> None:
+    """Force space: reactions at the two edges of a foot that tips, and moments of two joints, with rays."""
+    figure = new_figure(9.6, 5.6)
+    left, right = figure.subplots(1, 2)
+    rays, names = tipping_rays(model(toppling()))
+    draw_forces(left, rays, (0.0, 0.0), (np.inf, np.inf), names, (), "stability: a cantilever that falls")
+    furniture = model(PIECES[name]())
+    rays, others, names = joint_rays(furniture, joints)
+    draw_forces(right, rays, (-1.0, -1.0), (1.0, 1.0), names, others, f"durability: two joints of {name}")
+    right.set_aspect("equal", adjustable="box")
+    figure.savefig(path)
+
+
+def regions(path: Path) -> None:
+    """Where pieces are valid over two design parameters, beside what linearised forces say."""
+    figure = new_figure(9.6, 4.9)
+    panels = figure.subplots(1, 2)
+    stable = linearised_and_true(model(toppling()), ("foot: length x", "beam: length x"), (-0.1, 0.5), (-0.4, 0.2))
+    durable = linearised_and_true(model(scales()), ("left: length y", "right: length x"), (-0.1, 0.4), (-0.3, 0.1))
+    draw_region(panels[0], stable, "a cantilever that falls")
+    draw_region(panels[1], durable, "scales, with two weak joints")
+    kinds = [int(kind) for region in (stable, durable) for kind in np.unique(region.kind)]
+    figure.legend(handles=region_marks(kinds), loc="outside lower center", ncols=3, fontsize=8)
+    figure.savefig(path)
+
+
+def thickness(path: Path) -> None:
+    """What planks of 12 to 18 mm leave room for: the valid region of a table, and its suggestions."""
+    figure = new_figure(9.6, 4.6)
+    left, right = figure.subplots(1, 2)
+    millimetres, lines = np.arange(12, 19), []
+    fasteners = {"nail-thesis": (50.0, "32 mm nails, 50 kg"), "dowel": (40.0, "50 mm dowels, 40 kg")}
+    counts = np.zeros(len(millimetres), dtype=int)
+    for (fastener, (kilograms, words)), mark in zip(fasteners.items(), "os"):
+        shares = []
+        for k, t in enumerate(millimetres):
+            furniture = model(table(thickness=t * 1e-3, kilograms=kilograms, fastener=fastener))
+            region = linearised_and_true(furniture, ("leg-4: length y", "leg-4: turn y"), (-0.1, 0.15), (-0.2, 0.2), 51)
+            shares.append(100.0 * float((region.kind == 0).mean()))
+            if fastener == "nail-thesis":
+                counts[k] = len(suggest(furniture, shown=99, trials=200).found)
+                if t % 2 == 0:
+                    _outline(left, region, int(t))
+        lines += right.plot(millimetres, shares, f"{mark}-", color=LEVELS[1 if mark == "o" else 3], label=words)
+    left.plot(0.0, 0.0, "X", ms=9, color=REFUSED, mec="white", mew=0.8, label="the table as it is")
+    left.set(xlabel=region.x_name, ylabel=region.y_name)
+    left.set_title("table with 50 kg: valid above the lines (steps: whole nails)", fontsize=9, loc="left")
+    left.legend(fontsize=8, loc="lower left")
+    right.set(xlabel="thickness of planks [mm]", ylabel="valid part of the region on the left [%]", ylim=(0, 100))
+    beside = right.twinx()
+    beside.spines["right"].set_visible(True)
+    lines += beside.plot(millimetres, counts, "^:", color=INK, label="suggestions with 32 mm nails")
+    beside.set_ylabel("suggestions, of up to 3 modes")
+    beside.set_ylim(0, 2.0 * max(int(counts.max()), 1))
+    right.legend(handles=lines, fontsize=8, loc="upper left")
+    figure.savefig(path)
+
+
+def _outline(axes: Axes, region: Region, millimetres: int) -> None:
+    """Draw the limit of what is valid with planks of that thickness."""
+    number = (millimetres - 12) // 2
+    colour, style = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")[number], ("-", "--", "-.", ":")[number]
+    valid = (region.kind == 0).astype(float)
+    axes.contour(region.x, region.y, valid, levels=[0.5], colors=[colour], linewidths=1.5, linestyles=[style])
+    axes.plot([], [], color=colour, ls=style, lw=1.5, label=f"planks of {millimetres} mm")
+
+
+def _save(figure: Figure, path: Path) -> None:
+    """Write a figure with room around its titles."""
+    figure.get_layout_engine().set(h_pad=0.08, w_pad=0.06)
+    figure.savefig(path)
+
+
+PICTURES: dict[str, Callable[[Path], None]] = {
+    "pieces": pieces,
+    "suggestions": suggestions,
+    "ranges": ranges,
+    "forces": force_space,
+    "regions": regions,
+    "thickness": thickness,
+}
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Draw; 0 on success, 2 on bad input."""
+    parser = argparse.ArgumentParser(prog="python -m restshape_apps.furniture.pictures", description=__doc__)
+    parser.add_argument("--out", type=Path, metavar="STEM", required=True, help="files are STEM-NAME.png")
+    parser.add_argument("--only", nargs="+", choices=sorted(PICTURES), default=list(PICTURES), help="default: all")
+    parser.add_argument("--piece", choices=sorted(PIECES), help="of pieces, suggestions and forces")
+    parser.add_argument("--joints", nargs=2, type=int, metavar="N", help="of forces; default: the weakest two")
+    args = parser.parse_args(words)
+    try:
+        args.out.parent.mkdir(parents=True, exist_ok=True)
+        for name in args.only:
+            path = args.out.with_name(f"{args.out.name}-{name}.png")
+            _draw(name, path, args.piece, tuple(args.joints) if args.joints else None)
+            print(f"wrote {path}")
+    except UserError as error:
+        print(f"pictures: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"pictures: {args.out} cannot be written: {error.strerror}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _draw(name: str, path: Path, piece: str | None, joints: tuple[int, int] | None) -> None:
+    """Draw one picture, of a piece and joints where they are named."""
+    if name == "pieces" and piece:
+        pieces(path, (piece,))
+    elif name == "suggestions" and piece:
+        suggestions(path, piece)
+    elif name == "forces" and (piece or joints):
+        force_space(path, piece or "scales", joints)
+    else:
+        PICTURES[name](path)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,106 @@
+"""Validation of what guides a designer: derivatives, ends of valid ranges, and suggestions that are missed."""
+
+import numpy as np
+from petsc4py import PETSc
+from restshape_apps.furniture.misses import misses
+from restshape_apps.furniture.pieces import cantilever, chair, scales, shelf_1, stool_chair, table
+from restshape_apps.furniture.small_pieces import toppling
+from restshape_apps.furniture.validation_statics import G, settled
+
+from restshape.guidance.ranges import valid_ranges
+from restshape.physics.furniture import ALL, Furniture
+from restshape.sensitivity.furniture import force_derivative
+from restshape.shape.design_modes import DesignModes
+from restshape.shape.planks import FREEDOMS
+from restshape.validation.case import Check
+
+STEPS = np.array([4e-3, 2e-3, 1e-3])
+FIRST, SECOND = 1001, 1001
+"""Places of a dense sampling, and of the cells where it sees an end."""
+
+
+def modes_of(furniture: Furniture) -> DesignModes:
+    """The valid design modes of a model."""
+    return DesignModes.of(furniture.piece, furniture.kernel.freedoms())
+
+
+def taylor(comm: PETSc.Comm) -> list[Check]:
+    """What the derivatives of forces leave over as a design step is halved."""
+    checks = []
+    for piece in (table(), table(push=30.0), shelf_1()):
+        furniture = settled(piece)
+        modes, case = modes_of(furniture), len(furniture.cases) - 1
+        weights = np.random.default_rng(7).normal(size=len(modes))
+        weights /= np.linalg.norm(weights)
+        change, base = force_derivative(furniture, modes.directions, case), furniture.forces(case)
+        gamma = (weights @ modes.directions).reshape(-1, 8)
+        for name in ("u", "tension", "bending", "shear"):
+            rest, slope = [], np.tensordot(weights, getattr(change, name), axes=1)
+            for step in STEPS:
+                furniture.test(step * gamma)
+                rest.append(
+                    float(np.abs(getattr(furniture.forces(case), name) - getattr(base, name) - step * slope).max())
+                )
+            furniture.test()
+            pushed = " pushed" if case else ""
+            order = float(np.log2(rest[0] / rest[-1]) / (len(STEPS) - 1))
+            checks.append(Check(f"{piece.name}{pushed}: order of the remainder of {name}", order, 2.0, 0.05, "Taylor"))
+    return checks
+
+
+def range_ends(comm: PETSc.Comm) -> list[Check]:
+    """Ends of valid ranges: of a cantilever's length by hand, and of single modes by dense sampling."""
+    furniture = settled(cantilever(kilograms=0.9))
+    modes = modes_of(furniture)
+    number = next(k for k, (p, f) in enumerate(modes.freedoms) if p == 2 and FREEDOMS[f] == "length x")
+    ranges = valid_ranges(furniture, modes.direction(np.array([number]), np.array([1.0])), -0.3, 0.5)
+    own, load, moment = 700.0 * 0.06 * 0.012 * G / 2, 0.9 * G, 5.2e3 * 0.02 * 3 * 0.006
+    longest = (-load + np.sqrt(load**2 + 4 * own * moment)) / (2 * own)
+    source = "W l + w l^2 / 2 = what its nails bear"
+    by_hand = float(0.19 + ranges.intervals[-1, 1] * modes.unit)
+    checks = [Check("longest arm of a nail cantilever [m]", by_hand, float(longest), 1e-5, source)]
+    for piece in (table(kilograms=20.0), chair(), stool_chair()):
+        worst, seen, met = 0.0, 0, 0
+        furniture = settled(piece)
+        modes = modes_of(furniture)
+        for number in np.random.default_rng(5).choice(len(modes), 5, replace=False):
+            direction = modes.direction(np.array([number]), np.array([1.0]))
+            ends = valid_ranges(furniture, direction, -0.5, 0.5, samples=97).intervals.ravel()
+            for place in sampled_ends(furniture, direction):
+                away = float(np.abs(ends - place).min()) if len(ends) else np.inf
+                seen, met = seen + 1, met + (away <= 1e-3)
+                worst = max(worst, away) if away <= 1e-3 else worst
+        source = "a million samples of the full test"
+        checks += [
+            Check(f"{piece.name}: largest distance of {met} ends", worst, 0.0, 1.5e-6, source),
+            Check(f"{piece.name}: ends found", float(met), float(seen), 0.0, source),
+        ]
+    return checks
+
+
+def sampled_ends(furniture: Furniture, direction: np.ndarray) -> list[float]:
+    """Where the full test changes its mind along -0.5 <= t <= 0.5, by sampling in two stages."""
+    ends = []
+    t = np.linspace(-0.5, 0.5, FIRST)
+    good = furniture.kernel.scan(direction, t, ALL)[0] == 0
+    for k in np.flatnonzero(good[1:] != good[:-1]):
+        fine = np.linspace(t[k], t[k + 1], SECOND)
+        inside = furniture.kernel.scan(direction, fine, ALL)[0] == 0
+        ends += [0.5 * float(fine[m] + fine[m + 1]) for m in np.flatnonzero(inside[1:] != inside[:-1])]
+    return ends
+
+
+def missed(comm: PETSc.Comm) -> list[Check]:
+    """Single modes and pairs that a grid of the full test finds and suggestions do not, on pieces of 3 and 4 planks."""
+    pieces = {
+        "cantilever": cantilever(kilograms=1.8),
+        "long cantilever": cantilever(width=0.1, arm=0.3, kilograms=1.3),
+        "scales": scales(),
+        "cantilever that falls": toppling(),
+    }
+    checks = []
+    for name, piece in pieces.items():
+        found = misses(piece)
+        what = f"{name}: part missed of {found.single} modes and {found.pairs} pairs"
+        checks.append(Check(what, found.rate, 0.0, 0.25, "grid of 21 x 21 full tests for each pair"))
+    return checks

@@ -1,0 +1,494 @@
+"""An edit session of furniture: events of a script turned into frames, each with a piece."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from restshape.application import Application
+from restshape.application import application as application_named
+from restshape.errors import UserError
+from restshape.guidance.boards import MovingBoards
+from restshape.guidance.design import Design, Guidance, Idea, Way
+from restshape.scene.load import revise
+from restshape.scene.model import Scene
+from restshape.scene.plan import plan, refuse_switched
+from restshape.scene.script import Script
+from restshape.scene.source import split_key, suggestion
+from restshape.shape import plank_edits
+from restshape.shape.plank_scene import piece_of, restated, weighing
+from restshape.shape.planks import FREEDOMS, Piece, Plank
+from restshape.shape.session import FIXED, FRAME_TIME, UNDO_STEPS
+from restshape.shape.sweep import sweep
+
+NO_LENGTH = 2
+"""Number of the fault of a plank that has no length left."""
+
+State = tuple[Design, Scene]
+
+
+@dataclass(slots=True)
+class PlankFrame:
+    """One frame of a session of furniture.
+
+    Args:
+        index: from 0.
+        t: edit time [s].
+        line: of the script, 0 for the start.
+        do: the event's kind, "start" for frame 0.
+        change: "start", "none", "move", "shape" (another set of planks, joints or loads) or "values".
+        gesture: the parameter under the hand; None where there is none.
+        c: how far it is from its start, and 0.
+        scene: what else holds.
+        refused: why the event changed nothing; None when it was carried out.
+        analysed: whether the script asks for a solution of this frame.
+        settled: no hand holds a plank, and the event is at its end.
+        design: the piece that the edit began with; gamma: (n, 8) its design parameters now.
+        note: what was left out of the edit.
+    """
+
+    index: int
+    t: float
+    line: int
+    do: str
+    change: str
+    gesture: Way | None
+    c: tuple[float, float]
+    scene: Scene
+    refused: str | None
+    analysed: bool
+    settled: bool
+    design: Design
+    gamma: np.ndarray
+    note: str = ""
+
+
+@dataclass(slots=True)
+class Step:
+    """What one frame of an event did."""
+
+    change: str
+    refused: str | None = None
+    note: str = ""
+
+
+@dataclass(slots=True)
+class Hold:
+    """What the hand holds: a plank, or a parameter of it, from where, and the state before."""
+
+    before: State
+    plank: int
+    number: int | None
+    origin: np.ndarray
+    cursor: np.ndarray
+    free: np.ndarray
+
+
+class PlankSession:
+    """Replays a script's events on a scene's piece.
+
+    Args:
+        scene: where the session starts.
+        script: validated events.
+        application: whose effects the scene may name; default: the scene's own.
+
+    Raises:
+        UserError: the scene's piece cannot be had.
+    """
+
+    def __init__(self, scene: Scene, script: Script, application: Application | None = None) -> None:
+        self.scene, self._script = scene, script
+        self._application = application or application_named(scene.app)
+        try:
+            self.design = Design.closed(piece_of(scene), self._guidance())
+        except UserError as error:
+            raise scene.located(error) from error
+        self.gamma = self._rest()
+        self.way: Way | None = None
+        self.part = 0.0
+        self._hold: Hold | None = None
+        self._chosen: tuple[Design, Idea] | None = None
+        self._past: tuple[State, ...] = ()
+        self._future: tuple[State, ...] = ()
+        self._mark()
+
+    def models(self) -> MovingBoards:
+        """What makes a model of each frame."""
+        return MovingBoards()
+
+    @property
+    def held(self) -> Way | None:
+        """The parameter under the hand; None where there is none."""
+        return self.way
+
+    def frames(self) -> Iterator[PlankFrame]:
+        """All frames, one after the other; the first shows the piece before any event."""
+        yield self._frame(0, 0.0, 0, "start", Step("start"), True, True)
+        index, events = 1, self._script.events
+        always = self._script.header.analysis == "every frame"
+        for k, event in enumerate(events):
+            room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
+            count = self._count(event)
+            pace = min(FRAME_TIME, room / count)
+            for i, step in enumerate(self.steps(event)):
+                settled = self._hold is None and i == count - 1
+                analysed = always or event.do == "analyse"
+                yield self._frame(index, event.t + i * pace, event.line, event.do, step, analysed, settled)
+                index += 1
+
+    def steps(self, event: Any) -> Iterator[Step]:
+        """What each frame of one event does; piece and scene follow as the steps are taken."""
+        self.way = self.way if self._hold else None
+        steps = getattr(self, f"_do_{event.do}")(event)
+        while True:
+            self._mark()
+            step = next(steps, None)
+            if step is None:
+                return
+            yield step
+
+    def take_back(self) -> None:
+        """Restore all as it was before the last step: it has no solution."""
+        self.design, self.scene, self.gamma, self.way, self.part, self._past, self._future, self._chosen = self._before
+
+    def _mark(self) -> None:
+        """Note the state that `take_back` restores."""
+        now = (self.design, self.scene, self.gamma, self.way, self.part)
+        self._before = (*now, self._past, self._future, self._chosen)
+
+    def _frame(self, index: int, t: float, line: int, do: str, step: Step, analysed: bool, settled: bool) -> PlankFrame:
+        where = (self.way, (self.part, 0.0), self.scene, step.refused, analysed, settled, self.design, self.gamma)
+        return PlankFrame(index, t, line, do, step.change, *where, step.note)
+
+    @staticmethod
+    def _count(event: Any) -> int:
+        """Number of frames that an event takes."""
+        frames = getattr(event, "frames", None)
+        if event.do == "drag" and frames is None:
+            return len(event.path) if event.path is not None else 1
+        return frames or 1
+
+    # What a hand does.
+
+    def _do_press(self, event: Any) -> Iterator[Step]:
+        try:
+            plank = self._plank(event.on)
+        except UserError as error:
+            yield self._refusal(error)
+            return
+        free = np.array([(plank, number) in self.design.freedoms for number in range(8)])
+        number = None if event.parameter is None else FREEDOMS.index(event.parameter)
+        if not (free[:3].any() if number is None else free[number]):
+            what = event.parameter or "move"
+            yield Step("none", f"{event.on} cannot {_verb(what)}: its joints and feet would not stay closed")
+            return
+        origin = self.design.piece.planks[plank].centre if event.at is None else np.array(event.at)
+        if number is not None:
+            origin, self.way, self.part = np.zeros(3), self.design.parameter(plank, number), 0.0
+        self._hold = Hold((self.design, self.scene), plank, number, origin, origin, free)
+        yield Step("none")
+
+    def _do_drag(self, event: Any) -> Iterator[Step]:
+        hold, count = self._hold, self._count(event)
+        wrong = None
+        if hold is None:
+            wrong = "nothing is held"
+        elif (event.by is None) != (hold.number is None):
+            wrong = "a parameter is dragged by a number" if hold.number is not None else "a plank is dragged to a point"
+        if wrong:
+            for _ in range(count):
+                yield Step("none", wrong)
+            return
+        path = [(event.by, 0.0, 0.0)] if event.by is not None else event.path or [event.to]
+        for cursor in _evenly(hold.cursor, path, count):
+            hold.cursor = cursor
+            yield self._drag_to(hold, cursor - hold.origin)
+
+    def _drag_to(self, hold: Hold, shift: np.ndarray) -> Step:
+        """One frame of a drag that is as far as a shift (3,) from where it began."""
+        if hold.number is not None:
+            return self._along(self.way, float(shift[0]))
+        plank = self.design.piece.planks[hold.plank]
+        own = plank.axes.T @ shift
+        blocked = ~hold.free[:3] & (np.abs(own) > 1e-9)
+        own = np.where(hold.free[:3], own, 0.0)
+        far = float(np.linalg.norm(own))
+        left = [FREEDOMS[k] for k in np.flatnonzero(blocked)]
+        note = f"{plank.name} cannot {' or '.join(left)}: left out" if left else ""
+        if far == 0.0:
+            return self._along(self.way, 0.0, note)
+        direction = np.zeros((len(self.design.piece.planks), 8))
+        direction[hold.plank, :3] = own / far
+        return self._along(self.design.way(direction, f"{plank.name}: move"), far, note)
+
+    def _along(self, way: Way | None, t: float, note: str = "") -> Step:
+        """The frame at a parameter of a way; a plank without length is refused."""
+        gamma = self._rest() if way is None else t * way.direction
+        if np.array_equal(gamma, self.gamma):
+            self.way, self.part = way, t
+            return Step("none", note=note)
+        raw = self.design.furniture.kernel.shape(gamma)
+        if raw["fault"] == NO_LENGTH or raw["size"].min() <= 0.0:
+            return Step("none", "a plank would have no length left")
+        self.way, self.part, self.gamma = way, t, gamma
+        return Step("move", note=note)
+
+    def _do_release(self, event: Any) -> Iterator[Step]:
+        hold, self._hold = self._hold, None
+        if hold is None:
+            yield Step("none", "nothing is held")
+            return
+        self._settle()
+        self.way, self.part = None, 0.0
+        self._remember(hold.before)
+        yield Step("none")
+
+    def _do_rotate(self, event: Any) -> Iterator[Step]:
+        yield from self._parameter(event, f"turn {event.about}", lambda plank: event.by)
+
+    def _do_scale(self, event: Any) -> Iterator[Step]:
+        axis = "xy".index(event.along)
+        yield from self._parameter(
+            event, f"length {event.along}", lambda plank: (event.factor - 1.0) * float(plank.size[axis])
+        )
+
+    def _parameter(self, event: Any, name: str, amount: Callable[[Plank], float]) -> Iterator[Step]:
+        """A parameter of a plank changed by an amount in even steps, without a hand."""
+        try:
+            plank = self._plank(event.on)
+        except UserError as error:
+            for _ in range(event.frames):
+                yield self._refusal(error)
+            return
+        number = FREEDOMS.index(name)
+        if (plank, number) not in self.design.freedoms:
+            why = f"{event.on} cannot {_verb(name)}: its joints and feet would not stay closed"
+            for _ in range(event.frames):
+                yield Step("none", why)
+            return
+        way = self.design.parameter(plank, number)
+        yield from self._swept(way, 0.0, amount(self.design.piece.planks[plank]), event.frames)
+
+    def _swept(self, way: Way, first: float, last: float, frames: int) -> Iterator[Step]:
+        """Even steps along a way of the present design; the piece at the last one is where further edits begin."""
+        before = self.design, self.scene
+        for i in range(1, frames + 1):
+            step = self._along(way, last if i == frames else first + (last - first) * i / frames)
+            if i == frames:
+                self._settle()
+                self._remember(before)
+            yield step
+
+    # Edits of what the piece is made of.
+
+    def _do_plank(self, event: Any) -> Iterator[Step]:
+        def drawn(piece: Piece) -> Piece:
+            thickness = event.thickness or float(np.median([plank.size[2] for plank in piece.planks]))
+            self._refuse_taken(event.name)
+            plank = Plank.between(event.name, event.start, event.to, event.width, thickness, wood=self.scene.wood.name)
+            return plank_edits.added(piece, plank, self.scene.joints.reach, self.scene.fastener.name)
+
+        yield self._rebuilt(drawn)
+
+    def _do_connect(self, event: Any) -> Iterator[Step]:
+        def joined(piece: Piece) -> Piece:
+            plank = self._plank(event.on)
+            found = plank_edits.connected(piece, plank, self.scene.joints.reach, self.scene.fastener.name)
+            if len(found.joints) == len(piece.joints) and len(found.feet) == len(piece.feet):
+                raise UserError(f"{event.on} is near nothing that it is not joined to already")
+            return found
+
+        yield self._rebuilt(joined)
+
+    def _do_weight(self, event: Any) -> Iterator[Step]:
+        def put(piece: Piece) -> Piece:
+            if event.name not in {load.name for load in piece.weights}:
+                self._refuse_taken(event.name)
+            load = weighing(self.scene, event.name, self._plank(event.on), event.mass, event.at)
+            return plank_edits.loaded(piece, load)
+
+        yield self._rebuilt(put)
+
+    def _do_delete(self, event: Any) -> Iterator[Step]:
+        def without(piece: Piece) -> Piece:
+            if event.on in {load.name for load in piece.weights}:
+                return replace(piece, weights=tuple(load for load in piece.weights if load.name != event.on))
+            return plank_edits.removed(piece, self._plank(event.on))
+
+        yield self._rebuilt(without)
+
+    def _rebuilt(self, change: Callable[[Piece], Piece]) -> Step:
+        """One frame of an edit that gives another piece."""
+        before = self.design, self.scene
+        try:
+            self.design = Design.closed(change(self.design.piece), self.design.guidance)
+        except UserError as error:
+            return self._refusal(error)
+        self.gamma, self._chosen = self._rest(), None
+        self._remember(before)
+        return Step("shape")
+
+    # Suggestions.
+
+    def _do_choose(self, event: Any) -> Iterator[Step]:
+        ideas = self.design.ideas.found
+        if event.number > len(ideas):
+            there = f"there are {len(ideas)}" if ideas else "there is none"
+            yield Step("none", f"there is no suggestion {event.number}: {there} for this piece")
+            return
+        before, idea = (self.design, self.scene), ideas[event.number - 1]
+        base = self.design
+        if idea.piece is not None:
+            self.design = Design.closed(_with_own_names(idea.piece), base.guidance)
+            self._chosen = None
+            change = "shape"
+        else:
+            self.design = base.moved(idea.t * idea.direction)
+            self._chosen = base, idea
+            change = "move"
+        self.gamma = self._rest()
+        self._remember(before)
+        yield Step(change, note=f"suggestion {event.number}: {idea.words}")
+
+    def _do_slide(self, event: Any) -> Iterator[Step]:
+        if self._chosen is None:
+            for _ in range(event.frames):
+                yield Step("none", "no suggestion is chosen that could be slid along")
+            return
+        before, (base, idea) = (self.design, self.scene), self._chosen
+        low, high = idea.span
+        goal = low + event.to * (high - low)
+        way = base.way(idea.direction, idea.words, base.piece.size)
+        start, self.design, self.gamma = idea.t, base, idea.t * idea.direction
+        for i in range(1, event.frames + 1):
+            step = self._along(way, goal if i == event.frames else start + (goal - start) * i / event.frames)
+            if i == event.frames:
+                self._settle()
+                self._chosen = base, replace(idea, t=goal)
+                self._remember(before)
+            yield step
+
+    # The scene, and what came before.
+
+    def _do_set(self, event: Any) -> Iterator[Step]:
+        if next(iter(split_key(event.key)), "") in FIXED:
+            why = f"{event.key} cannot be set during an edit (change the scene, or use --set)"
+            for _ in range(event.frames):
+                yield Step("none", why)
+            return
+        if self._hold is not None:
+            for _ in range(event.frames):
+                yield Step("none", "nothing can be set while a plank is held")
+            return
+        before = self.design, self.scene
+        try:
+            part_of = None if event.frames == 1 else sweep(self.scene, event.key, event.value)
+        except UserError as error:
+            for _ in range(event.frames):
+                yield self._refusal(error)
+            return
+        for i in range(1, event.frames + 1):
+            yield self._revised(event, part_of, i / event.frames)
+        self._remember(before)
+
+    def _revised(self, event: Any, part_of: Any, part: float) -> Step:
+        """One frame of an edit of the scene."""
+        before, design = self.scene, self.design
+        try:
+            self.scene = revise(before, event.key, event.value) if part_of is None else part_of(before, part)
+            refuse_switched(before, self.scene, self._application)
+            self.design = Design.closed(restated(design.piece, before, self.scene), self._guidance())
+        except UserError as error:
+            self.scene, self.design = before, design
+            return self._refusal(error)
+        self.gamma, self._chosen = self._rest(), None
+        return Step("values")
+
+    def _do_idle(self, event: Any) -> Iterator[Step]:
+        for _ in range(event.frames):
+            yield Step("none")
+
+    def _do_analyse(self, event: Any) -> Iterator[Step]:
+        yield Step("none")
+
+    def _do_undo(self, event: Any) -> Iterator[Step]:
+        if not self._past:
+            yield Step("none", "there is nothing to undo")
+            return
+        *past, then = self._past
+        self._past, self._future = tuple(past), (*self._future, (self.design, self.scene))
+        yield self._go_to(then)
+
+    def _do_redo(self, event: Any) -> Iterator[Step]:
+        if not self._future:
+            yield Step("none", "there is nothing to redo")
+            return
+        *future, then = self._future
+        self._past, self._future = (*self._past, (self.design, self.scene)), tuple(future)
+        yield self._go_to(then)
+
+    def _go_to(self, then: State) -> Step:
+        self.design, self.scene = then
+        self.gamma, self._chosen = self._rest(), None
+        return Step("shape")
+
+    def _settle(self) -> None:
+        """Let further edits begin with the piece as it is now."""
+        if self.gamma.any():
+            self.design = self.design.moved(self.gamma)
+        self.gamma, self._chosen = self._rest(), None
+
+    def _remember(self, before: State) -> None:
+        """End an edit step: it can be undone from now on, if it changed anything."""
+        if before[0] is not self.design or before[1] is not self.scene:
+            self._past, self._future = (*self._past, before)[-UNDO_STEPS:], ()
+
+    def _guidance(self) -> Guidance:
+        asked = plan(self.scene, self._application).settings("guidance")
+        return Guidance(asked.ranges, asked.suggestions, asked.freedoms) if asked else Guidance()
+
+    def _rest(self) -> np.ndarray:
+        return np.zeros((len(self.design.piece.planks), 8))
+
+    def _plank(self, name: str) -> int:
+        names = [plank.name for plank in self.design.piece.planks]
+        if name not in names:
+            raise UserError(f"there is no plank {name!r}", do=suggestion(name, names))
+        return names.index(name)
+
+    def _refuse_taken(self, name: str) -> None:
+        """Refuse a name that stands for something already."""
+        piece = self.design.piece
+        if name in {one.name for one in (*piece.planks, *piece.weights, *piece.pushes)}:
+            raise UserError(f"there is {name!r} already", do="give it another name")
+
+    def _refusal(self, error: UserError) -> Step:
+        why = f"{error.where}: {error.what}" if error.where else error.what
+        return Step("none", f"{why} ({error.do})" if error.do else why)
+
+
+def _with_own_names(piece: Piece) -> Piece:
+    """The piece whose last plank has a name that no other one has."""
+    *others, last = piece.planks
+    taken, name, count = {plank.name for plank in others}, last.name, 1
+    while name in taken:
+        count += 1
+        name = f"{last.name}-{count}"
+    return replace(piece, planks=(*others, replace(last, name=name)))
+
+
+def _verb(parameter: str) -> str:
+    """What a plank does when a parameter of it changes."""
+    kind, _, axis = parameter.partition(" ")
+    return f"become longer along its {axis}" if kind == "length" else f"{kind} {axis}".strip()
+
+
+def _evenly(start: np.ndarray, path: Any, frames: int) -> list[np.ndarray]:
+    """As many places (3,) of the cursor as frames, evenly by number along its start and path."""
+    chain = np.array([start, *path], dtype=float)
+    places = np.arange(1, frames + 1) * (len(path) / frames)
+    steps = [np.interp(places, np.arange(len(chain)), chain[:, k]) for k in range(3)]
+    return [*np.stack(steps, axis=1)[:-1], chain[-1]]

@@ -1,0 +1,351 @@
+"""Pictures of furniture in space: joints by the use of their strength, forces of feet, weights, suggestions, ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Colormap, Normalize, to_rgb
+from matplotlib.figure import Figure
+
+from restshape.guidance.ranges import Ranges
+from restshape.physics.furniture import Forces, Furniture
+from restshape.report.raster import FINER, Camera, Hits, hits
+from restshape.report.space_axes import draw_box
+from restshape.report.style import BODY, COLOURS, INK, REFUSED, length_unit
+from restshape.shape.planks import Piece
+
+AZIMUTH, ELEVATION, FAR = np.radians(-62.0), np.radians(18.0), 6.0
+"""Where the camera is, and its distance in sizes of the piece."""
+COLUMNS = 600
+"""Pixels across a picture of a piece."""
+SHADES = (0.62, 0.38)
+"""Light on a face that is seen from the side, and what is added to it facing the light."""
+LIGHT = np.array([0.35, -0.55, 0.76])
+FOOT, LOAD, MOVED = "#0072b2", INK, "#d55e00"
+GHOST = 0.38
+"""Of a suggestion's end state, which is not hidden."""
+ROOM = (0.3, 0.14, 0.2, 0.2)
+"""Left, right, below and above the box, in parts of its width in the picture: for numbers and arrows."""
+ARROW = 0.12
+"""The longest arrow of a force, in parts of the piece's size."""
+
+
+@dataclass(frozen=True)
+class Slide:
+    """What is drawn of an edit along a direction.
+
+    Args:
+        direction: (n, 8) change of the design parameters by a unit of t.
+        t: its end state is shown there; 0 shows none.
+        ranges: where it is valid, shown as an annotation beside the plank that moves most; None: not shown.
+        low, high: of t, as far as it was looked at.
+        valid: the piece as it is is valid: its range is black, else red.
+    """
+
+    direction: np.ndarray
+    t: float = 0.0
+    ranges: Ranges | None = None
+    low: float = 0.0
+    high: float = 0.0
+    valid: bool = True
+
+
+@dataclass
+class PieceView:
+    """The axes, camera and units of one picture.
+
+    Args:
+        axes: to draw in.
+        camera: looks at the piece.
+        size: of the piece [m].
+        reach: of the drawn arrows, to be kept in sight (k, 2).
+    """
+
+    axes: Axes
+    camera: Camera
+    size: float
+    reach: list[np.ndarray] = field(default_factory=list)
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """Where places (n, 3) or (3,) are in the picture."""
+        flat = self.camera.project(np.atleast_2d(places))[0]
+        return flat if np.ndim(places) > 1 else flat[0]
+
+    def arrow(self, start: np.ndarray, end: np.ndarray, colour: str, width: float = 1.6, both: bool = False) -> None:
+        """An arrow from a place to another one."""
+        ends = self.at(np.array([start, end]))
+        style = {"arrowstyle": "<|-|>" if both else "-|>", "color": colour, "lw": width, "mutation_scale": 9}
+        style |= {"shrinkA": 0, "shrinkB": 0}
+        self.axes.annotate("", ends[1], ends[0], arrowprops=style, zorder=8, annotation_clip=False)
+        self.reach.append(ends)
+
+    def words(self, place: np.ndarray, text: str, colour: str, up: float, aside: float = 0.0) -> None:
+        """Words beside a place, so many points above and to the right of it."""
+        box = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.6}
+        self.axes.annotate(
+            text,
+            self.at(place),
+            xytext=(aside, up),
+            textcoords="offset points",
+            ha="center" if not aside else "left" if aside > 0 else "right",
+            va="bottom" if up > 0 else "top" if up < 0 else "center",
+            fontsize=7,
+            color=colour,
+            bbox=box,
+            zorder=9,
+            annotation_clip=False,
+        )
+
+
+def use_colours() -> tuple[Colormap, Normalize]:
+    """Colours of the use of strength from 0 to 1, and red beyond."""
+    return colormaps[COLOURS].with_extremes(over=REFUSED), Normalize(0.0, 1.0)
+
+
+def add_use_bar(figure: Figure, axes: Axes | Sequence[Axes]) -> None:
+    """Put the colour bar of joints beside axes."""
+    cmap, norm = use_colours()
+    bar = figure.colorbar(ScalarMappable(norm, cmap), ax=axes, extend="max", shrink=0.75, aspect=26, pad=0.01)
+    bar.set_label("use of a joint's strength, pull or shear [1]; red: it breaks", fontsize=8)
+    bar.ax.tick_params(labelsize=7)
+
+
+def draw_piece(
+    axes: Axes,
+    furniture: Furniture,
+    title: str = "",
+    slide: Slide | None = None,
+    case: int = 0,
+    numbers: bool = True,
+    box: tuple[np.ndarray, np.ndarray] | None = None,
+) -> None:
+    """Draw a piece as it is, with its joints, feet and weights.
+
+    Args:
+        axes: emptied and given equal scales.
+        furniture: its model; it is tested here.
+        title: over the picture.
+        slide: an edit of which an end state or a range is shown.
+        case: of the loads.
+        numbers: forces of feet in newtons, and masses, are written beside their arrows.
+        box: corners [m] that hold all, such as those of several pictures side by side.
+    """
+    end = furniture.moved(slide.t * slide.direction) if slide and slide.t else None
+    furniture.test()
+    forces, piece = furniture.forces(case), furniture.moved()
+    low, high = box or bounds(piece, *([end] if end else []))
+    camera = Camera.towards(0.5 * (low + high), AZIMUTH, ELEVATION, FAR * float(np.linalg.norm(high - low)))
+    view = PieceView(axes, camera, float((high - low).max()))
+    window = _window(camera, low, high)
+    factor, unit = length_unit(view.size)
+    axes.set_axis_off()
+    draw_box(axes, camera, low, high, factor, unit)
+    seen = _draw_planks(view, piece, window, BODY, 1.0)
+    _draw_edges(view, piece, seen, window, INK, 0.7)
+    if end:
+        changed = _changed(piece, end)
+        _draw_planks(view, end, window, MOVED, GHOST, changed)
+        _draw_moves(view, piece, end, slide.direction)
+    _draw_joints(view, furniture, forces)
+    _draw_feet(view, furniture, forces, numbers)
+    _draw_loads(view, furniture, case, numbers)
+    if slide and slide.ranges is not None:
+        _draw_range(view, furniture, slide, slide.ranges)
+    _frame(view, window)
+    if title:
+        axes.set_title(title, fontsize=8.5, loc="left")
+
+
+def bounds(*pieces: Piece) -> tuple[np.ndarray, np.ndarray]:
+    """Two corners (3,) of a box around pieces [m], with some room, down to the floor."""
+    corners = np.concatenate([plank.corners() for piece in pieces for plank in piece.planks])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    room = 0.04 * float((high - low).max())
+    low, high = low - room, high + room
+    low[2] = min(0.0, float(corners[:, 2].min()))
+    return low, high
+
+
+def _window(camera: Camera, low: np.ndarray, high: np.ndarray) -> tuple[float, float, float, float]:
+    ends = np.array([low, high])
+    corners = np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    flat = camera.project(corners)[0]
+    (left, bottom), (right, top) = flat.min(axis=0), flat.max(axis=0)
+    return float(left), float(right), float(bottom), float(top)
+
+
+def _frame(view: PieceView, window: tuple[float, float, float, float]) -> None:
+    """Give the axes limits that hold the box with its numbers, and all arrows."""
+    left, right, bottom, top = window
+    wide = max(right - left, 0.6 * (top - bottom))
+    places = np.concatenate([[[left, bottom], [right, top]], *view.reach])
+    (low_x, low_y), (high_x, high_y) = places.min(axis=0), places.max(axis=0)
+    room = [part * wide for part in ROOM]
+    view.axes.set_xlim(min(left - room[0], low_x - 0.05 * wide), max(right + room[1], high_x + 0.05 * wide))
+    view.axes.set_ylim(min(bottom - room[2], low_y - 0.09 * wide), max(top + 0.03 * wide, high_y + 0.09 * wide))
+    view.axes.set_aspect("equal")
+
+
+FACES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+"""Corners of a plank's six sides, as `Plank.corners` counts them."""
+EDGES = np.array([[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]])
+
+
+def _draw_planks(
+    view: PieceView,
+    piece: Piece,
+    window: tuple[float, float, float, float],
+    colour: str,
+    opacity: float,
+    chosen: np.ndarray | None = None,
+) -> Hits:
+    """Paint planks, or those chosen; what is nearest hides the rest."""
+    numbers = range(len(piece.planks)) if chosen is None else np.flatnonzero(chosen)
+    places = np.concatenate([np.zeros((0, 3)), *(piece.planks[k].corners() for k in numbers)])
+    quads = np.concatenate([np.zeros((0, 4), dtype=int), *(FACES + 8 * k for k in range(len(numbers)))])
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    found = hits(view.camera, places, triangles, window, FINER * COLUMNS)
+    a, b, c = (places[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    light = SHADES[0] + SHADES[1] * np.abs(normals @ LIGHT)
+    image = np.zeros((*found.triangle.shape, 4))
+    there = found.there
+    image[there, :3] = np.clip(light[found.triangle[there]][:, None] * np.array(to_rgb(colour)), 0.0, 1.0)
+    image[there, 3] = opacity
+    left, right, bottom, top = window
+    view.axes.imshow(image, extent=(left, right, bottom, top), origin="lower", zorder=2 if opacity == 1.0 else 4)
+    return found
+
+
+def _draw_edges(
+    view: PieceView,
+    piece: Piece,
+    seen: Hits,
+    window: tuple[float, float, float, float],
+    colour: str,
+    width: float,
+) -> None:
+    """Draw the edges of planks where nothing hides them."""
+    steps = np.linspace(0.0, 1.0, 121)[:, None]
+    left, right, bottom, top = window
+    rows, columns = seen.near.shape
+    segments = []
+    for plank in piece.planks:
+        corners = plank.corners()
+        for start, end in corners[EDGES]:
+            flat, near = view.camera.project(start + steps * (end - start))
+            column = np.clip(((flat[:, 0] - left) / (right - left) * columns).astype(int), 1, columns - 2)
+            row = np.clip(((flat[:, 1] - bottom) / (top - bottom) * rows).astype(int), 1, rows - 2)
+            # An edge is beside its faces: the farthest of the pixels around tells what hides it.
+            around = np.min([seen.near[row + i, column + j] for i in (-1, 0, 1) for j in (-1, 0, 1)], axis=0)
+            shown = near >= around - 0.004 * view.size
+            segments += [flat[k : k + 2] for k in range(len(flat) - 1) if shown[k] and shown[k + 1]]
+    view.axes.add_collection(LineCollection(segments, colors=colour, linewidths=width, zorder=3), autolim=False)
+
+
+def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
+    geometry = furniture.geometry()
+    if not len(geometry.p):
+        return
+    cmap, norm = use_colours()
+    use = np.maximum(forces.pull_use, forces.shear_use)
+    half = 0.5 * geometry.length[:, None] * geometry.y
+    lines = [view.at(np.array([p - h, p + h])) for p, h in zip(geometry.p, half)]
+    wide = np.where(use > 1.0, 5.0, 3.6)
+    view.axes.add_collection(LineCollection(lines, colors="white", linewidths=wide + 1.4, zorder=5), autolim=False)
+    colours = cmap(norm(use))
+    view.axes.add_collection(LineCollection(lines, colors=colours, linewidths=wide, zorder=6), autolim=False)
+    for k in np.flatnonzero(use > 1.0):
+        # At the end that is nearer to the camera, to the left of it.
+        end = half[k] if half[k] @ view.camera.axes[2] > 0.0 else -half[k]
+        view.words(geometry.p[k] + end, f"{use[k]:.2f}", REFUSED, -5.0, -4.0)
+
+
+def _draw_feet(view: PieceView, furniture: Furniture, forces: Forces, numbers: bool) -> None:
+    points = furniture.geometry().contacts.reshape(-1, 4, 3)
+    pushed = forces.contacts.reshape(-1, 4, 3)
+    whole = pushed.sum(axis=1)
+    largest = max(float(np.linalg.norm(whole, axis=1).max(initial=0.0)), 1e-300)
+    for place, part, force in zip(points, pushed, whole):
+        if np.linalg.norm(force) < 1e-3 * largest:
+            continue
+        # Where the pressure has its middle.
+        weights = np.maximum(np.linalg.norm(part, axis=1), 1e-300)
+        at = weights @ place / weights.sum()
+        tail = at - ARROW * view.size * force / largest
+        view.arrow(tail, at, FOOT)
+        if numbers:
+            view.words(0.4 * tail + 0.6 * at, f"{np.linalg.norm(force):.0f} N", FOOT, 0.0, 5.0)
+
+
+def _draw_loads(view: PieceView, furniture: Furniture, case: int, numbers: bool) -> None:
+    piece, geometry = furniture.piece, furniture.geometry()
+    loads = (*piece.weights, *piece.pushes)
+    acting = [(load, force) for load, force in zip(loads, furniture.cases[case]) if np.any(force)]
+    largest = max((float(np.linalg.norm(force)) for _, force in acting), default=1.0)
+    g = float(np.linalg.norm(piece.gravity))
+    for load, force in acting:
+        k = load.plank
+        at = geometry.centre[k] + geometry.axes[k] @ (np.array(load.place) * geometry.size[k])
+        size = float(np.linalg.norm(force))
+        tail = at - max(ARROW * size / largest, 0.3 * ARROW) * view.size * force / size
+        view.arrow(tail, at, LOAD)
+        if numbers:
+            weight = np.allclose(force / size, np.array(piece.gravity) / g)
+            view.words(tail, f"{size / g:.3g} kg" if weight else f"{size:.3g} N", LOAD, 2.0)
+
+
+def _changed(piece: Piece, end: Piece) -> np.ndarray:
+    """Which planks (n,) an edit moves or lengthens."""
+    moved = [np.abs(a.corners() - b.corners()).max() for a, b in zip(piece.planks, end.planks)]
+    return np.array(moved) > 1e-4 * piece.size
+
+
+def _draw_moves(view: PieceView, piece: Piece, end: Piece, direction: np.ndarray) -> None:
+    """Arrows on the planks that an edit is of, at what of them goes furthest; a plank that grows has two."""
+    for k in np.flatnonzero(np.abs(direction).max(axis=1)):
+        before, after = piece.planks[k], end.planks[k]
+        starts, ends = (np.array([plank.end(side) for side in range(4)]) for plank in (before, after))
+        far = np.linalg.norm(ends - starts, axis=1)
+        side = int(np.argmax(far))
+        grows = float(np.dot(ends[side] - starts[side], ends[side ^ 1] - starts[side ^ 1])) < 0.0
+        for one in (side, side ^ 1) if grows and not direction[k, :6].any() else (side,):
+            if far[one] > 0.01 * view.size:
+                view.arrow(starts[one], ends[one], MOVED, 2.0)
+
+
+def _draw_range(view: PieceView, furniture: Furniture, slide: Slide, ranges: Ranges) -> None:
+    """The way of the plank that moves most, with the part of it that is valid and its ends, in degrees of a turn."""
+    step = 1e-3
+    before, after = furniture.moved(), furniture.moved(step * slide.direction)
+    furniture.test()
+    plank = int(np.argmax(np.abs(slide.direction).max(axis=1)))
+    starts, ends = (np.array([piece.planks[plank].end(side) for side in range(6)]) for piece in (before, after))
+    speeds = (ends - starts) / step
+    side = int(np.argmax(np.linalg.norm(speeds, axis=1)))
+    at, speed = starts[side], speeds[side]
+    turning = float(np.abs(slide.direction[:, 3:6]).max())
+    alone = turning > 0.0 and not np.any(np.delete(slide.direction, (3, 4, 5), axis=1))
+    scale, unit = (np.degrees(turning), "°") if alone else (1e3 * float(np.linalg.norm(speed)), " mm")
+    colour = INK if slide.valid else REFUSED
+    way = view.at(at + np.array([[slide.low], [slide.high]]) * speed)
+    view.axes.plot(*way.T, color=colour, lw=0.8, ls=(0, (3, 3)), zorder=7, alpha=0.7)
+    across = np.array([way[1, 1] - way[0, 1], way[0, 0] - way[1, 0]])
+    across *= 0.018 * view.size / max(float(np.linalg.norm(across)), 1e-300)
+    for left, right in ranges.intervals:
+        line = view.at(at + np.array([[left], [right]]) * speed)
+        view.axes.plot(*line.T, color=colour, lw=3.2, solid_capstyle="butt", zorder=8)
+        for t, place in zip((left, right), line):
+            is_open = min(abs(t - slide.low), abs(t - slide.high)) < 1e-9
+            view.axes.plot(*np.array([place - across, place + across]).T, color=colour, lw=1.6, zorder=8)
+            text = f"{'beyond ' if is_open else ''}{t * scale:+.0f}{unit}".replace("-", "\N{MINUS SIGN}")
+            view.words(at + t * speed, text, colour, 9.0 if t == right else -9.0)
+    view.axes.plot(*view.at(at)[None].T, "o", ms=5, mfc="white", mec=colour, mew=1.5, zorder=9)
+    view.reach.append(way)

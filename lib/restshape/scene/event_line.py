@@ -1,0 +1,34 @@
+"""What all events of edit scripts share: their time, places in the units of the script, numbers of frames."""
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
+from pydantic.json_schema import SkipJsonSchema
+
+from restshape.scene.units import quantity
+from restshape.scene.values import Strict, number_of
+
+
+def _read_coordinate(raw: Any, info: ValidationInfo) -> float:
+    """A length in metres: plain numbers are in the units of the script's header."""
+    scale = (info.context or {}).get("scale", 1.0)
+    return quantity(raw, "length") * (1.0 if isinstance(raw, str) else scale)
+
+
+Coordinate = Annotated[
+    float,
+    BeforeValidator(_read_coordinate),
+    WithJsonSchema(
+        {"anyOf": [{"type": "number"}, {"type": "string"}], "description": 'in the header\'s units, or "12 mm"'}
+    ),
+]
+Position = tuple[Coordinate, Coordinate]
+Frames = Annotated[int, Field(ge=1, le=1_000_000, strict=True)]
+
+
+class EventLine(Strict):
+    """What every event has: its edit time [s], the line it stands on (0 = not from a file), and room for a remark."""
+
+    line: SkipJsonSchema[int] = Field(default=0, exclude=True)
+    t: Annotated[number_of("time"), Field(ge=0)]
+    note: str = ""
