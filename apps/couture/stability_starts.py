@@ -61,8 +61,8 @@ def textile(trial: Trial) -> Iterator[Statement]:
 
 def thin_plate(trial: Trial) -> Iterator[Statement]:
     """2,000 triangles of a plate 100 times stiffer from random places to rest, as in the thesis's figure 5.16."""
-    text = square(0.025, pinned("left"), start(0.35), side=0.7, bending=5e-4)
-    made, rows = played(trial, text)
+    clamp = pinned("left", fix='["x", "y", "z", "slope"]')
+    made, rows = played(trial, square(0.025, clamp, start(0.35), side=0.7, bending=5e-4))
     yield near("triangles", rows[0]["elements"], 2000, 0.1)
     yield above("part of the triangles that is turned over at first", turned_over(made), 0.3)
     yield from resting(made, rows)

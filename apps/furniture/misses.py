@@ -34,9 +34,19 @@ class Misses:
     beyond: int
 
     @property
+    def there(self) -> int:
+        """What the grid finds."""
+        return self.single + self.pairs
+
+    @property
+    def missed(self) -> int:
+        """What of it no suggestion has."""
+        return self.single_missed + self.pairs_missed
+
+    @property
     def rate(self) -> float:
         """The part of what the grid finds that no suggestion has."""
-        return (self.single_missed + self.pairs_missed) / max(self.single + self.pairs, 1)
+        return self.missed / max(self.there, 1)
 
 
 def misses(piece: Piece, points: int = POINTS, mended: int = MANY) -> Misses:

@@ -24,6 +24,7 @@ from restshape.report.furniture import Slide, add_use_bar, bounds, draw_piece
 from restshape.report.style import INK, LEVELS, REFUSED, new_figure
 from restshape.shape.planks import Piece
 
+SHOWN = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")
 SIDES = 3
 """Suggestions shown beside a piece."""
 
@@ -42,15 +43,22 @@ def state(furniture: Furniture) -> str:
 
 def told(one: Suggestion, furniture: Furniture) -> str:
     """What a suggestion changes, and between which changes it is valid."""
-    size, words = furniture.piece.size, []
-    for words_of, part in zip(one.words, one.parts):
-        factor, unit = (np.degrees(part), "°") if "turn" in words_of else (1e3 * size * part, " mm")
+    size, lines = furniture.piece.size, []
+    for words, part in zip(one.words, one.parts):
+        factor, unit = (np.degrees(part), "°") if "turn" in words else (1e3 * size * part, " mm")
         low, high = sorted(factor * t for t in one.span)
-        words.append(f"{words_of} {factor * one.t:+.0f}{unit}, valid from {low:+.0f} to {high:+.0f}{unit}")
-    return "\n".join(words).replace("-", "\N{MINUS SIGN}").replace("leg\N{MINUS SIGN}", "leg-")
+        lines.append(f"{words} {signed(factor * one.t)}{unit}\n   valid from {signed(low)} to {signed(high)}{unit}")
+    return "\n".join(lines)
 
 
-def pieces(path: Path, names: Sequence[str] = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")) -> None:
+def signed(value: float) -> str:
+    """A number with its sign."""
+    return f"{value:+.0f}".replace("-", "\N{MINUS SIGN}")
+
+
+def pieces(
+    path: Path, names: Sequence[str] = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")
+) -> None:
     """Pieces as they are: joints by the use of their strength, forces of feet, weights."""
     across = min(3, len(names))
     down = -(-len(names) // across)
@@ -105,7 +113,7 @@ def ranges(path: Path) -> None:
 
 def force_space(path: Path, name: str = "scales", joints: tuple[int, int] | None = None) -> None:
     """Force space: reactions at the two edges of a foot that tips, and moments of two joints, with rays."""
-    figure = new_figure(9.6, 5.6)
+    figure = new_figure(9.6, 6.4)
     left, right = figure.subplots(1, 2)
     rays, names = tipping_rays(model(toppling()))
     draw_forces(left, rays, (0.0, 0.0), (np.inf, np.inf), names, (), "stability: a cantilever that falls")

@@ -92,7 +92,7 @@ def joint_rays(
     ways = np.linspace(-LONGEST, LONGEST, 3)[:, None, None]
     others = [h + way for way in np.moveaxis(ways * K[None], 1, 0) if np.abs(way).max() > 1e-3]
     names = (
-        f"h of joint {joint}, {_joint(furniture, joint)} [1 = what its nails bear]" for joint in (int(a), int(b))
+        f"moment of joint {joint}, {_joint(furniture, joint)}\n[1 = what its nails bear]" for joint in (int(a), int(b))
     )
     return rays, others, tuple(names)
 

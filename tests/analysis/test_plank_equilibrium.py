@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import scipy.sparse as sparse
-from restshape_apps.furniture.small_pieces import stool
 from restshape_apps.furniture.pieces import PIECES, chair, shelf_1, table
+from restshape_apps.furniture.small_pieces import stool
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.physics.furniture import Compliance, Furniture

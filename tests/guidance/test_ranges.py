@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.small_pieces import block, stool
 from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, stool_chair, table
+from restshape_apps.furniture.small_pieces import block, stool
 
 from restshape.guidance.force_space import durability_space
 from restshape.guidance.ranges import predicted_ends, valid_ranges

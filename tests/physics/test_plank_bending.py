@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.small_pieces import bench
 from restshape_apps.furniture.pieces import cantilever
+from restshape_apps.furniture.small_pieces import bench
 
 from restshape.physics.furniture import Compliance, Furniture
 from restshape.physics.plank_bending import plank_bending

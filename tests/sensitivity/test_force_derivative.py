@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.small_pieces import stool
 from restshape_apps.furniture.pieces import bookshelf, shelf_1, stool_chair, table
+from restshape_apps.furniture.small_pieces import stool
 
 from restshape.physics.furniture import Compliance, Furniture
 from restshape.sensitivity.furniture import force_derivative, predicted, stability_derivative

@@ -41,6 +41,8 @@ PASSED = 0.5
 """Part of the smallest size of a body that a node goes in one step: it must not come out on the other side."""
 ESCAPES = 5
 """Saddles of the energy that are left in one frame before the cloth is said to rest on one."""
+FEWEST = 60
+"""Nodes of a mesh that cloth may fall on: on fewer it finds no folds, and past a body no way back."""
 SHORT = 300
 """Steps from a saddle after which the membrane is softened for the rest of the way."""
 SMALL = 600
@@ -325,7 +327,8 @@ class DrapeAnalysis:
         """Positions near rest, from where the scene lays the cloth."""
         hierarchy = getattr(self.sheet.mesh, "hierarchy", None)
         meshes = hierarchy.meshes if hierarchy else [self.sheet.mesh]
-        meshes = meshes[-self.plan.settings("drape").levels :]
+        wanted = min(self.plan.settings("drape").levels, sum(len(mesh.X) >= FEWEST for mesh in meshes) or 1)
+        meshes = meshes[-wanted:]
         skipped = (len(hierarchy.meshes) if hierarchy else 1) - len(meshes)
         other = self.sheet.space is not None
         ways = [self._stand_in(mesh, level) for level, mesh in enumerate(meshes if other else meshes[:-1])]

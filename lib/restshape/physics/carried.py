@@ -35,11 +35,13 @@ def carried(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
     if before.kind != after.kind or before.form == after.form:
         return points
     (from_, A), (to, B) = placed(before), placed(after)
+    if before.kind in ("capsule", "plane"):
+        B = _turn(A[:, 0], B[:, 0]) @ _axes(A[:, 0]) * np.linalg.norm(B, axis=0)
     return (points - from_) @ np.linalg.inv(A).T @ B.T + to
 
 
 def _axes(axis: np.ndarray) -> np.ndarray:
-    """Columns (3, 3) of length 1: along an axis, and two across it; a small turn of the axis turns these by as little."""
+    """Columns (3, 3) of length 1: along an axis, and two across it."""
     length = np.linalg.norm(axis)
     if length == 0.0:
         return np.eye(3)
@@ -48,3 +50,15 @@ def _axes(axis: np.ndarray) -> np.ndarray:
     b = np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
     b /= np.linalg.norm(b)
     return np.column_stack([a, b, np.cross(a, b)])
+
+
+def _turn(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The least turn (3, 3) of a direction into another one: a body that is round about it does not roll."""
+    a, b = before / np.linalg.norm(before), after / np.linalg.norm(after)
+    middle = a + b
+    square = middle @ middle
+    # Half a turn goes about any direction across; elsewhere two mirrors make the turn.
+    if square < 1e-20:
+        across = _axes(a)[:, 1]
+        return 2.0 * np.outer(across, across) - np.eye(3)
+    return (np.eye(3) - 2.0 / square * np.outer(middle, middle)) @ (np.eye(3) - 2.0 * np.outer(a, a))

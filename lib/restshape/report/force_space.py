@@ -110,7 +110,7 @@ def draw_forces(
     ]
     if len(others):
         marks.append(Line2D([], [], color=FAINT, lw=0.7, label="other modes"))
-    axes.legend(handles=marks, fontsize=7, loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=2)
+    axes.legend(handles=marks, fontsize=7, loc="upper left", bbox_to_anchor=(0.0, -0.2))
 
 
 def draw_region(axes: Axes, region: Region, title: str = "") -> None:

@@ -274,15 +274,16 @@ def _draw_feet(view: PieceView, furniture: Furniture, forces: Forces, numbers: b
     whole = pushed.sum(axis=1)
     largest = max(float(np.linalg.norm(whole, axis=1).max(initial=0.0)), 1e-300)
     for place, part, force in zip(points, pushed, whole):
-        if np.linalg.norm(force) < 1e-3 * largest:
+        size = float(np.linalg.norm(force))
+        if size < 1e-3 * largest:
             continue
         # Where the pressure has its middle.
         weights = np.maximum(np.linalg.norm(part, axis=1), 1e-300)
         at = weights @ place / weights.sum()
-        tail = at - ARROW * view.size * force / largest
+        tail = at - max(ARROW * size / largest, 0.3 * ARROW) * view.size * force / size
         view.arrow(tail, at, FOOT)
         if numbers:
-            view.words(0.4 * tail + 0.6 * at, f"{np.linalg.norm(force):.0f} N", FOOT, 0.0, 5.0)
+            view.words(0.4 * tail + 0.6 * at, f"{size:.0f} N", FOOT, 0.0, 5.0)
 
 
 def _draw_loads(view: PieceView, furniture: Furniture, case: int, numbers: bool) -> None:

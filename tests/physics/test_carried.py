@@ -1,0 +1,51 @@
+"""Points that stick to bodies which move, turn and grow."""
+
+import numpy as np
+import pytest
+
+from restshape.physics.carried import carried
+from restshape.scene.bodies import Body
+
+POINTS = np.random.default_rng(0).normal(size=(6, 3))
+
+
+def capsule(start, end, radius=0.1):
+    return Body.model_validate({"capsule": {"start": start, "end": end, "radius": radius}})
+
+
+def plane(normal):
+    return Body.model_validate({"plane": {"point": [0.0, 0.0, 0.0], "normal": normal}})
+
+
+def test_they_move_and_grow_with_a_sphere():
+    before = Body.model_validate({"sphere": {"center": [1.0, 0.0, 0.0], "radius": 1.0}})
+    after = Body.model_validate({"sphere": {"center": [0.0, 2.0, 0.0], "radius": 3.0}})
+    np.testing.assert_allclose(carried(before, after, POINTS), 3.0 * (POINTS - [1, 0, 0]) + [0, 2, 0], atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        # Another coordinate becomes the least one of the axis.
+        (capsule([0, 0, 0], [1, 1 - 1e-6, 2]), capsule([0, 0, 0], [1 - 1e-6, 1, 2])),
+        (plane([0.0, 0.0, 1.0]), plane([1e-6, 0.0, 1.0])),
+        (plane([1.0, 1.0 - 1e-6, 1.0]), plane([1.0, 1.0, 1.0 - 1e-6])),
+    ],
+)
+def test_a_small_turn_takes_them_no_farther(before, after):
+    assert np.abs(carried(before, after, POINTS) - POINTS).max() < 1e-5
+
+
+def test_a_turned_capsule_keeps_its_points_on_itself():
+    before, after = capsule([0, 0, 0], [0, 0, 2]), capsule([0, 0, 0], [2, 0, 0])
+    np.testing.assert_allclose(
+        carried(before, after, np.array([[0.1, 0, 1], [0, 0.1, 1], [0, 0, 0.5]])),
+        [[1, 0, -0.1], [1, 0.1, 0], [0.5, 0, 0]],
+        atol=1e-14,
+    )
+
+
+def test_half_a_turn_is_one():
+    found = carried(plane([0.0, 0.0, 1.0]), plane([0.0, 0.0, -1.0]), POINTS)
+    np.testing.assert_allclose(found[:, 2], -POINTS[:, 2], atol=1e-14)
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), np.linalg.norm(POINTS, axis=1), atol=1e-14)
