@@ -5,7 +5,7 @@ from math import comb
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import bookshelf_20, cantilever, chair, piece_28, shelf_1, shelf_2, table
+from restshape_apps.furniture.pieces import bookshelf_20, cantilever, chair, piece_28, scales, shelf_1, shelf_2, table
 
 from restshape.guidance.force_space import (
     LEAST_GAIN,
@@ -18,8 +18,8 @@ from restshape.guidance.force_space import (
     stability_space,
 )
 from restshape.guidance.reconnect import reconnections
-from restshape.guidance.suggestions import suggest
-from restshape.guidance.support_planks import support_planks
+from restshape.guidance.suggestions import MENDED, suggest
+from restshape.guidance.support_planks import FLOOR, support_planks
 from restshape.physics.furniture import ALL, LOST, UNSTABLE, WEAK, Furniture
 from restshape.shape.design_modes import DesignModes
 
@@ -196,3 +196,59 @@ def test_a_support_plank_relieves_a_weak_joint() -> None:
         assert verdict.valid
         assert verdict.pull < before.pull
         assert not Furniture(one.piece).geometry().overlaps
+
+
+def test_the_floor_counts_as_a_plank_that_a_support_stands_on() -> None:
+    piece = shelf_1()
+    furniture = Furniture(piece)
+    furniture.test()
+    (found,) = support_planks(furniture)
+    bracket, upright = piece.joints[found.relieved[0]].i, piece.joints[found.relieved[0]].j
+    assert (found.between, found.third) == ((bracket, FLOOR), upright)
+    post = found.piece.planks[-1]
+    # From the floor to the lower face of the bracket.
+    under = piece.planks[bracket].centre[2] - 0.5 * piece.planks[bracket].size[2]
+    assert sorted(post.end(side)[2] for side in (0, 1)) == pytest.approx([0.0, under], abs=1e-6)
+    assert Furniture(found.piece).test().valid
+
+
+def test_a_support_plank_relieves_its_joint_and_overloads_none() -> None:
+    piece = bookshelf_20()
+    before, furniture = weak(piece), Furniture(piece)
+    furniture.test()
+    found = support_planks(furniture)
+    assert len(before) == 3
+    assert len(found) == 2
+    for one in found:
+        assert weak(one.piece) == before - set(one.relieved)
+        assert one.relieved
+        assert not one.verdict.valid
+
+
+def weak(piece) -> set[int]:
+    """Numbers of joints that break."""
+    furniture = Furniture(piece)
+    furniture.test()
+    forces = furniture.forces()
+    return set(np.flatnonzero(np.maximum(forces.pull_use, forces.shear_use) > 1.0).tolist())
+
+
+def test_a_search_looks_for_a_few_directions_again() -> None:
+    once, again = suggest(Furniture(scales()), mended=0), suggest(Furniture(scales()))
+    assert once.mended == 0
+    assert 0 < again.mended <= MENDED
+    assert len(again.found) > len(once.found)
+    for one in again.found:
+        assert Furniture(one.piece(Furniture(scales()))).test().valid
+
+
+@pytest.mark.parametrize("make", [scales, table])
+def test_the_range_of_a_suggestion_is_followed_beyond_its_prediction(make) -> None:
+    furniture = Furniture(make())
+    for one in suggest(furniture).found:
+        t = np.linspace(*one.span, 33)[1:-1]
+        good = furniture.kernel.scan(one.direction, t, ALL)[0] == 0
+        assert good.mean() > 0.9
+        beyond = one.span[1] + 0.01
+        if beyond < LONGEST:
+            assert furniture.kernel.scan(one.direction, np.array([beyond]), ALL)[0][0] != 0

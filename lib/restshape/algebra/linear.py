@@ -271,13 +271,16 @@ class LinearSolver:
         """
         if self.kind not in COMPLETE:
             return 0
-        pc = self.ksp.getPC()
-        parts = [ksp.getPC() for ksp in pc.getASMSubKSP()] if pc.getType() == "asm" else [pc]
-        found = sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in parts)
+        found = sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in self._factors())
         return found if self.comm.size == 1 else self.comm.tompi4py().allreduce(found)
 
+    def _factors(self) -> list[PETSc.PC]:
+        """What has this rank's factors."""
+        pc = self.ksp.getPC()
+        return [ksp.getPC() for ksp in pc.getASMSubKSP()] if pc.getType() == "asm" else [pc]
+
     def definite(self, mat: PETSc.Mat, places: np.ndarray | None, new_system: bool = False) -> bool:
-        """Tell whether a matrix has no negative eigenvalue, by a new factor of it.
+        """Tell whether a matrix is positive definite, by a new factor of it, which ends at a pivot that is zero.
 
         True where the preconditioner is no complete factor, which could tell. Arguments as in `solve`.
         """
@@ -285,7 +288,9 @@ class LinearSolver:
         if self.kind not in COMPLETE:
             return True
         self._factor(mat, places)
-        return self.negative_pivots() == 0
+        zero = sum(zero_pivots(part.getFactorMatrix(), self.kind) for part in self._factors())
+        zero = zero if self.comm.size == 1 else self.comm.tompi4py().allreduce(zero)
+        return zero == 0 and self.negative_pivots() == 0
 
     def _aim(self) -> None:
         """Set what ends the iteration with the preconditioner as it is now."""
@@ -455,6 +460,11 @@ def negative_pivots(factor: PETSc.Mat, kind: str) -> int:
     found = int(np.count_nonzero(pivots.getArray(readonly=True) < 0.0))
     pivots.destroy()
     return found
+
+
+def zero_pivots(factor: PETSc.Mat, kind: str) -> int:
+    """Those pivots of a complete Cholesky factor that it has none of, as it ended at one that is zero; 0 of others."""
+    return factor.getInertia()[1] if kind == "cholesky" else 0
 
 
 def true_residual(mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, scale: float | None = None) -> float:

@@ -121,14 +121,16 @@ class DrapeAnalysis:
             self.age += 1
             return LinearReport(0, False, self.age, self._name)
         kept = self.__dict__.copy()
-        anchors = self._anchors()
+        contact = self.sheet.contact if self.sheet else None
+        history = contact.history() if contact else None
         try:
             with self.stages("pattern"):
                 cold = self._bind(frame, new_mesh)
             report = self._settle(cold)
         except (ReplayProblem, UserError):
             self.__dict__.update(kept, scene=None)
-            self._put_anchors(anchors)
+            if contact:
+                contact.restore(history)
             raise
         self.mesh, self.scene = mesh, frame.scene
         self.topology, self.geometry, self.observed = mesh.topology, mesh.geometry, None
@@ -163,8 +165,9 @@ class DrapeAnalysis:
     def row(self) -> dict[str, Any]:
         """What the frame's row tells besides."""
         arrival = self.arrival
-        note = "" if arrival.at_rest else f"not at rest: residual {arrival.residual:.2e} of the weight; {arrival.why}"
-        if arrival.stable is False:
+        scale = "weight" if self.sheet.load > 0.0 else "forces of the supports"
+        note = "" if arrival.at_rest else f"not at rest: residual {arrival.residual:.2e} of the {scale}; {arrival.why}"
+        if arrival.at_rest and arrival.stable is False:
             note = "; ".join(
                 filter(None, (note, "at rest where it may not stay: the tangent is not positive definite"))
             )
@@ -200,16 +203,18 @@ class DrapeAnalysis:
         # Cloth that has fallen out of reach is thrown anew, so that an edit, or its undo, brings it back.
         cold = self.sheet is None or self.policy.regenerate or self.arrival.falls
         bodies = [body.settled(scene.parameters) for body in scene.bodies.values()]
-        old, before, self.bodies = self.sheet, self.bodies, bodies
+        old, kept, before, self.bodies = self.sheet, self.x, self.bodies, bodies
         if new_mesh or self._other_kind(arguments):
             corners = None if cold else self._carried_corners(frame, scene)
             self._make(scene, mesh, arguments)
             self.x = self.sheet.flat(arguments.start if corners is None else corners)
+            if corners is not None:
+                self._inherit(old, kept, corners)
         else:
             self._follow(mesh, arguments)
             if cold:
                 self.x = self.sheet.flat(arguments.start)
-        if self.sheet.contact and old is not None and old.contact and not cold and not new_mesh:
+        if self.sheet.contact and old is not None and old.contact and not cold:
             self._carry_anchors(before)
             self._go_along(before)
         if self._others:
@@ -239,7 +244,7 @@ class DrapeAnalysis:
     def _rest(self, sheet: Sheet, scene: Scene, prefix: str = "drape_") -> Rest:
         settings, complete = self.plan.settings("drape"), "direct"
         if self.policy.name == "auto":
-            # Only a complete factor tells whether a rest is stable, and on one rank alone there is one.
+            # A complete factor tells how to leave a rest that is not stable, and on one rank alone there is one.
             complete = "stale" if self.comm.size == 1 else "auto"
         linear = LinearSolver(
             self.comm,
@@ -277,9 +282,12 @@ class DrapeAnalysis:
         stayed = sheet.along(self.x)
         sheet.fabric, sheet.support, sheet.g = arguments.fabric, arguments.held, arguments.g
         sheet.move()
-        self.x = np.where(sheet.mask, sheet.prescribed, stayed(self.x))
+        x = stayed(self.x)
         if sheet.contact:
             self._set_contact(arguments)
+            # What sticks does so wherever its nodes are in it.
+            sheet.contact.anchors += sheet.corners(x) - sheet.corners(self.x)
+        self.x = np.where(sheet.mask, sheet.prescribed, x)
 
     def _set_contact(self, arguments: SheetArguments) -> None:
         contact, settings = self.sheet.contact, arguments.contact
@@ -289,10 +297,12 @@ class DrapeAnalysis:
         contact.stiffness, contact.thickness, contact.slip = settings.stiffness, settings.thickness, settings.slip
 
     def _carried_corners(self, frame: Frame, scene: Scene) -> np.ndarray:
-        """Positions (corners, 3) of the last frame on a new mesh, by their displacements."""
+        """Positions (corners, 3) of the last frame: along the cloth, or, on a new mesh, by their displacements."""
+        if frame.mesh is self.mesh:
+            return self.sheet.corners_along(self.x)
         laid = Laid(scene.start, scene.parameters)
         with self.stages("map"):
-            moved = self.sheet.corners(self.x) - self.laid.places(self.mesh.X)
+            moved = self.sheet.corners(self.x) - laid.places(self.mesh.X)
             return laid.places(frame.mesh.X) + transfer(self.mesh, frame.mesh, moved)
 
     def _settle(self, cold: bool) -> LinearReport:
@@ -322,6 +332,7 @@ class DrapeAnalysis:
             if not self.arrival.at_rest:
                 loosen(self.rest, self.x, most, self.arrival)
                 WAYS[way](self.rest, self.x, most, self.arrival)
+        self.arrival.stable = self.rest.certify(self.x) if self.arrival.at_rest else None
 
     def _fall(self, most: int) -> np.ndarray:
         """Positions near rest, from where the scene lays the cloth."""
@@ -358,13 +369,13 @@ class DrapeAnalysis:
 
     # --- friction -------------------------------------------------------------------------------------------------
 
-    def _anchors(self) -> np.ndarray | None:
-        contact = self.sheet.contact if self.sheet else None
-        return contact.anchors.copy() if contact else None
-
-    def _put_anchors(self, anchors: np.ndarray | None) -> None:
-        if anchors is not None and self.sheet.contact is not None:
-            self.sheet.contact.anchors[:] = anchors
+    def _inherit(self, old: Sheet, x: np.ndarray, corners: np.ndarray) -> None:
+        """Let friction remember on a new sheet with nodes at `corners` (n, 3) what it knew of the old one at x."""
+        new, mesh = self.sheet, self.mesh
+        if new.contact and old.contact and len(new.contact.bodies) == len(old.contact.bodies):
+            same = new.mesh is mesh
+            carry = (lambda values: values) if same else (lambda values: transfer(mesh, new.mesh, values))
+            new.contact.inherit(old.contact, old.corners(x), corners, carry)
 
     def _carry_anchors(self, before: list[Body]) -> None:
         """Let anchors go where their bodies have gone."""
@@ -395,12 +406,12 @@ class DrapeAnalysis:
         warm, fresh = (whole_matrix(rest.newton.tangent(self.x), self.comm) for rest in (self.rest, cold))
         x = self.x.copy()
         cold.goal = FARTHER * self.tolerance
-        cold.polish(x, Arrival())
+        found = cold.polish(x, Arrival())
         cold.newton.current = False
         # Loose cloth turns on its way; the mean of both tangents is good to third order.
         mean = 0.5 * (fresh + whole_matrix(cold.newton.tangent(x), self.comm))
         forces = (mean @ (self.x - x).ravel()).reshape(x.shape) * self.sheet.free
-        distance = float(np.linalg.norm(forces)) / self.rest.scale(self.x)
+        distance = float(np.linalg.norm(forces)) / self.rest.scale(self.x) if found else cold.residual(self.x)
         if not self.arrival.at_rest:
             # It says so, and how far it is: no farther it must be.
             distance *= min(1.0, self.tolerance / self.arrival.residual)

@@ -196,7 +196,7 @@ class Rest:
         return False
 
     def polish(self, x: np.ndarray, arrival: Arrival) -> bool:
-        """Newton's method from x (n, 3) near rest, which is changed; tells whether it ends at a stable equilibrium."""
+        """Newton's method from x (n, 3) near rest, which is changed where it finds one; tells whether it does."""
         scale, start = self.scale(x), x.copy()
         self.newton.current = False
         try:
@@ -303,10 +303,10 @@ class Rest:
         pc.setFactorOrdering("amd")
         pc.setOperators(matrix)
         pc.setUp()
-        negative = pc.getFactorMatrix().getInertia()[0]
+        negative, zero, _ = pc.getFactorMatrix().getInertia()
         for part in (pc, matrix):
             part.destroy()
-        return negative == 0
+        return negative == 0 and zero == 0
 
     def residual(self, x: np.ndarray) -> float:
         """The forces out of balance over the load, at x (n, 3)."""

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from restshape.cli.options import add_json, add_set, check_output, open_json, print_table, write_json
+from restshape.cli.options import add_json, add_set, check_output, open_json, print_table, require_mesh, write_json
 from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
 from restshape.errors import UserError
@@ -205,6 +205,7 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
     found = []
     for path in args.scenes:
         scene = load_scene(path, args.set)
+        require_mesh(scene, "there is no error of one to study")
         edits = args.edits or script_of(path)
         if edits is None:
             raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")

@@ -11,7 +11,7 @@ from typing import Any
 from restshape.application import applications
 from restshape.cli import bench_design, bench_drape, bench_eigen, bench_order
 from restshape.cli.list import scene_of
-from restshape.cli.options import add_json, add_set, open_json, print_table, write_json
+from restshape.cli.options import add_json, add_set, open_json, print_table, require_mesh, write_json
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 
@@ -129,6 +129,7 @@ def _drape(args: argparse.Namespace) -> int:
     from restshape.scene.script import load_script
 
     scene = load_scene(args.scene, args.set)
+    require_mesh(scene, "ways of cloth to rest are about one")
     edits = args.edits or script_of(args.scene)
     if edits and args.policies:
         load_script(edits, scene)
@@ -159,12 +160,14 @@ def _cases(args: argparse.Namespace) -> list[Any]:
 
     if args.edits and len(args.scenes) != 1:
         raise UserError("a script belongs to one scene", "--edits", "name one scene")
-    installed = [path for app in applications().values() for path in app.scenes() if script_of(path)]
+    meshed = [app for app in applications().values() if not app.planks]
+    installed = [path for app in meshed for path in app.scenes() if script_of(path)]
     paths = args.scenes or installed
     stems = [path.stem for path in paths]
     cases = []
     for path in paths:
         scene = load_scene(path, args.set)
+        require_mesh(scene, "policies of reuse are about one")
         edits = args.edits or script_of(path)
         if edits is None:
             raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")

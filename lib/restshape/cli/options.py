@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from restshape.application import application
 from restshape.cli.ranks import first_rank, launched
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
@@ -51,6 +52,17 @@ def read_scene(args: argparse.Namespace) -> Scene:
     """
     open_json(args)
     return load_scene(args.scene, args.set)
+
+
+def require_mesh(scene: Scene, why: str) -> None:
+    """Makes sure that a scene has a mesh.
+
+    Raises:
+        UserError: it is of planks, for which the command has no meaning, as `why` tells.
+    """
+    if application(scene.app).planks:
+        do = "name a scene of another application; restshape replay tells times and residuals of this one"
+        raise UserError(f"a piece of furniture has no mesh: {why}", str(scene.path), do)
 
 
 def open_json(args: argparse.Namespace) -> None:

@@ -102,6 +102,24 @@ def stability_space(furniture: Furniture, modes: DesignModes) -> ForceSpace:
     return ForceSpace(K, h, np.minimum(h, 0.0), np.zeros_like(h), np.full_like(h, np.inf))
 
 
+def whole_space(furniture: Furniture, modes: DesignModes) -> ForceSpace:
+    """Rows of stability and of durability at once: what makes a piece stand is not to break its joints."""
+    stable, durable = stability_space(furniture, modes), durability_space(furniture, modes)
+    outside = durable.h - np.clip(durable.h, durable.low, durable.high)
+    return ForceSpace(
+        np.concatenate([stable.K, durable.K], axis=1),
+        *(
+            np.concatenate(pair)
+            for pair in (
+                (stable.h, durable.h),
+                (stable.gap, outside),
+                (stable.low, durable.low),
+                (stable.high, durable.high),
+            )
+        ),
+    )
+
+
 def contact_space(furniture: Furniture, modes: DesignModes, case: int = 0) -> ForceSpace:
     """Normal forces of the contacts of one case, in parts of their sum, which must not be negative (6.16)."""
     normals = np.repeat([furniture.piece.planes[foot.plane].normal for foot in furniture.piece.feet], 4, axis=0)

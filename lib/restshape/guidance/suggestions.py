@@ -1,6 +1,8 @@
 """Suggestions that make an invalid piece stable and durable again, by combinations of few design modes."""
 
-from collections.abc import Iterator
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +14,7 @@ from restshape.guidance.force_space import (
     combinations,
     durability_space,
     stability_space,
+    whole_space,
 )
 from restshape.guidance.ranges import bisected
 from restshape.guidance.relinearised import relinearised
@@ -127,10 +130,26 @@ def suggest(
     space = stability_space(furniture, modes) if unstable else durability_space(furniture, modes)
     search = Search(furniture, modes, space, trials, kept, mended)
     found = search.run(most, shown, ALL)
+    if unstable and len(found) < shown and most > 1:
+        found = _with_joints(search, found, most, shown)
     if unstable and not found:
         found = [replace(one, valid=False) for one in search.run(most, shown, LOST | OVERLAPPING | UNSTABLE)]
     furniture.test()
     return Suggestions(tuple(found), search.tried, search.led, search.tested, modes, search.mended)
+
+
+def _with_joints(search: Search, found: list[Suggestion], most: int, shown: int) -> list[Suggestion]:
+    """What was found for a piece that falls, and combinations of modes that keep its joints durable besides."""
+    search.furniture.test()
+    space = whole_space(search.furniture, search.modes)
+    again = Search(search.furniture, search.modes, space, search.trials, search.kept, search.mends - search.mended)
+    known = [set(one.modes) for one in found]
+    more = again.run(most, shown, ALL, [one.modes[0] for one in found if len(one.modes) == 1])
+    search.led, search.tested, search.mended = (
+        a + b for a, b in zip((search.led, search.tested, search.mended), (again.led, again.tested, again.mended))
+    )
+    search.tried = tuple(a + b for a, b in zip(search.tried, again.tried))
+    return (found + [one for one in more if set(one.modes) not in known])[:shown]
 
 
 class Search:
@@ -156,14 +175,14 @@ class Search:
         self.tried: tuple[int, ...] = ()
         self.led = self.tested = self.mended = 0
 
-    def run(self, most: int, shown: int, wanted: int) -> list[Suggestion]:
-        """Suggestions of at most `most` modes, tested for the flaws wanted."""
+    def run(self, most: int, shown: int, wanted: int, known: Sequence[int] = ()) -> list[Suggestion]:
+        """Suggestions of at most `most` modes, tested for the flaws wanted; none holds a mode of `known`."""
         if not len(self.space.h):
             return []
         single = combinations(self.space, most=1)
-        alone = [self.confirmed(*ray, wanted) for ray in _each(single)]
+        alone = [self.confirmed(*ray, wanted) for ray in _each(single) if ray[0][0] not in known]
         barred = np.zeros(len(self.modes), dtype=bool)
-        barred[[one.modes[0] for one in alone if one]] = True
+        barred[[*known, *(one.modes[0] for one in alone if one)]] = True
         self.tried, self.led = single.tried, len(single.modes)
         found = [one for one in alone if one]
         if most > 1:
@@ -195,7 +214,7 @@ class Search:
         if end is None:
             return None
         length = float(np.linalg.norm(end))
-        return self.confirmed(modes, end / length, np.array([length, 1.5 * length]), wanted)
+        return self.confirmed(modes, end / length, np.array([length, 1.5 * length]), wanted, length)
 
     def _numbers(self, found: list[Suggestion]) -> tuple[np.ndarray, np.ndarray]:
         vectors, widths = np.zeros((len(found), len(self.modes))), np.zeros(len(found))
@@ -203,18 +222,21 @@ class Search:
             vectors[k, list(one.modes)], widths[k] = one.parts, one.span[1] - one.span[0]
         return vectors, widths
 
-    def confirmed(self, modes: np.ndarray, parts: np.ndarray, span: np.ndarray, wanted: int) -> Suggestion | None:
-        """The suggestion along a ray, or None if the full test holds nowhere that was looked at."""
+    def confirmed(
+        self, modes: np.ndarray, parts: np.ndarray, span: np.ndarray, wanted: int, known: float = 0.0
+    ) -> Suggestion | None:
+        """The suggestion along a ray, or None if the full test holds nowhere that it is tried; `known` is one place."""
         self.tested += 1
         direction = self.modes.direction(modes, parts)
         enters, leaves = span
-        after = leaves + AFTER * (LONGEST - leaves)
-        t = np.unique(np.concatenate([[enters], enters + INSIDE * (leaves - enters), enters * BEYOND, after]))
+        t = np.unique(np.concatenate([[known], enters + INSIDE * (leaves - enters), enters * BEYOND]))
         t = np.concatenate([[0.0], t[(t > 0.0) & (t <= LONGEST)]])
         # The piece as it is has a flaw that is wanted away.
         first = next((k for k in range(1, len(t)) if self._good(direction, t[k : k + 1], wanted)[0]), 0)
         if not first:
             return None
+        after = leaves + AFTER * (LONGEST - leaves)
+        t = np.concatenate([t, after[after > t[-1]]])
         good = self._good(direction, t[first + 1 :], wanted)
         last = first + int(np.argmin(np.append(good, False)))
         left, _ = bisected(

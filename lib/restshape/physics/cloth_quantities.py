@@ -84,9 +84,7 @@ class ClothObserver:
                 f"use one of: {', '.join(kinds)}",
             )
         if quantity.at is not None:
-            raise UserError(
-                "energies of cloth are those of all of it", f"quantities.{name}.at", "leave it out"
-            )
+            raise UserError("energies of cloth are those of all of it", f"quantities.{name}.at", "leave it out")
         return kinds[quantity.energy]
 
     def _nodes(self, name: str, quantity: Quantity) -> np.ndarray | slice:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -45,7 +45,29 @@ class Contact:
 
     def take(self, other: Contact) -> None:
         """Take anchors, normals and normal forces from contact of the same nodes with the same bodies."""
-        self.anchors[:], self._normals[:], self._limits[:] = other.anchors, other._normals, other._limits
+        self.restore(other.history())
+
+    def history(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Copies of all that friction remembers, for `restore`."""
+        return self.anchors.copy(), self._normals.copy(), self._limits.copy()
+
+    def restore(self, history: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+        """Remember what `history` has told."""
+        self.anchors[:], self._normals[:], self._limits[:] = history
+
+    def inherit(
+        self, other: Contact, before: np.ndarray, after: np.ndarray, carry: Callable[[np.ndarray], np.ndarray]
+    ) -> None:
+        """Take the ways from anchors, and which nodes are pressed, from contact of other nodes with the same bodies.
+
+        Args:
+            other: the contact of (m,) nodes.
+            before, after: (m, 3) and (n, 3) where the nodes of both are [m].
+            carry: takes values (m, f) at its nodes to these (n, f).
+        """
+        for k, (anchors, limits) in enumerate(zip(other.anchors, other._limits)):
+            found = carry(np.column_stack([before - anchors, limits]))
+            self.anchors[k], self._limits[k] = after - found[:, :3], np.maximum(found[:, 3], 0.0)
 
     def pressed(self, body: int) -> bool:
         """Tell whether a body with friction pressed any node when `lag` was called last."""

@@ -75,7 +75,7 @@ class Sheet:
         contact: with bodies, over the nodes of the mesh; None: nothing touches.
 
     Attributes:
-        X: (n, 2) material coordinates [m], corners and, of Morley's triangles, edges.
+        X: (n, 2) material coordinates [m], corners and, of Morley's triangles, edges, as `move` has seen them.
         mask: (n, 3) uint8, 1 where an unknown is given; prescribed: (n, 3) its value [m].
         mass: (n,) lumped onto corners [kg]; 0 for slopes.
         blocks: nodes of what has a tangent: membrane, points, bending.
@@ -86,15 +86,14 @@ class Sheet:
     fields = 3
     potential = True
 
-    def __init__(
-        self, mesh: Mesh, fabric: Fabric, held: Held, g: np.ndarray, contact: Contact | None = None
-    ) -> None:
+    def __init__(self, mesh: Mesh, fabric: Fabric, held: Held, g: np.ndarray, contact: Contact | None = None) -> None:
         self.mesh, self.fabric, self.support, self.g, self.contact = mesh, fabric, held, np.asarray(g, float), contact
         self.space = MorleySpace(mesh) if fabric.kind == "morley" else None
         self.membrane, self.stabilised = (_kernels.Element(name) for name in MEMBRANES[fabric.law])
         self.point = _kernels.Element("potential_point1")
         self.number = self.space.corner_number if self.space else np.arange(len(mesh.X), dtype=np.int32)
-        corners = self.space.corners if self.space else mesh.cells
+        # A copy, as X is: flips change the mesh's own.
+        corners = self.space.corners if self.space else mesh.cells.copy()
         self.blocks = [corners, np.ascontiguousarray(self.number[:, None])]
         self.bending = self._bending_element()
         if self.bending:
@@ -120,7 +119,9 @@ class Sheet:
         """Take in where the nodes of the mesh are now."""
         if self.space:
             self.space.follow()
-        self.X = self.space.X if self.space else self.mesh.X
+        # A copy: the mesh moves its nodes in its own array, and `along` wants to know from where.
+        self.X = self.space.X if self.space else self.mesh.X.copy()
+        self.normals = self.space.normals() if self.space else None
         n = len(self.X)
         self.area = areas_of_nodes(self.X, self.blocks[0])
         self.density = np.broadcast_to(self.fabric.density, len(self.mesh.cells))
@@ -178,19 +179,24 @@ class Sheet:
     def along(self, x: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         """What takes unknowns x (n, 3), after `move`, along the cloth to where the material of their nodes is then.
 
-        First-order in the way of the material; exact where the cloth is flat.
+        Nodes of the mesh may have moved already: what counts is where `move` has last seen them. Places are right to
+        first order in the way of the material, slopes but for curvatures times it; all is where the cloth is flat.
         """
-        before = self.space.normals() if self.space else None
-        X, F = self.X.copy(), self._gradients(x)
+        X, normals, F = self.X.copy(), self.normals, self._gradients(x)
 
         def moved(x: np.ndarray) -> np.ndarray:
             way = self.X - X
             if self.space:
                 # An edge's unknown is a derivative along its normal, which has changed.
-                way[self.space.side_number] = self.space.normals() - before
+                way[self.space.side_number] = self.normals - normals
             return x + np.einsum("iak,ik->ia", F, way) if way.any() else x.copy()
 
         return moved
+
+    def corners_along(self, x: np.ndarray) -> np.ndarray:
+        """Positions (corners, 3) of the cloth at x (n, 3) where the mesh's nodes are now, flips or not; see `along`."""
+        way = self.mesh.X - self.X[self.number]
+        return self.corners(x) + np.einsum("iak,ik->ia", self._gradients(x)[self.number], way)
 
     def _gradients(self, x: np.ndarray) -> np.ndarray:
         """Derivatives (n, 3, 2) of the positions at the nodes: means over their triangles, by area."""
@@ -336,6 +342,7 @@ class Sheet:
         slopes = self.support.slopes / np.linalg.norm(self.support.slopes, axis=1)[:, None]
         directions = np.vstack([slopes, np.eye(3)[self.support.axes]])
         return np.hstack([self._across(self.blocks[3], D), directions])
+
     def _bending_cells(self) -> np.ndarray:
         return self.space.cells if self.space else hinges(self.mesh.cells, self.mesh.cell_edges)
 

@@ -301,11 +301,13 @@ class EditSession:
         check, reached = MotionCheck(self.outline, gesture), STILL
         for i in range(1, frames + 1):
             c = coefficients(i / frames)
-            wrong = check.problem(c)
+            wanted = self.outline.moved(gesture.points(c))
+            # Curves that bend are sampled anew: the samples of the motion are those of the shape before it.
+            wrong = check.problem(c) or problem(wanted)
             if wrong is not None:
                 yield Step("none", gesture, reached, wrong)
                 continue
-            wanted = self.outline = self.outline.moved(gesture.points(c))
+            self.outline = wanted
             yield Step("move", gesture, c)
             if self.outline is wanted:
                 reached = c
