@@ -45,19 +45,17 @@ class Cloth(Strict):
         Raises:
             UserError: the cloth would fall for ever; a part of it alone does not resist bending.
         """
-        if not scene.supports and "gravity" in scene.effects and not (scene.bodies and "contact" in scene.effects):
+        names = ", ".join(f"bodies.{name}" for name in scene.bodies) if "contact" not in scene.effects else ""
+        through = f"cloth falls through {names}: there is no [effects.contact]" if names else ""
+        if not scene.supports and "gravity" in scene.effects and (through or not scene.bodies):
             raise UserError(
-                "nothing holds the cloth and nothing catches it: it falls for ever",
+                f"nothing holds the cloth, and {through or 'nothing catches it: it falls for ever'}",
                 "effects.gravity",
-                "add [supports.NAME], or [bodies.NAME] and [effects.contact]",
+                "add [effects.contact]" if through else "add [supports.NAME], or [bodies.NAME] and [effects.contact]",
             )
-        warnings = []
-        if scene.bodies and "contact" not in scene.effects:
-            names = ", ".join(f"bodies.{name}" for name in scene.bodies)
-            warnings.append(f"cloth falls through {names}: there is no [effects.contact]")
         limp = [name for name, material in scene.material.items() if material.bending in (0.0, (0.0, 0.0))]
         if self.bending != "morley" or not limp:
-            return Decision(self, "; ".join(warnings), warns=bool(warnings))
+            return Decision(self, warns=through)
         if len(limp) < len(scene.material):
             raise UserError(
                 "one part of the cloth does not resist bending, and others do",
@@ -65,7 +63,7 @@ class Cloth(Strict):
                 'give it a little, such as bending = "1e-12 N m", or set effects.cloth.bending = "hinge"',
             )
         why = "nothing bends, for no material has a bending stiffness"
-        return Decision(self.model_copy(update={"bending": "none"}), "; ".join([*warnings, why]), warns=bool(warnings))
+        return Decision(self.model_copy(update={"bending": "none"}), why, warns=through)
 
 
 class Gravity(Strict):
@@ -106,7 +104,7 @@ class Contact(Strict):
             )
         warning = may_come_through(scene, self.thickness)
         if self.stiffness is not None:
-            return Decision(self, warning, warns=bool(warning))
+            return Decision(self, warns=warning)
         gravity = Gravity.model_validate(scene.effects["gravity"]).size if "gravity" in scene.effects else 0.0
         weight = gravity * max(material.rho * material.thickness for material in scene.material.values())
         if weight == 0.0:
@@ -119,8 +117,8 @@ class Contact(Strict):
         times, cause = borne(scene)
         stiffness = 8.0 * times * weight / self.thickness
         why = f"stiffness {stiffness:.3g} N/m^3, for half of the thickness bears {times:.3g} times the weight"
-        why = "; ".join(filter(None, (warning, why, cause)))
-        return Decision(self.model_copy(update={"stiffness": stiffness}), why, warns=bool(warning))
+        why = "; ".join(filter(None, (why, cause)))
+        return Decision(self.model_copy(update={"stiffness": stiffness}), why, warns=warning)
 
 
 class Drape(Strict):
@@ -131,7 +129,8 @@ class Drape(Strict):
             over free nodes: another name of solve.tolerance, which it is where left out, or 1e-4 without either.
         way: "kinetic", steps in time that begin anew at each peak of the kinetic energy; "rayleigh", steps with
             Rayleigh damping; "newton", with a line search on the energy; "stabilised", the same with the stabilised
-            tangent; "cg", nonlinear conjugate gradients; "auto" takes kinetic damping, then Newton's method.
+            tangent; "cg", nonlinear conjugate gradients; "auto" takes kinetic damping with a soft membrane where cloth
+            starts anew, then quasi-Newton steps, then Newton's method.
         steps: most steps in a frame.
         levels: how many of the nested meshes of mesh.levels, the finest among them, lead a cloth that starts anew to
             rest, from coarse to fine; left out, all.

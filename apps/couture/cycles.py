@@ -156,7 +156,9 @@ def move(sheet: Sheet, x: np.ndarray, manner: Manner, most: int) -> Course:
             break
         note(x, norm)
         # Only now friction follows; where that puts forces out of balance, the cloth moves on.
-        course.at_rest = sheet.lag(x) <= DRAGGED * SLIP
+        dragged, forces = sheet.lag(x), np.empty_like(x)
+        sheet.residual(x, forces)
+        course.at_rest = dragged <= DRAGGED * SLIP and float(np.linalg.norm(forces)) <= REST * sheet.load
         if course.at_rest:
             break
     return course

@@ -69,9 +69,10 @@ def hung(analysis: DrapeAnalysis) -> Hung:
     return Hung(ends[0], ends[1], float(np.hypot(x[:, 0], height)[height > 0].mean()))
 
 
-def rests(analysis: DrapeAnalysis, mu: float, x: np.ndarray, anchors: np.ndarray) -> bool:
+def rests(analysis: DrapeAnalysis, mu: float, x: np.ndarray, history: tuple[np.ndarray, ...]) -> bool:
     """Tell whether the strip stays with another coefficient of friction, from where it lay with a larger one."""
-    analysis.x[:], analysis.sheet.contact.anchors[:] = x, anchors
+    analysis.x[:] = x
+    analysis.sheet.contact.restore(history)
     analysis.sheet.contact.friction = np.array([mu])
     return analysis.rest.settle(analysis.x, MOST, Arrival()).at_rest
 
@@ -81,12 +82,12 @@ def capstan(comm: PETSc.Comm) -> list[Check]:
     checks = []
     for shift in (0.0, 0.02):
         analysis = laid(shift, comm)
-        start, x, anchors = hung(analysis), analysis.x.copy(), analysis.sheet.contact.anchors.copy()
+        start, x, history = hung(analysis), analysis.x.copy(), analysis.sheet.contact.history()
         low, high, best = 0.95, 1.06, 0.0
         while high - low > 0.01:
             middle = 0.5 * (low + high)
             mu = start.friction(middle)
-            if rests(analysis, mu, x, anchors):
+            if rests(analysis, mu, x, history):
                 # It has crept a little on the way: what counts is how it hangs now.
                 now = hung(analysis)
                 low, best = middle, max(best, now.ratio / now.most(mu))

@@ -12,8 +12,8 @@ from pydantic import Field
 
 from restshape.application import Application, Decision, Effect
 from restshape.errors import UserError
-from restshape.guidance.force_space import forecast
 from restshape.physics.fasteners import fastener, wood
+from restshape.scene.furniture import SUGGESTIONS_BYTES
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -86,6 +86,9 @@ class Guide(Strict):
         """The same keys, with a warning of how many combinations there are of more freedoms than usual."""
         if self.freedoms <= MANY or not self.suggestions:
             return Decision(self)
+        # The kernels are not loaded before a scene asks for it.
+        from restshape.guidance.force_space import forecast
+
         most = forecast(8 * len(scene.planks), self.freedoms)
         why = (
             f"up to {most.combinations:,} combinations of {self.freedoms} freedoms, about {most.seconds:.3g} s a search"
@@ -98,7 +101,7 @@ def columns(scene: Scene) -> dict[str, Any]:
     reals = ("use", "margin", "missing", "sag", "bending_use", "at", "range_low", "range_high")
     reals += ("ms_equilibrium", "ms_range", "ms_suggestions")
     integers = ("flaws", "inside", "tried", "tested", "suggested")
-    texts = {"parameter": "S96", "ranges": "S240", "suggestions": "S2400"}
+    texts = {"parameter": "S96", "ranges": "S240", "suggestions": f"S{SUGGESTIONS_BYTES}"}
     return dict.fromkeys(integers, np.int64) | dict.fromkeys(reals, np.float64) | texts
 
 

@@ -26,14 +26,14 @@ class Decision:
         settings: its keys, with nothing left open.
         why: for people; empty where there was nothing to decide.
         order: the element order that it wants where the scene names none; None: it does not matter.
-        warns: the scene's own keys make the answer bad, which is why.
+        warns: the scene's own keys make the answer bad: True where `why` says how, else these words.
         tolerance: `solve.tolerance` where the scene names none; None: the usual one.
     """
 
     settings: BaseModel
     why: str = ""
     order: int | None = None
-    warns: bool = False
+    warns: bool | str = False
     tolerance: float | None = None
 
 

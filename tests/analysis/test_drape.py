@@ -219,8 +219,32 @@ def test_a_saddle_is_left(tmp_path):
     assert found.sheet.energy(found.x) < found.sheet.energy(upright) - 0.1
 
 
+def test_what_nothing_holds_is_not_stable(tmp_path):
+    """Flat cloth without weight and bending resists no displacement across it: its tangent is singular."""
+    path = write_cloth(tmp_path, PIN, '[supports.other]\non = "d"\nfix = ["x", "y", "z"]\n')
+    path.write_text(path.read_text().replace("[effects.gravity]\n", ""))
+    found = solved(load_scene(path, ["mesh.size=0.25", "effects.cloth.bending=none"]))
+    assert found.arrival.at_rest and found.arrival.stable is False
+    assert found.row()["note"] == "at rest where it may not stay: the tangent is not positive definite"
+
+
 def test_empty_scripts_show_one_frame(tmp_path):
     scene = cloth(tmp_path, PIN, overrides=("mesh.size=0.25",))
     replay = replay_of(scene)
     (row,) = replay.frames()
     assert row["at_rest"] == 1 and row["residual"] <= 1e-4 and 0.0 < row["estimate"] < 2.0
+
+
+BAR = """
+[bodies.bar]
+capsule = { start = [0.45, 0.55, -0.3], end = [0.45, 0.55, 0.3], radius = 0.03 }
+"""
+
+
+def test_a_body_that_comes_through_is_told(tmp_path):
+    """A bar stands between the nodes of a triangle of 0.2 m: all nodes rest, and the bar is in the cloth."""
+    pins = "".join(f'[supports.{c}]\non = "{c}"\nfix = ["x", "y", "z"]\n' for c in "abcd")
+    pierced = solved(cloth(tmp_path, pins, BAR, CONTACT, overrides=("mesh.size=0.3", "effects.cloth.bending=hinge")))
+    assert "bodies.bar comes through the cloth" in pierced.row()["note"]
+    ball = solved(cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.12", "effects.cloth.bending=hinge")))
+    assert ball.row()["note"] == ""

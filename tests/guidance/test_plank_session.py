@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
+from restshape_apps.furniture.pieces import SCENES
 
+from restshape.errors import UserError
 from restshape.guidance.plank_session import PlankSession
 from restshape.physics.furniture import LOST, UNSTABLE
 from restshape.scene.load import load_scene
@@ -244,3 +246,39 @@ def load_script_event(event):
     from restshape.scene.plank_events import PLANK_EVENTS
 
     return PLANK_EVENTS[event["do"]].model_validate({"t": 0.0, **event})
+
+
+def test_a_suggested_plank_is_built_and_holds(tmp_path):
+    scene = load_scene(SCENES / "table.toml")
+    ideas = PlankSession(scene, load_script(write_edits(tmp_path), scene)).design.ideas.found
+    number = next(k for k, idea in enumerate(ideas, 1) if idea.piece is not None)
+    script = load_script(write_edits(tmp_path, {"do": "choose", "number": number}, {"do": "slide", "to": 1}), scene)
+    frames = list(PlankSession(scene, script).frames())
+    assert len(frames[1].design.piece.planks) == 6 and frames[1].design.furniture.test().valid
+    assert frames[1].design.piece.planks[-1].name == "support"
+    assert frames[2].refused == "no suggestion is chosen that could be slid along"
+
+
+def test_more_is_known_the_more_guidance_there_is():
+    # Section 6.6.2: one target, with no feedback, with ranges, with suggestions; each line of edits ends it.
+    scene = load_scene(SCENES / "table.toml")
+    hands = []
+    for name in ("blind", "ranges", "suggestions"):
+        script = load_script(SCENES.parent / "edits" / f"table-{name}.jsonl", scene)
+        frames = list(PlankSession(scene, script).frames())
+        assert not frames[0].design.furniture.test().valid and frames[-1].design.furniture.test().valid
+        hands.append(sum(event.do in ("press", "choose") for event in script.events))
+    assert hands == [4, 2, 1]
+
+
+def test_a_fastener_that_is_too_short_is_told_with_its_place(tmp_path):
+    scene = load_scene(write_bench(tmp_path), ["wood.thickness=50 mm"])
+    with pytest.raises(UserError, match=r"bench.toml: fastener.name \(line 11\): screw of 40 mm does not reach"):
+        PlankSession(scene, load_script(write_edits(tmp_path), scene))
+
+
+def test_a_straight_hand_keeps_its_way(play):
+    drag = {"do": "drag", "to": [-0.3, 0.07, 0.25], "frames": 7}
+    frames, _ = play(press("left", at=[-0.5, 0.0, 0.25]), drag)
+    assert len({id(frame.gesture) for frame in frames[2:]}) == 1
+    assert frames[-1].c[0] == pytest.approx(np.hypot(0.2, 0.07))

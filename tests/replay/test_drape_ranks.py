@@ -18,7 +18,8 @@ def found(tmp_path, restshape, scene, ranks, *words):
     done = restshape("replay", scene, "--json", f"{name}.json", "--csv", f"{name}.csv", *words, ranks=ranks)
     assert done.returncode == 0, done.stdout + done.stderr
     with (tmp_path / f"{name}.csv").open() as file:
-        assert all(row["at_rest"] == "1" and float(row["residual"]) <= 1e-4 for row in csv.DictReader(file))
+        rows = list(csv.DictReader(file))
+    assert all(row["at_rest"] == row["stable"] == "1" and float(row["residual"]) <= 1e-4 for row in rows)
     return json.loads((tmp_path / f"{name}.json").read_text())
 
 

@@ -259,3 +259,15 @@ def test_the_columns_are_those_of_the_rows(tmp_path):
 def test_studies_of_meshes_refuse_what_has_none(tmp_path, capsys, words):
     assert main([*words, str(write_bench(tmp_path))]) == 2
     assert "has no mesh" in capsys.readouterr().err
+
+
+def test_on_demand_only_frames_that_are_asked_for_are_judged(tmp_path):
+    scene, path = write_bench(tmp_path), tmp_path / "run.vtkhdf"
+    edits = write_edits(tmp_path, *slide(-0.7, 3), {"do": "release"}, {"do": "analyse"}, analysis="on demand")
+    assert main(["replay", str(scene), "--edits", str(edits), "--out", str(path)]) == 0
+    with Recording(path) as recording:
+        judged = [bool(word) for word in recording.table["verdict"]]
+        assert judged == [True, True, False, False, False, False, True]
+        assert recording.table["broken"][-1] == "it falls" and recording.table["suggested"][-1] > 0
+        assert np.isnan(recording.field(2, "use")).all() and np.isfinite(recording.field(0, "use")).all()
+        assert np.ptp(recording.points(4) - recording.points(0), axis=0)[0] == pytest.approx(0.7)

@@ -1,5 +1,7 @@
 """Scenes of furniture: what they hold, and what is said of what is wrong in them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
@@ -9,7 +11,8 @@ from restshape.errors import UserError
 from restshape.physics.furniture import Furniture
 from restshape.scene.load import load_scene, revise
 from restshape.scene.script import load_script
-from restshape.shape.plank_scene import piece_of, restated
+from restshape.shape.plank_edits import removed
+from restshape.shape.plank_scene import piece_of, restated, weighing
 from restshape.shape.plank_text import scene_text
 from restshape.shape.planks import SIDES
 
@@ -186,3 +189,24 @@ def test_what_a_set_says_otherwise_goes_into_an_edited_piece(tmp_path):
         assert [plank.centre[1] for plank in after.planks] == [0.1] * 3
     moved = restated(edited, scene, revise(scene, "planks.left.width", [0, 0.2, 0]))
     assert [plank.centre[1] for plank in moved.planks] == [0.1, 0.0, 0.1] and moved.planks[1].size[1] == 0.2
+
+
+def test_what_a_session_has_put_weighs_what_gravity_makes_it(tmp_path):
+    scene = load_scene(write_bench(tmp_path))
+    put = [weighing(scene, name, 0, mass, (0.0, 0.0, 0.5)) for name, mass in (("box", 50.0), ("vase", 3.0))]
+    piece = replace(piece_of(scene), weights=tuple(put))
+    light = restated(piece, scene, revise(scene, "effects.gravity.g", [0, 0, -1]))
+    assert [load.force[2] for load in light.weights] == pytest.approx([-50.0, -3.0])
+    other = restated(piece, scene, revise(scene, "weights.box.mass", 7))
+    assert [load.force[2] for load in other.weights] == pytest.approx([-70.0, -30.0])
+
+
+def test_pushes_come_and_go_with_their_effect(tmp_path):
+    push = '[pushes.nudge]\non = "right"\nforce = ["30 N", 0, 0]\n'
+    scene = load_scene(write_bench(tmp_path, BENCH + push))
+    pushed = revise(scene, "effects.push", {})
+    piece = removed(piece_of(scene), 1)
+    after = restated(piece, scene, pushed)
+    assert [(load.plank, load.force) for load in after.pushes] == [(1, (30.0, 0.0, 0.0))]
+    assert restated(after, pushed, scene).pushes == ()
+    assert restated(removed(after, 1), pushed, revise(pushed, "floor.friction", 0.4)).pushes == ()

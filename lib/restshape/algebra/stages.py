@@ -9,10 +9,11 @@ NAMES = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "kryl
 
 
 class Stages:
-    """Seconds spent in each stage since the last `reset`."""
+    """Seconds spent in each stage since the last `reset`; a stage within another one is not counted in that one too."""
 
     def __init__(self) -> None:
         self.seconds = dict.fromkeys(NAMES, 0.0)
+        self._within: list[float] = []
         self._log = {name: PETSc.Log.Stage(f"restshape {name}") for name in ("pattern", "values", "factor", "krylov")}
 
     def reset(self) -> None:
@@ -27,9 +28,13 @@ class Stages:
         if log:
             log.push()
         start = perf_counter()
+        self._within.append(0.0)
         try:
             yield
         finally:
-            self.seconds[name] += perf_counter() - start
+            taken = perf_counter() - start
+            self.seconds[name] += taken - self._within.pop()
+            if self._within:
+                self._within[-1] += taken
             if log:
                 log.pop()

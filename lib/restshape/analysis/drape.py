@@ -47,6 +47,10 @@ SHORT = 300
 """Steps from a saddle after which the membrane is softened for the rest of the way."""
 SMALL = 600
 """Nodes up to which motion is solved for with complete factors."""
+PIERCED = 0.5
+"""Part of a body's smallest size by which it is deeper in a triangle where it comes through; less is a chord's sag."""
+MOST_PLACES = 24
+"""Places along the side of a triangle that are looked at for a body between its nodes."""
 FARTHER = 0.01
 """Part of the tolerance to which a cold solve goes on."""
 FIRST_STEP = 1.0 / 60.0
@@ -166,20 +170,29 @@ class DrapeAnalysis:
         """What the frame's row tells besides."""
         arrival = self.arrival
         scale = "weight" if self.sheet.load > 0.0 else "forces of the supports"
-        note = "" if arrival.at_rest else f"not at rest: residual {arrival.residual:.2e} of the {scale}; {arrival.why}"
+        notes = (
+            [] if arrival.at_rest else [f"not at rest: residual {arrival.residual:.2e} of the {scale}; {arrival.why}"]
+        )
         if arrival.at_rest and arrival.stable is False:
-            note = "; ".join(
-                filter(None, (note, "at rest where it may not stay: the tangent is not positive definite"))
-            )
+            notes.append("at rest where it may not stay: the tangent is not positive definite")
+        notes += [f"bodies.{name} comes through the cloth" for name in self._piercing()]
         return {
             "at_rest": int(arrival.at_rest),
             "stable": -1 if arrival.stable is None else int(arrival.stable),
             "steps": arrival.steps,
             "factors": arrival.factors,
             "dragged": arrival.dragged,
-            "note": note,
+            "note": "; ".join(notes),
             **body_row(dict(zip(self.bound.bodies, self.bodies)), self.body_columns),
         }
+
+    def _piercing(self) -> list[str]:
+        """Names of bodies that are between the nodes of a triangle: cloth touches them with its nodes alone."""
+        if not self.sheet.contact:
+            return []
+        x = self.sheet.corners(self.x)[self.mesh.cells]
+        named = zip(self.bound.bodies, self.bodies, self.sheet.contact.bodies)
+        return [name for name, body, kernel in named if _comes_through(kernel, _size(body), x)]
 
     def fields(self) -> Fields:
         """Displacement [m] of the nodes from the flat pattern, larger principal tension [N/m] of the cells."""
@@ -452,3 +465,17 @@ def _size(body: Body) -> float:
             return min(form.half)
         case _:
             return np.inf
+
+
+def _comes_through(body: Any, size: float, x: np.ndarray) -> bool:
+    """Tell whether a body of this size [m] is between the corners of one of the triangles x (ne, 3, 3) [m]."""
+    if not np.isfinite(size):
+        return False
+    longest = float(np.linalg.norm(x - np.roll(x, 1, axis=1), axis=2).max())
+    middles = x.mean(axis=1)
+    near = x[body.distance(middles)[0] < longest]
+    n = int(np.clip(np.ceil(2.0 * longest / size), 3, MOST_PLACES))
+    i, j = (part.ravel() for part in np.mgrid[: n + 1, : n + 1])
+    inside = np.column_stack([i, j, n - i - j])[i + j <= n] / n
+    places = np.einsum("pi,eij->epj", inside, near).reshape(-1, 3)
+    return len(places) > 0 and bool(body.distance(places)[0].min() < -PIERCED * size)

@@ -61,7 +61,7 @@ def fall(
 
 
 def loosen(way: Rest, x: np.ndarray, most: int, arrival: Arrival) -> None:
-    """Soft for a while, from positions x (n, 3), which are changed, that a stiff membrane leaves in small steps only."""
+    """Soft for a while, from positions x (n, 3), which are changed, that a stiff membrane leaves in small steps."""
     for part in SOFT:
         way.sheet.soften(part)
         way.begin()

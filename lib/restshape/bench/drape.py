@@ -30,7 +30,7 @@ class Trace:
         limit: seconds after which the run ends.
 
     Attributes:
-        seconds, residuals, energies: one each; an energy is None where the membrane is soft, or the mesh a coarser one.
+        seconds, residuals, energies: one each, and those at the end of a run that is not given up; an energy is None where the membrane is soft, or the mesh a coarser one.
     """
 
     def __init__(self, analysis: DrapeAnalysis, limit: float) -> None:
@@ -60,6 +60,12 @@ class Trace:
         self.aside += perf_counter() - begun
         if spent > self.limit:
             raise Over(f"{self.limit:g} s are over")
+
+    def end(self, seconds: float) -> None:
+        """Take down where the run has come to: the last iterate of a method, or what friction has made of it."""
+        self.seconds.append(seconds)
+        self.residuals.append(_finite(self.analysis.arrival.residual))
+        self.energies.append(_finite(self.analysis.sheet.energy(self.analysis.x)))
 
 
 def measure(request: Request, seconds: float) -> dict[str, Any]:
@@ -94,6 +100,8 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
             raise
         over = str(problem.__cause__)
     spent, busy, events = trace.clock, process_time() - begun - trace.aside, counts.since_last()
+    if not over:
+        trace.end(spent)
     return {
         **_ended(analysis, trace, over),
         "seconds": spent,

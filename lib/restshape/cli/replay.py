@@ -8,6 +8,7 @@ from math import log2
 from pathlib import Path
 from typing import Any
 
+from restshape.cli.guidance import print_guidance
 from restshape.cli.options import add_scene, check_output, print_table, read_scene, write_json
 from restshape.cli.progress import progress
 from restshape.cli.ranks import first_rank
@@ -183,6 +184,7 @@ def print_summary(summary: dict[str, Any]) -> None:
     if verdict := summary["verdict"]:
         last = f"{verdict['last']} at the end{verdict['broken'] and ' for ' + verdict['broken']}"
         print(f"verdict: {last}; holds in {verdict['holds']} frames, fails in {verdict['fails']}")
+    print_guidance(summary["rows"])
     if "parity" in summary:
         parity = summary["parity"]
         print(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from time import perf_counter
 from typing import Any
 
@@ -20,6 +21,7 @@ from restshape.guidance.design import Design, Idea, Ideas, Way
 from restshape.physics.furniture import LOST, Forces, Furniture, Verdict
 from restshape.physics.plank_bending import plank_bending
 from restshape.policy import Policy
+from restshape.scene.furniture import SUGGESTIONS_BYTES
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 from restshape.sensitivity.furniture import stability_derivative
@@ -197,9 +199,7 @@ class FurnitureAnalysis:
             "tried": self.ideas.tried,
             "tested": self.ideas.tested,
             "suggested": len(self.ideas.found),
-            "suggestions": json.dumps([_told(k, idea) for k, idea in enumerate(self.ideas.found, 1)])
-            if self.ideas.found
-            else "",
+            "suggestions": _listed(self.ideas.found),
             "ms_equilibrium": 1e3 * self.seconds,
             "ms_range": 1e3 * self.ranged_seconds,
             "ms_suggestions": 1e3 * self.ideas.seconds if self.ideas.found else np.nan,
@@ -278,6 +278,14 @@ def _relative(one: np.ndarray, other: np.ndarray) -> float:
     """The largest difference over the largest number."""
     size = max(float(np.abs(one).max(initial=0.0)), 1e-300)
     return float(np.abs(one - other).max(initial=0.0)) / size
+
+
+def _listed(ideas: Sequence[Idea]) -> str:
+    """The JSON text of suggestions, as many as there is room for; empty without any."""
+    told = [_told(k, idea) for k, idea in enumerate(ideas, 1)]
+    while len(text := json.dumps(told)) > SUGGESTIONS_BYTES:
+        told.pop()
+    return text if told else ""
 
 
 def _told(number: int, idea: Idea) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,9 @@ from restshape.shape.sweep import sweep
 
 NO_LENGTH = 2
 """Number of the fault of a plank that has no length left."""
+
+STRAIGHT = 9
+"""Decimals of the direction of a hand that count."""
 
 State = tuple[Design, Scene]
 
@@ -77,7 +80,7 @@ class Step:
 
 @dataclass(slots=True)
 class Hold:
-    """What the hand holds: a plank, or a parameter of it, from where, and the state before."""
+    """What the hand holds: a plank, or a parameter of it, from where, the state before, and ways that it has gone."""
 
     before: State
     plank: int
@@ -85,6 +88,7 @@ class Hold:
     origin: np.ndarray
     cursor: np.ndarray
     free: np.ndarray
+    ways: dict[bytes, Way] = field(default_factory=dict)
 
 
 class PlankSession:
@@ -105,7 +109,8 @@ class PlankSession:
         try:
             self.design = Design.closed(piece_of(scene), self._guidance())
         except UserError as error:
-            raise scene.located(error) from error
+            # What names no place is a fastener that does not reach through its plank.
+            raise scene.located(UserError(error.what, error.where or "fastener.name", error.do)) from error
         self.gamma = self._rest()
         self.way: Way | None = None
         self.part = 0.0
@@ -220,9 +225,14 @@ class PlankSession:
         note = f"{plank.name} cannot {' or '.join(left)}: left out" if left else ""
         if far == 0.0:
             return self._along(self.way, 0.0, note)
-        direction = np.zeros((len(self.design.piece.planks), 8))
-        direction[hold.plank, :3] = own / far
-        return self._along(self.design.way(direction, f"{plank.name}: move"), far, note)
+        # A hand that goes straight on goes along one way, whose range is known from its first frame on.
+        unit = np.round(own / far, STRAIGHT) + 0.0
+        way = hold.ways.get(unit.tobytes())
+        if way is None:
+            direction = np.zeros((len(self.design.piece.planks), 8))
+            direction[hold.plank, :3] = unit
+            way = hold.ways[unit.tobytes()] = self.design.way(direction, f"{plank.name}: move")
+        return self._along(way, far, note)
 
     def _along(self, way: Way | None, t: float, note: str = "") -> Step:
         """The frame at a parameter of a way; a plank without length is refused."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape.analysis.buckling import BucklingAnalysis
 from restshape.analysis.modal import ModalAnalysis
+from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.moving import Advance, MovingMesh
 from restshape.policy import Policy
@@ -34,12 +35,14 @@ class Foresight:
         policy: what is reused.
 
     Raises:
-        UserError: the analysis is of something that moves, or the policy makes a new mesh in each frame.
+        UserError: the analysis is of cloth or of something that moves, or the policy makes a new mesh in each frame.
 
     Source: docs/theory.md, "The design derivative".
     """
 
     def __init__(self, analysis: Any, moving: MovingMesh, session: EditSession, policy: Policy) -> None:
+        if application(session.scene.app).cloth:
+            raise UserError("cloth is not predicted yet: all its frames are solved", "--predict linear", "leave it out")
         if not hasattr(analysis, "accept"):
             raise UserError(
                 "only bodies at rest and modes are predicted: a motion depends on its past, not on its shape alone",

@@ -140,6 +140,9 @@ def _check_references(scene: Scene, source: Source) -> None:
     places |= {("mesh", "near", name): [name] for name in scene.mesh.near}
     for place, names in places.items():
         for name in names:
+            if name in scene.bodies and name not in kinds:
+                what = f"{name!r} is a body, which cannot be named here"
+                raise source.error(place, what, f"name a part of the shape; the body's own keys are in [bodies.{name}]")
             _refuse_absent(name, kinds, "entity", place, source)
     for name, load in scene.loads.items():
         _check_load(name, load, kinds, source)

@@ -15,6 +15,9 @@ Parts = tuple[number_of("number"), number_of("number"), number_of("number")]
 NEAR = 0.015
 """How near a drawn end must be to a face to be joined to it [m]."""
 
+SUGGESTIONS_BYTES = 2400
+"""Room for the suggestions of a frame in a recording."""
+
 
 class Wood(Strict):
     """``[wood]``: what planks are made of, and how thick [m] they are where they say nothing else."""

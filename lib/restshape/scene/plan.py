@@ -80,7 +80,8 @@ def plan(scene: Scene, application: Application) -> Plan:
         why = f"{why}; {decision.why}" if decision.why else why
         planned.append(PlannedEffect(name, True, why, decision.settings, "named" if named else "required"))
         orders.append((decision.order, f"{name} asks for it{decision.why and ': ' + decision.why}"))
-        warnings += [f"effects.{name}: {decision.why}"] if decision.warns else []
+        if decision.warns:
+            warnings.append(f"effects.{name}: {decision.why if decision.warns is True else decision.warns}")
         tolerances += [decision.tolerance] if decision.tolerance is not None else []
     on = frozenset(effect.name for effect in planned if effect.on)
     implied = tuple(_implied(name, effect, scene, on) for name, effect in application.implied.items())

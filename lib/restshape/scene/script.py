@@ -339,9 +339,9 @@ class _Reader:
                 where = f"{self.path.name}: line {number}"
                 do = "remove that line: the ones before it are whole"
                 raise _Torn(UserError("the last line is torn: it ends in the middle", where, do)) from error
-            self.fail(
-                number, f"this is not JSON: {error.msg.lower()} at column {error.colno}", "one JSON object a line"
-            )
+            # Some of its messages end in "at" themselves.
+            what = error.msg.lower().removesuffix(" at")
+            self.fail(number, f"this is not JSON: {what} at column {error.colno}", "one JSON object a line")
         except (ValueError, RecursionError) as error:
             self.fail(number, str(error), "write finite numbers")
         if not isinstance(found, dict):

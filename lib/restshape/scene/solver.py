@@ -116,13 +116,23 @@ def _drape(drape: Any) -> SolverPlan:
         "",
         "M/dt^2 + K with the stabilised tangent, whose membrane is never in compression",
     )
+    descent = System(
+        "quasi-Newton steps",
+        DEFINITE,
+        "",
+        "cholesky",
+        "L-BFGS on factors of the stabilised tangent, made anew every few steps",
+    )
     newton = System(
         "Newton's steps", DEFINITE, "cg", "cholesky", "all forces have a potential, and cloth rests where it is least"
     )
     stabilised = System("Newton's steps", DEFINITE, "cg", "cholesky", "the stabilised tangent is positive definite")
     gradients = System("steps along gradients", DEFINITE, "", "", "nonlinear conjugate gradients solve no system")
     ways = {
-        "auto": ((steps, newton), "steps in time with kinetic damping until rest is near, then Newton's method"),
+        "auto": (
+            (steps, descent, newton),
+            "kinetic damping with a soft membrane where cloth starts anew, quasi-Newton steps, Newton's method at the end",
+        ),
         "kinetic": ((steps,), "steps in time that begin anew at each peak of the kinetic energy"),
         "rayleigh": ((steps,), "steps in time with Rayleigh damping"),
         "newton": ((newton,), "Newton's method with a line search on the energy"),

@@ -184,10 +184,14 @@ class Outline:
             return list(self.groups)
         return [loop.name for loop in self.loops if loop.kind == kind]
 
-    def entity(self, name: str) -> Entity:
+    def entity(self, name: str, besides: Iterable[str] = ()) -> Entity:
         """What a name addresses: a vertex, edge, hole, region, group, "outline" or "all".
 
         The name of an edge that was split addresses all its pieces.
+
+        Args:
+            name: of the entity.
+            besides: other names that may have been meant, which a refusal suggests, too.
 
         Raises:
             UserError: there is no such entity.
@@ -203,7 +207,7 @@ class Outline:
                     for key in ("vertices", "edges", "loops")
                 )
             )
-        known = [*self.layout.entities, *self.groups]
+        known = [*besides, *self.layout.entities, *self.groups]
         near = get_close_matches(name, known, 1)
         some = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
         raise UserError(f"the shape has no entity named {name!r}", do=f"did you mean {near[0]!r}?" if near else some)

@@ -69,30 +69,30 @@ def restated(piece: Piece, before: Scene, after: Scene) -> Piece:
             replace(joint, fastener=after.fastener.name) if joint.fastener == before.fastener.name else joint
             for joint in joints
         )
-    moved = {plank.name: k for k, plank in enumerate(planks)}
-    loads = []
-    for kept, first, last in ((piece.weights, old.weights, new.weights), (piece.pushes, old.pushes, new.pushes)):
-        loads.append(tuple(_reloaded(load, first, last) for load in kept))
-    fresh = tuple(
-        replace(push, plank=moved[new.planks[push.plank].name])
-        for push in new.pushes
-        if push.name not in {p.name for p in old.pushes} and new.planks[push.plank].name in moved
-    )
-    gone = {push.name for push in old.pushes} - {push.name for push in new.pushes}
-    pushes = (*(push for push in loads[1] if push.name not in gone), *fresh)
-    weights = loads[0]
-    if new.gravity != old.gravity:
-        weights = tuple(_reweighed(load, old.gravity, new.gravity, after) for load in weights)
     return replace(
         piece,
         planks=planks,
         joints=joints,
         planes=new.planes,
-        weights=weights,
-        pushes=pushes,
+        weights=tuple(_reweighed(load, old, new) for load in piece.weights),
+        pushes=_pushes(piece, old, new),
         gravity=new.gravity,
         spacing=new.spacing,
     )
+
+
+def _pushes(piece: Piece, old: Piece, new: Piece) -> tuple[Load, ...]:
+    """The pushes that a scene has now, on the planks of the edited piece; those on planks that are gone are not."""
+    numbers = {plank.name: k for k, plank in enumerate(piece.planks)}
+    here = {push.name: push for push in piece.pushes}
+    had = {push.name: push for push in old.pushes}
+    found = []
+    for push in new.pushes:
+        plank = new.planks[push.plank].name
+        # A push that went with its plank stays away.
+        if plank in numbers and (push.name in here or push.name not in had):
+            found.append(replace(push, plank=numbers[plank]))
+    return tuple(found)
 
 
 def _gravity(scene: Scene) -> tuple[float, float, float]:
@@ -165,17 +165,14 @@ def _replanked(plank: Plank, before: Plank | None, after: Plank | None) -> Plank
     return plank
 
 
-def _reloaded(load: Load, before: tuple[Load, ...], after: tuple[Load, ...]) -> Load:
-    """A load with what its scene says otherwise of its force and place."""
-    first, last = ({one.name: one for one in loads}.get(load.name) for loads in (before, after))
-    if first is None or last is None or (first.force, first.place) == (last.force, last.place):
+def _reweighed(load: Load, old: Piece, new: Piece) -> Load:
+    """A weight with what its scene says otherwise of its mass, its place, and gravity."""
+    first, last = ({one.name: one for one in piece.weights}.get(load.name) for piece in (old, new))
+    if first and last and (old.gravity == new.gravity or load.force == first.force):
+        same = (first.force, first.place) == (last.force, last.place)
+        return load if same else replace(load, force=last.force, place=last.place)
+    size = float(np.dot(old.gravity, old.gravity))
+    if old.gravity == new.gravity or size == 0.0:
         return load
-    return replace(load, force=last.force, place=last.place)
-
-
-def _reweighed(load: Load, old: tuple[float, ...], new: tuple[float, ...], scene: Scene) -> Load:
-    """A weight that only the session knows, under another gravity."""
-    size = float(np.dot(old, old))
-    if load.name in scene.weights or size == 0.0:
-        return load
-    return replace(load, force=tuple(float(np.dot(load.force, old)) / size * a for a in new))
+    mass = float(np.dot(load.force, old.gravity)) / size
+    return replace(load, force=tuple(mass * a for a in new.gravity))

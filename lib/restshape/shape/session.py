@@ -36,6 +36,9 @@ UNDO_STEPS = 100
 FIXED = ("format", "version", "app", "shape", "quantities", "solve")
 """Tables and keys of a scene that hold for a whole session."""
 
+OF_SHAPE = ("pull", "smooth", "arc", "insert", "delete")
+"""Events on parts of the shape, never on bodies."""
+
 STILL = (0.0, 0.0)
 State = tuple[Outline, Scene]
 
@@ -154,7 +157,8 @@ class EditSession:
 
     def steps(self, event: Any) -> Iterator[Step]:
         """What each frame of one event does; the session's shape and scene follow as the steps are taken."""
-        steps = getattr(self, f"_do_{event.do}")(event)
+        of_body = event.do in OF_SHAPE and event.on in self.scene.bodies
+        steps = self._refused_body(event) if of_body else getattr(self, f"_do_{event.do}")(event)
         while True:
             self._mark()
             step = next(steps, None)
@@ -189,13 +193,18 @@ class EditSession:
             return len(event.path) if event.path is not None else 1
         return frames or 1
 
+    def _refused_body(self, event: Any) -> Iterator[Step]:
+        what = f"{event.on} is a body, which {event.do!r} does not know"
+        for _ in range(self._count(event)):
+            yield self._refusal(UserError(what, do="bodies can be pressed and dragged, rotated and scaled"))
+
     def _do_press(self, event: Any) -> Iterator[Step]:
         if event.on in self.scene.bodies:
             self._hold = hold_body(self.outline, self.scene, event.on, event.at)
             yield Step("none")
             return
         try:
-            entity = self.outline.entity(event.on)
+            entity = self.outline.entity(event.on, self.scene.bodies)
         except UserError as error:
             yield self._refusal(error)
             return
@@ -283,7 +292,7 @@ class EditSession:
 
     def _turn(self, event: Any, make: Any, coefficients: Any) -> Iterator[Step]:
         def gesture() -> Gesture:
-            entity = self.outline.entity(event.on)
+            entity = self.outline.entity(event.on, self.scene.bodies)
             about = np.array(event.about) if event.about is not None else self.outline.centroid(entity)
             return make(self.outline, entity, about)
 
@@ -405,6 +414,9 @@ class EditSession:
         yield self._cut(lambda: surgery.delete(self.outline, event.on))
 
     def _do_hole(self, event: Any) -> Iterator[Step]:
+        if event.name in self.scene.bodies:
+            yield self._refusal(UserError(f"a body has the name {event.name!r} already", do="choose another name"))
+            return
         yield self._cut(lambda: surgery.add_hole(self.outline, event.name, event.center, event.radius, event.polygon))
 
     def _cut(self, operation: Any) -> Step:
