@@ -46,16 +46,14 @@ class Cloth(Strict):
             UserError: the cloth would fall for ever; a part of it alone does not resist bending.
         """
         names = ", ".join(f"bodies.{name}" for name in scene.bodies) if "contact" not in scene.effects else ""
-        through = f"cloth falls through {names}: there is no [effects.contact]" if names else ""
+        through = f"falls through {names}: there is no [effects.contact]" if names else ""
         if not scene.supports and "gravity" in scene.effects and (through or not scene.bodies):
-            raise UserError(
-                f"nothing holds the cloth, and {through or 'nothing catches it: it falls for ever'}",
-                "effects.gravity",
-                "add [effects.contact]" if through else "add [supports.NAME], or [bodies.NAME] and [effects.contact]",
-            )
+            what = f"it {through}" if through else "nothing catches it: it falls for ever"
+            do = "add [effects.contact]" if through else "add [supports.NAME], or [bodies.NAME] and [effects.contact]"
+            raise UserError(f"nothing holds the cloth, and {what}", "effects.gravity", do)
         limp = [name for name, material in scene.material.items() if material.bending in (0.0, (0.0, 0.0))]
         if self.bending != "morley" or not limp:
-            return Decision(self, warns=through)
+            return Decision(self, warns=through and f"cloth {through}")
         if len(limp) < len(scene.material):
             raise UserError(
                 "one part of the cloth does not resist bending, and others do",
@@ -63,7 +61,7 @@ class Cloth(Strict):
                 'give it a little, such as bending = "1e-12 N m", or set effects.cloth.bending = "hinge"',
             )
         why = "nothing bends, for no material has a bending stiffness"
-        return Decision(self.model_copy(update={"bending": "none"}), why, warns=through)
+        return Decision(self.model_copy(update={"bending": "none"}), why, warns=through and f"cloth {through}")
 
 
 class Gravity(Strict):

@@ -1,11 +1,14 @@
 """`restshape bench predict` and `derivative` as people and programs call them; no time is asserted."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
+from restshape_apps import couture
 from small_scenes import across, drag, plate, write_scene, write_script
 
+COUTURE = Path(couture.__file__).parent / "scenes"
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -57,6 +60,8 @@ def test_derivative_for_programs_and_people(tmp_path, restshape, scene, law):
     ("words", "told"),
     [
         (("predict", "small.toml", "--repeat", 0), ("--repeat",)),
+        (("predict", COUTURE / "pins.toml"), ("cloth is not predicted yet",)),
+        (("derivative", COUTURE / "pins.toml"), ("cloth has no design derivative yet",)),
         (("predict", "small.toml", "--policy", "rebuild"), ("rebuild", "--predict")),
         (("predict", "small.toml", "--policy", "thesis", "--repeat", 1), ("no frame", "small.jsonl")),
         (("predict", "small.toml", "--edits", "still.jsonl", "--repeat", 1), ("no frame", "still.jsonl")),

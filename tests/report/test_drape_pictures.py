@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from restshape.cli.main import main
@@ -14,8 +15,9 @@ from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.report.body_surfaces import body_surface
 from restshape.report.drape import BODY, Picture, drape_scenery, places, shows_cloth
-from restshape.report.drape_frames import rest_words, seen_window
+from restshape.report.drape_frames import draw_drape_frames, rest_words, seen_window
 from restshape.report.raster import Camera, hits
+from restshape.report.space_axes import marks
 from restshape.report.tables import level_table
 from restshape.report.timeline import draw_timeline
 from restshape.scene.bodies import Body
@@ -240,3 +242,48 @@ def test_the_picture_of_single_frames(recording, tmp_path, capsys):
     printed = capsys.readouterr().err
     for message in ("there is no frame 2", "not of cloth", "cannot be written"):
         assert message in printed
+
+
+def test_sides_have_two_numbers_or_more():
+    # Round numbers within a metre and a half, and within 0.2 m that hold one hundredfold number alone.
+    for low, high, factor, most in (
+        (-0.72, 0.05, 1e3, 2),
+        (0.03, 0.385, 1e3, 2),
+        (-0.02, 0.11, 1.0, 2),
+        (0.0, 1.5, 1.0, 4),
+    ):
+        places = marks(low, high, factor, most)
+        assert 2 <= len(places) <= 5 and low <= places.min() and places.max() <= high
+        steps = np.diff(places) * factor
+        assert np.ptp(steps) < 1e-9 * steps[0]
+        assert round(steps[0] / 10 ** np.floor(np.log10(steps[0]) + 1e-9), 6) in (1, 2, 5)
+
+
+def test_a_sheet_holds_its_labels_and_each_frame_its_own_pattern(tmp_path, monkeypatch):
+    from matplotlib.figure import Figure
+
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path: figures.append(figure))
+    X, cells = grid()
+    path = tmp_path / "cloth.vtkhdf"
+    with Recorder.start(path, {"title": "square", "app": "couture"}, {}) as recorder:
+        recorder.topology(cells)
+        for wide in (1.0, 0.25):
+            # Negative numbers of four characters on all sides.
+            place = np.column_stack([np.full((len(X), 2), -0.5), np.sin(3.0 * X[:, 0]) - 0.5])
+            fields = {"displacement": place}
+            recorder.frame(0.0, X * [wide, 0.5], fields, {"tension": np.ones(len(cells))}, {})
+    with Recording(path) as cloth:
+        draw_drape_frames(cloth, np.arange(2), drape_scenery(cloth, np.arange(2)), tmp_path / "a.png")
+    (figure,) = figures
+    renderer, whole = FigureCanvasAgg(figure).get_renderer(), figure.bbox
+    figure.draw(renderer)
+    sizes = [axes.get_xlabel().split("\n")[1] for axes in figure.axes if axes.get_xlabel().startswith("flat")]
+    assert sizes == ["1 × 0.5 m", "0.25 × 0.5 m"]
+    for axes in figure.axes[:6]:
+        for label in (axes.xaxis.label, axes.yaxis.label, *axes.texts):
+            box = label.get_window_extent(renderer)
+            assert not label.get_text() or (whole.x0 <= box.x0 and box.x1 <= whole.x1), label.get_text()
+    for axes in (figure.axes[0], figure.axes[3]):
+        boxes = [text.get_window_extent(renderer) for text in axes.texts]
+        assert not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k])

@@ -156,7 +156,7 @@ def test_bodies_without_contact_are_warned_of(tmp_path):
 @pytest.mark.parametrize(
     ("way", "systems"),
     [
-        ("auto", ["steps in time", "Newton's steps"]),
+        ("auto", ["steps in time", "quasi-Newton steps", "Newton's steps"]),
         ("rayleigh", ["steps in time"]),
         ("newton", ["Newton's steps"]),
         ("cg", ["steps along gradients"]),
@@ -182,3 +182,26 @@ def test_all_levels_of_the_mesh_lead_to_rest_unless_fewer_are_asked_for(tmp_path
     assert plan(revise(scene, "effects.drape.levels", 2), COUTURE).settings("drape").levels == 2
     with pytest.raises(UserError, match="the mesh has 3 levels"):
         revise(scene, "effects.drape.levels", 4)
+
+
+def test_bodies_that_nothing_touches_ask_for_contact_alone(tmp_path):
+    with pytest.raises(UserError, match=r"nothing holds the cloth, and it falls through bodies\.ball") as refused:
+        plan(cloth(tmp_path, BALL), COUTURE)
+    assert refused.value.do == "add [effects.contact]"
+    with pytest.raises(UserError, match="nothing catches it") as refused:
+        plan(cloth(tmp_path), COUTURE)
+    assert "[supports.NAME]" in refused.value.do and "[bodies.NAME]" in refused.value.do
+
+
+def test_a_warning_of_bodies_that_come_through_holds_nothing_else(tmp_path):
+    found = plan(cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=2",)), COUTURE)
+    (told,) = found.warnings
+    assert "bodies.ball may come through" in told and "stiffness" not in told
+    (why,) = (effect.why for effect in found.effects if effect.name == "contact")
+    assert "stiffness" in why and "may come through" not in why
+
+
+def test_a_body_holds_no_cloth_by_its_name(tmp_path):
+    with pytest.raises(UserError, match="'ball' is a body") as refused:
+        cloth(tmp_path, BALL, CONTACT, '[supports.up]\non = "ball"\nfix = ["z"]')
+    assert "supports.up.on" in refused.value.where and "bodies.ball" in refused.value.do

@@ -117,6 +117,7 @@ def test_every_event(read):
         ('{"t": 1e999, "do": "idle"}', "not a finite number"),
         ("[1, 2]", "a JSON object is wanted"),
         ("{'t': 0}", "this is not JSON"),
+        ('{"t": "0}', "starting at column 7"),
         ("[" * 100000, "not JSON|recursion"),
     ],
 )

@@ -174,3 +174,37 @@ def test_a_frame_without_a_solution_is_taken_back(tmp_path):
             session.take_back()
         centres.append(session.scene.bodies["ball"].settled(session.scene.parameters).form.center[0])
     np.testing.assert_allclose(centres, [0.5, 0.5, 0.6, 0.6, 0.8, 0.8], atol=1e-15)
+
+
+def test_what_is_no_part_of_the_shape_says_what_may_be_meant(tmp_path):
+    on = {"on": "bal"}
+    frames = frames_of(
+        tmp_path, {"do": "press", **on}, {"do": "release"}, {"do": "rotate", "by": 1, **on}, {"do": "delete", **on}
+    )
+    refused = [frame.refused for frame in frames[1:]]
+    assert ["'ball'" in why for why in refused] == [True, False, True, False]
+    assert all("no entity named 'bal'" in refused[i] for i in (0, 2, 3))
+
+
+@pytest.mark.parametrize(
+    ("event", "frames"),
+    [
+        ({"do": "delete"}, 1),
+        ({"do": "pull"}, 1),
+        ({"do": "insert", "s": 0.5, "name": "m"}, 1),
+        ({"do": "arc", "bulge": 0.1, "frames": 3}, 3),
+        ({"do": "smooth", "frames": 2}, 2),
+    ],
+)
+def test_a_body_is_no_curve(tmp_path, event, frames):
+    found = frames_of(tmp_path, {"on": "ball", **event})[1:]
+    assert len(found) == frames
+    for frame in found:
+        assert "ball is a body" in frame.refused and event["do"] in frame.refused and "rotated" in frame.refused
+
+
+def test_a_pin_is_pulled_by_a_whole_table_of_supports(tmp_path):
+    stay = {"do": "set", "key": "supports", "value": {"lift": {"on": "c", "fix": ["z"]}}}
+    frames = frames_of(tmp_path, stay, {"do": "undo"})
+    assert [list(frame.scene.supports) for frame in frames] == [["pin", "lift"], ["lift"], ["pin", "lift"]]
+    assert [frame.change for frame in frames] == ["start", "values", "values"]

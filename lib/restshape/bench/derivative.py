@@ -10,6 +10,7 @@ from petsc4py import PETSc
 
 from restshape import _kernels
 from restshape.analysis.frame import Frame
+from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -30,10 +31,12 @@ class Held:
         request: of a body at rest, with a script that drags.
 
     Raises:
-        UserError: nothing is dragged, or what is dragged does not move the mesh linearly.
+        UserError: cloth; nothing is dragged, or what is dragged does not move the mesh linearly.
     """
 
     def __init__(self, request: Request) -> None:
+        if application(request.scene.app).cloth:
+            raise UserError("cloth has no design derivative yet", str(request.scene.path), "name a body at rest")
         replay = Replay.of(replace(request, predict="linear"), PETSc.COMM_WORLD)
         self.replay, self.analysis = replay, replay.analysis
         self.scene, self.script = request.scene, request.script

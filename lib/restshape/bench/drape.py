@@ -30,7 +30,8 @@ class Trace:
         limit: seconds after which the run ends.
 
     Attributes:
-        seconds, residuals, energies: one each, and those at the end of a run that is not given up; an energy is None where the membrane is soft, or the mesh a coarser one.
+        seconds, residuals, energies: one each, and those at the end of a run that is not given up; an energy is None
+            where the membrane is soft, or the mesh a coarser one.
     """
 
     def __init__(self, analysis: DrapeAnalysis, limit: float) -> None:

@@ -95,7 +95,7 @@ def solvers(plan: dict[str, Any]) -> list[tuple[str, str, str]]:
     """The plan of solvers, for people: what, which, why."""
     rows = [("equations", plan["equations"], plan["why"])]
     for system in plan["systems"]:
-        krylov = f"{system['krylov'].upper()} with {system['factor']}" if system["krylov"] else system["factor"]
+        krylov = " with ".join(filter(None, (system["krylov"].upper(), system["factor"])))
         rows.append((system["of"], f"{system['matrix']}: {krylov}", system["why"]))
     rows.append(("elements", f"order {plan['order']}: {', '.join(plan['elements'])}", plan["order_why"]))
     rows += [("model", value, f"effects.{key}") for key, value in plan["models"].items()]

@@ -23,7 +23,7 @@ from restshape.report.drape import BODY, COLOURS, TENSION, DrapeScenery, Picture
 from restshape.report.frames import scene_name
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.raster import Camera
-from restshape.report.space_axes import draw_box, few_ticks
+from restshape.report.space_axes import draw_box, marks
 from restshape.report.style import BODY as PLAIN
 from restshape.report.style import DPI, INK, REFUSED, new_figure
 from restshape.report.tables import column, refused
@@ -34,8 +34,10 @@ ACROSS = 3
 """Most frames side by side."""
 LEFT, RIGHT, BELOW, ABOVE = 0.25, 0.13, 0.1, 0.02
 """Room for numbers around the box, over its width in the picture."""
-BAR, TITLE, CAPTION, UNDER, NUMBERS, BETWEEN = 0.85, 0.45, 0.42, 0.5, 0.5, 0.3
+BAR, TITLE, CAPTION, UNDER, NUMBERS, BETWEEN = 0.85, 0.45, 0.42, 0.5, 0.68, 0.3
 """Room for the colour bar, above all, above and below each frame, and before and after the view from above [inch]."""
+EACH_X, EACH_Y = 0.42, 0.2
+"""Least room for each number along the sides of the view from above [inch]."""
 PATTERN = 0.6
 """Scale of the flat pattern over that of the view from above."""
 ANIMATED_DPI = 90
@@ -69,9 +71,9 @@ class DrapeDrawing:
         above.set_xlabel(f"x [{unit}]", fontsize=8)
         above.set_ylabel(f"y [{unit}]", fontsize=8)
         above.tick_params(length=2, labelsize=7)
-        tall = flat[3] - flat[2] > 0.4 * (flat[1] - flat[0])
-        for axis in (above.xaxis, above.yaxis):
-            axis.set_major_locator(few_ticks(4 if axis is above.xaxis or tall else 1))
+        place, (wide, high) = above.get_position(), above.figure.get_size_inches()
+        above.set_xticks(factor * marks(*flat[:2], factor, int(np.clip(wide * place.width / EACH_X, 2, 4))))
+        above.set_yticks(factor * marks(*flat[2:], factor, int(np.clip(high * place.height / EACH_Y, 2, 4))))
         self._add(above, scenery.from_above, flat, factor, dpi)
         self._add_pattern(pattern)
 
@@ -85,16 +87,14 @@ class DrapeDrawing:
         self.pictures.append((image, Picture(self.scenery, camera, window, columns)))
 
     def _add_pattern(self, axes: Axes) -> None:
-        scenery, (factor, unit) = self.scenery, self.scenery.unit
+        scenery = self.scenery
         (left, bottom), (right, top) = scenery.flat
         room = 0.02 * max(right - left, top - bottom)
         axes.set(xlim=(left - room, right + room), ylim=(bottom - room, top + room), aspect="equal", anchor="SW")
         axes.set(xticks=(), yticks=())
         for spine in axes.spines.values():
             spine.set_visible(False)
-        axes.set_xlabel(
-            f"flat pattern\n{factor * (right - left):.4g} × {factor * (top - bottom):.4g} {unit}", fontsize=7.5
-        )
+        self.size = axes.set_xlabel("", fontsize=7.5)
         self.body = PolyCollection([], antialiaseds=False, facecolors=PLAIN)
         self.body.set_cmap(colormaps[COLOURS].with_extremes(bad=PLAIN))
         colour, _ = scenery.colour
@@ -106,7 +106,7 @@ class DrapeDrawing:
     @property
     def artists(self) -> list[Artist]:
         """All that changes from frame to frame."""
-        return [*(image for image, _ in self.pictures), self.body, self.rest]
+        return [*(image for image, _ in self.pictures), self.body, self.rest, self.size]
 
     def show(self, recording: Recording, i: int) -> None:
         """Put frame i into the artists."""
@@ -116,6 +116,9 @@ class DrapeDrawing:
         self.body.set_verts(polygons(X, cells))
         self.body.set_array(np.ma.masked_invalid(self.scenery.colour[0] * recording.field(i, TENSION)))
         self.rest.set_segments(lines(X, border(cells)))
+        factor, unit = self.scenery.unit
+        width, height = factor * np.ptp(X, axis=0)
+        self.size.set_text(f"flat pattern\n{width:.4g} × {height:.4g} {unit}")
 
 
 def seen_window(scenery: DrapeScenery) -> tuple[float, float, float, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
 
 from restshape.report.raster import Camera
@@ -13,8 +14,11 @@ from restshape.report.style import FAINT
 GRID = "#e3e3e3"
 MOST = 4
 """Numbers along the side that is longest in the picture."""
-OFFSET, LYING, UPRIGHT = 4.0, 19.0, 26.0
-"""Distances of numbers, and of the name of a lying and of an upright side, from that side [points]."""
+SMALL = 7
+"""Size of numbers [points]."""
+OFFSET, LYING, BESIDE = 4.0, 19.0, 7.0
+"""Distances of numbers and of the name of a lying side from that side, and of the name of a steep one from numbers
+[points]."""
 
 
 def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, factor: float, unit: str) -> None:
@@ -30,8 +34,8 @@ def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, fact
     fixed = {0: (None, low[1], low[2]), 1: (high[0], None, low[2]), 2: (low[0], low[1], None)}
     ends = [np.array([[e[j] if f is None else f for j, f in enumerate(fixed[k])] for e in (low, high)]) for k in fixed]
     lengths = np.array([np.linalg.norm(np.diff(camera.project(end)[0], axis=0)) for end in ends])
-    numbers = np.maximum(1, np.round(MOST * lengths / lengths.max())).astype(int)
-    places = [_marks(low[k], high[k], factor, int(numbers[k])) for k in range(3)]
+    numbers = np.maximum(2, np.round(MOST * lengths / lengths.max())).astype(int)
+    places = [marks(low[k], high[k], factor, int(numbers[k])) for k in range(3)]
     walls = []
     for wall, bound in ((0, low), (1, high), (2, low)):
         for along in (k for k in range(3) if k != wall):
@@ -42,7 +46,7 @@ def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, fact
                 walls.append(camera.project(ends)[0])
     axes.add_collection(LineCollection(walls, colors=GRID, linewidths=0.6, zorder=0), autolim=False)
     for k, name in enumerate("xyz"):
-        _side(axes, camera, k, fixed[k], (low[k], high[k]), places[k], factor, f"{name} [{unit}]", middle)
+        _side(axes, camera, fixed[k], (low[k], high[k]), places[k], factor, f"{name} [{unit}]", middle)
 
 
 def few_ticks(most: int) -> MaxNLocator:
@@ -50,12 +54,23 @@ def few_ticks(most: int) -> MaxNLocator:
     return MaxNLocator(most, steps=[1, 2, 5, 10], min_n_ticks=2 if most > 2 else 1)
 
 
-def _marks(low: float, high: float, factor: float, most: int) -> np.ndarray:
-    marks = few_ticks(most).tick_values(low * factor, high * factor) / factor
-    return marks[(marks >= low) & (marks <= high)]
+def marks(low: float, high: float, factor: float, most: int) -> np.ndarray:
+    """Places [m] of numbers along a side: round ones, at most so many and one more, but two at least.
+
+    Args:
+        low, high: ends of the side [m].
+        factor: of lengths in numbers.
+        most: numbers.
+    """
+    for parts in range(most, most + 5):
+        places = few_ticks(parts).tick_values(low * factor, high * factor) / factor
+        places = places[(places >= low) & (places <= high)]
+        if len(places) > 1:
+            break
+    return places
 
 
-def _side(axes, camera, k, fixed, ends, marks, factor, label, middle) -> None:
+def _side(axes, camera, fixed, ends, numbered, factor, label, middle) -> None:
     """Draw one side with its numbers and its name, outside of the box."""
 
     def at(values) -> np.ndarray:
@@ -74,10 +89,14 @@ def _side(axes, camera, k, fixed, ends, marks, factor, label, middle) -> None:
         "annotation_clip": False,
         "color": "#444444",
     }
-    for mark, place in zip(marks, at(marks)):
-        number = f"{mark * factor:g}".replace("-", "\N{MINUS SIGN}")
-        axes.annotate(number, place, xytext=OFFSET * out, fontsize=7, **where)
-    # Beside an upright side the numbers lie side by side with the name.
-    upright = abs(along[1]) > abs(along[0])
-    away, turned = (UPRIGHT, {"rotation": 90, "va": "center"}) if upright and k == 2 else (LYING, {})
+    numbers = [f"{mark * factor:g}".replace("-", "\N{MINUS SIGN}") for mark in numbered]
+    for number, place in zip(numbers, at(numbered)):
+        axes.annotate(number, place, xytext=OFFSET * out, fontsize=SMALL, **where)
+    away, turned = LYING, {}
+    if abs(out[0]) > 0.4:
+        # Numbers and name of a steep side are side by side.
+        wide = max(TextPath((0, 0), number, size=SMALL).get_extents().width for number in numbers)
+        away = OFFSET + wide * abs(out[0]) + SMALL * abs(out[1]) + BESIDE
+        angle = np.rad2deg(np.arctan2(along[1], along[0]))
+        turned = {"rotation": angle, "ha": "center", "va": "center"}
     axes.annotate(label, line.mean(axis=0), xytext=away * out, fontsize=8, **where | turned)

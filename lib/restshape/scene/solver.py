@@ -131,7 +131,7 @@ def _drape(drape: Any) -> SolverPlan:
     ways = {
         "auto": (
             (steps, descent, newton),
-            "kinetic damping with a soft membrane where cloth starts anew, quasi-Newton steps, Newton's method at the end",
+            "a soft membrane and kinetic damping where it starts anew, quasi-Newton steps, Newton's method at the end",
         ),
         "kinetic": ((steps,), "steps in time that begin anew at each peak of the kinetic energy"),
         "rayleigh": ((steps,), "steps in time with Rayleigh damping"),
