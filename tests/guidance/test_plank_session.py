@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
-from restshape_apps.furniture.pieces import SCENES
+from restshape_apps.furniture.pieces import PIECES, SCENES
 
 from restshape.errors import UserError
+from restshape.guidance.design import Design
 from restshape.guidance.plank_session import PlankSession
+from restshape.guidance.ranges import valid_ranges
 from restshape.physics.furniture import LOST, UNSTABLE
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
@@ -282,3 +284,15 @@ def test_a_straight_hand_keeps_its_way(play):
     frames, _ = play(press("left", at=[-0.5, 0.0, 0.25]), drag)
     assert len({id(frame.gesture) for frame in frames[2:]}) == 1
     assert frames[-1].c[0] == pytest.approx(np.hypot(0.2, 0.07))
+
+
+def test_a_range_knows_of_narrow_gaps():
+    """A stretcher of 12 mm that is raised goes through the seat of the chair, and is free again above it."""
+    piece = PIECES["chair-1"]()
+    names = [plank.name for plank in piece.planks]
+    design = Design(piece)
+    way = design.parameter(names.index("stretcher"), 2)
+    found = design.valid_along(way).intervals
+    dense = valid_ranges(design.furniture, way.direction, way.low, way.high, samples=4001).intervals
+    assert len(dense) > 1
+    np.testing.assert_allclose(found, dense, atol=1e-5)

@@ -152,7 +152,8 @@ def test_suggestions_are_not_missed_that_a_grid_finds() -> None:
     found = suggest(furniture, shown=100).found
     singles = {one.modes[0] for one in found if len(one.modes) == 1}
     assert alone
-    assert len(alone - singles) <= 0.25 * len(alone)
+    assert alone <= singles
+    assert pairs <= {tuple(one.modes) for one in found if len(one.modes) == 2}
 
 
 def cantilever_too_weak():

@@ -7,6 +7,7 @@ import pytest
 from restshape_apps.furniture.least_energy import least_energy
 from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, shelf_1, shelf_2, stool_chair, table
 from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool
+from scipy.optimize import linprog
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.errors import UserError
@@ -242,6 +243,39 @@ def test_what_balances_the_load_lies_in_the_friction_cones() -> None:
         assert np.hypot(f[:, 0], f[:, 1]) == pytest.approx(np.minimum(np.hypot(f[:, 0], f[:, 1]), 0.5 * f[:, 2]))
         loads = furniture.cases[case].sum(axis=0) - [0.0, 0.0, furniture.geometry().mass.sum() * G]
         assert f.sum(axis=0) == pytest.approx(-loads, abs=1e-5 * np.abs(loads).max())
+
+
+def balanced_by_polygons(furniture: Furniture, case: int, mu: float) -> bool:
+    """Whether friction cones of 64 sides can balance the loads of a case on a level floor: a linear program."""
+    geometry, piece = furniture.geometry(), furniture.piece
+    loads = [*piece.weights, *piece.pushes]
+    at = [
+        geometry.centre[k.plank] + geometry.axes[k.plank] @ (np.array(k.place) * geometry.size[k.plank]) for k in loads
+    ]
+    places = np.array([*geometry.centre, *at])
+    forces = np.array([*(geometry.mass[:, None] * piece.gravity), *furniture.cases[case]])
+    turn = np.arange(64) * (2 * np.pi / 64)
+    edges = np.column_stack([mu * np.cos(turn), mu * np.sin(turn), np.ones(64)])
+    columns = np.concatenate([np.hstack([edges, np.cross(p, edges)]) for p in geometry.contacts]).T
+    wanted = -np.concatenate([forces.sum(axis=0), np.cross(places, forces).sum(axis=0)])
+    size = np.linalg.norm(wanted)
+    return linprog(np.ones(columns.shape[1]), A_eq=columns, b_eq=wanted / size).status == 0
+
+
+def test_what_stands_is_what_a_linear_program_can_balance() -> None:
+    rng, seen = np.random.default_rng(1), []
+    for trial in range(60):
+        piece = (table(), chair(), stool(CORNERS, tuple(rng.uniform(-0.3, 0.3, 2)), 50.0))[trial % 3]
+        force = rng.normal(size=3) * (1.0, 1.0, 0.4)
+        force *= rng.uniform(10.0, 900.0) / np.linalg.norm(force)
+        push = Load("push", 0, tuple(rng.uniform(-0.5, 0.5, 3)), tuple(force))
+        furniture = settled(replace(piece, pushes=(push,)), FINE)
+        stands = furniture.forces(1).missing <= 1e-7
+        # The round cone lies between the polygon in it and the one around it.
+        inner, outer = (balanced_by_polygons(furniture, 1, mu) for mu in (0.5, 0.5 / np.cos(np.pi / 64)))
+        assert inner <= stands <= outer, trial
+        seen.append(stands)
+    assert 10 < sum(seen) < 50
 
 
 def test_a_nail_too_short_says_so() -> None:

@@ -46,7 +46,8 @@ def relinearised(
         few = DesignModes(moved.piece, modes.freedoms[numbers], modes.unit)
         K, outside = _outside(moved, few, stands)
         size = float(np.linalg.norm(outside))
-        if size > SLOWEST * before:
+        # A piece that an edit has blown up has derivatives that are no numbers.
+        if not (size <= SLOWEST * before and np.isfinite(K).all()):
             return None
         y, before = y - np.linalg.lstsq(K.T, outside, rcond=1e-6)[0], size
         if not np.linalg.norm(y) <= LONGEST:
