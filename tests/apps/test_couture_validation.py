@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from petsc4py import PETSc
 from restshape_apps.couture.validation import CASES
 from restshape_apps.couture.validation_buckling import DENSITY, NU, SLENDER, D, lightest
 from restshape_apps.couture.validation_cantilever import ELASTICA, equilateral
@@ -21,14 +20,6 @@ from restshape.mesh.quality import areas
 
 def test_the_application_offers_them():
     assert application("couture").cases() is CASES
-
-
-@pytest.mark.parametrize("name", ["hanging", "plates", "wide_cantilever", "incline", "capstan", "repeated"])
-def test_quick_cases_pass(name):
-    checks = CASES[name](PETSc.COMM_WORLD)
-    assert checks
-    for check in checks:
-        assert check.passed, check
 
 
 @pytest.mark.parametrize(("distance", "table"), [(0.9, 0.190709), (0.8, 0.26543751), (0.5, 0.39819418)])

@@ -3,31 +3,11 @@
 import json
 
 import pytest
-from petsc4py import PETSc
 from restshape_apps.furniture import sessions
 from restshape_apps.furniture.misses import misses
 from restshape_apps.furniture.pieces import cantilever, scales
-from restshape_apps.furniture.stability import CASES as HARD
 from restshape_apps.furniture.thesis import rows
 from restshape_apps.furniture.times import COLUMNS, timed
-from restshape_apps.furniture.validation import CASES
-
-from restshape.stability.case import Trial
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_validation(name: str) -> None:
-    checks = CASES[name](PETSc.COMM_SELF)
-    assert checks
-    assert [check for check in checks if not (check.passed and check.source and check.tolerance <= 0.1)] == []
-
-
-@pytest.mark.parametrize("name", HARD)
-def test_hard_case(name: str, tmp_path) -> None:
-    case = HARD[name]
-    statements = list(case.run(Trial(tmp_path, "auto", case.share)))
-    assert statements
-    assert [statement for statement in statements if not statement.holds] == []
 
 
 def test_planks_and_joints_are_those_of_the_thesis() -> None:
