@@ -81,13 +81,13 @@ class Prices:
     reach: dict[tuple[str, str], int]
 
 
-def prices(runs: Sequence[Sequence[Row]], tried: Variants) -> Prices:
+def prices(runs: Sequence[Sequence[Row]], tried: Variants, nonlinear: bool = False) -> Prices:
     """The prices from several runs of `paired.measure` with these variants, and the first of them once more as a twin.
 
     Of each frame the least time over all runs counts. A spread is half the range of what comes out without one of the
     runs and, for an effect, no less than the largest difference of the twins in a run; a share below 0 by no more than
-    that is none. One farther below 0, or above 1, is no price: of nonlinear equations that have another solution
-    without the effect, the time to find it says nothing of the effect.
+    that is none. Of nonlinear equations one farther below 0, or above 1, is no price: they may have another solution
+    without the effect, and the time to find that says nothing of the effect.
     """
     sets = {names: k for k, names in enumerate(tried.sets)}
     count = len(sets) + 1
@@ -103,7 +103,7 @@ def prices(runs: Sequence[Sequence[Row]], tried: Variants) -> Prices:
     shares, spreads = _shares(ms, known)
     twins = max(abs(_share(ms, {TWIN: (0, count - 1)}, [k])[TWIN]) for k in range(len(runs)))
     spreads |= {name: max(spreads[name], twins) for name in known}
-    stray = {name for name in known if not -spreads[name] <= shares[name] <= 1.0 + spreads[name]}
+    stray = {name for name in known if nonlinear and not -spreads[name] <= shares[name] <= 1.0 + spreads[name]}
     problems |= dict.fromkeys(stray, ANOTHER_WAY)
     known, counted = ({name: pair for name, pair in of.items() if name not in stray} for of in (known, counted))
     noise = {name for name in known if 0.0 > shares[name] >= -spreads[name]}

@@ -86,7 +86,7 @@ def explain(
                 f"the replay ended early: {outcome.problem}", str(asked.scene), "see restshape replay on it"
             )
         runs.append(outcome.found)
-    found = prices(runs, tried)
+    found = prices(runs, tried, planned.solver.equations == "nonlinear")
     whole = [row for row in runs[0] if row["variant"] == 0]
     return Report(planned, application, found, tried.kept, len(runs), solver(planned, scene, whole)).rows()
 

@@ -8,7 +8,7 @@ from restshape.guidance.force_space import ForceSpace
 from restshape.physics.furniture import ALL, Furniture
 
 SAMPLES = 192
-"""Tests over the way that is looked at: apart by less than planks are thick, for through one another they must not go."""
+"""Tests over the way that is looked at: apart by less than planks are thick, which must not go through one another."""
 AROUND = 0.02
 """How far on both sides of a predicted end samples are put, in parts of its distance."""
 
