@@ -61,7 +61,7 @@ results: setup
 		--out results/couture-pins.png
 	.venv/bin/python tests/physics/bending_kinds.py --picture results/couture-bending.png
 	$(restshape) bench drape $(couture)/scenes/sphere.toml --set effects.cloth.bending=hinge --frames 20 \
-		--json results/bench-drape.json --picture results/bench-drape.png
+		--picture results/bench-drape.png
 	.venv/bin/python -m restshape_apps.couture.cycles --picture results/couture-cycles.png
 	.venv/bin/python -m restshape_apps.solid.picture apps/solid/scenes/column.toml --out results/column-modes.png
 	$(restshape) bench eigen $(bar) --set effects.modal.modes=5 --json results/bench-eigen.json

@@ -149,7 +149,7 @@ def move(sheet: Sheet, x: np.ndarray, manner: Manner, most: int) -> Course:
         )
         moving.on_step = note
         if manner.anew:
-            moving.on_move = lambda x: sheet.lag(x) >= 0.0
+            moving.on_move = sheet.follow
         norm = moving.run(x, REST * sheet.load)
         moving.free()
         if norm > REST * sheet.load:

@@ -120,7 +120,7 @@ def stepped(size: str, length: float, steps: int = STEPS) -> tuple[int, float]:
         return False
 
     moving.on_step = note
-    moving.on_move = lambda x: sheet.lag(x) >= 0.0
+    moving.on_move = sheet.follow
     moving.run(analysis.x.copy(), 0.0)
     moving.free()
     taken = np.diff(times)[WARM:]

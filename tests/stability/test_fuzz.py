@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from restshape.application import applications
+from restshape.bench.job import ending
 from restshape.cli.main import main
 from restshape.stability.fuzz import fuzz
 from restshape.stability.fuzz_process import Batch
@@ -85,3 +86,8 @@ def test_command(tmp_path, capsys):
 
 def test_a_batch_survives_its_journey():
     assert json.loads(json.dumps(vars(Batch(1, 2, APPS, True))))["apps"] == list(APPS)
+
+
+def test_a_crash_keeps_its_place_however_much_was_imported():
+    stderr = 'Fatal Python error\n  File "broken.py", line 7 in play\nExtension modules: ' + "numpy.linalg, " * 500
+    assert ending(-11, stderr) == 'ended with code -11:   File "broken.py", line 7 in play'

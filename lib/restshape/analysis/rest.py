@@ -111,7 +111,7 @@ class Rest:
         self.on_iterate: Callable[[np.ndarray, float], None] = lambda *_: None
         self.moving.on_step = self.descent.on_step = self._note
         # Friction that followed at peaks alone would be none for what slides ever faster and has no peak.
-        self.moving.on_move = lambda x: self.lag(x) >= 0.0 and sheet.contact is not None
+        self.moving.on_move = sheet.follow
 
     def destroy(self) -> None:
         """Free PETSc's objects."""

@@ -120,7 +120,8 @@ def ending(code: int, stderr: str) -> str:
         return ""
     if code == -signal.SIGKILL:
         return "killed by the system, as when memory runs out"
-    lines = [line for line in stderr.splitlines() if line.strip()]
+    # A crash of Python's ends with a list of everything imported, which tells nothing.
+    lines = [line for line in stderr.splitlines() if line.strip() and not line.startswith("Extension modules:")]
     return f"ended with code {code}: {lines[-1] if lines else 'no message'}"
 
 

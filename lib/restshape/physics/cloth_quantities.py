@@ -8,6 +8,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.physics.means import mean_over
+from restshape.physics.places import observed_nodes
 from restshape.physics.quantities import TAKES, area
 from restshape.physics.sheet import Sheet
 from restshape.scene.model import Quantity
@@ -47,7 +48,7 @@ class ClothObserver:
                 f"quantities.{name}",
                 "use displacement, reaction, energy or area",
             )
-        nodes = self._nodes(name, quantity)
+        nodes = observed_nodes(self.mesh, name, quantity)
         if quantity.reaction:
             column = AXES.index(quantity.reaction)
             return lambda x: self.reactions(x)[nodes, column].sum()
@@ -86,17 +87,3 @@ class ClothObserver:
         if quantity.at is not None:
             raise UserError("energies of cloth are those of all of it", f"quantities.{name}.at", "leave it out")
         return kinds[quantity.energy]
-
-    def _nodes(self, name: str, quantity: Quantity) -> np.ndarray | slice:
-        if quantity.at is None:
-            if quantity.reaction:
-                raise UserError("a reaction needs a place", f"quantities.{name}", 'say where, e.g. at = "left"')
-            return slice(None)
-        nodes = self.mesh.nodes_of(quantity.at)
-        if len(nodes) == 0:
-            raise UserError(
-                f"{quantity.at!r} holds no node of the mesh",
-                f"quantities.{name}.at",
-                "name a vertex, an edge or a region",
-            )
-        return nodes

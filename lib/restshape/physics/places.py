@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
+from restshape.scene.model import Quantity
 
 
 def _union(parts: list[np.ndarray]) -> np.ndarray:
@@ -24,3 +26,23 @@ def facets_on(mesh: Mesh, names: Sequence[str]) -> np.ndarray:
 def cells_on(mesh: Mesh, names: Sequence[str]) -> np.ndarray:
     """Indices (k,) of the cells in the named regions."""
     return _union([mesh.cells_of(name) for name in names])
+
+
+def observed_nodes(mesh: Mesh, name: str, quantity: Quantity) -> np.ndarray | slice:
+    """Nodes (k,) that a quantity of this name is taken at; all of them where it names no place.
+
+    Raises:
+        UserError: there is no node there, or a reaction names no place.
+    """
+    if quantity.at is None:
+        if quantity.reaction:
+            raise UserError("a reaction needs a place", f"quantities.{name}", 'say where, e.g. at = "left"')
+        return slice(None)
+    nodes = mesh.nodes_of(quantity.at)
+    if len(nodes) == 0:
+        raise UserError(
+            f"{quantity.at!r} holds no node of the mesh",
+            f"quantities.{name}.at",
+            "name a vertex, an edge or a region",
+        )
+    return nodes

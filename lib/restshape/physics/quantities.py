@@ -10,6 +10,7 @@ from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
 from restshape.physics.goals import GoalDistance
 from restshape.physics.means import mean_over
+from restshape.physics.places import observed_nodes
 from restshape.physics.recovery import NodalStress
 from restshape.physics.solid import PlaneSolid
 from restshape.scene.model import Quantity
@@ -113,7 +114,7 @@ class Observer:
                 f"quantities.{name}.load_factor",
                 'leave it out, or add [effects.buckling] to a scene of app = "solid"',
             )
-        nodes = self._nodes(name, quantity)
+        nodes = observed_nodes(self.mesh, name, quantity)
         take = TAKES[quantity.take]
         if quantity.reaction:
             column = "xy".index(quantity.reaction)
@@ -162,17 +163,3 @@ class Observer:
         if len(cells) == 0:
             raise UserError(f"{quantity.at!r} holds no cell of the mesh", f"quantities.{name}.at", "name a region")
         return cells
-
-    def _nodes(self, name: str, quantity: Quantity) -> np.ndarray | slice:
-        if quantity.at is None:
-            if quantity.reaction:
-                raise UserError("a reaction needs a place", f"quantities.{name}", 'say where, e.g. at = "left"')
-            return slice(None)
-        nodes = self.mesh.nodes_of(quantity.at)
-        if len(nodes) == 0:
-            raise UserError(
-                f"{quantity.at!r} holds no node of the mesh",
-                f"quantities.{name}.at",
-                "name a vertex, an edge or a region",
-            )
-        return nodes

@@ -216,6 +216,11 @@ class Sheet:
         """Take friction's normal forces at x, and drag its anchors; returns the farthest way of one [m]."""
         return self.contact.lag(self.corners(x)) if self.contact else 0.0
 
+    def follow(self, x: np.ndarray) -> bool:
+        """Let friction follow to x (n, 3) as `lag` does; tells whether there is contact, whose energy it changes."""
+        self.lag(x)
+        return self.contact is not None
+
     def falls(self, x: np.ndarray) -> bool:
         """Tell whether cloth at x (n, 3) falls without end: nothing holds it, and it goes away from all bodies."""
         way = np.where(self.support.mask.any(axis=0), 0.0, self.g)

@@ -1,6 +1,6 @@
-"""What all events of edit scripts share: their time, places in the units of the script, numbers of frames."""
+"""What all edit scripts share: time, places in the units of the script, numbers of frames, events without an object."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from pydantic.json_schema import SkipJsonSchema
@@ -32,3 +32,28 @@ class EventLine(Strict):
     line: SkipJsonSchema[int] = Field(default=0, exclude=True)
     t: Annotated[number_of("time"), Field(ge=0)]
     note: str = ""
+
+
+class Idle(EventLine):
+    """Nothing happens for some frames."""
+
+    do: Literal["idle"]
+    frames: Frames = 1
+
+
+class Analyse(EventLine):
+    """One frame that is analysed, also where the header asks for analysis "on demand" only."""
+
+    do: Literal["analyse"]
+
+
+class Undo(EventLine):
+    """The last edit is taken back."""
+
+    do: Literal["undo"]
+
+
+class Redo(EventLine):
+    """The last edit that was taken back is done again."""
+
+    do: Literal["redo"]

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
-from restshape.scene.event_line import Coordinate, EventLine, Frames
+from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Redo, Undo
 from restshape.scene.units import UnitError
 from restshape.scene.values import Length, Name, number_of, only_one
 
@@ -131,31 +131,6 @@ class Slide(EventLine):
     frames: Frames = 1
 
 
-class PlankIdle(EventLine):
-    """Nothing happens for some frames."""
-
-    do: Literal["idle"]
-    frames: Frames = 1
-
-
-class PlankAnalyse(EventLine):
-    """One frame that is analysed, also where the header asks for analysis "on demand" only."""
-
-    do: Literal["analyse"]
-
-
-class PlankUndo(EventLine):
-    """The last edit is taken back."""
-
-    do: Literal["undo"]
-
-
-class PlankRedo(EventLine):
-    """The last edit that was taken back is done again."""
-
-    do: Literal["redo"]
-
-
 PlankEvent = Annotated[
     PlankPress
     | PlankDrag
@@ -169,10 +144,10 @@ PlankEvent = Annotated[
     | Remove
     | Choose
     | Slide
-    | PlankIdle
-    | PlankAnalyse
-    | PlankUndo
-    | PlankRedo,
+    | Idle
+    | Analyse
+    | Undo
+    | Redo,
     Field(discriminator="do"),
 ]
 PLANK_EVENTS: dict[str, type[EventLine]] = {

@@ -9,7 +9,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from restshape.application import application
 from restshape.errors import UserError
-from restshape.scene.event_line import Coordinate, EventLine, Frames, Position
+from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
 from restshape.scene.plank_events import PLANK_EVENTS
 from restshape.scene.problems import user_error
@@ -165,31 +165,6 @@ class Smooth(EventLine):
     strength: Annotated[float, Field(gt=0, lt=1)] = 0.5
     pins: Pins | None = None
     frames: Frames = 1
-
-
-class Idle(EventLine):
-    """Nothing happens for some frames."""
-
-    do: Literal["idle"]
-    frames: Frames = 1
-
-
-class Analyse(EventLine):
-    """One frame that is analysed, also where the header asks for analysis "on demand" only."""
-
-    do: Literal["analyse"]
-
-
-class Undo(EventLine):
-    """The last edit is taken back."""
-
-    do: Literal["undo"]
-
-
-class Redo(EventLine):
-    """The last edit that was taken back is done again."""
-
-    do: Literal["redo"]
 
 
 Event = Annotated[

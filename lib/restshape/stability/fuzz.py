@@ -160,7 +160,7 @@ def _count(batch: Batch, tried: Tried, lines: list[tuple[str, Any]], folder: Pat
         if name in tried.found:
             tried.found[name].seen += 1
         else:
-            new[name] = Found(batch.seed, kind, name, f"{end.problem} | {name} | {end.last_words}"[:1500])
+            new[name] = Found(batch.seed, kind, name, f"{name} | {end.problem} | {end.last_words}"[:1500])
     for name, found in new.items():
         tried.found[name] = found
         _keep(found, folder / FAULT if found.kind == "fault" else folder, keep, len(tried.found))
