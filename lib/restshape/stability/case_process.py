@@ -5,7 +5,7 @@ import sys
 import time
 from pathlib import Path
 
-from restshape.stability.watched import Telling
+from restshape.stability.watched import READY, Telling
 
 
 def main() -> int:
@@ -19,6 +19,7 @@ def main() -> int:
     from restshape.stability.suite import cases, run_case
 
     tell, known, start = Telling(folder), cases(), time.monotonic()
+    tell(READY)
     for number, (name, policy) in enumerate(asked["jobs"]):
         if asked["seconds"] is not None and time.monotonic() - start >= asked["seconds"]:
             return 0

@@ -16,6 +16,12 @@ TOLD = "told.jsonl"
 LOOK = 0.05
 """Seconds between two looks at a process."""
 
+READY = "ready"
+"""What a process tells first that works on one thing for long before it has another line to tell."""
+
+START = 60.0
+"""Seconds that a process may take besides to come to its first line: a busy machine imports slowly."""
+
 
 @dataclass(frozen=True)
 class End:
@@ -51,7 +57,7 @@ def watch(
         module: is given `job` as JSON on stdin, and tells its lines to the folder's file.
         folder: for files of the process.
         job: what it shall do.
-        silence: seconds without a line after which it is ended.
+        silence: seconds without a line after which it is ended; `START` more before the first one.
         heard: is given each line, as soon as it is there.
         words: further arguments.
     """
@@ -80,13 +86,15 @@ def watch(
 
 def _listen(process: subprocess.Popen, path: Path, silence: float, heard: Callable[[str, Any], None]) -> bool:
     """Hand on all lines until the process ends; whether it was silent for too long."""
-    at, since = 0, time.monotonic()
+    at, since = 0, time.monotonic() + START
     while True:
         over = process.poll() is not None
         whole = path.read_bytes()[at:] if path.is_file() else b""
         whole = whole[: whole.rfind(b"\n") + 1]
         for line in whole.splitlines():
-            heard(*json.loads(line))
+            kind, content = json.loads(line)
+            if kind != READY:
+                heard(kind, content)
         at += len(whole)
         if whole:
             since = time.monotonic()
