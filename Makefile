@@ -11,6 +11,7 @@ fish := apps/metallophone/scenes/fish.toml
 bar := apps/metallophone/scenes/bar_200.toml
 canvas := apps/couture/scenes/strip.toml
 couture := apps/couture
+furniture_table := apps/furniture/scenes/table.toml
 cantilever_edits := apps/cantilever/edits/cantilever.jsonl
 
 # Two cores hold two ranks or two test workers, one thread each; the rest lets mpiexec start as root, in a
@@ -65,7 +66,8 @@ results: setup
 	.venv/bin/python -m restshape_apps.couture.cycles --picture results/couture-cycles.png
 	.venv/bin/python -m restshape_apps.solid.picture apps/solid/scenes/column.toml --out results/column-modes.png
 	$(restshape) bench eigen $(bar) --set effects.modal.modes=5 --json results/bench-eigen.json
-	$(restshape) accuracy $(plate) $(cantilever) $(bridge) $(building) $(fish) $(canvas) --out results/accuracy \
+	$(restshape) accuracy $(plate) $(cantilever) $(bridge) $(building) $(fish) $(canvas) $(furniture_table) \
+		--out results/accuracy \
 		--json results/accuracy/accuracy.json
 	$(restshape) stability --json results/stability.json
 	$(restshape) stability --fuzz 1000 --json results/fuzz.json

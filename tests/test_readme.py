@@ -48,3 +48,17 @@ def test_the_example_carries_its_load(example, capsys):
 def test_every_command_named_exists():
     named = set(re.findall(r"^\| `restshape (\w+)", README, re.M))
     assert named <= set(COMMANDS)
+
+
+def test_the_commands_of_furniture_run(tmp_path, monkeypatch, capsys):
+    (tmp_path / "apps").symlink_to(Path(__file__).parents[1] / "apps")
+    monkeypatch.chdir(tmp_path)
+    lines = [
+        line for line in README.split("## Furniture")[1].split("```")[1].splitlines() if line.startswith("restshape ")
+    ]
+    assert [shlex.split(line)[1] for line in lines] == ["replay", "report", "script"]
+    for line in lines:
+        assert main(shlex.split(line)[1:]) == 0, line
+    assert main(["check", "apps/furniture/scenes/chair-1.toml", "back.jsonl"]) == 0
+    assert " 0 refused" in capsys.readouterr().out
+    assert (tmp_path / "table-report" / "guidance.png").stat().st_size > 10_000

@@ -10,12 +10,15 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from restshape.application import Application, Decision, Effect
+from restshape.application import Application, Decision, Effect, Implied
 from restshape.errors import UserError
 from restshape.physics.fasteners import fastener, wood
 from restshape.scene.furniture import SUGGESTIONS_BYTES
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
+
+OF_EACH_CASE = ("bending", "ranges", "suggestions")
+"""What looks at every case of loads. Without any load a piece is tested all the same: none of them drives it alone."""
 
 MANY = 3
 """Freedoms of a suggestion from which on the search is announced."""
@@ -40,9 +43,12 @@ class Nails(Strict):
                 known(name)
             except UserError as error:
                 raise UserError(error.what, key, error.do) from error
-        idle = "pushes are not looked at: there is no [effects.push]"
-        warns = bool(scene.pushes) and "push" not in scene.effects
-        return Decision(self, idle if warns else "", warns=warns)
+        idle = []
+        if scene.pushes and "push" not in scene.effects:
+            idle.append("pushes are not looked at: there is no [effects.push]")
+        if scene.weights and "gravity" not in scene.effects:
+            idle.append("weights weigh nothing: there is no [effects.gravity]")
+        return Decision(self, "; ".join(idle), warns=bool(idle))
 
 
 class Gravity(Strict):
@@ -101,8 +107,30 @@ def columns(scene: Scene) -> dict[str, Any]:
     reals = ("use", "margin", "missing", "sag", "bending_use", "at", "range_low", "range_high")
     reals += ("ms_equilibrium", "ms_range", "ms_suggestions")
     integers = ("flaws", "inside", "tried", "tested", "suggested")
-    texts = {"parameter": "S96", "ranges": "S240", "suggestions": f"S{SUGGESTIONS_BYTES}"}
+    texts = dict.fromkeys(("note", "broken"), "S400")
+    texts |= {"parameter": "S96", "ranges": "S240", "suggestions": f"S{SUGGESTIONS_BYTES}"}
+    texts["no_suggestions"] = "S240"
     return dict.fromkeys(integers, np.int64) | dict.fromkeys(reals, np.float64) | texts
+
+
+def _guided(key: str, what: str) -> Implied:
+    """A part of guidance that its key switches off where it is false or 0."""
+
+    def cause(scene: Scene, on: frozenset[str]) -> str:
+        asked = getattr(Guide.model_validate(scene.effects.get("guidance", {})), key)
+        return f"effects.guidance.{key}: {what}" if asked else ""
+
+    def without(raw: dict[str, Any], on: frozenset[str]) -> dict[str, Any]:
+        effects = raw.get("effects", {})
+        return {
+            **raw,
+            "effects": {
+                **effects,
+                "guidance": {**effects.get("guidance", {}), key: type(Guide.model_fields[key].default)()},
+            },
+        }
+
+    return Implied(what, cause, f"the scene has none in effects.guidance.{key}", without)
 
 
 application = Application(
@@ -110,10 +138,14 @@ application = Application(
     summary="planks and nails: what holds, how far each edit may go, and what would mend it",
     effects={
         "nails": Effect(Nails, "joints of planks, and the strength of what holds them", required=True),
-        "gravity": Effect(Gravity, "weight of planks and of what is put on them", drives=True),
-        "push": Effect(Push, "sideways forces, a case each", drives=True),
-        "bending": Effect(Bending, "sag of planks by beam theory"),
+        "gravity": Effect(Gravity, "weight of planks and of what is put on them", carries=("push", *OF_EACH_CASE)),
+        "push": Effect(Push, "sideways forces, a case each", carries=OF_EACH_CASE),
+        "bending": Effect(Bending, "sag of planks by beam theory", quantities=("sag",)),
         "guidance": Effect(Guide, "valid ranges and suggestions", required=True),
+    },
+    implied={
+        "ranges": _guided("ranges", "valid ranges of what is under the hand"),
+        "suggestions": _guided("suggestions", "suggestions for what does not hold"),
     },
     folder=Path(__file__).parent,
     analysis="restshape.guidance.furnishing:FurnitureAnalysis",

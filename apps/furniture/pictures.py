@@ -16,7 +16,8 @@ from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_
 from restshape_apps.furniture.small_pieces import toppling
 
 from restshape.errors import UserError
-from restshape.guidance.suggestions import Suggestion, suggest
+from restshape.guidance.combination_search import Limits, Suggestion
+from restshape.guidance.suggestions import suggest
 from restshape.guidance.support_planks import support_planks
 from restshape.physics.furniture import Furniture
 from restshape.report.force_space import Region, draw_forces, draw_region, region_marks
@@ -142,19 +143,21 @@ def thickness(path: Path) -> None:
     figure = new_figure(9.6, 4.6)
     left, right = figure.subplots(1, 2)
     millimetres, lines = np.arange(12, 19), []
-    fasteners = {"nail-thesis": (50.0, "32 mm nails, 50 kg"), "dowel": (40.0, "50 mm dowels, 40 kg")}
+    fasteners = {"nail-thesis": (50.0, "32 mm nails, 50 kg"), "dowel": (50.0, "50 mm dowels, 50 kg")}
     counts = np.zeros(len(millimetres), dtype=int)
     for (fastener, (kilograms, words)), mark in zip(fasteners.items(), "os"):
         shares = []
-        for k, t in enumerate(millimetres):
+        # Dowels of 8 mm want edges twice as thick.
+        thick = millimetres if fastener == "nail-thesis" else millimetres[millimetres >= 16]
+        for k, t in enumerate(thick):
             furniture = model(table(thickness=t * 1e-3, kilograms=kilograms, fastener=fastener))
             region = linearised_and_true(furniture, ("leg-4: length y", "leg-4: turn y"), (-0.1, 0.15), (-0.2, 0.2), 51)
             shares.append(100.0 * float((region.kind == 0).mean()))
             if fastener == "nail-thesis":
-                counts[k] = len(suggest(furniture, shown=99, trials=200).found)
+                counts[k] = len(suggest(furniture, shown=99, limits=Limits(trials=200)).found)
                 if t % 2 == 0:
                     _outline(left, region, int(t))
-        lines += right.plot(millimetres, shares, f"{mark}-", color=LEVELS[1 if mark == "o" else 3], label=words)
+        lines += right.plot(thick, shares, f"{mark}-", color=LEVELS[1 if mark == "o" else 3], label=words)
     left.plot(0.0, 0.0, "X", ms=9, color=REFUSED, mec="white", mew=0.8, label="the table as it is")
     left.set(xlabel=region.x_name, ylabel=region.y_name)
     left.set_title("table with 50 kg: valid above the lines (steps: whole nails)", fontsize=9, loc="left")

@@ -158,7 +158,8 @@ def linearised_and_true(
     Args:
         furniture: its tested model.
         words: the two modes.
-        x, y: from and to of each, as modes count: in sizes of the piece, or radians.
+        x, y: from and to of each, as modes count: in sizes of the piece, or radians. Two turns of one
+            plank are parts of a rotation vector: it turns once, about an axis between theirs.
         points: along each.
     """
     modes = modes_of(furniture)

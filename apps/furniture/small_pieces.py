@@ -54,6 +54,22 @@ def block(base: float, high: float, mu: float, incline: float = 0.0) -> Piece:
     return Piece((plank,), (), (Foot(0, 0, 0),), (Plane((0, 0, 0), tuple(up), mu),))
 
 
+def laid(place: float, kilograms: float = 30.0) -> Piece:
+    """A board of 1.2 m that lies flat on the floor, with a mass at `place` [m] from its middle."""
+    board = Plank.between("board", (-0.6, 0, 0.009), (0.6, 0, 0.009), (0, 0.2, 0), 0.018, wood="pine")
+    return Piece((board,), (), feet_near((board,)), (Plane(),), (weight("mass", 0, kilograms, (place / 1.2, 0, 0.5)),))
+
+
+def nailed_along(kilograms: float) -> Piece:
+    """A shelf of 1 m nailed all along its long side to a board that stands behind it, with a mass in its middle."""
+    back = Plank.between("back", (-0.5, 0, 0), (-0.5, 0, 0.6), (0, 1.2, 0), 0.018)
+    shelf = Plank.between("shelf", (-0.491, 0, 0.3), (-0.291, 0, 0.3), (0, 1.0, 0), 0.012)
+    planes = (Plane(), Plane((0.0, 0.0, 0.6), (0.0, 0.0, -1.0)))
+    feet = (Foot(0, 0, 0), Foot(0, 1, 1))
+    loads = (weight("mass", 1, kilograms, (0.0, 0.0, 0.5)),)
+    return Piece((back, shelf), joints_near((back, shelf)), feet, planes, loads)
+
+
 def toppling(kilograms: float = 2.0) -> Piece:
     """A nail cantilever with so long an arm that its load lies beyond its foot."""
     return cantilever(width=0.08, arm=0.6, kilograms=kilograms, fastener="nail-thesis")

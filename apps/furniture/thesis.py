@@ -3,7 +3,7 @@
 from typing import Any
 
 from restshape_apps.furniture.pieces import cantilever
-from restshape_apps.furniture.times import COLUMNS, Column, all_suggestions, candidates, dragged, edited, timed
+from restshape_apps.furniture.times import COLUMNS, Column, all_suggestions, candidates, dragged, edited, large, timed
 from restshape_apps.furniture.validation_statics import gives_way, settled
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
@@ -15,7 +15,8 @@ TABLE, FIGURE = "6.1", "figure 6.22"
 
 def rows(timed: bool = True) -> list[dict[str, Any]]:
     """Rows of `restshape tables`; `timing` marks those that a clock decides, which need not be `timed`."""
-    return [*(row for name in COLUMNS for row in column_rows(name, timed)), *nail_rows()]
+    columns = (row for name in COLUMNS for row in column_rows(name, timed))
+    return [*columns, *large_rows(timed), *nail_rows()]
 
 
 def column_rows(name: str, clocked: bool) -> list[dict[str, Any]]:
@@ -55,6 +56,23 @@ def clock_rows(column: Column) -> list[tuple[str, Any, Any, str]]:
         ("equilibrium after an edit", "", edit.wall, "ms"),
         ("ranges in a drag", "", 1e3 / drag.wall, "1/s"),
     ]
+
+
+def large_rows(clocked: bool) -> list[dict[str, Any]]:
+    """The rows of a piece with 224 freedoms, whose 1.8 million combinations of three are all tried."""
+    piece = large()
+    found, _ = all_suggestions(piece)
+    common = {"table": TABLE, "row": f"a bookshelf of {len(piece.planks)} planks"}
+    counted = (
+        ("design freedoms", 224, len(found.modes), "freedoms"),
+        ("combinations of at most 3", "", sum(found.tried), "candidates"),
+        ("continuous suggestions", "", len(found.found), "suggestions"),
+    )
+    rows = [_row(common, *one, timing=False) for one in counted]
+    if clocked:
+        for quantity, work in (("candidates", candidates), ("all suggestions", all_suggestions)):
+            rows.append(_row(common, quantity, "", timed(lambda work=work: work(piece), 3).wall, "ms", timing=True))
+    return rows
 
 
 def nail_rows() -> list[dict[str, Any]]:

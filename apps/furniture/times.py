@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
-from restshape_apps.furniture.pieces import bookshelf_20, piece_28, shelf_1, shelf_2
+from restshape_apps.furniture.pieces import bookshelf, bookshelf_20, piece_28, shelf_1, shelf_2
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
+from restshape.guidance.combination_search import Limits
 from restshape.guidance.force_space import combinations, durability_space, stability_space
 from restshape.guidance.ranges import predicted_ends, valid_ranges
-from restshape.guidance.suggestions import KEPT, Suggestions, suggest
+from restshape.guidance.suggestions import Suggestions, suggest
 from restshape.guidance.support_planks import support_planks
 from restshape.physics.furniture import UNSTABLE, Furniture
 from restshape.shape.design_modes import DesignModes
@@ -52,6 +53,11 @@ COLUMNS = {
 """Pieces of table 6.1 by name."""
 
 
+def large() -> Piece:
+    """A bookshelf with as many design freedoms as 28 planks with 8 each have: 224, of 51 planks."""
+    return bookshelf((11, 11, 11), dividers=11, brackets=3, kilograms=1.0, heavy=40.0)
+
+
 @dataclass(frozen=True)
 class Time:
     """Times of a piece of work [ms]: the median on the wall clock, and the least of the processor's."""
@@ -84,7 +90,7 @@ def candidates(piece: Piece) -> int:
     unstable = furniture.test().flaws & UNSTABLE
     modes = DesignModes.of(piece, furniture.kernel.freedoms())
     space = (stability_space if unstable else durability_space)(furniture, modes)
-    return len(combinations(space, most=1).modes) + len(combinations(space, least=2, keep=KEPT).modes)
+    return len(combinations(space, most=1).modes) + len(combinations(space, least=2, keep=Limits().kept).modes)
 
 
 def edited(furniture: Furniture, solver: PlankEquilibrium) -> None:

@@ -1,6 +1,7 @@
-"""Validation cases of furniture: statics by hand, redundant joints, derivatives, ranges, suggestions."""
+"""Validation cases of furniture: statics and sag by hand, redundant joints, derivatives, ranges, suggestions."""
 
-from restshape_apps.furniture.validation_guidance import missed, range_ends, taylor
+from restshape_apps.furniture.validation_bending import lifted_foot, sag
+from restshape_apps.furniture.validation_guidance import enumerated, missed, range_ends, taylor
 from restshape_apps.furniture.validation_loops import compliance, indeterminate
 from restshape_apps.furniture.validation_statics import (
     cantilever_moment,
@@ -22,9 +23,12 @@ CASES: dict[str, Case] = {
     "tipping": tipping,
     "incline": incline,
     "nail_cantilever": nail_cantilever,
+    "sag": sag,
+    "lifted_foot": lifted_foot,
     "indeterminate": indeterminate,
     "compliance": compliance,
     "taylor": taylor,
     "range_ends": range_ends,
+    "enumerated": enumerated,
     "missed": missed,
 }

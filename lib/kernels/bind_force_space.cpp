@@ -13,17 +13,17 @@ namespace {
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 py::tuple combinations(const Doubles& K, const Doubles& h, const Doubles& e, const Doubles& low, const Doubles& high,
-                       int most, int least, double least_gain, double longest, const std::vector<bool>& barred,
-                       int keep) {
+                       int most, int least, double least_gain, double longest,
+                       const std::vector<std::vector<int>>& barred, int keep) {
     if (K.ndim() != 2) throw std::invalid_argument("K must have the shape (modes, rows)");
     const int m = static_cast<int>(K.shape(0)), rows = static_cast<int>(K.shape(1));
     for (const Doubles* a : {&h, &e, &low, &high})
         if (a->size() != rows) throw std::invalid_argument("h, e, low and high must have a number for each row");
-    if (static_cast<int>(barred.size()) != m) throw std::invalid_argument("barred must have a flag for each mode");
     restshape::ForceSpace space(K.data(), h.data(), e.data(), low.data(), high.data(), m, rows, {least_gain, longest});
+    for (const auto& modes : barred) space.bar(modes);
     {
         py::gil_scoped_release release;
-        space.search(most, least, std::vector<char>(barred.begin(), barred.end()), keep);
+        space.search(most, least, keep);
     }
     const auto& rays = space.rays();
     const py::ssize_t n = static_cast<py::ssize_t>(rays.size());
@@ -46,6 +46,6 @@ void bind_force_space(py::module_& m) {
           "longest"_a, "barred"_a, "keep"_a,
           "Modes (r, most; -1 is none), unit directions (r, most) and spans (r, 2) of the combinations that lead into "
           "the box, and how many of each size were tried. K (modes, rows) changes the forces h (rows); y minimises "
-          "|K y + e|. Combinations that hold a barred mode, or a smaller one that works, are left out. `keep` > 0 "
-          "keeps that many of each size and leading mode, the widest.");
+          "|K y + e|. What holds a barred combination of modes, in rising order, is left out. `keep` > 0 keeps that "
+          "many of each size and leading mode, the widest.");
 }

@@ -21,14 +21,17 @@ std::vector<Point> points_of(const Coordinates& array) {
     return points;
 }
 
-OutlineCheck make_check(const Indices& first, const Indices& ends, const Loops& loops, double gap, double sharpest) {
+OutlineCheck make_check(const Indices& first, const Indices& ends, const Loops& loops, double gap, double sharpest,
+                        const std::vector<bool>& round) {
     if (ends.ndim() != 2 || ends.shape(1) != 2) throw py::value_error("ends must be (n_edges, 2)");
     if (first.size() != ends.shape(0) + 1) throw py::value_error("first must have one entry more than edges");
     std::vector<std::array<int, 2>> pairs(ends.shape(0));
     for (py::ssize_t e = 0; e < ends.shape(0); ++e) pairs[e] = {ends.at(e, 0), ends.at(e, 1)};
     std::vector<SampledLoop> sampled;
     for (const auto& [kind, edges, forward] : loops) sampled.push_back({kind, edges, forward});
-    return {std::vector<int>(first.data(), first.data() + first.size()), pairs, sampled, gap, sharpest};
+    std::vector<bool> rounds(round);
+    rounds.resize(pairs.size(), false);
+    return {std::vector<int>(first.data(), first.data() + first.size()), pairs, sampled, gap, sharpest, rounds};
 }
 
 const char* name_of(Fault fault) {
@@ -43,7 +46,7 @@ void bind_outline(py::module_& m) {
     py::class_<OutlineCheck>(m, "OutlineCheck",
                              "Validity of a sampled outline along a motion that is linear in two numbers.")
         .def(py::init(&make_check), py::arg("first"), py::arg("ends"), py::arg("loops"), py::arg("gap"),
-             py::arg("sharpest"))
+             py::arg("sharpest"), py::arg("round") = std::vector<bool>{})
         .def(
             "set_motion",
             [](OutlineCheck& self, const Coordinates& p0, const Coordinates& p1, const Coordinates& p2,

@@ -92,7 +92,10 @@ py::array_t<double> array(const Rows& a) {
 }
 
 py::tuple tuple(const Verdict& v) {
-    return py::make_tuple(v.flaws, static_cast<int>(v.fault), v.where, v.pull, v.shear, v.missing);
+    py::list faults, broken;
+    for (const Flawed& one : v.faults) faults.append(py::make_tuple(static_cast<int>(one.fault), one.where));
+    for (const Broken& one : v.broken) broken.append(py::make_tuple(one.joint, one.load_case, one.use, one.sheared));
+    return py::make_tuple(v.flaws, v.pull, v.shear, v.missing, faults, v.overlaps, v.falls, v.unbalanced, broken);
 }
 
 py::dict shape(Furniture& f, const std::optional<Doubles>& gamma) {
@@ -118,7 +121,7 @@ py::dict shape(Furniture& f, const std::optional<Doubles>& gamma) {
     for (const auto& c : s.contacts) points.push_back(c.point);
     for (Fault fault : s.foot_faults) foot_faults.push_back(static_cast<int>(fault));
     out["contacts"] = array(points), out["foot_faults"] = foot_faults;
-    out["fault"] = static_cast<int>(s.fault), out["where"] = s.where;
+    out["fault"] = static_cast<int>(s.fault());
     out["overlaps"] = overlaps(f.piece(), s, false);
     return out;
 }
@@ -215,8 +218,8 @@ void bind_planks(py::module_& m) {
                 return tuple(f.test(parameters(f, gamma), wanted, quick));
             },
             "gamma"_a = py::none(), "wanted"_a = every_flaw, "quick"_a = false,
-            "Flaws (bits), fault, where, largest use of pull and of shear strength, and the part of the load that "
-            "contacts cannot balance.")
+            "Flaws (bits), largest use of pull and of shear strength, the part of the load that contacts cannot "
+            "balance, and lists: faults, overlaps, what falls, cases without an equilibrium, broken joints.")
         .def("forces", &forces, "case"_a, "Displacements, contact and joint forces at the last test.")
         .def("scan", &scan, "direction"_a, "t"_a, "wanted"_a = every_flaw,
              "Flaws, and uses of pull and shear strength, at each t along a direction (n, 8).")
@@ -235,12 +238,14 @@ void bind_planks(py::module_& m) {
              })
         .def("inside", &Furniture::inside, "case"_a,
              "Whether at the state of a case no contact pulls, or pushes sideways beyond its friction.")
+        .def("one_sided", &Furniture::one_sided, "case"_a,
+             "Brings a case to rest from the state that it has; whether with contacts that only push.")
         .def("forget", &Furniture::forget, "Starts the next test from rest.")
         .def("set_state", [](Furniture& f, int load_case, const Doubles& x, int law) {
             require(x.size() == 6 * f.piece().count(), "x must have 6 numbers a plank");
             f.set_state(load_case, x.data(), static_cast<Law>(law));
         });
     c.attr("LOST") = int(lost), c.attr("OVERLAPPING") = int(overlapping), c.attr("UNSTABLE") = int(unstable);
-    c.attr("WEAK") = int(weak), c.attr("UNBALANCED") = int(unbalanced);
+    c.attr("WEAK") = int(weak), c.attr("UNBALANCED") = int(unbalanced), c.attr("APART") = int(apart);
     bind_mixed(c);
 }

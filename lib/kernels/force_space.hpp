@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <stdexcept>
 #include <unordered_set>
 #include <vector>
@@ -11,6 +12,8 @@
 namespace restshape {
 
 constexpr int most_combined = 5;
+constexpr double nothing = 1e-14, dependent = 1e-10;  // of the largest square of a mode's change of forces
+constexpr double least_part = 1e-6;                   // of a unit direction: a mode with less takes no part
 
 // A combination: its modes in rising order, the unit direction in them, and where along it the box is entered and left.
 struct Ray {
@@ -25,7 +28,8 @@ struct RayLimits {
 };
 
 // All combinations of at most M modes whose least squares direction y = argmin |K y + e| reaches the box
-// low <= h + t K y / |y| <= high for some 0 <= t <= longest. Those are left out that hold a smaller one that does.
+// low <= h + t K y / |y| <= high for some 0 <= t <= longest, but for those that hold a barred combination, or a mode
+// that takes no part in y.
 class ForceSpace {
  public:
     // K: the change of each force along each mode, one mode after another (m, rows).
@@ -49,25 +53,32 @@ class ForceSpace {
                 gram_[i * m + j] = gram_[j * m + i] = sum;
             }
         }
+        for (int i = 0; i < m; ++i) most_ = std::max(most_, gram_[i * m + i]);
+        barred_.assign(m, 0);
         pairs_.assign(size_t(m) * m, 0);
     }
 
-    // barred: modes that already work alone. keep: rays for each leading mode and count, the widest; 0 keeps all.
-    void search(int most, int least, const std::vector<char>& barred, int keep) {
+    // Leave out from now on what holds these modes, in rising order.
+    void bar(const std::vector<int>& modes) {
+        const int count = static_cast<int>(modes.size());
+        if (count < 1 || count > most_combined) throw std::invalid_argument("force space: bar 1 to 5 modes");
+        for (int k = 0; k < count; ++k)
+            if (modes[k] < (k ? modes[k - 1] + 1 : 0) || modes[k] >= m_)
+                throw std::invalid_argument("force space: barred modes must be in rising order");
+        if (count == 1) barred_[modes[0]] = 1;
+        if (count == 2) pairs_[size_t(modes[0]) * m_ + modes[1]] = 1;
+        if (count > 2) larger_.insert(key(modes.data(), count));
+    }
+
+    // keep: rays for each leading mode and count, the widest; 0 keeps all.
+    void search(int most, int least, int keep) {
         if (least < 1 || most < least || most > most_combined)
             throw std::invalid_argument("force space: combine 1 to 5 modes");
-        barred_ = barred;
         keep_ = keep;
         buckets_.assign(keep > 0 ? size_t(m_) * most : 0, {});
         rays_.clear();
         tried_.assign(most, 0);
-        for (int count = least; count <= most; ++count) {
-            count_ = count;
-            descend(0, 0);
-            // What works counts from the next size on.
-            for (const auto& found : found_) note(found);
-            found_.clear();
-        }
+        for (count_ = least; count_ <= most; ++count_) descend(0, 0);
         for (const auto& bucket : buckets_) rays_.insert(rays_.end(), bucket.begin(), bucket.end());
     }
 
@@ -75,16 +86,12 @@ class ForceSpace {
     const std::vector<int64_t>& tried() const { return tried_; }
 
  private:
-    struct Found {
-        int modes[most_combined];
-        int count;
-    };
     int m_, rows_;
     RayLimits limits_;
+    double most_ = 0.0;
     std::vector<double> K_, gram_, slope_, h_, low_, high_;
     std::vector<char> barred_, pairs_;
     std::unordered_set<uint64_t> larger_;
-    std::vector<Found> found_;
     std::vector<Ray> rays_;
     std::vector<std::vector<Ray>> buckets_;
     std::vector<int64_t> tried_;
@@ -93,30 +100,22 @@ class ForceSpace {
     // Cholesky's factor of the Gram matrix of the modes so far, and its forward solution.
     double factor_[most_combined][most_combined], pivot_[most_combined], forward_[most_combined];
 
-    static uint64_t key(const int* modes, int count, int without) {
+    static uint64_t key(const int* modes, int count) {
         uint64_t sum = 0;
-        for (int k = 0; k < count; ++k)
-            if (k != without) sum = sum * 4096 + modes[k] + 1;
+        for (int k = 0; k < count; ++k) sum = sum * 4096 + modes[k] + 1;
         return sum;
-    }
-
-    void note(const Found& found) {
-        if (found.count == 1) barred_[found.modes[0]] = 1;
-        if (found.count == 2) pairs_[size_t(found.modes[0]) * m_ + found.modes[1]] = 1;
-        if (found.count > 2) larger_.insert(key(found.modes, found.count, -1));
     }
 
     void descend(int level, int first) {
         if (level >= most_combined) return;
         const bool last = level + 1 == count_;
         for (int i = first; i < m_ - (count_ - level - 1); ++i) {
-            if (count_ > 1 && barred_[i]) continue;
-            if (paired(level, i)) continue;
+            if (barred_[i] || paired(level, i)) continue;
             modes_[level] = i;
             tried_[count_ - 1] += last;
             if (!extend(level, i)) continue;
             if (last) {
-                if (count_ < 4 || !contains_larger()) ray();
+                if (larger_.empty() || !holds_larger()) ray();
             } else {
                 descend(level + 1, i + 1);
             }
@@ -124,32 +123,30 @@ class ForceSpace {
     }
 
     bool paired(int level, int i) const {
-        if (count_ < 3) return false;
         for (int k = 0; k < level; ++k)
             if (pairs_[size_t(modes_[k]) * m_ + i]) return true;
         return false;
     }
 
-    // Whether a smaller combination of three or more, inside the present one, works.
-    bool contains_larger() const {
-        for (int without = 0; without < count_; ++without)
-            if (larger_.count(key(modes_, count_, without))) return true;
-        if (count_ < 5) return false;
-        for (int a = 0; a < count_; ++a)
-            for (int b = a + 1; b < count_; ++b) {
-                int rest[most_combined], left = 0;
-                for (int k = 0; k < count_; ++k)
-                    if (k != a && k != b) rest[left++] = modes_[k];
-                if (larger_.count(key(rest, left, -1))) return true;
-            }
+    // Whether three or more of the present modes are a barred combination.
+    bool holds_larger() const {
+        for (unsigned some = 0; some < 1u << count_; ++some) {
+            int part[most_combined], left = 0;
+            for (int k = 0; k < count_; ++k)
+                if (some >> k & 1u) part[left++] = modes_[k];
+            if (left > 2 && larger_.count(key(part, left))) return true;
+        }
         return false;
     }
 
-    // A further row of Cholesky's factor; false for a mode that depends on those before.
+    // A further row of Cholesky's factor; false for a mode that changes nothing. One that changes nothing of its own
+    // has no pivot.
     bool extend(int level, int i) {
         const double* gram = &gram_[size_t(i) * m_];
-        double rest = gram[i], forward = slope_[i];
+        if (!(gram[i] > nothing * most_)) return false;
+        double rest = gram[i], forward = slope_[i], largest = gram[i];
         for (int k = 0; k < level; ++k) {
+            largest = std::max(largest, gram_[size_t(modes_[k]) * m_ + modes_[k]]);
             double sum = gram[modes_[k]];
             for (int l = 0; l < k; ++l) sum -= factor_[level][l] * factor_[k][l];
             sum *= pivot_[k];
@@ -157,20 +154,57 @@ class ForceSpace {
             rest -= sum * sum;
             forward -= sum * forward_[k];
         }
-        if (!(rest > 1e-10 * gram[i])) return false;
-        pivot_[level] = 1.0 / std::sqrt(rest);
-        forward_[level] = forward * pivot_[level];
+        const bool own = rest > dependent * largest;
+        pivot_[level] = own ? 1.0 / std::sqrt(rest) : 0.0;
+        forward_[level] = own ? forward * pivot_[level] : 0.0;
         return true;
+    }
+
+    // Solves with the transposed factor in place; modes without a pivot get 0.
+    void backward(double* y) const {
+        for (int k = count_ - 1; k >= 0; --k) {
+            for (int l = k + 1; l < count_; ++l) y[k] -= factor_[l][k] * y[l];
+            y[k] *= pivot_[k];
+        }
+    }
+
+    // The least squares change of the modes; of those that do the same, the shortest.
+    void least(double* y) const {
+        std::copy_n(forward_, count_, y);
+        backward(y);
+        // Modes d without a pivot do what C y_d of the others does: (I + C^T C) y_d = C^T y, and y less C y_d.
+        double C[most_combined][most_combined], A[most_combined][most_combined], b[most_combined];
+        int which[most_combined], n = 0;
+        for (int d = 0; d < count_; ++d) {
+            if (pivot_[d] > 0.0) continue;
+            for (int k = 0; k < count_; ++k) C[n][k] = k < d ? factor_[d][k] : 0.0;
+            backward(C[n]);
+            which[n++] = d;
+        }
+        for (int i = 0; i < n; ++i) {
+            b[i] = std::inner_product(y, y + count_, C[i], 0.0);
+            for (int j = 0; j < n; ++j) A[i][j] = std::inner_product(C[i], C[i] + count_, C[j], i == j ? 1.0 : 0.0);
+        }
+        for (int i = 0; i < n; ++i)
+            for (int j = i + 1; j < n; ++j) {
+                const double part = A[j][i] / A[i][i];
+                for (int k = i; k < n; ++k) A[j][k] -= part * A[i][k];
+                b[j] -= part * b[i];
+            }
+        for (int i = n - 1; i >= 0; --i) {
+            for (int j = i + 1; j < n; ++j) b[i] -= A[i][j] * b[j];
+            b[i] /= A[i][i];
+        }
+        for (int i = 0; i < n; ++i) {
+            for (int k = 0; k < count_; ++k) y[k] -= C[i][k] * b[i];
+        }
+        for (int i = 0; i < n; ++i) y[which[i]] = b[i];
     }
 
     void ray() {
         double y[most_combined], size2 = 0.0;
-        for (int k = count_ - 1; k >= 0; --k) {
-            double sum = forward_[k];
-            for (int l = k + 1; l < count_; ++l) sum -= factor_[l][k] * y[l];
-            y[k] = sum * pivot_[k];
-            size2 += y[k] * y[k];
-        }
+        least(y);
+        for (int k = 0; k < count_; ++k) size2 += y[k] * y[k];
         if (!(size2 > 0.0)) return;
         // |K y|^2 is the square of the forward solution.
         double gain2 = 0.0;
@@ -178,7 +212,11 @@ class ForceSpace {
         if (gain2 < limits_.least_gain * limits_.least_gain * size2) return;
         const double scale = 1.0 / std::sqrt(size2);
         const double* along[most_combined];
-        for (int k = 0; k < count_; ++k) y[k] *= scale, along[k] = &K_[size_t(modes_[k]) * rows_];
+        for (int k = 0; k < count_; ++k) {
+            y[k] *= scale, along[k] = &K_[size_t(modes_[k]) * rows_];
+            // The ray of the others, which is looked at without this mode.
+            if (std::abs(y[k]) < least_part) return;
+        }
         double enters = 0.0, leaves = limits_.longest;
         for (int r = 0; r < rows_; ++r) {
             double a = 0.0;
@@ -199,13 +237,11 @@ class ForceSpace {
 
     void take(const double* y, double enters, double leaves) {
         Ray ray{count_, {}, {}, enters, leaves};
-        Found found{{}, count_};
         int leading = 0;
         for (int k = 0; k < count_; ++k) {
-            ray.modes[k] = found.modes[k] = modes_[k], ray.direction[k] = y[k];
+            ray.modes[k] = modes_[k], ray.direction[k] = y[k];
             if (std::abs(y[k]) > std::abs(y[leading])) leading = k;
         }
-        found_.push_back(found);
         if (keep_ == 0) return rays_.push_back(ray);
         auto& bucket = buckets_[size_t(count_ - 1) * m_ + modes_[leading]];
         const auto wider = [](const Ray& a, const Ray& b) { return a.leaves - a.enters > b.leaves - b.enters; };

@@ -8,15 +8,9 @@
 #include <limits>
 #include <vector>
 
+#include "outline_round.hpp"
+
 namespace restshape::outline {
-
-struct Point {
-    double x, y;
-};
-
-inline Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y}; }
-inline double cross(Point a, Point b) { return a.x * b.y - a.y * b.x; }
-inline double dot(Point a, Point b) { return a.x * b.x + a.y * b.y; }
 
 struct Box {
     double x0, y0, x1, y1;
@@ -84,14 +78,15 @@ struct SampledLoop {
 class OutlineCheck {
  public:
     // first: samples of edge e are first[e] .. first[e + 1] - 1; ends: vertices at its ends;
-    // gap: clearance; sharpest: smallest angle between edges at a vertex.
+    // gap: clearance; sharpest: smallest angle between edges at a vertex; round: whether an edge is a line or an arc.
     OutlineCheck(std::vector<int> first, std::vector<std::array<int, 2>> ends, std::vector<SampledLoop> loops,
-                 double gap, double sharpest)
+                 double gap, double sharpest, std::vector<bool> round)
         : first_(std::move(first)),
           ends_(std::move(ends)),
           loops_(std::move(loops)),
           gap_(gap),
-          sharpest_(std::tan(sharpest)) {
+          sharpest_(std::tan(sharpest)),
+          round_(std::move(round)) {
         find_probes();
     }
 
@@ -215,7 +210,26 @@ class OutlineCheck {
                 if (fault != Fault::none) return {fault, e, f, a};
             }
         }
+        return same || !neighbours ? Finding{} : check_round(e, f);
+    }
+
+    // Lines and arcs with a common vertex, which no clearance keeps apart: whether they cross by less than the pieces
+    // of either one know.
+    Finding check_round(int e, int f) const {
+        if (!round_[e] || !round_[f]) return {};
+        for (int i : {0, 1})
+            for (int j : {0, 1}) {
+                if (ends_[e][i] != ends_[f][j]) continue;
+                const Point shared = now_[i ? first_[e + 1] - 1 : first_[e]];
+                if (const auto at = second_meeting(round_of(e), round_of(f), shared)) return {Fault::cross, e, f, *at};
+            }
         return {};
+    }
+
+    // A line has two samples, and no middle.
+    Round round_of(int e) const {
+        const int last = first_[e + 1] - 1, middle = (first_[e] + last) / 2;
+        return {now_[first_[e]], now_[middle], now_[last]};
     }
 
     Fault check_apart(Point a, Point b, Point c, Point d) const {
@@ -328,6 +342,7 @@ class OutlineCheck {
     std::vector<std::array<int, 2>> ends_;
     std::vector<SampledLoop> loops_;
     double gap_, sharpest_;
+    std::vector<bool> round_;
     std::vector<Probe> probes_;
     std::array<std::vector<Point>, 3> samples_, spots_;
     std::vector<std::uint8_t> state_;

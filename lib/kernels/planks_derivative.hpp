@@ -121,7 +121,8 @@ inline std::vector<std::array<int, 2>> valid_freedoms(Furniture& furniture, doub
         moved[at] = by;
         Shaper<double>(P, moved.data(), tried);
         moved[at] = 0.0;
-        if (tried.fault == Fault::slant) return false;
+        for (const Flawed& one : tried.faults)
+            if (one.fault == Fault::slant || one.fault == Fault::behind) return false;
         for (size_t k = 0; k < P.joints.size(); ++k)
             if (tried.joints[k].fault == Fault::gap) return false;
         for (Fault fault : tried.foot_faults)

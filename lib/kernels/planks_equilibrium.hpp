@@ -5,6 +5,8 @@
 #pragma GCC diagnostic ignored "-Wunused-variable"
 #include <Eigen/Eigenvalues>
 #pragma GCC diagnostic pop
+#include <limits>
+#include <numeric>
 
 #include "planks_blocks.hpp"
 #include "planks_forces.hpp"
@@ -115,10 +117,11 @@ class Equilibrium {
                 ht[a] = joint_forces[6 * k + a], hr[a] = joint_forces[6 * k + 3 + a];
             joint_gradient(at[i], at[j], shape.joints[k].arm_i, shape.joints[k].arm_j, ht, hr, r + 6 * i, r + 6 * j);
         }
-        for (const auto& contact : shape.contacts) {
+        for (size_t k = 0; k < shape.contacts.size(); ++k) {
+            const auto& contact = shape.contacts[k];
             const Place<T>& a = at[contact.plank];
             const V3<T> v = a.u + times(a.t.less_one, contact.arm);
-            force_gradient(a, contact.arm, contact_force(v, contact.normal, contact.mu, floor(), law),
+            force_gradient(a, contact.arm, contact_force(v, contact.normal, contact.mu, floor(), law, bound(law, k)),
                            r + 6 * contact.plank);
         }
         for (int i = 0; i < n; ++i)
@@ -210,11 +213,39 @@ class Equilibrium {
                 blocks_.factor();
                 fresh = true;
             }
+            std::vector<double> slope = r;
             blocks_.solve(r);
-            for (int k = 0; k < n; ++k) x[k] -= r[k];
+            if (law == Law::bounded) {
+                search(shape, load_case, slope, r, x);
+            } else {
+                for (int k = 0; k < n; ++k) x[k] -= r[k];
+            }
             last = norm;
         }
         return -1;
+    }
+
+    // One-sided contacts with Coulomb's friction from where springs are: contacts first stick, then slide beyond what
+    // mu allows under the pressures found, or else under those of forces that balance the loads, and last Coulomb's
+    // law takes over. All steps before have convex energies, whose least Newton's method finds from anywhere.
+    bool ease(const Shape<double>& shape, int load_case, const std::vector<V3<double>>& balance,
+              std::vector<double>& x) {
+        bounds_.assign(shape.contacts.size(), std::numeric_limits<double>::infinity());
+        if (solve(shape, load_case, Law::bounded, x) < 0) return false;
+        const std::vector<double> stuck = x;
+        for (const bool balanced : {false, true}) {
+            x = stuck;
+            for (size_t k = 0; k < bounds_.size(); ++k) {
+                const auto& contact = shape.contacts[k];
+                const Place<double> at = place_of(x.data() + 6 * contact.plank);
+                const V3<double> v = at.u + times(at.t.less_one, contact.arm);
+                const double pressed = dot(contact.normal, balanced ? balance[k] : scaled(v, -floor()));
+                bounds_[k] = contact.mu * std::max(pressed, 0.0);
+            }
+            if (solve(shape, load_case, Law::bounded, x) >= 0 && solve(shape, load_case, Law::unilateral, x) >= 0)
+                return true;
+        }
+        return false;
     }
 
  private:
@@ -223,7 +254,30 @@ class Equilibrium {
     std::vector<Part>& parts_;
     std::vector<int> plank_part_;
     Blocks blocks_;
-    int load_case_ = 0;  // whose loads an exact stiffness holds
+    int load_case_ = 0;           // whose loads an exact stiffness holds
+    std::vector<double> bounds_;  // [N] of each contact's friction, in the law of that name
+
+    double bound(Law law, size_t contact) const { return law == Law::bounded ? bounds_[contact] : 0.0; }
+
+    // Goes along a Newton step of a convex energy to where its slope has fallen to a tenth.
+    void search(const Shape<double>& shape, int load_case, const std::vector<double>& slope,
+                const std::vector<double>& step, std::vector<double>& x) {
+        const auto along = [&step](const std::vector<double>& g) {
+            return std::inner_product(step.begin(), step.end(), g.begin(), 0.0);
+        };
+        const double first = along(slope);
+        std::vector<double> at(x.size()), r(x.size());
+        double low = 0.0, high = 0.0, t = 1.0;
+        for (int k = 0; k < 30; ++k) {
+            for (size_t a = 0; a < x.size(); ++a) at[a] = x[a] - t * step[a];
+            gradient(shape, load_case, Law::bounded, at.data(), r.data());
+            const double now = along(r);
+            if (!(std::abs(now) > 0.1 * std::abs(first))) break;
+            (now > 0.0 ? low : high) = t;
+            t = high == 0.0 ? 2.0 * t : 0.5 * (low + high);
+        }
+        x = at;
+    }
 
     template <class T>
     static std::vector<Place<T>>& places() {
@@ -267,7 +321,12 @@ class Equilibrium {
 
     template <class Sink>
     void add_ground(const Shape<double>& shape, Law law, const double* x, bool exact, Sink sink) const {
-        for (const auto& contact : shape.contacts) sink(contact.plank, contact_stiffness(contact, law, x, exact));
+        for (size_t k = 0; k < shape.contacts.size(); ++k) {
+            const auto& contact = shape.contacts[k];
+            const double* at = x + 6 * contact.plank;
+            sink(contact.plank, exact ? exact_contact(contact, law, at, bound(law, k))
+                                      : small_contact(contact, law, at, bound(law, k)));
+        }
         for (size_t k = 0; exact && k < P.loads.size(); ++k)
             if (const int i = P.loads[k].plank; carried(i)) sink(i, load_stiffness(shape, k, x + 6 * i));
         for (const Part& part : parts_)
@@ -281,26 +340,21 @@ class Equilibrium {
         return block;
     }
 
-    Block contact_stiffness(const Contact<double>& contact, Law law, const double* x, bool exact) const {
-        return exact ? exact_contact(contact, law, x + 6 * contact.plank)
-                     : small_contact(contact, law, x + 6 * contact.plank);
-    }
-
-    Block exact_contact(const Contact<double>& contact, Law law, const double* x) const {
+    Block exact_contact(const Contact<double>& contact, Law law, const double* x, double bound) const {
         using D = Dual<6>;
         D at[6], r[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
         for (int a = 0; a < 6; ++a) at[a] = D::seed(x[a], a);
         const Place<D> place = place_of(at);
         const V3<D> v = place.u + times(place.t.less_one, contact.arm);
-        force_gradient(place, contact.arm, contact_force(v, contact.normal, contact.mu, floor(), law), r);
+        force_gradient(place, contact.arm, contact_force(v, contact.normal, contact.mu, floor(), law, bound), r);
         return block_of(r);
     }
 
-    Block small_contact(const Contact<double>& contact, Law law, const double* x) const {
+    Block small_contact(const Contact<double>& contact, Law law, const double* x, double bound) const {
         using D = Dual<3>;
         const V3<double> moved = V3<double>{x[0], x[1], x[2]} + cross(V3<double>{x[3], x[4], x[5]}, contact.arm);
         const V3<D> v{D::seed(moved[0], 0), D::seed(moved[1], 1), D::seed(moved[2], 2)};
-        const V3<D> f = contact_force(v, contact.normal, contact.mu, floor(), law);
+        const V3<D> f = contact_force(v, contact.normal, contact.mu, floor(), law, bound);
         Eigen::Matrix3d stiffness;
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) stiffness(a, b) = -f[a].d[b];

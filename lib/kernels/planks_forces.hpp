@@ -5,8 +5,9 @@
 
 namespace restshape::planks {
 
-// How a contact acts: as springs that also pull, or one-sided with Coulomb's friction.
-enum class Law { bilateral = 0, unilateral = 1 };
+// How a contact acts: as springs that also pull, one-sided with Coulomb's friction, or one-sided with a friction that
+// has a bound of its own, whatever the pressure: such contacts have an energy, and it is convex.
+enum class Law { bilateral = 0, unilateral = 1, bounded = 2 };
 
 template <class T>
 struct Place {
@@ -72,18 +73,19 @@ void force_gradient(const Place<T>& a, const V3<S>& arm, const V3<F>& force, T* 
 }
 
 // The force of a contact on its plank where its point is displaced by v from its place on the plane. A mu of 0 has no
-// tangential spring in either law.
+// tangential spring in any law.
 template <class T>
-V3<T> contact_force(const V3<T>& v, const V3<double>& n, double mu, double k, Law law) {
+V3<T> contact_force(const V3<T>& v, const V3<double>& n, double mu, double k, Law law, double bound = 0.0) {
     using std::sqrt;
     const T pressed = dot(v, n) * -k;
-    if (law == Law::unilateral && value(pressed) <= 0.0) return {T(0.0), T(0.0), T(0.0)};
-    V3<T> force = scaled(V3<double>(n), pressed);
+    const bool apart = law != Law::bilateral && value(pressed) <= 0.0;
+    if (apart && law == Law::unilateral) return {T(0.0), T(0.0), T(0.0)};
+    V3<T> force = scaled(V3<double>(n), apart ? T(0.0) : pressed);
     if (mu == 0.0) return force;
     V3<T> along;
     for (int c = 0; c < 3; ++c) along[c] = v[c] * -k - n[c] * pressed;
-    if (law == Law::unilateral) {
-        const T size2 = dot(along, along), most = pressed * mu;
+    if (law != Law::bilateral) {
+        const T size2 = dot(along, along), most = law == Law::bounded ? T(bound) : pressed * mu;
         if (value(size2) > value(most) * value(most)) along = scaled(along, most / sqrt(size2));
     }
     return force + along;

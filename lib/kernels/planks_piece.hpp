@@ -40,7 +40,13 @@ struct Settings {
 };
 
 // What is wrong with the geometry, in the order of the tests.
-enum class Fault { none = 0, slant = 1, length = 2, gap = 3, overlap = 4, foot = 5 };
+enum class Fault { none = 0, slant = 1, length = 2, gap = 3, overlap = 4, foot = 5, behind = 6 };
+
+// A fault and what has it: the end (4 plank + side) of slant and behind, the plank of length, else the joint or foot.
+struct Flawed {
+    Fault fault;
+    int where;
+};
 
 struct Piece {
     std::vector<V3<double>> centre, size;
@@ -94,8 +100,15 @@ struct Shape {
     std::vector<Contact<T>> contacts;  // four of each foot
     std::vector<V3<T>> load_arms;
     std::vector<Fault> foot_faults;
-    Fault fault = Fault::none;  // the first
-    int where = -1;             // the plank, joint or foot that has it
+    std::vector<Flawed> faults;
+
+    Fault fault() const { return faults.empty() ? Fault::none : faults.front().fault; }
+    // Whether an end or a length cannot be had, so that what follows has no numbers.
+    bool spoilt() const {
+        for (const Flawed& one : faults)
+            if (one.fault == Fault::slant || one.fault == Fault::behind || one.fault == Fault::length) return true;
+        return false;
+    }
 };
 
 template <class T>
@@ -103,8 +116,7 @@ class Shaper {
  public:
     // gamma: 8 design parameters a plank, [m], [rad], [m]; null is the piece as it is.
     Shaper(const Piece& piece, const T* gamma, Shape<T>& shape) : P(piece), S(shape) {
-        S.fault = Fault::none;
-        S.where = -1;
+        S.faults.clear();
         place(gamma);
         close();
         measure();
@@ -115,7 +127,7 @@ class Shaper {
     Shape<T>& S;
 
     void note(Fault fault, int where) {
-        if (S.fault == Fault::none && fault != Fault::none) S.fault = fault, S.where = where;
+        if (fault != Fault::none) S.faults.push_back({fault, where});
     }
 
     void place(const T* gamma) {
@@ -130,7 +142,7 @@ class Shaper {
 
     void place(int i, const T* g) {
         S.centre[i] = S.centre[i] + times(P.axes[i], V3<T>{g[0], g[1], g[2]});
-        const Turn<T> t = turn(V3<T>{g[3], g[4], g[5]});
+        const Turn<T> t = turn(unwound(V3<T>{g[3], g[4], g[5]}));
         for (int k = 0; k < 3; ++k) {
             const V3<T> turned_axis = times(P.axes[i], column(t.less_one, k));
             for (int r = 0; r < 3; ++r) S.axes[i][3 * r + k] = P.axes[i][3 * r + k] + turned_axis[r];
@@ -177,7 +189,9 @@ class Shaper {
         const int a = axis_of(side);
         const double sign = sign_of(side);
         const T slope = dot(column(S.axes[i], a), normal);
-        if (!(std::abs(value(slope)) >= P.settings.least_slant)) return note(Fault::slant, i);
+        // An end comes to a plane from the side that its normal points to.
+        if (!(-sign * value(slope) >= P.settings.least_slant))
+            return note(-sign * value(slope) <= -P.settings.least_slant ? Fault::behind : Fault::slant, 4 * i + side);
         const T more = dot(point - end(i, side), normal) / slope * sign;
         S.size[i][a] += more;
         S.centre[i] = S.centre[i] + scaled(column(S.axes[i], a), more * (0.5 * sign));
@@ -188,7 +202,8 @@ class Shaper {
         S.mass.resize(n);
         for (size_t i = 0; i < n; ++i) S.mass[i] = S.size[i][0] * S.size[i][1] * S.size[i][2] * P.density[i];
         S.joints.resize(P.joints.size());
-        for (size_t k = 0; k < P.joints.size(); ++k) measure(P.joints[k], S.joints[k]), note(S.joints[k].fault, k);
+        for (size_t k = 0; k < P.joints.size(); ++k)
+            measure(P.joints[k], S.joints[k]), note(S.joints[k].fault, static_cast<int>(k));
         S.contacts.resize(4 * P.feet.size());
         S.foot_faults.resize(P.feet.size());
         for (size_t k = 0; k < P.feet.size(); ++k) {

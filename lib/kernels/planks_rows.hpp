@@ -79,15 +79,11 @@ class StabilityRows {
         const V3<double> e1 = std::abs(n[0]) < 0.9 ? cross(n, V3<double>{1, 0, 0}) : cross(n, V3<double>{0, 1, 0});
         const V3<double> e2 = cross(n, e1);
         std::vector<std::array<double, 2>> flat;
-        T size(0.0);
         for (const auto* contact : contacts) {
             const V3<T> from_first = contact->point - contacts[0]->point;
             flat.push_back({value(dot(from_first, e1)), value(dot(from_first, e2))});
-            for (const V3<double>& e : {e1, e2}) {
-                const T extent = dot(from_first, e) * (value(dot(from_first, e)) < 0.0 ? -1.0 : 1.0);
-                if (value(extent) > value(size)) size = extent;
-            }
         }
+        const T size = apart(contacts, flat);
         const std::vector<int> corners = hull(flat, 1e-9 * value(size) * value(size));
         const std::vector<Force> forces = loads(part);
         T weight(0.0);
@@ -105,6 +101,21 @@ class StabilityRows {
         const T size2 = dot(along, along);
         using std::sqrt;
         if (value(size2) > 0.0) rows_.push_back(mu - sqrt(size2) / weight);
+    }
+
+    // How far the two outermost contacts are apart.
+    static T apart(const std::vector<const Contact<T>*>& contacts, const std::vector<std::array<double, 2>>& flat) {
+        size_t first = 0, last = 0;
+        double most = 0.0;
+        for (size_t a = 0; a < flat.size(); ++a)
+            for (size_t b = 0; b < a; ++b) {
+                const double far = std::hypot(flat[a][0] - flat[b][0], flat[a][1] - flat[b][1]);
+                if (far > most) most = far, first = a, last = b;
+            }
+        if (most == 0.0) return T(0.0);
+        const V3<T> way = contacts[first]->point - contacts[last]->point;
+        using std::sqrt;
+        return sqrt(dot(way, way));
     }
 
     std::vector<Force> loads(const Part& part) const {

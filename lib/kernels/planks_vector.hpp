@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "dual.hpp"
 
@@ -93,6 +94,17 @@ Turn<T> turn(const V3<T>& w) {
         series[order - 1] = order == 3 ? sum * (1.0 / 6.0) : order == 2 ? sum * 0.5 : sum;
     }
     return {spun(w, s, series[0], series[1], 0.0), spun(w, s, series[1], series[2], 1.0)};
+}
+
+// The rotation vector of at most half a turn that makes the same rotation.
+template <class T>
+V3<T> unwound(const V3<T>& w) {
+    constexpr double pi = 3.14159265358979323846;
+    const T s = dot(w, w);
+    if (!(value(s) > pi * pi)) return w;
+    using std::sqrt;
+    const T angle = sqrt(s);
+    return scaled(w, 1.0 - (2.0 * pi * std::round(value(angle) / (2.0 * pi))) / angle);
 }
 
 template <class A, class B>

@@ -11,8 +11,8 @@
 namespace restshape::planks {
 
 // What is not as it must be, as bits.
-enum Flaw { lost = 1, overlapping = 2, unstable = 4, weak = 8, unbalanced = 16 };
-constexpr int every_flaw = 31;
+enum Flaw { lost = 1, overlapping = 2, unstable = 4, weak = 8, unbalanced = 16, apart = 32 };
+constexpr int every_flaw = 63;
 
 struct CaseState {
     std::vector<double> x;     // 6 a plank
@@ -21,12 +21,22 @@ struct CaseState {
     double missing = 0.0;  // the part of the load that contacts cannot balance
 };
 
+// The largest use of a joint's strength, if that is more than there is.
+struct Broken {
+    int joint, load_case;
+    double use;
+    bool sheared;
+};
+
 struct Verdict {
     int flaws = 0;
-    Fault fault = Fault::none;
-    int where = -1;
     double pull = 0.0, shear = 0.0;  // the largest use of a joint's strength, in parts of it
     double missing = 0.0;
+    std::vector<Flawed> faults;
+    std::vector<std::pair<int, int>> overlaps;  // as the function of that name
+    std::vector<std::pair<int, int>> falls;     // case, and the first plank of the part that falls
+    std::vector<int> unbalanced;                // cases
+    std::vector<Broken> broken;
 };
 
 class Furniture {
@@ -56,28 +66,35 @@ class Furniture {
     // Tests at design parameters; with `quick` it ends at the first flaw among those `wanted`.
     Verdict test(const double* gamma, int wanted, bool quick) {
         Verdict verdict;
+        if (parts_.size() > 1) verdict.flaws |= apart;
         Shaper<double>(P, gamma, shape_);
-        verdict.fault = shape_.fault, verdict.where = shape_.where;
-        if (shape_.fault != Fault::none) verdict.flaws |= lost;
+        verdict.faults = shape_.faults;
+        if (!shape_.faults.empty()) verdict.flaws |= lost;
         // A shape that cannot be closed has no numbers to go on with.
-        if (shape_.fault == Fault::slant || shape_.fault == Fault::length) return spoilt(verdict);
+        if (shape_.spoilt()) return spoilt(verdict);
         if (quick && (verdict.flaws & wanted)) return verdict;
-        if ((wanted & overlapping) && !overlaps(P, shape_, true).empty()) verdict.flaws |= overlapping;
+        if (wanted & overlapping) verdict.overlaps = overlaps(P, shape_, quick);
+        if (!verdict.overlaps.empty()) verdict.flaws |= overlapping;
         if (quick && (verdict.flaws & wanted)) return verdict;
-        for (size_t c = 0; c < P.cases.size(); ++c) {
-            states_[c].missing = missing(static_cast<int>(c));
-            verdict.missing = std::max(verdict.missing, states_[c].missing);
-        }
-        if (!(verdict.missing <= balance_tolerance)) verdict.flaws |= unstable;
+        stand(verdict);
         if (!(wanted & (weak | unbalanced)) || (quick && (verdict.flaws & wanted))) return verdict;
         equilibrium_->find_free(shape_);
+        std::vector<Broken> most(P.joints.size(), {-1, -1, 1.0, false});
         for (size_t c = 0; c < P.cases.size(); ++c) {
             settle(static_cast<int>(c));
-            if (!states_[c].found) verdict.flaws |= unbalanced;
-            use(static_cast<int>(c), verdict);
+            if (!states_[c].found) verdict.flaws |= unbalanced, verdict.unbalanced.push_back(static_cast<int>(c));
+            use(static_cast<int>(c), verdict, most);
         }
+        for (const Broken& one : most)
+            if (one.joint >= 0) verdict.broken.push_back(one);
         if (!(verdict.pull <= 1.0 && verdict.shear <= 1.0)) verdict.flaws |= weak;
         return verdict;
+    }
+
+    // Brings a case to rest, from the state that it has; tells whether with one-sided contacts.
+    bool one_sided(int load_case) {
+        settle(load_case);
+        return states_[load_case].law == Law::unilateral;
     }
 
     // Openings (6 a joint) at the state of a case.
@@ -138,8 +155,22 @@ class Furniture {
     Shape<double> shape_;
     std::vector<CaseState> states_;
 
+    // Which loads the contacts of each part cannot balance.
+    void stand(Verdict& verdict) {
+        for (size_t c = 0; c < P.cases.size(); ++c) {
+            states_[c].missing = 0.0;
+            for (const Part& part : parts_) {
+                const double left = missing(part, static_cast<int>(c), nullptr);
+                states_[c].missing = std::max(states_[c].missing, left);
+                if (!(left <= balance_tolerance)) verdict.falls.emplace_back(static_cast<int>(c), part.planks[0]);
+            }
+            verdict.missing = std::max(verdict.missing, states_[c].missing);
+        }
+        if (!verdict.falls.empty()) verdict.flaws |= unstable;
+    }
+
     static Verdict spoilt(Verdict verdict) {
-        verdict.flaws = lost | unstable | weak | unbalanced;
+        verdict.flaws |= lost | unstable | weak | unbalanced;
         verdict.pull = verdict.shear = verdict.missing = std::numeric_limits<double>::infinity();
         return verdict;
     }
@@ -156,12 +187,22 @@ class Furniture {
         state.law = Law::bilateral;
         state.found = equilibrium_->solve(shape_, load_case, Law::bilateral, state.x) >= 0 && !wild(state);
         if (!state.found || !balanced || inside(load_case)) return;
-        std::vector<double> kept = state.x;
-        if (equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state)) {
+        const std::vector<double> kept = state.x;
+        const bool ends = equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state);
+        if (ends || ease(load_case, kept)) {
             state.law = Law::unilateral;
         } else {
-            state.x.swap(kept);
+            state.x = kept;
         }
+    }
+
+    // Tells whether one-sided contacts come to rest by the longer way, from where springs are.
+    bool ease(int load_case, const std::vector<double>& springs) {
+        CaseState& state = states_[load_case];
+        std::vector<V3<double>> balance;
+        missing(load_case, &balance);
+        state.x = springs;
+        return equilibrium_->ease(shape_, load_case, balance, state.x) && !wild(state);
     }
 
     bool wild(const CaseState& state) const {
@@ -170,14 +211,17 @@ class Furniture {
         return false;
     }
 
-    void use(int load_case, Verdict& verdict) {
+    void use(int load_case, Verdict& verdict, std::vector<Broken>& most) {
         const std::vector<double> d = openings(load_case);
         for (size_t k = 0; k < P.joints.size(); ++k) {
             const auto f = joint_force(shape_.joints[k], &d[6 * k], P.settings);
             const JointSpec& spec = P.joints[k];
             const double nails = shape_.joints[k].nails, lever = shape_.size[spec.i][2];
-            verdict.pull = std::max(verdict.pull, (2.0 * std::abs(f.bending) / lever + f.tension) / nails / spec.pull);
-            verdict.shear = std::max(verdict.shear, std::hypot(f.shear_x, f.shear_y) / nails / spec.shear);
+            const double pull = (2.0 * std::abs(f.bending) / lever + f.tension) / nails / spec.pull;
+            const double shear = std::hypot(f.shear_x, f.shear_y) / nails / spec.shear;
+            verdict.pull = std::max(verdict.pull, pull), verdict.shear = std::max(verdict.shear, shear);
+            if (!(std::max(pull, shear) <= most[k].use))
+                most[k] = {static_cast<int>(k), load_case, std::max(pull, shear), shear > pull};
         }
     }
 

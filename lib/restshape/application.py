@@ -61,6 +61,7 @@ class Effect:
         drives: it loads the body or sets it in motion.
         quantities: kinds of quantities that there are with it only.
         kernels: how the names of elements begin that are there for it alone.
+        carries: effects whose work is done again for what this one adds: its price is that of a scene without them.
     """
 
     model: type[BaseModel]
@@ -70,6 +71,7 @@ class Effect:
     drives: bool = False
     quantities: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
+    carries: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

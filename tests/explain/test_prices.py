@@ -122,6 +122,17 @@ def test_a_solution_that_takes_longer_to_find_without_an_effect_says_nothing_of_
     assert "b" in prices([rows], TRIED).counts
 
 
+def test_frames_in_which_an_edit_is_refused_in_one_replay_alone_do_not_count():
+    rows = runs(1, 0.0)[0]
+    for row in rows:
+        # Without b nothing is done in the last half of the frames, which costs next to nothing.
+        if row["variant"] == 2 and row["index"] >= FRAMES // 2:
+            row |= {"refused": "no suggestion is chosen", "level": 0, "iterations": 0, "ms": MESH + OBSERVED + EDIT}
+    found = prices([rows], TRIED)
+    assert found.frames == FRAMES // 2 - 1
+    assert found.shares["b"] == pytest.approx(EFFECTS["b"] / TOTAL)
+
+
 def tried(path):
     """The variants of a scene."""
     scene = load_scene(path)
@@ -144,3 +155,13 @@ def test_what_hangs_on_an_effect_goes_with_it_and_the_last_load_stays(tmp_path):
     both = tried(write_scene(tmp_path, plate() + pushed))
     pressed = frozenset(["following_pressure"])
     assert both.differences["large_deformation"] == Difference(pressed, pressed | {"large_deformation"})
+
+
+def test_what_is_done_for_each_case_of_loads_is_no_part_of_the_price_of_a_push():
+    found = tried(application("furniture").folder / "template" / "scene.toml")
+    each = frozenset(["bending", "ranges", "suggestions"])
+    assert found.differences["push"] == Difference(each, each | {"push"})
+    # Every push stands beside the weights.
+    assert found.differences["gravity"] == Difference(each | {"push"}, each | {"push", "gravity"})
+    assert found.differences["bending"] == Difference(NONE, frozenset(["bending"]))
+    assert set(found.differences) == {"gravity", "push", "bending", "ranges", "suggestions"}

@@ -43,7 +43,7 @@ def test_a_bench_tips_where_its_weight_is_beyond_its_leg(tmp_path):
     # With the leg at x the weight of all is at leg (x + 0.5) / mass, and the leg's outer side at x - 0.01.
     x = (0.5 * leg + 0.01 * mass) / (mass - leg)
     assert rows[1]["range_low"] == pytest.approx(-(x + 0.5), abs=1e-5)
-    falls = [row["broken"] == "it falls" for row in rows[2:16]]
+    falls = [row["broken"] == "falls under its weights" for row in rows[2:16]]
     assert falls == [-row["at"] > x + 0.5 for row in rows[2:16]] and any(falls)
     assert [row["inside"] for row in rows[2:16]] == [int(not fall) for fall in falls]
 
@@ -60,7 +60,7 @@ def test_a_range_holds_where_the_frames_of_a_drag_hold(tmp_path):
 
 def test_an_invalid_piece_that_is_let_go_has_suggestions_that_hold(tmp_path):
     replay, rows = replayed(tmp_path, *slide(-0.7, 10), {"do": "release"})
-    assert rows[-2]["broken"] == "it falls" and rows[-2]["suggested"] == 0
+    assert rows[-2]["broken"] == "falls under its weights" and rows[-2]["suggested"] == 0
     told = json.loads(rows[-1]["suggestions"])
     assert 1 <= len(told) == rows[-1]["suggested"] <= 8 and rows[-1]["tried"] > 0
     design = replay.analysis.design
@@ -255,7 +255,9 @@ def test_the_columns_are_those_of_the_rows(tmp_path):
     assert set(own) <= set(rows[0]) and Path(SCENES).is_dir()
 
 
-@pytest.mark.parametrize("words", [["accuracy"], ["bench", "reuse"], ["bench", "order"], ["bench", "drape"]])
+@pytest.mark.parametrize(
+    "words", [["accuracy", "--sizes", "1"], ["bench", "reuse"], ["bench", "order"], ["bench", "drape"]]
+)
 def test_studies_of_meshes_refuse_what_has_none(tmp_path, capsys, words):
     assert main([*words, str(write_bench(tmp_path))]) == 2
     assert "has no mesh" in capsys.readouterr().err
@@ -268,6 +270,6 @@ def test_on_demand_only_frames_that_are_asked_for_are_judged(tmp_path):
     with Recording(path) as recording:
         judged = [bool(word) for word in recording.table["verdict"]]
         assert judged == [True, True, False, False, False, False, True]
-        assert recording.table["broken"][-1] == "it falls" and recording.table["suggested"][-1] > 0
+        assert recording.table["broken"][-1] == "falls under its weights" and recording.table["suggested"][-1] > 0
         assert np.isnan(recording.field(2, "use")).all() and np.isfinite(recording.field(0, "use")).all()
         assert np.ptp(recording.points(4) - recording.points(0), axis=0)[0] == pytest.approx(0.7)

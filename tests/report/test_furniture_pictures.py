@@ -1,5 +1,7 @@
 """Pictures of furniture: what is broken is red, what hides is in front, what is drawn stays in sight."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib import image
@@ -95,6 +97,29 @@ def test_an_end_state_is_translucent_and_has_arrows() -> None:
     assert 0.0 < ghosts[0][..., 3].max() < 0.5
     moved = [t for t in axes.texts if t.arrow_patch is not None and t.arrow_patch.get_edgecolor()[:3] == to_rgb(MOVED)]
     assert len(moved) == 1
+
+
+def moves(axes) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Start and end of the arrows of what moves."""
+    shown = [t for t in axes.texts if t.arrow_patch is not None and t.arrow_patch.get_edgecolor()[:3] == to_rgb(MOVED)]
+    return [(np.array(arrow.xyann), np.array(arrow.xy)) for arrow in shown]
+
+
+def test_another_piece_has_an_arrow_for_what_goes_and_none_for_what_is_added() -> None:
+    furniture = model(table())
+    piece = furniture.moved()
+    still = np.zeros((len(piece.planks), 8))
+    (*others, last), along = piece.planks, np.array([0.3, 0.0, 0.0])
+    gone = replace(piece, planks=(*others, replace(last, centre=last.centre + along)))
+    axes, _ = drawn(furniture, Slide(still, piece=gone))
+    ((start, end),) = moves(axes)
+    # The camera looks from -y and +x: along x is to the right.
+    assert end[0] - start[0] > 0.2
+    added = replace(piece, planks=(*piece.planks, replace(last, name="new", centre=last.centre + along)))
+    axes, _ = drawn(furniture, Slide(still, piece=added))
+    assert moves(axes) == []
+    (ghost,) = [shown.get_array() for shown in axes.images if shown.get_zorder() == 4]
+    assert 0.0 < ghost[..., 3].max() < 0.5
 
 
 def test_a_range_is_black_where_the_piece_is_valid_and_red_where_not() -> None:

@@ -7,9 +7,11 @@ import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
 from restshape_apps.furniture.pieces import PIECES, table
 
+from restshape.application import application
 from restshape.errors import UserError
 from restshape.physics.furniture import Furniture
 from restshape.scene.load import load_scene, revise
+from restshape.scene.plan import plan
 from restshape.scene.script import load_script
 from restshape.shape.plank_edits import removed
 from restshape.shape.plank_scene import piece_of, restated, weighing
@@ -61,6 +63,13 @@ def test_without_gravity_nothing_weighs_and_without_push_nothing_pushes(tmp_path
     assert pushed.pushes[0].force == (30.0, 0.0, 0.0)
 
 
+def test_weights_without_gravity_are_warned_of(tmp_path):
+    silent = BENCH.replace("[effects.gravity]\ng = [0, 0, -10]\n", "")
+    for text, warned in ((silent, True), (BENCH, False)):
+        scene = load_scene(write_bench(tmp_path, text))
+        assert any("weights weigh nothing" in told for told in plan(scene, application("furniture")).warnings) is warned
+
+
 @pytest.mark.parametrize("name", sorted(PIECES))
 def test_a_piece_written_as_a_scene_is_read_as_the_same_piece(tmp_path, name):
     piece = PIECES[name]()
@@ -95,7 +104,11 @@ WRONG = [
     ("formula", ("[-0.6, 0, 0.51]", '["-lon/2", 0, 0.51]'), ("planks.top.from (line", "'lon'")),
     ("coordinates", ("[-0.6, 0, 0.51]", '["x/2", 0, 0.51]'), ("planks.top.from (line", "cannot name x or y")),
     ("mesh", ("[wood]", "[mesh]\nsize = 0.1\n[wood]"), ("mesh (line", "made of planks")),
-    ("quantities", ("[wood]", "[quantities]\na = { area = true }\n[wood]"), ("quantities (line", "no meaning")),
+    (
+        "quantities",
+        ("[wood]", "[quantities]\na = { area = true }\n[wood]"),
+        ("quantities.a.area (line", "no quantity of"),
+    ),
     (
         "no push",
         ("[effects.gravity]", "[effects.push]\n[effects.gravity]"),

@@ -2,24 +2,22 @@
 
 import numpy as np
 
+PIECES = 60
+"""Of each edge."""
+FINER = 400
+"""Finer pieces for one of them, about places where such pieces cross."""
+
 
 def fault(outline) -> str | None:
     """What is wrong with a shape by brute force over fine straight pieces; None when nothing is."""
-    chains = [outline.point(e, np.linspace(0, 1, 60)) for e in range(len(outline.edges))]
-    first, second, owner = [], [], []
-    for e, chain in enumerate(chains):
-        first.append(chain[:-1])
-        second.append(chain[1:])
-        owner += [e] * (len(chain) - 1)
-    a, b, owner = np.concatenate(first), np.concatenate(second), np.array(owner)
+    chains = [outline.point(e, np.linspace(0, 1, PIECES + 1)) for e in range(len(outline.edges))]
+    a, b = (np.concatenate([chain[k : k + PIECES] for chain in chains]) for k in (0, 1))
     i, j = np.triu_indices(len(a), 1)
-    common = (np.abs(a[i] - b[j]).max(1) < 1e-12) | (np.abs(b[i] - a[j]).max(1) < 1e-12)
-    common |= (np.abs(a[i] - a[j]).max(1) < 1e-12) | (np.abs(b[i] - b[j]).max(1) < 1e-12)
-    i, j = i[~common], j[~common]
-    cut = apart(a[i], b[i], a[j], b[j]) & apart(a[j], b[j], a[i], b[i])
-    if cut.any():
-        k = int(cut.argmax())
-        return f"edges {owner[i[k]]} and {owner[j[k]]} cross"
+    for k in np.flatnonzero(cuts(a[i], b[i], a[j], b[j])):
+        one, other = (divmod(int(piece), PIECES) for piece in (i[k], j[k]))
+        # Straight pieces of curves that nearly touch may cross where the curves do not.
+        if cross_closely(outline, one, other):
+            return f"edges {one[0]} and {other[0]} cross"
     rings = []
     for loop in outline.loops:
         ring = np.concatenate([chains[e][:-1] if forward else chains[e][:0:-1] for e, forward in loop.edges])
@@ -34,6 +32,25 @@ def fault(outline) -> str | None:
             if m != k and other.kind == "hole" and winds(rings[m], rings[k][0]):
                 return f"{loop.name} is inside {other.name}"
     return None
+
+
+def cuts(a, b, p, q):
+    """Whether pieces a b and p q cross; those with a common end do not."""
+    common = np.zeros(len(a), dtype=bool)
+    for one in (a, b):
+        for other in (p, q):
+            common |= np.abs(one - other).max(1) < 1e-12
+    return ~common & apart(a, b, p, q) & apart(p, q, a, b)
+
+
+def cross_closely(outline, one, other) -> bool:
+    """Whether two edges cross about these pieces of them, by pieces that are finer by a factor of 400."""
+    fine = []
+    for edge, piece in (one, other):
+        low, high = max(piece - 1, 0) / PIECES, min(piece + 2, PIECES) / PIECES
+        fine.append(outline.point(edge, np.linspace(low, high, 1 + FINER * round((high - low) * PIECES))))
+    i, j = (grid.ravel() for grid in np.meshgrid(*(np.arange(len(chain) - 1) for chain in fine), indexing="ij"))
+    return bool(cuts(fine[0][i], fine[0][i + 1], fine[1][j], fine[1][j + 1]).any())
 
 
 def apart(a, b, p, q):

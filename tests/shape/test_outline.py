@@ -9,6 +9,7 @@ from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
 from restshape.shape.curves import bulge_through
 from restshape.shape.outline import Outline
+from restshape.shape.validity import problem
 
 S = np.linspace(0.0, 1.0, 41)
 
@@ -149,3 +150,28 @@ def test_names_address_what_they_name():
 def test_shapes_that_cannot_be_are_refused(change, message):
     with pytest.raises(UserError, match=message):
         shape(**{**PLATE, **change})
+
+
+@pytest.mark.parametrize(("gap", "wrong"), [(3e-5, False), (1e-6, False), (-1e-6, True), (-3e-5, True)])
+@pytest.mark.parametrize("place", [1.47, 1.55, 1.6])
+def test_a_vertex_that_pokes_through_an_arc_of_its_neighbours_is_seen(place, gap, wrong):
+    # All three edges share vertices with each other, so that no clearance keeps them apart: the tip lies beside the
+    # unit circle by less than the straight pieces of its arc know.
+    def at(angle, radius=1.0):
+        return [radius * np.cos(angle), radius * np.sin(angle)]
+
+    tip = at(place, 1.0 + gap)
+    tables = {
+        "vertices": {"a": at(2.1), "b": at(1.0), "tip": tip},
+        "edges": {
+            "round": {"arc": ["a", "b"], "through": at(1.4)},
+            "there": {"arc": ["b", "tip"], "through": at(0.5 * (1.0 + place), 1.2)},
+            "back": {"arc": ["tip", "a"], "through": at(0.5 * (2.1 + place), 1.2)},
+        },
+        "outline": ["round", "there", "back"],
+    }
+    if not wrong:
+        assert problem(shape(**tables)) is None
+        return
+    with pytest.raises(UserError, match=r"edge round would cross edge (there|back)"):
+        shape(**tables)

@@ -267,3 +267,13 @@ def test_no_edit_leaves_an_invalid_shape(tmp_path, edits):
             if step.change in ("move", "shape"):
                 assert fault(session.outline) is None
     assert problem(session.outline) is None
+
+
+def test_arcs_that_cross_by_less_than_their_straight_pieces_know_are_refused(tmp_path):
+    scene, script = scene_and_script(tmp_path, [])
+    for by, crosses in ((3.982, True), (4.1, False)):
+        session = EditSession(scene, script)
+        turn = {"t": 0, "do": "rotate", "on": "window.2", "by": by}
+        (step,) = session.steps(EVENTS["rotate"].model_validate(turn))
+        assert (step.refused is not None and "would cross" in step.refused) is crosses
+        assert fault(session.outline) is None

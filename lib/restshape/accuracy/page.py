@@ -386,13 +386,14 @@ def _left_out(study: Study) -> str:
 # --- all scenes -------------------------------------------------------------------------------------------------------
 
 
-def write_index(studies: Sequence[Study], folder: Path, command: str) -> None:
+def write_index(studies: Sequence[Study], folder: Path, command: str, planks: Sequence[tuple[str, str]] = ()) -> None:
     """Writes ``README.md``, which explains studies and shows all of them.
 
     Args:
         studies: one a scene.
         folder: where their pages are.
         command: that made them.
+        planks: name and title of scenes of furniture, which have pages of their own kind.
     """
     rows = []
     for study in studies:
@@ -437,4 +438,7 @@ def write_index(studies: Sequence[Study], folder: Path, command: str) -> None:
         parts += [f"{_sentence(reuse_line(study))}\n"]
         count = len(left_out(study))
         parts += [f"Remarks on its page on what failed or was left out: {count}.\n"] if count else []
+    for name, title in planks:
+        parts += [f"## [{name}]({name}.md)\n", f"{title}: furniture has no mesh, and a study of its own kind.\n"]
+        parts += [f"![{name}]({name}.png)\n"]
     (folder / "README.md").write_text("\n".join(parts), encoding="utf-8")

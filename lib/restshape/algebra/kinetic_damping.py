@@ -9,12 +9,10 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.nodal import Nodal
-from restshape.algebra.preconditioner import set_preconditioner
+from restshape.algebra.step_solver import StepSolver
 from restshape.errors import ReplayProblem
 
 Reason = PETSc.SNES.ConvergedReason
-SHIFT = 0.01
-"""Part of the diagonal that is added to the matrix that factors are made from: without it incomplete ones fail."""
 PEAK = 3
 """Samples of the kinetic energy that show a peak."""
 LONGER, SHORTER = 1.5, 0.35
@@ -52,7 +50,7 @@ class Steps:
         tolerance: residual of the linear solves over their right side.
         reach: farthest way of a node in one step [m], for bodies are not to be passed through.
         most: steps.
-        factor: PETSc's preconditioner of the linear solves: "ilu" without fill, or "cholesky", which solves alone.
+        preconditioner: of PETSc for the linear solves: "sor", "ilu" without fill, or "cholesky", which solves alone.
     """
 
     time_step: float = 1.0 / 60.0
@@ -63,7 +61,7 @@ class Steps:
     tolerance: float = 1e-2
     reach: float = np.inf
     most: int = 500
-    factor: str = "ilu"
+    preconditioner: str = "sor"
 
     @property
     def adaptive(self) -> bool:
@@ -86,7 +84,7 @@ class KineticDamping:
         steps: how the motion is followed.
 
     Attributes:
-        resets: potential energies [J] at resets; rejected: steps taken back; iterations: of CG, in the last `solve`.
+        resets: potential energies [J] at resets; rejected: steps taken back.
         on_step: called with positions (n, f) and the norm of the residual before each step; a true answer ends it.
         on_move: called with positions (n, f) after each step; tells whether it changed the equations.
 
@@ -108,9 +106,8 @@ class KineticDamping:
         self.nodal = Nodal(comm, shape, rows)
         self.time_step = steps.time_step
         self.resets: list[float] = []
-        self.iterations = self.rejected = 0
+        self.rejected = 0
         self.on_step = self.on_move = lambda *_: False
-        self.right, self.way = self.nodal.vector(), self.nodal.vector()
         self.x, self.f = self.nodal.vector(), self.nodal.vector()
         self.snes = PETSc.SNES().create(comm)
         self.snes.setOptionsPrefix(prefix)
@@ -118,8 +115,7 @@ class KineticDamping:
         self.snes.setPythonContext(self)
         # SNES checks that there is a function; the context evaluates the residual itself.
         self.snes.setFunction(lambda *_: None, self.f)
-        self.copied, self.copy, self.diagonal = 0, None, None
-        self.ksp = self._made(comm, f"{prefix}step_")
+        self.linear = StepSolver(comm, f"{prefix}step_", self.nodal, steps.tolerance, steps.preconditioner)
 
     def weigh(self, mass: np.ndarray) -> None:
         """Take in the masses (n,) of the nodes [kg]."""
@@ -127,10 +123,16 @@ class KineticDamping:
         # What has none, such as slopes, moves at once however short a step is.
         self.heavy = mass > 0.0
 
+    @property
+    def iterations(self) -> int:
+        """Iterations of CG in the last `run`."""
+        return self.linear.iterations
+
     def free(self) -> None:
         """Free PETSc's objects."""
-        for part in (self.snes, self.ksp, self.right, self.way, self.x, self.f):
+        for part in (self.snes, self.x, self.f):
             part.destroy()
+        self.linear.free()
 
     def run(self, x: np.ndarray, goal: float) -> float:
         """Go on from x (n, f), which is changed, until the residual's norm is at `goal`; returns the norm then.
@@ -138,7 +140,8 @@ class KineticDamping:
         Raises:
             ReplayProblem: no step leads on from the positions in x.
         """
-        self.goal, self.resets, self.iterations, self.rejected = goal, [], 0, 0
+        self.goal, self.resets, self.rejected = goal, [], 0
+        self.linear.begin()
         self.nodal.put(x, self.x)
         try:
             self.snes.solve(None, self.x)
@@ -152,7 +155,7 @@ class KineticDamping:
         x = self.nodal.values(X).copy()
         v, force = np.zeros_like(x), np.zeros_like(x)
         self.time_step, seen = steps.time_step, [0.0, 0.0]
-        potential = motion.energy(x)
+        potential = self._potential(x)
         for k in range(steps.most + 1):
             motion.residual(x, force)
             self.norm = float(np.linalg.norm(force))
@@ -166,11 +169,11 @@ class KineticDamping:
                 self.nodal.put(x, X)
                 raise
             if self.on_move(x):
-                potential = motion.energy(x)
+                potential = self._potential(x)
             seen = [*seen[1 - PEAK :], self._kinetic(v)]
             if steps.damping == "kinetic" and len(seen) == PEAK and seen[0] <= seen[1] > seen[2]:
                 v, seen = np.zeros_like(v), [0.0]
-                self.resets.append(potential)
+                self.resets.append(motion.energy(x))
         self.nodal.put(x, X)
         snes.setConvergedReason(reason)
 
@@ -188,67 +191,35 @@ class KineticDamping:
         self, x: np.ndarray, v: np.ndarray, force: np.ndarray, potential: float
     ) -> tuple[np.ndarray, np.ndarray, float]:
         """Positions, velocities and potential energy after one step that is accepted."""
-        steps, before, guess = self.steps, potential + self._kinetic(v), v
+        steps, before = self.steps, potential + self._kinetic(v)
         while True:
             h = self.time_step
             damped = 1.0 + steps.beta / h
             inertia = (1.0 / h**2 + steps.alpha / h) / damped
-            d = self._solved(x, inertia, (self.mass * v / h - force) / damped, h * guess)
+            right = (self.mass * v / h - force) / damped
+            right.ravel()[self.motion.held] = 0.0
+            # Each iterate, of CG and guesses, goes down in the step's own energy, so that a short enough step does too.
+            d = self.linear.solve(self.motion.step_matrix(x, inertia), right)
             if d is not None:
+                if not steps.adaptive:
+                    return x + d, d / h, potential
                 after = self.motion.energy(x + d)
                 far = np.abs(d[self.heavy]).max(initial=0.0) > steps.reach
                 gained = not after + self._kinetic(d / h) <= before + SLACK * abs(before)
-                if not steps.adaptive or not (far or gained):
+                if not (far or gained):
                     break
             elif not steps.adaptive or h < SHORTEST * steps.time_step:
                 raise ReplayProblem(NO_SOLUTION)
             self.rejected += 1
             self.time_step *= SHORTER
-            # Every iterate of CG from 0 goes down in the step's own energy, so that a short enough step does too.
-            guess = np.zeros_like(v)
             if d is not None and self.time_step < SHORTEST * steps.time_step:
                 raise ReplayProblem("no time step is short enough: the cloth's energy is no number, or nothing moves")
-        if steps.adaptive:
-            self.time_step = min(LONGER * self.time_step, steps.longest)
+        self.time_step = min(LONGER * self.time_step, steps.longest)
         return x + d, d / h, after
+
+    def _potential(self, x: np.ndarray) -> float:
+        """The potential energy where steps may be rejected for it; 0 where none is."""
+        return self.motion.energy(x) if self.steps.adaptive else 0.0
 
     def _kinetic(self, v: np.ndarray) -> float:
         return 0.5 * float((self.mass * v * v).sum())
-
-    def _solved(self, x: np.ndarray, inertia: float, right: np.ndarray, guess: np.ndarray) -> np.ndarray | None:
-        """The way (n, f) of a step, from a guess at it; None where none is found."""
-        matrix = self.motion.step_matrix(x, inertia)
-        self.ksp.setOperators(matrix, self._shifted(matrix))
-        right.ravel()[self.motion.held] = 0.0
-        self.nodal.put(right, self.right)
-        self.nodal.put(guess, self.way)
-        self.ksp.solve(self.right, self.way)
-        if self.ksp.getConvergedReason() < 0:
-            return None
-        self.iterations += self.ksp.getIterationNumber()
-        return self.nodal.values(self.way).copy()
-
-    def _shifted(self, matrix: PETSc.Mat) -> PETSc.Mat:
-        """A copy of a matrix with a larger diagonal; the matrix itself where the factor is complete."""
-        if self.steps.factor != "ilu":
-            return matrix
-        if self.copied != matrix.handle:
-            self.copied, self.copy = matrix.handle, matrix.duplicate(copy=True)
-            self.diagonal = matrix.createVecLeft()
-        else:
-            matrix.copy(self.copy, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        self.copy.getDiagonal(self.diagonal)
-        self.diagonal.scale(1.0 + SHIFT)
-        self.copy.setDiagonal(self.diagonal)
-        return self.copy
-
-    def _made(self, comm: PETSc.Comm, prefix: str) -> PETSc.KSP:
-        ksp = PETSc.KSP().create(comm)
-        ksp.setOptionsPrefix(prefix)
-        ksp.setType("cg")
-        ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
-        ksp.setInitialGuessNonzero(True)
-        ksp.setTolerances(rtol=self.steps.tolerance, max_it=2000)
-        set_preconditioner(ksp, self.steps.factor, 0)
-        ksp.setFromOptions()
-        return ksp

@@ -268,10 +268,10 @@ class DrapeAnalysis:
             self.stages,
             memory=scene.solve.factor_memory,
         )
-        # A complete factor of a small matrix costs less than the iterations that an incomplete one needs.
-        auto = settings.way == "auto" and self.policy.name != "thesis"
-        factor = "cholesky" if auto and sheet.n_nodes <= SMALL else "ilu"
-        steps = Steps(FIRST_STEP, reach=self._reach, most=100, factor=factor)
+        # A complete factor of a small matrix costs less than the iterations without one.
+        small = settings.way == "auto" and sheet.n_nodes <= SMALL
+        preconditioner = "ilu" if self.policy.name == "thesis" else "cholesky" if small else "sor"
+        steps = Steps(FIRST_STEP, reach=self._reach, most=100, preconditioner=preconditioner)
         rest = Rest(sheet, self.comm, self.stages, linear, settings.rest, steps, self.policy.backend, prefix)
         rest.on_iterate = lambda x, residual: self.watch(rest, x, residual)
         return rest

@@ -22,14 +22,18 @@ class PlankEquilibrium:
     Args:
         furniture: the model; its last test or shape says where the planks are.
         prefix: of PETSc's options.
+        tolerance: of the residual, in parts of the loads.
+
+    Attributes:
+        sprung: the last solution is that of springs which pull or slide, for no other was found.
 
     Source: docs/theory.md, section 11.
     """
 
-    def __init__(self, furniture: Furniture, prefix: str = "planks_") -> None:
-        self.furniture = furniture
+    def __init__(self, furniture: Furniture, prefix: str = "planks_", tolerance: float = TOLERANCE) -> None:
+        self.furniture, self.tolerance = furniture, tolerance
         self.mixed = _kernels.Furniture.Mixed(furniture.kernel)
-        self.case, self.law = 0, 0
+        self.case, self.law, self.sprung = 0, 0, False
         n = self.mixed.size
         rows, columns = self.mixed.pattern()
         self.values = np.zeros(len(columns))
@@ -53,15 +57,28 @@ class PlankEquilibrium:
         if one_sided and guess is not None:
             return self._solved(case, 1, np.ascontiguousarray(guess).ravel())
         start = np.zeros(6 * self.furniture.count) if guess is None else np.ascontiguousarray(guess).ravel()
-        springs = self._solved(case, 0, start)
+        springs, self.sprung = self._solved(case, 0, start), False
         if one_sided or (one_sided is None and self._leans(case, springs)):
             try:
                 return self._solved(case, 1, springs.u.ravel())
             except ReplayProblem:
-                if one_sided:
+                found = self._eased(case, springs)
+                if found is None and one_sided:
                     raise
-                self.furniture.kernel.set_state(case, springs.u.ravel(), 0)
+                self.sprung = found is None
+                return found or springs
         return springs
+
+    def _eased(self, case: int, springs: Forces) -> Forces | None:
+        """The one-sided equilibrium by way of bounded friction; None, and springs again, where that has no end."""
+        kernel = self.furniture.kernel
+        kernel.set_state(case, springs.u.ravel(), 0)
+        if kernel.one_sided(case):
+            try:
+                return self._solved(case, 1, self.furniture.forces(case).u.ravel())
+            except ReplayProblem:
+                kernel.set_state(case, springs.u.ravel(), 0)
+        return None
 
     def _leans(self, case: int, springs: Forces) -> bool:
         """Tell whether springs pull or slide where contacts could do without."""
@@ -107,7 +124,7 @@ class PlankEquilibrium:
         if not np.isfinite(norm):
             return PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
         # A residual that stays small is rounding.
-        if norm <= TOLERANCE * self.scale or (norm <= 1e-6 * self.scale and norm > 0.5 * previous):
+        if norm <= self.tolerance * self.scale or (norm <= 1e-6 * self.scale and norm > 0.5 * previous):
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
         return (
             PETSc.SNES.ConvergedReason.ITERATING if steps < MOST_STEPS else PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT

@@ -86,9 +86,15 @@ def run(args: argparse.Namespace) -> int:
     make_folder(args.out)
     open_json(args)
     check_output(args.write, "--write")
-    records, studies, sound = [], [], True
+    records, studies, planks, sound = [], [], [], True
     command = command_of(args)
     for case in cases:
+        if has_planks(case):
+            made = planks_studied(args, case, command)
+            records += made.records
+            planks.append((case.name, made.scene.title))
+            write_json(args, finite(records))
+            continue
         found = study(case, asked, announce)
         tell(found)
         sound = reuse_holds(found) and sound
@@ -102,7 +108,7 @@ def run(args: argparse.Namespace) -> int:
             sound = chosen["holds"] and sound
         print(f"wrote {args.out / case.name}.md and .png\n", flush=True)
     if len(studies) > 1:
-        write_index(studies, args.out, command)
+        write_index(studies, args.out, command, planks)
         print(f"wrote {args.out / 'README.md'}")
     return 0 if sound else 1
 
@@ -205,7 +211,7 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
     found = []
     for path in args.scenes:
         scene = load_scene(path, args.set)
-        require_mesh(scene, "there is no error of one to study")
+        refuse_choices(args, scene)
         edits = args.edits or script_of(path)
         if edits is None:
             raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")
@@ -218,6 +224,43 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice:
         raise UserError(f"two scenes are named {twice!r}, and so would their pages be", "SCENE", "run them one by one")
+    return found
+
+
+CHOICES = ("frames", "sizes", "orders", "tolerances", "policies", "within", "error")
+"""Options that are about meshes."""
+
+
+def refuse_choices(args: argparse.Namespace, scene: Any) -> None:
+    """Makes sure that nothing about meshes is asked of a scene of planks.
+
+    Raises:
+        UserError: something is.
+    """
+    if any(getattr(args, name) is not None for name in CHOICES) or args.of != "field":
+        require_mesh(scene, "its study takes none of the options about meshes, frames and picks")
+
+
+def has_planks(case: Any) -> bool:
+    """Tell whether the scene of a case is of planks."""
+    from restshape.application import application
+    from restshape.scene.load import load_scene
+
+    return application(load_scene(case.scene, case.overrides).app).planks
+
+
+def planks_studied(args: argparse.Namespace, case: Any, command: str) -> Any:
+    """The study of a scene of planks, after its page is written and told."""
+    from restshape.accuracy.plank_page import HEADS, ROWS, write_plank_page
+    from restshape.accuracy.planks import study_planks
+
+    found = study_planks(case, announce)
+    for kind, heads in HEADS.items():
+        rows = ROWS[kind](found)
+        if rows:
+            print_table(f"{case.name}: {kind}", heads, rows, right=heads)
+    write_plank_page(found, args.out, command)
+    print(f"wrote {args.out / case.name}.md and .png\n", flush=True)
     return found
 
 

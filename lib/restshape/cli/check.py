@@ -11,6 +11,7 @@ import numpy as np
 
 from restshape.application import application
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
+from restshape.cli.quantity_words import quantity_rows
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.sizing import refuse_endless
@@ -27,9 +28,6 @@ SUMMARY = "check a scene and an edit script without solving anything"
 
 
 LOAD_UNITS = {"force": "N", "traction": "Pa", "pressure": "Pa", "body": "N/m^3"}
-
-OF_THE_BODY = ("frequency", "mode", "load_factor")
-"""Quantities that belong to no place."""
 
 GRID = 60
 """Places in each direction at which a thickness is looked at."""
@@ -216,12 +214,7 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows += [
         (f"goal {name}", f"a curve through {len(g.spline or g.polyline)} points") for name, g in scene.goal.items()
     ]
-    for name, q in scene.quantities.items():
-        what = f"{q.kind} {getattr(q, q.kind)}" if q.kind != "area" else "area"
-        place = f"{q.take} of {what} at {q.at or 'all'}" if q.kind not in OF_THE_BODY else what.replace("_", " ")
-        limit = f", holds up to {q.limit:.6g}" if q.limit is not None else ""
-        limit += f", holds from {q.at_least:.6g} on" if q.at_least is not None else ""
-        rows.append((f"quantity {name}", f"{place}{limit}"))
+    rows += quantity_rows(scene)
     mesh, solve = scene.mesh, scene.solve
     rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))

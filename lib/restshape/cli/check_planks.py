@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from restshape.cli.quantity_words import quantity_rows
 from restshape.guidance.design import Design
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -40,7 +41,7 @@ def held_piece(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
         "weights": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.weights},
         "pushes": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.pushes},
         "warnings": list(effects.warnings),
-        "quantities": [],
+        "quantities": list(scene.quantities),
         "solve": scene.solve.model_dump(),
     }
 
@@ -58,9 +59,10 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     rows += [(f"weight {load.name}", _told(load, names)) for load in piece.weights]
     rows += [(f"push {load.name}", _told(load, names)) for load in piece.pushes]
     rows.append(("floor", f"height {scene.floor.height:g} m, friction {scene.floor.friction:g}"))
+    rows += quantity_rows(scene)
     free = len(design.freedoms)
     rows.append(("freedoms", f"{free} of {8 * len(names)} design parameters keep all joints closed"))
-    rows.append(("verdict", ", ".join(verdict.words) or "valid"))
+    rows.append(("verdict", "; ".join(verdict.words) or "valid"))
     return rows + [("warning", warning) for warning in effects.warnings]
 
 

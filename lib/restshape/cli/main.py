@@ -1,8 +1,12 @@
 """The entry point `restshape`: picks the command, turns errors into messages and exit codes."""
 
 import argparse
+import os
+import signal
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 
 from restshape import __version__
@@ -27,7 +31,11 @@ COMMANDS = (
 )
 LAST_WORD = 2.0
 """Seconds that the first rank has for its message."""
-EXIT_CODES = "exit codes: 0 success, 1 a check failed, 2 bad input, 130 interrupted"
+EXIT_CODES = (
+    "exit codes: 0 success, 1 a check failed, 2 bad input, 130 interrupted, 141 nobody reads the output any more"
+)
+UNREAD = 128 + signal.SIGPIPE
+"""What a shell says of a program that ends because nobody reads its output any more."""
 
 
 def parser_for(commands: tuple[str, ...]) -> argparse.ArgumentParser:
@@ -50,6 +58,15 @@ def parser_for(commands: tuple[str, ...]) -> argparse.ArgumentParser:
 def main(argv: list[str] | None = None) -> int:
     """The exit code of one command line."""
     words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        with quiet_pipes():
+            return _run(words)
+    except BrokenPipeError:
+        return UNREAD
+
+
+def _run(words: list[str]) -> int:
+    """The exit code of the words of a command line, with a message where something is wrong."""
     petsc = words[words.index("--") + 1 :] if "--" in words else []
     words = words[: words.index("--")] if "--" in words else words
     named = tuple(word for word in words[:1] if word in COMMANDS)
@@ -67,8 +84,28 @@ def main(argv: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print(f"restshape {args.command}: interrupted", file=sys.stderr)
         return 130
+
+
+@contextmanager
+def quiet_pipes() -> Iterator[None]:
+    """Let a pipe whose reader has gone be an error of Python's alone, for all that is printed within.
+
+    PETSc and gmsh end the process with messages of their own at the signal, whenever they are loaded; a signal that is
+    blocked they do not see. All is flushed here, for at the end of the process it would be too late to be quiet.
+    """
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
+    try:
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+            sys.stderr.flush()
     except BrokenPipeError:
-        return 0
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+        raise
 
 
 if __name__ == "__main__":

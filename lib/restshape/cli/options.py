@@ -107,11 +107,19 @@ def write_json(args: argparse.Namespace, data: Any) -> None:
         raise UserError(what, "--json", "name another file") from error
 
 
+class Output(Console):
+    """A console that leaves it to the caller what a pipe means whose reader has gone."""
+
+    def on_broken_pipe(self) -> None:
+        """Raises the error that there was."""
+        raise BrokenPipeError
+
+
 def console() -> Console:
     """Where tables go: as wide as the terminal, or plain and wide where there is none, or a launcher's."""
     terminal = sys.stdout.isatty() and not launched()
     width = None if terminal else PLAIN_WIDTH
-    return Console(file=sys.stdout, force_terminal=terminal, width=width, highlight=False, soft_wrap=False)
+    return Output(file=sys.stdout, force_terminal=terminal, width=width, highlight=False, soft_wrap=False)
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]], right: Sequence[str] = ()) -> None:

@@ -4,14 +4,15 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from restshape.cli.options import Output
 
 
 @contextmanager
 def progress(quiet: bool) -> Iterator[Callable[[], None]]:
     """A function that counts a frame: a bar on a terminal, a line every hundred frames elsewhere."""
-    console = Console(stderr=True)
+    console = Output(stderr=True)
     if quiet:
         yield lambda: None
     elif console.is_terminal:

@@ -1,7 +1,6 @@
 """`restshape replay`: replays an edit script against a scene."""
 
 import argparse
-import signal
 import sys
 import traceback
 from math import log2
@@ -108,8 +107,6 @@ def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any
     petsc4py.init(["restshape", *args.petsc])
     from restshape.replay.run import run_replay
 
-    # PETSc makes a broken pipe deadly; the recorder's pipe breaks when its disk is full, and that is told.
-    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     with progress(quiet=not first_rank()) as on_frame:
         return run_replay(request, recorder, args.parity, args.csv, on_frame)
 
@@ -142,8 +139,9 @@ def _stop_other_ranks(error: BaseException) -> None:
 
 def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> int:
     """Print the tables, write the JSON file, and give the exit code."""
-    print_summary(summary)
+    # What is printed may find nobody who reads it.
     write_json(args, {key: value for key, value in summary.items() if key != "rows"})
+    print_summary(summary)
     if request.script.error:
         kept = "replayed and recorded" if args.out else "replayed"
         raise UserError(f"{request.script.error}\n  the {summary['frames']} frames before it were {kept}")

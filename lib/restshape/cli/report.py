@@ -4,11 +4,17 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from restshape.cli.guidance import print_guidance
 from restshape.cli.options import add_json, open_json, print_table, write_json
 from restshape.errors import UserError
+from restshape.replay.guided import guidance, is_guided
 
 SUMMARY = "tables and pictures of a recording"
 _FORMATS = ("gif", "mp4", "none")
+MOVING = 24
+"""Frames of furniture that are animated at most."""
+SEARCHES = 3
+"""Searches for suggestions that are drawn, the last ones."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -52,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _tables(recording: Any) -> dict[str, Any]:
     """Prints the tables and gives them back for programs."""
-    from restshape.report.tables import estimate_table, level_table, quantity_table, refused, rest_counts
+    from restshape.report.tables import estimate_table, level_table, quantity_table, refused, rest_counts, rows_of
 
     levels, quantities, errors = level_table(recording), quantity_table(recording), estimate_table(recording)
     stopped, rest = int(refused(recording).sum()), rest_counts(recording)
@@ -73,6 +79,12 @@ def _tables(recording: Any) -> dict[str, Any]:
         print()
         heads = ("quantity", "first", "last", "min", "max")
         print_table("quantities", heads, map(_quantity, quantities), right=heads[1:])
+    told = {}
+    if is_guided(recording.table):
+        rows = rows_of(recording)
+        print()
+        print_guidance(rows)
+        told["guidance"] = guidance(rows)
     return {
         "frames": recording.n,
         "refused": stopped,
@@ -81,6 +93,7 @@ def _tables(recording: Any) -> dict[str, Any]:
         "quantities": quantities,
         "estimates": errors,
         **({"rest": rest} if rest else {}),
+        **told,
         "writer": recording.writer,
     }
 
@@ -105,9 +118,10 @@ def _draw(recording: Any, folder: Path, args: argparse.Namespace) -> list[Path]:
     from restshape.report.levels import draw_levels
     from restshape.report.timeline import draw_timeline
 
-    cloth = shows_cloth(recording)
-    if cloth and args.scale is not None:
-        raise UserError("cloth is drawn where it lies, not exaggerated", "--scale", "leave --scale out")
+    cloth, planks = shows_cloth(recording), is_guided(recording.table)
+    if (cloth or planks) and args.scale is not None:
+        what = "planks are drawn where they are" if planks else "cloth is drawn where it lies"
+        raise UserError(f"{what}, not exaggerated", "--scale", "leave --scale out")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         pictures = [folder / "timeline.png"]
@@ -120,6 +134,8 @@ def _draw(recording: Any, folder: Path, args: argparse.Namespace) -> list[Path]:
             moving = None if args.animation == "none" else folder / f"animation.{args.animation}"
             (_draw_cloth if cloth else _draw_plane)(recording, args, folder / "frames.png", moving)
             pictures = [folder / "frames.png", *pictures, *filter(None, [moving])]
+        elif planks:
+            pictures = [*_draw_planks(recording, args, folder), *pictures]
     except OSError as error:
         raise UserError(f"pictures cannot be written: {error.strerror}", str(folder), "choose another --out") from error
     return pictures
@@ -154,3 +170,23 @@ def _draw_cloth(recording: Any, args: argparse.Namespace, still: Path, moving: P
     draw_drape_frames(recording, shown, common, still)
     if moving:
         draw_drape_animation(recording, animated, common, moving)
+
+
+def _draw_planks(recording: Any, args: argparse.Namespace, folder: Path) -> list[Path]:
+    """Draws furniture: telling frames, what guidance told over all of them, suggestions, and an animation."""
+    from restshape.report.animation import animated_frames
+    from restshape.report.piece_animation import draw_piece_animation
+    from restshape.report.piece_frames import draw_piece_frames, telling_frames
+    from restshape.report.piece_ideas import draw_suggestions, searches
+    from restshape.report.piece_ranges import draw_guidance
+
+    draw_piece_frames(recording, telling_frames(recording, args.frames), folder / "frames.png")
+    draw_guidance(recording, folder / "guidance.png")
+    pictures = [folder / "frames.png", folder / "guidance.png"]
+    for i in searches(recording)[-SEARCHES:]:
+        pictures.append(folder / f"suggestions-{i}.png")
+        draw_suggestions(recording, int(i), pictures[-1])
+    if args.animation != "none":
+        pictures.append(folder / f"animation.{args.animation}")
+        draw_piece_animation(recording, animated_frames(recording, MOVING), pictures[-1])
+    return pictures

@@ -145,8 +145,7 @@ def _fuzz(args: argparse.Namespace) -> int:
     def told(tried: Any) -> None:
         print(f"{tried.examples} examples, {len(tried.found)} faults, {tried.seconds:.0f} s", flush=True)
 
-    # Random scenes are of shapes with outlines.
-    apps = tuple(name for name, app in applications().items() if not app.planks)
+    apps = tuple(applications())
     tried = fuzz(args.fuzz, args.seed, apps, args.keep, EACH, args.seconds, told=told)
     numbers = tried.as_dict()
     shown = ("examples", "valid", "refused", "too_large", "broken", "damaged", "written")

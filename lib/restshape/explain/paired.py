@@ -111,7 +111,7 @@ def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None,
             filled[k].update(watch.entries())
             filled[k].subtract(entries)
             mine = {names: held for names, held in filled[k].items() if held}
-            kept = {key: row[key] for key in (*KEPT, *TIMES, "calls", "calls_beside")}
+            kept = {key: row[key] for key in (*KEPT, *TIMES, "calls", "calls_beside")} | {"tried": row.get("tried", 0)}
             if left is not None and k == 0 and step and moved(row):
                 left -= 1
             held = {"matrices": matrices[k], "entries": sum(mine.values()), "filled": mine}

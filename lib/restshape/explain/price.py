@@ -122,8 +122,11 @@ def _by_variant(rows: Sequence[Row], count: int) -> list[list[Row]]:
     for row in rows:
         if "problem" not in row:
             found[row["variant"]].append(row)
-    later = found[0][1:]
-    measured = {row["index"] for row in [row for row in later if moved(row)] or later or found[0]}
+    # Where an edit is refused in one replay alone, they do not show the same.
+    pairs = [pair for table in found[1:] for pair in zip(table, found[0])]
+    odd = {row["index"] for row, whole in pairs if bool(row.get("refused")) != bool(whole.get("refused"))}
+    later = [row for row in found[0][1:] if row["index"] not in odd]
+    measured = {row["index"] for row in [row for row in later if moved(row)] or later or found[0][:1]}
     return [[row for row in table if row["index"] in measured] for table in found]
 
 

@@ -46,9 +46,9 @@ class Variants:
 def variants(plan: Plan, application: Application) -> Variants:
     """The replays that price the effects of a plan.
 
-    An effect is left out of the whole scene, and what cannot be without it as well: the difference is then taken
-    between two scenes without the latter. The last effect that drives the body stays, for a body that nothing loads
-    costs nothing.
+    An effect is left out of the whole scene, and what cannot be without it, or is done again for it, as well: the
+    difference is then taken between two scenes without the latter. The last effect that drives the body stays, for a
+    body that nothing loads costs nothing.
     """
     on = [effect.name for effect in (*plan.effects, *plan.implied) if effect.on]
     known = {**application.effects, **application.implied}
@@ -63,7 +63,7 @@ def variants(plan: Plan, application: Application) -> Variants:
             kept[name] = lasting
             continue
         more = _hanging_on(name, on, application)
-        if not drivers - more:
+        if drivers and not drivers - more:
             more = frozenset()
         less = more | {name}
         if drivers & less and not drivers - less:
@@ -77,5 +77,7 @@ def variants(plan: Plan, application: Application) -> Variants:
 
 
 def _hanging_on(name: str, on: list[str], application: Application) -> Names:
-    """The effects that are on and cannot be without one."""
-    return frozenset(other for other in on if other in application.implied and application.implied[other].needs == name)
+    """The effects that are on and cannot be without one, or do their work again for what it adds."""
+    carried = application.effects[name].carries if name in application.effects else ()
+    implied = application.implied
+    return frozenset(other for other in on if other in carried or (other in implied and implied[other].needs == name))

@@ -14,6 +14,7 @@ from restshape.scene.units import quantity
 from restshape.shape.compose import ANGLE, FRAMES, LENGTH, NAME, NUMBER, PLANK_GRAMMAR, Composer, length
 from restshape.shape.outline import Outline
 
+FASTENED = rf"(?:\s+with\s+(?P<fastener>{NAME}))?"
 PARAMETER = r"(?:move|turn) [xyz]|length [xy]"
 
 
@@ -65,10 +66,11 @@ class PlankComposer(Composer):
 
     def _plank(self, match: re.Match) -> list[dict[str, Any]]:
         places = {key: _place(match, prefix) for key, prefix in (("from", "a"), ("to", "b"), ("width", "w"))}
-        return [{"do": "plank", "name": match["name"], **places}]
+        thick = {"thickness": length(match["thick"])} if match["thick"] else {}
+        return [{"do": "plank", "name": match["name"], **places, **thick, **_made(match, "wood", "fastener")}]
 
     def _connect(self, match: re.Match) -> list[dict[str, Any]]:
-        return [{"do": "connect", "on": match["on"]}]
+        return [{"do": "connect", "on": match["on"], **_made(match, "fastener")}]
 
     def _weight(self, match: re.Match) -> list[dict[str, Any]]:
         at = {} if match["px"] is None else {"at": [float(match[f"p{axis}"]) for axis in "xyz"]}
@@ -79,6 +81,11 @@ class PlankComposer(Composer):
 
     def _slide(self, match: re.Match) -> list[dict[str, Any]]:
         return [_timed({"do": "slide", "to": float(match["to"])}, match)]
+
+
+def _made(match: re.Match, *keys: str) -> dict[str, str]:
+    """Those keys of an event that the text gives."""
+    return {key: match[key] for key in keys if match[key]}
 
 
 def _timed(event: dict[str, Any], match: re.Match) -> dict[str, Any]:
@@ -103,10 +110,11 @@ PLANK_RULES: list[tuple[re.Pattern, Callable[..., list[dict[str, Any]]]]] = [
             PlankComposer._scale,
         ),
         (
-            rf"plank\s+(?P<name>{NAME})\s+from\s+{_triple('a')}\s+to\s+{_triple('b')}\s+width\s+{_triple('w')}",
+            rf"plank\s+(?P<name>{NAME})\s+from\s+{_triple('a')}\s+to\s+{_triple('b')}\s+width\s+{_triple('w')}"
+            rf"(?:\s+thick\s+(?P<thick>{LENGTH}))?(?:\s+of\s+(?P<wood>{NAME}))?{FASTENED}",
             PlankComposer._plank,
         ),
-        (rf"connect\s+(?P<on>{NAME})", PlankComposer._connect),
+        (rf"connect\s+(?P<on>{NAME}){FASTENED}", PlankComposer._connect),
         (
             rf"weight\s+(?P<name>{NAME})\s+of\s+(?P<mass>{NUMBER}\s*(?:kg|g|t)?)\s+on\s+(?P<on>{NAME})"
             rf"(?:\s+at\s+{_triple('p', NUMBER)})?",

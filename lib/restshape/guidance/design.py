@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections import Counter
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
 
 import numpy as np
 
-from restshape.guidance.force_space import durability_space
+from restshape.guidance import amounts
+from restshape.guidance.combination_search import Suggestion
+from restshape.guidance.connecting import Connection, connections
+from restshape.guidance.force_space import LONGEST, durability_space
 from restshape.guidance.ranges import Ranges, predicted_ends, valid_ranges
-from restshape.guidance.reconnect import reconnections
-from restshape.guidance.suggestions import suggest
+from restshape.guidance.reconnect import Reconnection, reconnect
+from restshape.guidance.suggestions import Suggestions, suggest
 from restshape.guidance.support_planks import FLOOR, SupportPlank, support_planks
-from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture
+from restshape.physics.furniture import APART, LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture
 from restshape.shape.design_modes import DesignModes
 from restshape.shape.planks import FREEDOMS, Piece
 
-REACH = 0.5
+REACH = LONGEST
 """How far a parameter is looked at on both sides, in parts of the piece's size, or in rad."""
+
+MOST_FREEDOMS = 5
+"""Freedoms that a search can combine."""
+
+MORE_DIGITS = 6
 
 
 @dataclass(frozen=True)
@@ -41,12 +50,15 @@ class Idea:
     """A suggestion of any kind.
 
     Args:
-        words: what it does.
+        words: what it does where it is shown, with amounts.
         direction: (n, 8) change of the design parameters by a unit of t; None: it is another piece.
-        t: where it is shown.
+        t: where it is shown: how far its leading parameter, which `words` names first, is changed [m or rad].
         span: valid range of t around it.
         valid: the full test holds there; else something else is still wrong.
         piece: with one more plank; None where planks move.
+        unit: of t, "m" or "rad"; empty for a piece.
+        name: which parameters it changes.
+        beyond: the range may go on past what was looked at, at both ends.
     """
 
     words: str
@@ -55,16 +67,54 @@ class Idea:
     span: tuple[float, float]
     valid: bool
     piece: Piece | None = None
+    unit: str = ""
+    name: str = ""
+    beyond: tuple[bool, bool] = (False, False)
+
+    @classmethod
+    def along(
+        cls, piece: Piece, direction: np.ndarray, t: float, span: tuple[float, float], open_: bool, valid: bool
+    ) -> Idea:
+        """The suggestion along a direction (n, 8), t and its range in any unit; `open_`: the range may go on."""
+        leading = amounts.parameters(piece, direction)[0]
+        scale = abs(float(direction[leading]))
+        words, name = amounts.in_words(piece, t * direction), amounts.named(piece, direction)
+        span = span[0] * scale, span[1] * scale
+        unit = amounts.unit_of(leading[1])
+        return cls(words, direction / scale, t * scale, span, valid, None, unit, name, (False, open_))
+
+    @classmethod
+    def of(cls, one: Connection) -> Idea:
+        """The suggestion that joins a part to the rest."""
+        return cls(one.words, None, 1.0, (0.0, 1.0), one.flaws == 0, one.piece, name="a part joined")
+
+    @property
+    def range_words(self) -> str:
+        """Its range, for people: how far its leading parameter may be changed; empty for a piece."""
+        if not self.unit:
+            return ""
+        low, high = (amounts.amount(end, self.unit) for end in self.span)
+        others = ", the others in proportion" if np.count_nonzero(self.direction) > 1 else ""
+        return f"valid from {low} to {high}{' or beyond' if self.beyond[1] else ''}{others}"
+
+    @property
+    def told(self) -> str:
+        """What it does, and its range."""
+        return f"{self.words}; {self.range_words}" if self.unit else self.words
 
 
 @dataclass(frozen=True)
 class Ideas:
-    """What was found for an invalid piece: suggestions, combinations tried, full tests, and the time taken [s]."""
+    """What was found for an invalid piece: suggestions, combinations tried, full tests, and the time taken [s].
+
+    `why` tells why there are none.
+    """
 
     found: tuple[Idea, ...] = ()
     tried: int = 0
     tested: int = 0
     seconds: float = 0.0
+    why: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +126,7 @@ class Way:
         direction: (n, 8).
         name: for people.
         low, high: how far it is looked at.
+        expected: where ends of its range are known to be.
     """
 
     design: Design
@@ -83,6 +134,7 @@ class Way:
     name: str
     low: float
     high: float
+    expected: tuple[float, ...] = ()
 
     @cached_property
     def ranges(self) -> Ranges:
@@ -124,11 +176,15 @@ class Design:
         self.furniture.test()
         return found
 
-    def way(self, direction: np.ndarray, name: str, scale: float = 1.0) -> Way:
-        """The way along a direction (n, 8); a unit of t changes a length by `scale` [m], or an angle by 1 rad."""
-        turns = np.abs(direction[:, 3:6]).max() > 0.0
-        reach = REACH if turns else REACH * self.piece.size / scale
+    def way(self, direction: np.ndarray, name: str) -> Way:
+        """The way along a direction (n, 8), looked at as far as suggestions go: `REACH` in sizes and radians."""
+        sizes, turns = direction[:, [0, 1, 2, 6, 7]] / self.piece.size, direction[:, 3:6]
+        reach = REACH / float(np.hypot(np.linalg.norm(sizes), np.linalg.norm(turns)))
         return Way(self, direction, name, -reach, reach)
+
+    def followed(self, idea: Idea) -> Way:
+        """The way along a suggestion, whose range has the ends that it was told with."""
+        return replace(self.way(idea.direction, idea.name), expected=idea.span)
 
     def parameter(self, plank: int, number: int) -> Way:
         """The way along one design parameter, in m or rad."""
@@ -138,16 +194,20 @@ class Design:
 
     def valid_along(self, way: Way) -> Ranges:
         """Where the piece is valid along a way, with ends that the force space predicts as hints."""
+        return valid_ranges(self.furniture, way.direction, way.low, way.high, hints=self.hints(way))
+
+    def hints(self, way: Way) -> np.ndarray:
+        """Parameters of a way where ends of its ranges are expected, by the derivative at the piece as it is."""
         self.furniture.kernel.forget()
         verdict = self.furniture.test()
-        hints = None
+        hints = np.array(way.expected)
         used = np.argwhere(way.direction != 0.0)
         if not verdict.flaws & LOST and len(self.piece.joints) and len(used):
             modes = DesignModes.of(self.piece, [tuple(one) for one in used.tolist()])
             units = np.array([modes.directions[k].reshape(-1, 8)[p, f] for k, (p, f) in enumerate(used)])
             parts = np.array([way.direction[p, f] for p, f in used]) / units
-            hints = predicted_ends(durability_space(self.furniture, modes), parts)
-        return valid_ranges(self.furniture, way.direction, way.low, way.high, hints=hints)
+            hints = np.append(hints, predicted_ends(durability_space(self.furniture, modes), parts))
+        return hints
 
     @cached_property
     def ideas(self) -> Ideas:
@@ -158,21 +218,56 @@ class Design:
         if not flaws or not most:
             return Ideas()
         if flaws & LOST:
-            found = [
-                Idea(one.mode, one.direction, one.t, one.span, one.flaws == 0)
-                for one in reconnections(self.furniture, most)
-            ]
-            return Ideas(tuple(found), seconds=perf_counter() - start)
-        if flaws & OVERLAPPING or not flaws & (UNSTABLE | WEAK):
-            return Ideas(seconds=perf_counter() - start)
-        search = suggest(self.furniture, self.guidance.freedoms, most)
-        found = [Idea(" + ".join(one.words), one.direction, one.t, one.span, one.valid) for one in search.found]
-        if flaws & WEAK and not flaws & UNSTABLE:
-            supports = [self._supported(one) for one in support_planks(self.furniture)][:most]
-            found = [*found[: most - len(supports)], *supports]
-        return Ideas(tuple(found), sum(search.tried), search.tested, perf_counter() - start)
+            search = reconnect(self.furniture, most)
+            found = [self._along(one, one.span[1] >= LONGEST, one.flaws == 0) for one in search.found]
+            tried, tested, why = search.tried, search.tested, search.why
+        elif flaws & APART:
+            found = [Idea.of(one) for one in connections(self.piece, most)]
+            tried, tested, why = 0, len(found), "no move of a part joins it to the rest: draw a plank between them"
+        elif flaws & OVERLAPPING or not flaws & (UNSTABLE | WEAK):
+            found, tried, tested = [], 0, 0
+            why = "planks overlap: move them apart" if flaws & OVERLAPPING else "no equilibrium was found"
+        else:
+            of_modes = suggest(self.furniture, self.guidance.freedoms, most)
+            found = [self._along(one, one.beyond, one.valid) for one in of_modes.found]
+            tried, tested, why = sum(of_modes.tried), of_modes.tested, self._why_none(of_modes)
+            if flaws & WEAK and not flaws & UNSTABLE:
+                supports = [self._supported(one) for one in support_planks(self.furniture)][:most]
+                found = [*found[: most - len(supports)], *supports]
+        found = _told_apart(self.piece, found)
+        return Ideas(tuple(found), tried, tested, perf_counter() - start, "" if found else why)
+
+    def _along(self, one: Suggestion | Reconnection, open_: bool, valid: bool) -> Idea:
+        return Idea.along(self.piece, one.direction, one.t, one.span, open_, valid)
+
+    def _why_none(self, search: Suggestions) -> str:
+        """Why a search of combinations found nothing."""
+        if not len(search.modes):
+            return "no plank can move, turn or change its length without opening a joint"
+        few, tried = self.guidance.freedoms, sum(search.tried)
+        if not tried:
+            return "nothing tells how far it is from standing: its contacts lie on several planes"
+        what = f"{tried} combinations of at most {few} freedoms tried"
+        if not search.led:
+            more = f"; effects.guidance.freedoms may be up to {MOST_FREEDOMS}" if few < MOST_FREEDOMS else ""
+            return f"{what}, none leads to where it holds{more}"
+        return f"{what}, {search.led} lead to where it should hold, but none of {search.tested} tested in full does"
 
     def _supported(self, board: SupportPlank) -> Idea:
         first, other = ("the floor" if k == FLOOR else self.piece.planks[k].name for k in board.between)
-        words = f"a plank between {first} and {other}"
-        return Idea(words, None, 1.0, (0.0, 1.0), board.verdict.valid, board.piece)
+        plank = board.piece.planks[-1]
+        long, wide = (amounts.amount(float(size), "m") for size in plank.size[:2])
+        place = ", ".join(f"{1e3 * x:.0f}" for x in plank.centre)
+        words = f"a plank of {long} by {wide} between {first} and {other}, its middle at ({place}) mm"
+        return Idea(words, None, 1.0, (0.0, 1.0), board.verdict.valid, board.piece, name="a support plank")
+
+
+def _told_apart(piece: Piece, found: list[Idea]) -> list[Idea]:
+    """The suggestions, with more digits where words are the same; what still reads the same is the same."""
+    said = Counter(one.words for one in found)
+    told: dict[str, Idea] = {}
+    for one in found:
+        if said[one.words] > 1 and one.direction is not None:
+            one = replace(one, words=amounts.in_words(piece, one.t * one.direction, MORE_DIGITS))
+        told.setdefault(one.words, one)
+    return list(told.values())

@@ -1,5 +1,6 @@
 """Force space: forces in parts of what is allowed, how design modes change them, and combinations that help."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import comb
 
@@ -52,6 +53,12 @@ class Rays:
     parts: np.ndarray
     spans: np.ndarray
     tried: tuple[int, ...]
+
+    def each(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Modes, parts and span of each."""
+        for modes, parts, span in zip(self.modes, self.parts, self.spans):
+            used = modes >= 0
+            yield modes[used], parts[used], span
 
 
 @dataclass(frozen=True)
@@ -134,27 +141,25 @@ def combinations(
     space: ForceSpace,
     most: int = 3,
     least: int = 1,
-    barred: np.ndarray | None = None,
+    barred: Sequence[tuple[int, ...]] = (),
     keep: int = 0,
     longest: float = LONGEST,
     least_gain: float = LEAST_GAIN,
 ) -> Rays:
     """Combinations of `least` to `most` modes whose least squares direction leads into the box.
 
-    Left out are those with too small a change, those that hold a barred mode, and those that hold a smaller
-    combination found here.
+    Left out are those with too small a change, and those that hold a barred combination.
 
     Args:
         space: forces and their derivatives.
-        barred: (m,) modes that already work alone.
+        barred: combinations that already work, each with its modes in rising order.
         keep: rays kept for each number of modes and leading mode, the widest first; 0 keeps all.
         longest: step along a unit direction.
         least_gain: norm of the change of forces along a unit direction.
 
     Source: (6.18) to (6.21) of the thesis.
     """
-    barred = np.zeros(len(space.K), dtype=bool) if barred is None else barred
     modes, parts, spans, tried = _kernels.combinations(
-        space.K, space.h, space.gap, space.low, space.high, most, least, least_gain, longest, barred.tolist(), keep
+        space.K, space.h, space.gap, space.low, space.high, most, least, least_gain, longest, barred, keep
     )
     return Rays(modes, parts, spans, tuple(tried))

@@ -20,6 +20,8 @@ from restshape.guidance.boards import Boards
 from restshape.guidance.design import Design, Idea, Ideas, Way
 from restshape.physics.furniture import LOST, Forces, Furniture, Verdict
 from restshape.physics.plank_bending import plank_bending
+from restshape.physics.plank_quantities import Observed, plank_quantities, require_places
+from restshape.physics.plank_words import held_by_springs
 from restshape.policy import Policy
 from restshape.scene.furniture import SUGGESTIONS_BYTES
 from restshape.scene.model import Scene
@@ -62,7 +64,7 @@ class FurnitureAnalysis:
         self.design: Design | None = None
         self.equilibrium: PlankEquilibrium | None = None
         self.gamma = np.zeros((0, 8))
-        self.verdict = Verdict(0, 0, -1, 0.0, 0.0, 0.0)
+        self.verdict = Verdict(0, 0.0, 0.0, 0.0)
         self.forces: list[Forces] = []
         self.use = np.zeros(0)
         self.sag = np.zeros(0)
@@ -74,7 +76,7 @@ class FurnitureAnalysis:
         self.at = np.nan
         self.ranged_seconds = np.nan
         self.ideas = Ideas()
-        self.note = ""
+        self.note = self.sprung = ""
         self.age = 0
 
     @property
@@ -86,6 +88,8 @@ class FurnitureAnalysis:
         """Bring verdict, forces and guidance up to date with a frame."""
         boards: Boards = frame.mesh
         shown = boards.frame
+        if self.scene is None:
+            require_places(frame.scene.quantities, shown.design.piece)
         same = self.design is shown.design and np.array_equal(self.gamma, shown.gamma) and self.mesh is not None
         if same and not self.policy.regenerate:
             steps, refreshed = 0, False
@@ -113,23 +117,25 @@ class FurnitureAnalysis:
             self.verdict = furniture.test(gamma)
         with self.stages("krylov"):
             steps = self._balance(gamma)
-        with self.stages("observe"):
+            # What the forces say is the answer, and sag an effect: no stage of quantities.
             self._measure(furniture)
         return steps, fresh
 
     def _balance(self, gamma: np.ndarray) -> int:
         """Equilibria of all cases by SNES, and the Newton steps that they took."""
-        start, self.forces, steps, self.worst = perf_counter(), [], 0, 0.0
+        start, self.forces, steps, self.worst, sprung = perf_counter(), [], 0, 0.0, []
         if not self.verdict.flaws & LOST:
             try:
                 for case in range(len(self.design.furniture.cases)):
                     self.forces.append(self.equilibrium.solve(case))
                     steps += self.equilibrium.steps
+                    sprung += [case] if self.equilibrium.sprung else []
                     self.worst = max(self.worst, self.equilibrium.last / (self.equilibrium.scale or 1.0))
             except ReplayProblem:
                 # The verdict tells that it has none.
                 self.forces, self.worst = [], np.nan
         self.seconds = perf_counter() - start
+        self.sprung = held_by_springs(self.design.piece, sprung if self.forces else [])
         return steps
 
     def _measure(self, furniture: Furniture) -> None:
@@ -174,8 +180,11 @@ class FurnitureAnalysis:
         self.ideas = self.design.ideas if free and not self.verdict.valid else Ideas()
 
     def observe(self) -> dict[str, float]:
-        """Furniture has columns of its own in place of quantities."""
-        return {}
+        """The scene's quantities of interest."""
+        if not self.scene.quantities:
+            return {}
+        piece, geometry = self.design.piece, self.design.furniture.geometry(self.gamma)
+        return plank_quantities(self.scene.quantities, Observed(piece, geometry, self.forces, self.sag, self.margin))
 
     def row(self) -> dict[str, Any]:
         """The columns that only furniture has, and its verdict."""
@@ -183,7 +192,7 @@ class FurnitureAnalysis:
         words = self.verdict.words
         return {
             "verdict": "holds" if self.verdict.valid else "fails",
-            "broken": ", ".join(words),
+            "broken": "; ".join(words),
             "flaws": self.verdict.flaws,
             "use": float(np.nanmax(self.use)) if self.forces else np.nan,
             "margin": self.margin,
@@ -200,10 +209,11 @@ class FurnitureAnalysis:
             "tested": self.ideas.tested,
             "suggested": len(self.ideas.found),
             "suggestions": _listed(self.ideas.found),
+            "no_suggestions": self.ideas.why,
             "ms_equilibrium": 1e3 * self.seconds,
             "ms_range": 1e3 * self.ranged_seconds,
             "ms_suggestions": 1e3 * self.ideas.seconds if self.ideas.found else np.nan,
-            "note": self.note,
+            "note": "; ".join(filter(None, [self.note, self.sprung])),
         }
 
     def _ranges(self) -> tuple[str, float, float]:
@@ -213,10 +223,15 @@ class FurnitureAnalysis:
         intervals = self.way.ranges.intervals
         if not len(intervals):
             return "none", *NONE
-        text = "; ".join(f"{low:.6g} to {high:.6g}" for low, high in intervals)
+        text = "; ".join(self._marked(low, high) for low, high in intervals)
         far = np.maximum(intervals[:, 0] - self.at, self.at - intervals[:, 1])
         low, high = intervals[int(np.argmin(far))]
         return text, float(low), float(high)
+
+    def _marked(self, low: float, high: float) -> str:
+        """A valid range as text; an end that is as far as was looked at is marked."""
+        ends = (low, low <= self.way.low), (high, high >= self.way.high)
+        return " to ".join(f"{value:.6g}{' or beyond' if is_open else ''}" for value, is_open in ends)
 
     def fields(self) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
         """Displacements (8 n, 3) [m] of corners under the weights; use of the worst joint of each plank, and sag."""
@@ -291,4 +306,5 @@ def _listed(ideas: Sequence[Idea]) -> str:
 def _told(number: int, idea: Idea) -> dict[str, Any]:
     """A suggestion for programs."""
     t, low, high = (float(f"{value:.6g}") for value in (idea.t, *idea.span))
-    return {"number": number, "words": idea.words, "t": t, "range": [low, high], "valid": idea.valid}
+    told = {"number": number, "words": idea.words, "t": t, "range": [low, high], "valid": idea.valid}
+    return told | {"unit": idea.unit, "beyond": idea.beyond[1]}

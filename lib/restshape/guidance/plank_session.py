@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,13 +13,16 @@ from restshape.application import application as application_named
 from restshape.errors import UserError
 from restshape.guidance.boards import MovingBoards
 from restshape.guidance.design import Design, Guidance, Idea, Way
+from restshape.guidance.plank_changes import CHANGES, plank_number
+from restshape.guidance.plank_frame import Hold, PlankFrame, State, Step
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
+from restshape.scene.plank_events import far_turn
 from restshape.scene.script import Script
-from restshape.scene.source import split_key, suggestion
-from restshape.shape import plank_edits
-from restshape.shape.plank_scene import piece_of, restated, weighing
+from restshape.scene.source import split_key
+from restshape.shape.plank_adoption import adopted
+from restshape.shape.plank_scene import piece_of, restated
 from restshape.shape.planks import FREEDOMS, Piece, Plank
 from restshape.shape.session import FIXED, FRAME_TIME, UNDO_STEPS
 from restshape.shape.sweep import sweep
@@ -29,66 +32,6 @@ NO_LENGTH = 2
 
 STRAIGHT = 9
 """Decimals of the direction of a hand that count."""
-
-State = tuple[Design, Scene]
-
-
-@dataclass(slots=True)
-class PlankFrame:
-    """One frame of a session of furniture.
-
-    Args:
-        index: from 0.
-        t: edit time [s].
-        line: of the script, 0 for the start.
-        do: the event's kind, "start" for frame 0.
-        change: "start", "none", "move", "shape" (another set of planks, joints or loads) or "values".
-        gesture: the parameter under the hand; None where there is none.
-        c: how far it is from its start, and 0.
-        scene: what else holds.
-        refused: why the event changed nothing; None when it was carried out.
-        analysed: whether the script asks for a solution of this frame.
-        settled: no hand holds a plank, and the event is at its end.
-        design: the piece that the edit began with; gamma: (n, 8) its design parameters now.
-        note: what was left out of the edit.
-    """
-
-    index: int
-    t: float
-    line: int
-    do: str
-    change: str
-    gesture: Way | None
-    c: tuple[float, float]
-    scene: Scene
-    refused: str | None
-    analysed: bool
-    settled: bool
-    design: Design
-    gamma: np.ndarray
-    note: str = ""
-
-
-@dataclass(slots=True)
-class Step:
-    """What one frame of an event did."""
-
-    change: str
-    refused: str | None = None
-    note: str = ""
-
-
-@dataclass(slots=True)
-class Hold:
-    """What the hand holds: a plank, or a parameter of it, from where, the state before, and ways that it has gone."""
-
-    before: State
-    plank: int
-    number: int | None
-    origin: np.ndarray
-    cursor: np.ndarray
-    free: np.ndarray
-    ways: dict[bytes, Way] = field(default_factory=dict)
 
 
 class PlankSession:
@@ -109,7 +52,7 @@ class PlankSession:
         try:
             self.design = Design.closed(piece_of(scene), self._guidance())
         except UserError as error:
-            # What names no place is a fastener that does not reach through its plank.
+            # What names no place is a fastener that does not suit its planks.
             raise scene.located(UserError(error.what, error.where or "fastener.name", error.do)) from error
         self.gamma = self._rest()
         self.way: Way | None = None
@@ -180,7 +123,7 @@ class PlankSession:
 
     def _do_press(self, event: Any) -> Iterator[Step]:
         try:
-            plank = self._plank(event.on)
+            plank = plank_number(self.design.piece, event.on)
         except UserError as error:
             yield self._refusal(error)
             return
@@ -198,19 +141,33 @@ class PlankSession:
 
     def _do_drag(self, event: Any) -> Iterator[Step]:
         hold, count = self._hold, self._count(event)
-        wrong = None
-        if hold is None:
-            wrong = "nothing is held"
-        elif (event.by is None) != (hold.number is None):
-            wrong = "a parameter is dragged by a number" if hold.number is not None else "a plank is dragged to a point"
+        by, wrong = self._by(event)
         if wrong:
             for _ in range(count):
                 yield Step("none", wrong)
             return
-        path = [(event.by, 0.0, 0.0)] if event.by is not None else event.path or [event.to]
+        path = event.path or [event.to] if by is None else [(by, 0.0, 0.0)]
         for cursor in _evenly(hold.cursor, path, count):
             hold.cursor = cursor
             yield self._drag_to(hold, cursor - hold.origin)
+
+    def _by(self, event: Any) -> tuple[float | None, str]:
+        """How far a parameter is dragged [m or rad], None for a plank; and why it cannot be, if so."""
+        hold, by = self._hold, event.by
+        if hold is None:
+            return None, "nothing is held"
+        if (by is None) != (hold.number is None):
+            wrong = "a parameter is dragged by a number" if hold.number is not None else "a plank is dragged to a point"
+            return None, wrong
+        if by is None:
+            return None, ""
+        name = FREEDOMS[hold.number]
+        turns = name.startswith("turn")
+        amount = by.angle if turns else by.length
+        if amount is None:
+            kinds = ("an angle", "a length") if turns else ("a length", "an angle")
+            return None, f"{name} is dragged by {kinds[0]}, not by {kinds[1]}"
+        return amount, far_turn(amount) if turns else ""
 
     def _drag_to(self, hold: Hold, shift: np.ndarray) -> Step:
         """One frame of a drag that is as far as a shift (3,) from where it began."""
@@ -268,7 +225,7 @@ class PlankSession:
     def _parameter(self, event: Any, name: str, amount: Callable[[Plank], float]) -> Iterator[Step]:
         """A parameter of a plank changed by an amount in even steps, without a hand."""
         try:
-            plank = self._plank(event.on)
+            plank = plank_number(self.design.piece, event.on)
         except UserError as error:
             for _ in range(event.frames):
                 yield self._refusal(error)
@@ -294,52 +251,20 @@ class PlankSession:
 
     # Edits of what the piece is made of.
 
-    def _do_plank(self, event: Any) -> Iterator[Step]:
-        def drawn(piece: Piece) -> Piece:
-            thickness = event.thickness or float(np.median([plank.size[2] for plank in piece.planks]))
-            self._refuse_taken(event.name)
-            plank = Plank.between(event.name, event.start, event.to, event.width, thickness, wood=self.scene.wood.name)
-            return plank_edits.added(piece, plank, self.scene.joints.reach, self.scene.fastener.name)
-
-        yield self._rebuilt(drawn)
-
-    def _do_connect(self, event: Any) -> Iterator[Step]:
-        def joined(piece: Piece) -> Piece:
-            plank = self._plank(event.on)
-            found = plank_edits.connected(piece, plank, self.scene.joints.reach, self.scene.fastener.name)
-            if len(found.joints) == len(piece.joints) and len(found.feet) == len(piece.feet):
-                raise UserError(f"{event.on} is near nothing that it is not joined to already")
-            return found
-
-        yield self._rebuilt(joined)
-
-    def _do_weight(self, event: Any) -> Iterator[Step]:
-        def put(piece: Piece) -> Piece:
-            if event.name not in {load.name for load in piece.weights}:
-                self._refuse_taken(event.name)
-            load = weighing(self.scene, event.name, self._plank(event.on), event.mass, event.at)
-            return plank_edits.loaded(piece, load)
-
-        yield self._rebuilt(put)
-
-    def _do_delete(self, event: Any) -> Iterator[Step]:
-        def without(piece: Piece) -> Piece:
-            if event.on in {load.name for load in piece.weights}:
-                return replace(piece, weights=tuple(load for load in piece.weights if load.name != event.on))
-            return plank_edits.removed(piece, self._plank(event.on))
-
-        yield self._rebuilt(without)
-
-    def _rebuilt(self, change: Callable[[Piece], Piece]) -> Step:
+    def _changed(self, event: Any) -> Iterator[Step]:
         """One frame of an edit that gives another piece."""
         before = self.design, self.scene
         try:
-            self.design = Design.closed(change(self.design.piece), self.design.guidance)
+            piece, note = CHANGES[event.do](self.design.piece, self.scene, event)
+            self.design = Design.closed(piece, self.design.guidance)
         except UserError as error:
-            return self._refusal(error)
+            yield self._refusal(error)
+            return
         self.gamma, self._chosen = self._rest(), None
         self._remember(before)
-        return Step("shape")
+        yield Step("shape", note=note)
+
+    _do_plank = _do_connect = _do_weight = _do_delete = _changed
 
     # Suggestions.
 
@@ -361,7 +286,7 @@ class PlankSession:
             change = "move"
         self.gamma = self._rest()
         self._remember(before)
-        yield Step(change, note=f"suggestion {event.number}: {idea.words}")
+        yield Step(change, note=f"suggestion {event.number}: {idea.told}")
 
     def _do_slide(self, event: Any) -> Iterator[Step]:
         if self._chosen is None:
@@ -371,7 +296,7 @@ class PlankSession:
         before, (base, idea) = (self.design, self.scene), self._chosen
         low, high = idea.span
         goal = low + event.to * (high - low)
-        way = base.way(idea.direction, idea.words, base.piece.size)
+        way = base.followed(idea)
         start, self.design, self.gamma = idea.t, base, idea.t * idea.direction
         for i in range(1, event.frames + 1):
             step = self._along(way, goal if i == event.frames else start + (goal - start) * i / event.frames)
@@ -395,13 +320,17 @@ class PlankSession:
             return
         before = self.design, self.scene
         try:
+            self.scene = adopted(self.scene, self.design.piece, event.key)
             part_of = None if event.frames == 1 else sweep(self.scene, event.key, event.value)
         except UserError as error:
+            self.scene = before[1]
             for _ in range(event.frames):
                 yield self._refusal(error)
             return
         for i in range(1, event.frames + 1):
             yield self._revised(event, part_of, i / event.frames)
+        if self.design is before[0]:
+            self.scene = before[1]
         self._remember(before)
 
     def _revised(self, event: Any, part_of: Any, part: float) -> Step:
@@ -462,18 +391,6 @@ class PlankSession:
 
     def _rest(self) -> np.ndarray:
         return np.zeros((len(self.design.piece.planks), 8))
-
-    def _plank(self, name: str) -> int:
-        names = [plank.name for plank in self.design.piece.planks]
-        if name not in names:
-            raise UserError(f"there is no plank {name!r}", do=suggestion(name, names))
-        return names.index(name)
-
-    def _refuse_taken(self, name: str) -> None:
-        """Refuse a name that stands for something already."""
-        piece = self.design.piece
-        if name in {one.name for one in (*piece.planks, *piece.weights, *piece.pushes)}:
-            raise UserError(f"there is {name!r} already", do="give it another name")
 
     def _refusal(self, error: UserError) -> Step:
         why = f"{error.where}: {error.what}" if error.where else error.what

@@ -72,7 +72,9 @@ def valid_ranges(
     flaws = furniture.kernel.scan(direction, t, wanted)[0]
     good = flaws == 0
     turns = np.flatnonzero(good[1:] != good[:-1])
-    ends, tests = bisected(furniture, direction, t[turns], t[turns + 1], good[turns], tolerance * (high - low), wanted)
+    ends, _, tests = bisected(
+        furniture, direction, t[turns], t[turns + 1], good[turns], tolerance * (high - low), wanted
+    )
     marks = np.concatenate([[low] if good[0] else [], ends, [high] if good[-1] else []])
     return Ranges(marks.reshape(-1, 2), t, flaws, len(t) + tests)
 
@@ -85,14 +87,14 @@ def bisected(
     left_good: np.ndarray,
     tolerance: float,
     wanted: int = ALL,
-) -> tuple[np.ndarray, int]:
-    """The last valid parameters (k,) in brackets with one valid end each, and how many tests that took."""
-    left, right, ends, tests = left.copy(), right.copy(), np.empty(len(left)), 0
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """The last valid and the first invalid parameters (k,) in brackets with one valid end each; tests that it took."""
+    ends, beyond, tests = np.empty(len(left)), np.empty(len(left)), 0
     for k in range(len(left)):
-        a, b, good = left[k], right[k], bool(left_good[k])
+        a, b, good = float(left[k]), float(right[k]), bool(left_good[k])
         while b - a > tolerance:
             middle = 0.5 * (a + b)
             same = (furniture.kernel.scan(direction, np.array([middle]), wanted)[0][0] == 0) == good
             a, b, tests = (middle, b, tests + 1) if same else (a, middle, tests + 1)
-        ends[k] = a if good else b
-    return ends, tests
+        ends[k], beyond[k] = (a, b) if good else (b, a)
+    return ends, beyond, tests

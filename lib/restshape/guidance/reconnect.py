@@ -1,30 +1,48 @@
-"""Suggestions that bring a lost joint back (figure 6.7a of the thesis)."""
+"""Suggestions that bring lost joints and feet back (figure 6.7a of the thesis)."""
 
 from dataclasses import dataclass
+from itertools import combinations as choose
 
 import numpy as np
 
+from restshape.guidance.force_space import LONGEST
+from restshape.guidance.opening import Opening
 from restshape.guidance.ranges import bisected
 from restshape.physics.furniture import LOST, Furniture
 from restshape.shape.design_modes import DesignModes
+from restshape.shape.planks import Joint
 
-LONGEST = 0.5
 SAMPLES = 41
 INSIDE = 0.1
 """Where in its range a suggestion is shown."""
 
+NARROW = 1e-3
+"""Width of a range that is no more than what tolerances leave."""
+
 FULL = 31
+STEPS = 12
+"""Least squares steps towards closed joints, at most."""
+
+DIFFERENCE = 1e-6
+CLOSED = 1e-8
+"""Openings [m] that count as closed: a foot or a flush end has no range, and must be met."""
+
+PROMISING = 0.5
+"""What is left of the openings by their derivatives where a pair of modes is tried, at most."""
+
+PAIRS = 200
+"""Pairs of modes that are tried, at most, those that leave least first."""
 
 
 @dataclass(frozen=True)
 class Reconnection:
-    """One mode that closes all joints again.
+    """A mode, or two, that close all joints and feet again.
 
     Args:
         mode: what it does, in words.
         direction: (n, 8) change of the design parameters by a unit of t.
         t: where it is shown.
-        span: range of t where all joints are closed.
+        span: range of t where all are closed.
         flaws: what the full test still finds there, besides.
     """
 
@@ -35,36 +53,126 @@ class Reconnection:
     flaws: int
 
 
-def reconnections(furniture: Furniture, shown: int = 8) -> tuple[Reconnection, ...]:
-    """Ways to bring lost joints back by a move, turn or length of one of their planks, the shortest first.
+@dataclass(frozen=True)
+class Reconnections:
+    """What was found, how many modes and pairs were tried and places tested in full, and why none was found."""
 
-    A way may leave other flaws, which its `flaws` tell; those with none come before the others.
+    found: tuple[Reconnection, ...]
+    tried: int
+    tested: int
+    why: str
+
+
+def reconnect(furniture: Furniture, shown: int = 8) -> Reconnections:
+    """Ways to bring lost joints and feet back by a move, turn or length of one of their planks, the shortest first.
+
+    Where no single one does, two at once are looked for. A way may leave other flaws, which its `flaws` tell; those
+    with none come before the others.
     """
     geometry, piece = furniture.geometry(), furniture.piece
-    lost = [k for k, fault in enumerate(geometry.joint_faults) if fault]
-    planks = sorted({plank for k in lost for plank in (piece.joints[k].i, piece.joints[k].j)})
-    modes = DesignModes.of(piece, [(plank, freedom) for plank in planks for freedom in range(8)])
-    found = []
-    for number in range(len(modes)):
-        direction = modes.direction(np.array([number]), np.array([1.0]))
-        for way in (direction, -direction):
-            if one := _along(furniture, way, modes.names(np.array([number]))[0]):
-                found.append(one)
+    lost = {plank for k, fault in enumerate(geometry.joint_faults) if fault for plank in _joined(piece.joints[k])}
+    lost |= {piece.feet[k].plank for k, fault in enumerate(geometry.foot_faults) if fault}
+    modes = DesignModes.of(piece, [(plank, freedom) for plank in sorted(lost) for freedom in range(8)])
+    search = _Closing(furniture, modes)
+    found = (search.single() or search.pairs()) if lost else []
     furniture.test()
-    return tuple(sorted(found, key=lambda one: (one.flaws != 0, one.t))[:shown])
+    order = sorted(found, key=lambda one: (one.flaws != 0, one.t))
+    names = ", ".join(piece.planks[plank].name for plank in sorted(lost))
+    why = f"no move, turn or length of {names}, alone or two at once, closes all joints and feet within reach"
+    return Reconnections(tuple(order[:shown]), search.tried, search.tested, "" if found else why)
 
 
-def _along(furniture: Furniture, direction: np.ndarray, mode: str) -> Reconnection | None:
-    t = np.linspace(0.0, LONGEST, SAMPLES)
-    good = furniture.kernel.scan(direction, t, LOST)[0] == 0
-    if good[0] or not good.any():
+def _joined(joint: Joint) -> tuple[int, int]:
+    return joint.i, joint.j
+
+
+class _Closing:
+    """A search for changes that close all joints and feet of a piece."""
+
+    def __init__(self, furniture: Furniture, modes: DesignModes) -> None:
+        self.furniture, self.modes, self.opening = furniture, modes, Opening(furniture)
+        self.tried = self.tested = 0
+
+    def single(self) -> list[Reconnection]:
+        """Ways of one mode: found by samples both ways, or, where only one place will do, by least squares."""
+        found = []
+        for number in range(len(self.modes)):
+            some = np.array([number])
+            self.tried += 1
+            here = [one for sign in (1.0, -1.0) if (one := self._along(some, np.array([sign])))]
+            if not here and (y := self._closed(some)) is not None:
+                here = [one for one in [self._along(some, np.sign(y), abs(float(y[0])))] if one]
+            found += here
+        return found
+
+    def pairs(self) -> list[Reconnection]:
+        """Ways of two modes, for those pairs that close most by derivatives."""
+        r, J = self._derivative(np.arange(len(self.modes)), np.zeros(len(self.modes)))
+        left = []
+        for some in choose(range(len(self.modes)), 2):
+            y, *_ = np.linalg.lstsq(J[:, some], -r, rcond=1e-9)
+            rest = float(np.linalg.norm(r + J[:, some] @ y) / max(float(np.linalg.norm(r)), 1e-300))
+            if rest < PROMISING and np.linalg.norm(y) < 2.0 * LONGEST:
+                left.append((rest, some))
+        found = []
+        for _, some in sorted(left)[:PAIRS]:
+            self.tried += 1
+            if (y := self._closed(np.array(some))) is not None and np.abs(y).min() > CLOSED:
+                length = float(np.linalg.norm(y))
+                if one := self._along(np.array(some), y / length, length):
+                    found.append(one)
+        return found
+
+    def _closed(self, some: np.ndarray) -> np.ndarray | None:
+        """The change (k,) of a few modes at which nothing is open, by Gauss and Newton from no change."""
+        y, before = np.zeros(len(some)), np.inf
+        for _ in range(STEPS):
+            r, J = self._derivative(some, y)
+            size = float(np.linalg.norm(r))
+            if size <= CLOSED:
+                return y if y.any() else None
+            if not size < before:
+                return None
+            y, before = y + np.linalg.lstsq(J, -r, rcond=1e-9)[0], size
+            if not np.linalg.norm(y) <= LONGEST:
+                return None
         return None
-    first = int(np.argmax(good))
-    last = first + int(np.argmin(np.append(good[first:], False))) - 1
-    left = bisected(furniture, direction, t[[first - 1]], t[[first]], np.array([False]), 1e-6, LOST)[0][0]
-    right = t[last]
-    if last + 1 < SAMPLES:
-        right = bisected(furniture, direction, t[[last]], t[[last + 1]], np.array([True]), 1e-6, LOST)[0][0]
-    shown = float(left + INSIDE * (right - left))
-    flaws = furniture.test(shown * direction, FULL).flaws
-    return Reconnection(mode, direction, shown, (float(left), float(right)), flaws)
+
+    def _derivative(self, some: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Openings (r,) at a change of a few modes, and their derivatives (r, k) by differences."""
+        base = self.modes.direction(some, y)
+        r = self.opening.at(base)
+        steps = (self.modes.direction(np.array([k]), np.array([DIFFERENCE])) for k in some)
+        return r, np.stack([(self.opening.at(base + step) - r) / DIFFERENCE for step in steps], axis=1)
+
+    def _along(self, some: np.ndarray, parts: np.ndarray, known: float | None = None) -> Reconnection | None:
+        """The way along a direction from the nearest place that closes all, or from a known one, to where they open."""
+        direction = self.modes.direction(some, parts)
+        t = np.linspace(0.0, LONGEST, SAMPLES)
+        t = t if known is None else np.unique(np.append(t, known))
+        good = self.furniture.kernel.scan(direction, t, LOST)[0] == 0
+        self.tested += len(t)
+        if good[0] or not good.any():
+            return None
+        first = int(np.argmax(good)) if known is None else int(np.searchsorted(t, known))
+        if not good[first]:
+            return None
+        last = first + int(np.argmin(np.append(good[first:], False))) - 1
+        left, right = self._end(direction, t, first, first - 1), t[last]
+        if last + 1 < len(t):
+            right = self._end(direction, t, last, last + 1)
+        # What must be met has no range to be inside of.
+        shown = float(t[first] if right - left < NARROW else left + INSIDE * (right - left))
+        flaws = self.furniture.test(shown * direction, FULL).flaws
+        if flaws & LOST:
+            shown = float(t[first])
+            flaws = self.furniture.test(shown * direction, FULL).flaws
+        names = " + ".join(self.modes.names(some))
+        return Reconnection(names, direction, shown, (float(left), float(right)), flaws)
+
+    def _end(self, direction: np.ndarray, t: np.ndarray, good: int, bad: int) -> float:
+        """The last place where all are closed between two samples."""
+        low, high = t[[min(good, bad)]], t[[max(good, bad)]]
+        ends, _, tests = bisected(self.furniture, direction, low, high, np.array([good < bad]), 1e-6, LOST)
+        self.tested += tests
+        return float(ends[0])

@@ -43,7 +43,7 @@ def relinearised(
         stands = stands and not flaws & UNSTABLE
         moved = Furniture(furniture.moved(gamma), furniture.compliance)
         moved.test()
-        few = DesignModes(moved.piece, modes.freedoms[numbers], modes.unit)
+        few = modes.some(numbers).after(gamma, moved.piece)
         K, outside = _outside(moved, few, stands)
         size = float(np.linalg.norm(outside))
         # A piece that an edit has blown up has derivatives that are no numbers.

@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 
+from restshape.errors import UserError
 from restshape.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture, Verdict
 from restshape.shape.planks import Foot, Joint, Piece, Plank
 
@@ -85,7 +86,11 @@ def _relief(
     furniture: Furniture, plank: Plank, between: tuple[int, int], third: int, use: np.ndarray, joint: int
 ) -> SupportPlank | None:
     """The piece with that plank, if it takes enough load off the joint and overloads no other."""
-    model = Furniture(_with(furniture.piece, plank, *between), furniture.compliance)
+    try:
+        model = Furniture(_with(furniture.piece, plank, *between), furniture.compliance)
+    except UserError:
+        # Its fasteners do not hold there.
+        return None
     verdict = model.test()
     if verdict.flaws & (LOST | OVERLAPPING | UNSTABLE | UNBALANCED):
         return None

@@ -12,8 +12,10 @@ from restshape.scene.units import quantity
 
 @dataclass(frozen=True)
 class Wood:
-    """A wood: densities [kg/m^3], specific gravity, E, bending and shear strength [Pa], and what of a fastener's pull
-    and shear strength is left in its end grain.
+    """A wood: densities [kg/m^3], specific gravity, E, bending strength, what the mantle of a glued dowel bears [Pa].
+
+    A panel has no grain: its edges hold a fastener less well than its faces, and `edge_shear` [N] is all the shear that
+    one is known to bear in them.
     """
 
     name: str
@@ -22,15 +24,19 @@ class Wood:
     gravity: float
     E: float
     bending: float
-    shear: float
-    end_grain: tuple[float, float]
+    mantle: float
     source: str
+    panel: bool = False
+    edge_shear: float = 0.0
 
 
 @dataclass(frozen=True)
 class Fastener:
     """A fastener: length and diameters [m], pull strength [N/m] or the name of its formula, shear strength [N] or the
     name of its formula, strength of what it is made of [Pa].
+
+    `end_grain` is what of its pull and shear strength is left in the end grain of solid wood, `edge_pull` the name of
+    the formula in the edges of panels of `least_edge` [m] and more; without one it is not known to hold there.
     """
 
     name: str
@@ -40,13 +46,21 @@ class Fastener:
     shear: float | str
     source: str
     core: float = 0.0
+    head: float = 0.0
     tensile: float = 0.0
+    end_grain: tuple[float, float] = (1.0, 1.0)
+    edge_pull: str = ""
+    least_edge: float = 0.0
 
-    def pull_strength(self, wood: Wood, thickness: float) -> float:
-        """The pull [N] that one bears: through a plank of that thickness [m], in the end of a plank of that wood.
+    def pull_strength(self, wood: Wood, through: Wood, thickness: float, edge: float) -> float:
+        """The pull [N] that one bears through a plank into the end of another: it, or its head, gives way.
+
+        Args:
+            wood, edge: of the plank in whose end it is, its wood and thickness [m].
+            through, thickness: of the plank through whose face it goes.
 
         Raises:
-            UserError: it does not reach through the plank.
+            UserError: it does not reach through the plank, or nothing is known of its strength there.
         """
         into = self.length - thickness
         if into <= 0.0:
@@ -56,13 +70,44 @@ class Fastener:
             )
         if not isinstance(self.pull, str):
             return self.pull * into
-        return PULLS[self.pull](self, wood, into) * wood.end_grain[0]
+        if wood.panel:
+            self._refuse_edge(wood, edge)
+            held = PULLS[self.edge_pull](self, wood, into)
+        else:
+            held = PULLS[self.pull](self, wood, into) * self.end_grain[0]
+        return min(held, self._passing(through, thickness))
 
     def shear_strength(self, wood: Wood, through: Wood, thickness: float) -> float:
         """The shear [N] that one bears, through a plank of that wood and thickness [m] into the end of another wood."""
         if not isinstance(self.shear, str):
             return self.shear
-        return SHEARS[self.shear](self, wood, through, thickness) * wood.end_grain[1]
+        if wood.panel:
+            return wood.edge_shear
+        return SHEARS[self.shear](self, wood, through, thickness) * self.end_grain[1]
+
+    def _refuse_edge(self, wood: Wood, edge: float) -> None:
+        if not self.edge_pull:
+            raise UserError(
+                f"no strength of {self.name} in the edge of {wood.name} is known",
+                do="take a screw or a dowel, or a solid wood",
+            )
+        if edge < self.least_edge - 1e-9:
+            raise UserError(
+                f"no strength of {self.name} is known in an edge of {edge * 1e3:g} mm of {wood.name}, "
+                f"but from {self.least_edge * 1e3:g} mm on",
+                do="take thicker planks or a solid wood",
+            )
+
+    def _passing(self, through: Wood, thickness: float) -> float:
+        """The pull [N] at which it passes through the plank of its head, or out of it, where it has none."""
+        if not self.head:
+            return PULLS[self.pull](self, through, thickness)
+        if not through.panel:
+            # EN 1995-1-1 (8.26) in N/mm^2.
+            return 70.0 * through.characteristic_density**2 * self.head**2
+        # ETA-11/0190: 8 N/mm^2 from 12 to 20 mm and 10 beyond, and up to 400 N below.
+        most = (10e6 if thickness > 0.02 else 8e6) * self.head**2
+        return most if thickness >= 0.012 - 1e-9 else min(most, 400.0)
 
 
 def _nail_pull(fastener: Fastener, wood: Wood, into: float) -> float:
@@ -75,23 +120,37 @@ def _screw_pull(fastener: Fastener, wood: Wood, into: float) -> float:
     return 108.25e6 * wood.gravity**2 * fastener.diameter * into
 
 
+def _panel_edge_pull(fastener: Fastener, wood: Wood, into: float) -> float:
+    # 31.8 D^(1/2) (L - D/3)^(5/4) G^2 in N and mm.
+    d, deep = 1e3 * fastener.diameter, 1e3 * into
+    return 31.8 * sqrt(d) * max(deep - d / 3.0, 0.0) ** 1.25 * wood.gravity**2
+
+
 def _mantle_pull(fastener: Fastener, wood: Wood, into: float) -> float:
-    return pi * fastener.diameter * into * wood.shear
+    return pi * fastener.diameter * into * wood.mantle
 
 
 def _nailed_shear(fastener: Fastener, wood: Wood, through: Wood, thickness: float) -> float:
     d = 1.1 * fastener.core if fastener.core else fastener.diameter
-    # EN 1995-1-1 (8.15) in N/mm^2 and (8.14) in N mm, d in mm.
-    bearing = [82e3 * w.characteristic_density * (1e3 * d) ** -0.3 for w in (through, wood)]
+    # EN 1995-1-1 in N/mm^2 (8.15), or of panels (8.22), and (8.14) in N mm, d in mm.
+    bearing = 82e3 * wood.characteristic_density * (1e3 * d) ** -0.3
+    if through.panel:
+        near = 65e6 * (1e3 * d) ** -0.7 * (1e3 * thickness) ** 0.1
+    else:
+        near = 82e3 * through.characteristic_density * (1e3 * d) ** -0.3
     moment = 0.3 * fastener.tensile * 1e-6 * (1e3 * d) ** 2.6 * 1e-3
-    return johansen(*bearing, thickness, fastener.length - thickness, d, moment)
+    return johansen(near, bearing, thickness, fastener.length - thickness, d, moment)
 
 
 def _dowelled_shear(fastener: Fastener, wood: Wood, through: Wood, thickness: float) -> float:
     d = fastener.diameter
-    # EN 1995-1-1 (8.32), and a round bar in bending.
-    bearing = [82e3 * (1.0 - 10.0 * d) * w.characteristic_density for w in (through, wood)]
-    return johansen(*bearing, thickness, fastener.length - thickness, d, fastener.tensile * pi * d**3 / 32.0)
+    # EN 1995-1-1 (8.32), or of panels (8.37), and a round bar in bending.
+    bearing = 82e3 * (1.0 - 10.0 * d) * wood.characteristic_density
+    if through.panel:
+        near = 50e6 * (1e3 * d) ** -0.6 * (1e3 * thickness) ** 0.2
+    else:
+        near = 82e3 * (1.0 - 10.0 * d) * through.characteristic_density
+    return johansen(near, bearing, thickness, fastener.length - thickness, d, fastener.tensile * pi * d**3 / 32.0)
 
 
 def johansen(f1: float, f2: float, t1: float, t2: float, d: float, moment: float) -> float:
@@ -122,7 +181,12 @@ def johansen(f1: float, f2: float, t1: float, t2: float, d: float, moment: float
     )
 
 
-PULLS = {"wood_handbook_nail": _nail_pull, "wood_handbook_screw": _screw_pull, "mantle": _mantle_pull}
+PULLS = {
+    "wood_handbook_nail": _nail_pull,
+    "wood_handbook_screw": _screw_pull,
+    "wood_handbook_panel_edge": _panel_edge_pull,
+    "mantle": _mantle_pull,
+}
 SHEARS = {"johansen": _nailed_shear, "johansen_dowel": _dowelled_shear}
 
 DIMENSIONS = {
@@ -130,10 +194,13 @@ DIMENSIONS = {
     "characteristic_density": "density",
     "E": "pressure",
     "bending": "pressure",
-    "shear": "pressure",
+    "mantle": "pressure",
+    "edge_shear": "force",
     "length": "length",
     "diameter": "length",
     "core": "length",
+    "head": "length",
+    "least_edge": "length",
     "tensile": "pressure",
 }
 

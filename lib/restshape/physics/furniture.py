@@ -1,26 +1,20 @@
 """Furniture: the compiled model of a piece, its tests, and what they found."""
 
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, field
 
 import numpy as np
 
 from restshape import _kernels
 from restshape.errors import UserError
+from restshape.physics import plank_words
 from restshape.physics.fasteners import fastener, wood
+from restshape.physics.plank_words import Findings
 from restshape.shape.planks import Joint, Piece
 
-LOST, OVERLAPPING, UNSTABLE, WEAK, UNBALANCED = 1, 2, 4, 8, 16
-ALL = LOST | OVERLAPPING | UNSTABLE | WEAK | UNBALANCED
-"""Flaws of a piece, as bits: a joint or foot is lost, planks overlap, it falls, a joint breaks, no equilibrium."""
-
-FAULTS = (
-    "",
-    "a plank lies too flat on what holds its end",
-    "a plank has no length left",
-    "an end is not flush with its face",
-    "an end misses its face",
-    "a foot does not stand flat",
-)
+LOST, OVERLAPPING, UNSTABLE, WEAK, UNBALANCED, APART = 1, 2, 4, 8, 16, 32
+ALL = LOST | OVERLAPPING | UNSTABLE | WEAK | UNBALANCED | APART
+"""Flaws of a piece, as bits: a joint or foot is lost, planks overlap each other or the floor, it falls, a joint breaks,
+no equilibrium, it is in parts."""
 
 
 @dataclass(frozen=True)
@@ -52,17 +46,18 @@ class Verdict:
 
     Args:
         flaws: bits; 0 is a valid piece.
-        fault: what is wrong with its geometry, a number of `FAULTS`, at the plank, joint or foot `where`.
         pull, shear: the largest use of a joint's strength, in parts of it.
         missing: the part of the loads that contacts cannot balance.
+        found: which joints, planks and cases have the flaws; a quick test tells the first.
+        piece: whose they are.
     """
 
     flaws: int
-    fault: int
-    where: int
     pull: float
     shear: float
     missing: float
+    found: Findings = field(default_factory=Findings, compare=False)
+    piece: Piece | None = field(default=None, compare=False, repr=False)
 
     @property
     def valid(self) -> bool:
@@ -71,10 +66,13 @@ class Verdict:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """What is wrong, in words."""
-        names = {LOST: FAULTS[self.fault] or "a joint is lost", OVERLAPPING: "planks overlap", UNSTABLE: "it falls"}
-        names |= {WEAK: "a joint breaks", UNBALANCED: "no equilibrium was found"}
-        return tuple(text for bit, text in names.items() if self.flaws & bit)
+        """What is wrong, in words that name it."""
+        told = {LOST: plank_words.lost, OVERLAPPING: plank_words.overlapping}
+        parted = (plank_words.apart(self.piece),) if self.flaws & APART else ()
+        # Of a piece that cannot be closed nothing else is known.
+        if not np.isinf(self.pull):
+            told |= {UNSTABLE: plank_words.falls, WEAK: plank_words.weak, UNBALANCED: plank_words.unbalanced}
+        return parted + tuple(tell(self.piece, self.found) for bit, tell in told.items() if self.flaws & bit)
 
 
 @dataclass(frozen=True)
@@ -118,8 +116,8 @@ class Geometry:
         length: (j,) of each joint [m].
         nails: (j,) fasteners in it.
         contacts: (c, 3) points, four of each foot.
-        joint_faults, foot_faults: numbers of `FAULTS`.
-        overlaps: pairs of planks that pass through each other.
+        joint_faults, foot_faults: numbers of `plank_words.FAULTS`.
+        overlaps: pairs of planks that pass through each other; a plank and -1 - k where it goes through plane k.
     """
 
     centre: np.ndarray
@@ -146,7 +144,7 @@ class Furniture:
         compliance: of the springs.
 
     Raises:
-        UserError: a name is unknown, or a fastener does not reach through its plank.
+        UserError: a name is unknown, a fastener does not reach through its plank, or its strength there is not known.
 
     Source: docs/theory.md, section 11.
     """
@@ -181,7 +179,8 @@ class Furniture:
         into, through = self.piece.planks[joint.i], self.piece.planks[joint.j]
         kind, thickness = fastener(joint.fastener), float(through.size[2])
         woods = wood(into.wood), wood(through.wood)
-        return kind.pull_strength(woods[0], thickness), kind.shear_strength(*woods, thickness)
+        pull = kind.pull_strength(*woods, thickness, float(into.size[2]))
+        return pull, kind.shear_strength(*woods, thickness)
 
     def _cases(self, loads: int) -> np.ndarray:
         weights, pushes = self.piece.weights, self.piece.pushes
@@ -194,7 +193,8 @@ class Furniture:
 
     def test(self, gamma: np.ndarray | None = None, wanted: int = ALL, quick: bool = False) -> Verdict:
         """What the full test finds at design parameters (n, 8); with `quick` it ends at the first flaw wanted."""
-        return Verdict(*self.kernel.test(gamma, wanted, quick))
+        flaws, pull, shear, missing, *found = self.kernel.test(gamma, wanted, quick)
+        return Verdict(flaws, pull, shear, missing, Findings(*found), self.piece)
 
     def geometry(self, gamma: np.ndarray | None = None) -> Geometry:
         """The closed geometry at design parameters (n, 8), with all overlaps."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape.physics.fasteners import wood
 from restshape.physics.furniture import Furniture
+from restshape.physics.plank_beam import Actions, Line, deflection
 
 STATIONS = 201
 
@@ -35,7 +36,8 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
     """Bending of one plank of the piece as it is, under the forces of a case that was just tested.
 
     The plank is an Euler-Bernoulli beam of its whole width: planks much longer than wide are met best. Its weight is
-    spread evenly, a joint's force acts at its middle.
+    spread evenly, a joint's force over the part of the beam along which the joint runs. A plank that lies on the floor
+    is pushed where it would go through it; one that stands on a long edge is held along it, and does not bend.
 
     Args:
         furniture: the model, tested at no change of its design parameters.
@@ -44,35 +46,35 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
     """
     board = furniture.piece.planks[plank]
     a = int(np.argmax(board.size[:2]))
-    along, normal = board.axes[:, a], board.axes[:, 2]
     length, width, thickness = float(board.size[a]), float(board.size[1 - a]), float(board.size[2])
-    at, force, couple, held = _actions(furniture, plank, case)
-    arms = at - board.centre
-    place = np.clip(arms @ along, -length / 2, length / 2)
-    # Moments about the axis that bends the plank, with those of forces along it whose line misses the middle.
-    axis = np.cross(along, normal)
-    q = force @ normal
-    m = couple @ axis + np.cross(arms - place[:, None] * along, force) @ axis
-    # The moment may jump at a place: there are stations on both sides of it.
-    beside = 1e-9 * length
-    s = np.concatenate([np.linspace(-length / 2, length / 2, STATIONS), place - beside, place + beside])
-    s = np.unique(np.clip(s, -length / 2 - beside, length / 2 + beside))
-    spread = float(furniture.geometry().mass[plank] * np.array(furniture.piece.gravity) @ normal) / length
-    right = s[:, None] > place[None, :]
-    moment = (right * (q * (s[:, None] - place) - m)).sum(axis=1) + 0.5 * spread * np.clip(
-        s + length / 2, 0.0, length
-    ) ** 2
-    material = wood(board.wood)
-    inertia = width * thickness**3 / 12.0
-    deflection = _deflection(s, moment / (material.E * inertia), place[held])
+    bed = _bed(furniture, plank, a)
+    # Friction of a floor acts on the face that lies on it, below what it holds.
+    centre = board.centre if bed is None else board.end(bed)
+    acts = _actions(furniture, plank, case, Line(centre, board.axes[:, a], board.axes[:, 2], length), a)
+    if bed is not None:
+        acts = acts.on_floor(-1.0 if bed == 5 else 1.0) if bed >= 4 else None
+    material, inertia = wood(board.wood), width * thickness**3 / 12.0
+    if acts is None:
+        s = np.linspace(-length / 2, length / 2, STATIONS)
+        return PlankBending(s, np.zeros(STATIONS), np.zeros(STATIONS), 0.0, 0.0, 0.0)
+    s = acts.stations(STATIONS)
+    moment = acts.moments(s)
+    bent = deflection(s, moment / (material.E * inertia), acts.held())
     stress = float(np.abs(moment).max() * 0.5 * thickness / inertia)
-    return PlankBending(s, moment, deflection, float(np.abs(deflection).max()), stress, stress / material.bending)
+    return PlankBending(s, moment, bent, float(np.abs(bent).max()), stress, stress / material.bending)
 
 
-def _actions(furniture: Furniture, plank: int, case: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Places (k, 3), forces (k, 3), couples (k, 3) on a plank, and which of them hold it."""
+def _bed(furniture: Furniture, plank: int, a: int) -> int | None:
+    """The side with which a plank stands on a floor along its longer side a, an edge before a face; None if none."""
+    sides = [foot.side for foot in furniture.piece.feet if foot.plank == plank and foot.side // 2 != a]
+    return min(sides, default=None)
+
+
+def _actions(furniture: Furniture, plank: int, case: int, line: Line, a: int) -> Actions:
+    """What acts on a plank, but a floor that runs along its longer side a."""
     geometry, forces, piece = furniture.geometry(), furniture.forces(case), furniture.piece
-    rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, bool]] = []
+    board = piece.planks[plank]
+    rows: list[tuple[np.ndarray, float, np.ndarray, np.ndarray, bool]] = []
     for k, joint in enumerate(piece.joints):
         if plank not in (joint.i, joint.j):
             continue
@@ -82,33 +84,15 @@ def _actions(furniture: Furniture, plank: int, case: int) -> tuple[np.ndarray, n
         h = np.array([forces.tension[k], *forces.shear[k]]) @ frame
         # The rotation of j seen from i opens a joint, so that its couple has the other sign.
         c = np.array([forces.twist[k, 1], forces.twist[k, 0], forces.bending[k]]) @ frame
-        rows.append((geometry.p[k], sign * h, -sign * c, True))
+        span = float(geometry.length[k] * abs(geometry.y[k] @ line.along))
+        rows.append((geometry.p[k], span, sign * h, -sign * c, True))
     for k, foot in enumerate(piece.feet):
-        if foot.plank == plank:
+        if foot.plank == plank and foot.side // 2 == a:
             for c in range(4 * k, 4 * k + 4):
-                rows.append((geometry.contacts[c], forces.contacts[c], np.zeros(3), True))
+                rows.append((geometry.contacts[c], 0.0, forces.contacts[c], np.zeros(3), True))
     for k, load in enumerate((*piece.weights, *piece.pushes)):
         if load.plank == plank:
-            board = piece.planks[plank]
             at = board.centre + board.axes @ (np.array(load.place) * board.size)
-            rows.append((at, furniture.cases[case, k], np.zeros(3), False))
-    if not rows:
-        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=bool)
-    at, force, couple, held = zip(*rows)
-    return np.array(at), np.array(force), np.array(couple), np.array(held)
-
-
-def _deflection(s: np.ndarray, curvature: np.ndarray, held: np.ndarray) -> np.ndarray:
-    """The integral of a curvature twice, 0 at the outermost places held; held at one, its slope is 0 there too."""
-    step = np.diff(s)
-    slope = np.concatenate([[0.0], np.cumsum(0.5 * step * (curvature[1:] + curvature[:-1]))])
-    # The curvature runs straight between stations.
-    rise = slope[:-1] * step + step**2 * (curvature[:-1] / 3.0 + curvature[1:] / 6.0)
-    w = np.concatenate([[0.0], np.cumsum(rise)])
-    if not len(held):
-        return w - np.interp(0.0, s, w)
-    first, last = held.min(), held.max()
-    w_first, w_last = np.interp([first, last], s, w)
-    if last - first > 1e-9:
-        return w - w_first - (w_last - w_first) / (last - first) * (s - first)
-    return w - w_first - np.interp(first, s, slope) * (s - first)
+            rows.append((at, 0.0, furniture.cases[case, k], np.zeros(3), False))
+    own = float(geometry.mass[plank] * np.array(piece.gravity) @ line.normal) / line.length
+    return Actions.on(line, rows, own)

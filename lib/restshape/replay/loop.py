@@ -24,7 +24,7 @@ from restshape.replay.foresight import Foresight
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.sessions import session_of
-from restshape.replay.verdict import broken, limits_of, verdict
+from restshape.replay.verdict import both, broken, limits_of, verdict
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script
@@ -146,9 +146,7 @@ class Replay:
             self.stages.seconds[stage] += seconds
         self.row = self._row(edit, advance, report, quantities) | {"predicted": int(predicted), "refused": refused}
         if self.known and hasattr(self.analysis, "row"):
-            own = self.analysis.row()
-            notes = self.row["note"], own.get("note", "")
-            self.row.update(own, note="; ".join(filter(None, notes)))
+            self.row.update(both(self.row, self.analysis.row()))
         return self.row
 
     def _row(

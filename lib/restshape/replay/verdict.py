@@ -39,6 +39,15 @@ def broken(limits: Limits, quantities: Mapping[str, float]) -> list[str]:
     return [name for name, (least, most) in limits.items() if quantities[name] < least or quantities[name] > most]
 
 
+def both(row: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """The columns of an application, with its verdict, its reasons and its notes beside those that a row has."""
+    verdicts = [one["verdict"] for one in (own, row) if one.get("verdict")]
+    joined = {"verdict": FAILS if FAILS in verdicts else "".join(verdicts[:1])}
+    for name in ("broken", "note"):
+        joined[name] = "; ".join(filter(None, (one.get(name, "") for one in (own, row))))
+    return {**own, **joined}
+
+
 def counted(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """How many frames hold and fail, the verdict of the last frame that has one, and the quantities that broke their
     limits there; empty where no frame has one."""

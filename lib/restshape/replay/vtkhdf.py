@@ -161,7 +161,8 @@ class VtkHdfWriter:
     def _write_header(self) -> None:
         if "header" in self.own:
             del self.own["header"]
-        text = json.dumps(self._header, sort_keys=True, allow_nan=False).encode()
+        # The order of tables tells the order of what is in them, such as planks.
+        text = json.dumps(self._header, allow_nan=False).encode()
         self.own.create_dataset("header", data=np.frombuffer(text, dtype="u1"))
 
     def add_header(self, extra: dict[str, Any]) -> None:

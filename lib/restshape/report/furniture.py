@@ -14,7 +14,7 @@ from matplotlib.colors import Colormap, Normalize, to_rgb
 from matplotlib.figure import Figure
 
 from restshape.guidance.ranges import Ranges
-from restshape.physics.furniture import Forces, Furniture
+from restshape.physics.furniture import LOST, Forces, Furniture
 from restshape.report.raster import FINER, Camera, Hits, hits
 from restshape.report.space_axes import draw_box
 from restshape.report.style import BODY, COLOURS, INK, REFUSED, length_unit
@@ -32,6 +32,8 @@ GHOST = 0.38
 """Of a suggestion's end state, which is not hidden."""
 ROOM = (0.3, 0.14, 0.2, 0.2)
 """Left, right, below and above the box, in parts of its width in the picture: for numbers and arrows."""
+ROUNDED = 1e-5
+"""Part of the way that was looked at by which ends of a range may be rounded."""
 ARROW = 0.12
 """The longest arrow of a force, in parts of the piece's size."""
 
@@ -46,6 +48,9 @@ class Slide:
         ranges: where it is valid, shown as an annotation beside the plank that moves most; None: not shown.
         low, high: of t, as far as it was looked at.
         valid: the piece as it is is valid: its range is black, else red.
+        at: the piece as it is is that of this t.
+        piece: the end state, where it is another piece, with more planks.
+        unit: factor and unit of t in numbers; None: of the way that the plank goes, or of the angle that it turns by.
     """
 
     direction: np.ndarray
@@ -54,6 +59,13 @@ class Slide:
     low: float = 0.0
     high: float = 0.0
     valid: bool = True
+    at: float = 0.0
+    piece: Piece | None = None
+    unit: tuple[float, str] | None = None
+
+    def end(self, furniture: Furniture) -> Piece | None:
+        """The end state that is shown; None: there is none."""
+        return self.piece or (furniture.moved(self.t * self.direction) if self.t else None)
 
 
 @dataclass
@@ -64,12 +76,14 @@ class PieceView:
         axes: to draw in.
         camera: looks at the piece.
         size: of the piece [m].
+        columns: pixels across what is painted.
         reach: of the drawn arrows, to be kept in sight (k, 2).
     """
 
     axes: Axes
     camera: Camera
     size: float
+    columns: int = COLUMNS
     reach: list[np.ndarray] = field(default_factory=list)
 
     def at(self, places: np.ndarray) -> np.ndarray:
@@ -112,7 +126,7 @@ def add_use_bar(figure: Figure, axes: Axes | Sequence[Axes]) -> None:
     """Put the colour bar of joints beside axes."""
     cmap, norm = use_colours()
     bar = figure.colorbar(ScalarMappable(norm, cmap), ax=axes, extend="max", shrink=0.75, aspect=26, pad=0.01)
-    bar.set_label("use of a joint's strength, pull or shear [1]; red: it breaks", fontsize=8)
+    bar.set_label("use of a joint's strength,\npull or shear [1]; red: it breaks", fontsize=8)
     bar.ax.tick_params(labelsize=7)
 
 
@@ -124,6 +138,7 @@ def draw_piece(
     case: int = 0,
     numbers: bool = True,
     box: tuple[np.ndarray, np.ndarray] | None = None,
+    columns: int = COLUMNS,
 ) -> None:
     """Draw a piece as it is, with its joints, feet and weights.
 
@@ -135,13 +150,14 @@ def draw_piece(
         case: of the loads.
         numbers: forces of feet in newtons, and masses, are written beside their arrows.
         box: corners [m] that hold all, such as those of several pictures side by side.
+        columns: pixels across what is painted.
     """
-    end = furniture.moved(slide.t * slide.direction) if slide and slide.t else None
-    furniture.test()
-    forces, piece = furniture.forces(case), furniture.moved()
+    end = slide.end(furniture) if slide else None
+    whole = not furniture.test().flaws & LOST
+    piece = furniture.moved()
     low, high = box or bounds(piece, *([end] if end else []))
     camera = Camera.towards(0.5 * (low + high), AZIMUTH, ELEVATION, FAR * float(np.linalg.norm(high - low)))
-    view = PieceView(axes, camera, float((high - low).max()))
+    view = PieceView(axes, camera, float((high - low).max()), columns)
     window = _window(camera, low, high)
     factor, unit = length_unit(view.size)
     axes.set_axis_off()
@@ -152,8 +168,11 @@ def draw_piece(
         changed = _changed(piece, end)
         _draw_planks(view, end, window, MOVED, GHOST, changed)
         _draw_moves(view, piece, end, slide.direction)
-    _draw_joints(view, furniture, forces)
-    _draw_feet(view, furniture, forces, numbers)
+    if whole:
+        # Where a joint is lost, there are no forces.
+        forces = furniture.forces(case)
+        _draw_joints(view, furniture, forces)
+        _draw_feet(view, furniture, forces, numbers)
     _draw_loads(view, furniture, case, numbers)
     if slide and slide.ranges is not None:
         _draw_range(view, furniture, slide, slide.ranges)
@@ -170,6 +189,14 @@ def bounds(*pieces: Piece) -> tuple[np.ndarray, np.ndarray]:
     low, high = low - room, high + room
     low[2] = min(0.0, float(corners[:, 2].min()))
     return low, high
+
+
+def slenderness(low: np.ndarray, high: np.ndarray) -> float:
+    """Height over width of a picture of what lies in a box (3,) to (3,), with room for its numbers and arrows."""
+    camera = Camera.towards(0.5 * (low + high), AZIMUTH, ELEVATION, FAR * float(np.linalg.norm(high - low)))
+    left, right, bottom, top = _window(camera, low, high)
+    wide = max(right - left, 0.6 * (top - bottom))
+    return (top - bottom + (ROOM[2] + 0.09) * wide) / (right - left + (ROOM[0] + ROOM[1]) * wide)
 
 
 def _window(camera: Camera, low: np.ndarray, high: np.ndarray) -> tuple[float, float, float, float]:
@@ -210,7 +237,7 @@ def _draw_planks(
     places = np.concatenate([np.zeros((0, 3)), *(piece.planks[k].corners() for k in numbers)])
     quads = np.concatenate([np.zeros((0, 4), dtype=int), *(FACES + 8 * k for k in range(len(numbers)))])
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    found = hits(view.camera, places, triangles, window, FINER * COLUMNS)
+    found = hits(view.camera, places, triangles, window, FINER * view.columns)
     a, b, c = (places[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
@@ -265,7 +292,7 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
     for k in np.flatnonzero(use > 1.0):
         # At the end that is nearer to the camera, to the left of it.
         end = half[k] if half[k] @ view.camera.axes[2] > 0.0 else -half[k]
-        view.words(geometry.p[k] + end, f"{use[k]:.2f}", REFUSED, -5.0, -4.0)
+        view.words(geometry.p[k] + end, f"{np.ceil(100.0 * use[k]) / 100.0:.2f}", REFUSED, -5.0, -4.0)
 
 
 def _draw_feet(view: PieceView, furniture: Furniture, forces: Forces, numbers: bool) -> None:
@@ -303,15 +330,29 @@ def _draw_loads(view: PieceView, furniture: Furniture, case: int, numbers: bool)
             view.words(tail, f"{size / g:.3g} kg" if weight else f"{size:.3g} N", LOAD, 2.0)
 
 
+def in_one_view(panels: Sequence[Axes]) -> None:
+    """Give pictures side by side the same limits, which hold what each of them shows."""
+    across, up = ([limits(axes) for axes in panels] for limits in (Axes.get_xlim, Axes.get_ylim))
+    for axes in panels:
+        axes.set_xlim(min(low for low, _ in across), max(high for _, high in across))
+        axes.set_ylim(min(low for low, _ in up), max(high for _, high in up))
+
+
 def _changed(piece: Piece, end: Piece) -> np.ndarray:
-    """Which planks (n,) an edit moves or lengthens."""
+    """Which planks (n,) an edit moves, lengthens or adds."""
     moved = [np.abs(a.corners() - b.corners()).max() for a, b in zip(piece.planks, end.planks)]
-    return np.array(moved) > 1e-4 * piece.size
+    added = [np.inf] * (len(end.planks) - len(piece.planks))
+    return np.array([*moved, *added]) > 1e-4 * piece.size
 
 
 def _draw_moves(view: PieceView, piece: Piece, end: Piece, direction: np.ndarray) -> None:
     """Arrows on the planks that an edit is of, at what of them goes furthest; a plank that grows has two."""
-    for k in np.flatnonzero(np.abs(direction).max(axis=1)):
+    edited = np.flatnonzero(np.abs(direction).max(axis=1))
+    if not len(edited):
+        # Another piece: what of it goes furthest.
+        far = [float(np.linalg.norm(b.centre - a.centre)) for a, b in zip(piece.planks, end.planks)]
+        edited = [int(np.argmax(far))]
+    for k in edited:
         before, after = piece.planks[k], end.planks[k]
         starts, ends = (np.array([plank.end(side) for side in range(4)]) for plank in (before, after))
         far = np.linalg.norm(ends - starts, axis=1)
@@ -334,8 +375,10 @@ def _draw_range(view: PieceView, furniture: Furniture, slide: Slide, ranges: Ran
     at, speed = starts[side], speeds[side]
     turning = float(np.abs(slide.direction[:, 3:6]).max())
     alone = turning > 0.0 and not np.any(np.delete(slide.direction, (3, 4, 5), axis=1))
-    scale, unit = (np.degrees(turning), "°") if alone else (1e3 * float(np.linalg.norm(speed)), " mm")
+    usual = (np.degrees(turning), "°") if alone else (1e3 * float(np.linalg.norm(speed)), " mm")
+    scale, unit = slide.unit or usual
     colour = INK if slide.valid else REFUSED
+    at = at - slide.at * speed
     way = view.at(at + np.array([[slide.low], [slide.high]]) * speed)
     view.axes.plot(*way.T, color=colour, lw=0.8, ls=(0, (3, 3)), zorder=7, alpha=0.7)
     across = np.array([way[1, 1] - way[0, 1], way[0, 0] - way[1, 0]])
@@ -344,9 +387,9 @@ def _draw_range(view: PieceView, furniture: Furniture, slide: Slide, ranges: Ran
         line = view.at(at + np.array([[left], [right]]) * speed)
         view.axes.plot(*line.T, color=colour, lw=3.2, solid_capstyle="butt", zorder=8)
         for t, place in zip((left, right), line):
-            is_open = min(abs(t - slide.low), abs(t - slide.high)) < 1e-9
+            is_open = min(abs(t - slide.low), abs(t - slide.high)) < ROUNDED * (slide.high - slide.low)
             view.axes.plot(*np.array([place - across, place + across]).T, color=colour, lw=1.6, zorder=8)
             text = f"{'beyond ' if is_open else ''}{t * scale:+.0f}{unit}".replace("-", "\N{MINUS SIGN}")
             view.words(at + t * speed, text, colour, 9.0 if t == right else -9.0)
-    view.axes.plot(*view.at(at)[None].T, "o", ms=5, mfc="white", mec=colour, mew=1.5, zorder=9)
+    view.axes.plot(*view.at(at + slide.at * speed)[None].T, "o", ms=5, mfc="white", mec=colour, mew=1.5, zorder=9)
     view.reach.append(way)

@@ -14,6 +14,8 @@ from restshape.report.style import FAINT
 GRID = "#e3e3e3"
 MOST = 4
 """Numbers along the side that is longest in the picture."""
+SHORT = 0.3
+"""Length in the picture, over that of the longest side, below which a side has two numbers."""
 SMALL = 7
 """Size of numbers [points]."""
 OFFSET, LYING, BESIDE = 4.0, 19.0, 7.0
@@ -36,6 +38,8 @@ def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, fact
     lengths = np.array([np.linalg.norm(np.diff(camera.project(end)[0], axis=0)) for end in ends])
     numbers = np.maximum(2, np.round(MOST * lengths / lengths.max())).astype(int)
     places = [marks(low[k], high[k], factor, int(numbers[k])) for k in range(3)]
+    # On a short side three numbers would run into each other.
+    places = [at[[0, -1]] if short else at for at, short in zip(places, lengths < SHORT * lengths.max())]
     walls = []
     for wall, bound in ((0, low), (1, high), (2, low)):
         for along in (k for k in range(3) if k != wall):

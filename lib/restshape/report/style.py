@@ -75,8 +75,8 @@ def prefix(size: float) -> tuple[float, str]:
 
 
 def scaled_unit(size: float, unit: str) -> tuple[float, str]:
-    """The factor and unit in which a number of this size reads well, e.g. 1e-6 and "MPa"; squares stay unprefixed."""
-    if not unit or unit in ("1", "m²"):
+    """The factor and unit in which such a number reads well, such as 1e-6 and "MPa"; m² and kg stay as they are."""
+    if not unit or unit in ("1", "m²", "kg"):
         return 1.0, unit
     factor, letter = prefix(size)
     return factor, letter + unit

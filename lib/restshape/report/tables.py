@@ -9,13 +9,28 @@ import numpy as np
 from restshape.replay.recording import Recording
 from restshape.replay.summary import percentiles
 
-QUANTITY_UNITS = {"displacement": "m", "reaction": "N", "stress": "Pa", "energy": "J", "area": "m²", "distance": "m"}
+QUANTITY_UNITS = {
+    "displacement": "m",
+    "reaction": "N",
+    "stress": "Pa",
+    "energy": "J",
+    "area": "m²",
+    "distance": "m",
+    "sag": "m",
+    "mass": "kg",
+    "length": "m",
+}
 
 
 def column(recording: Recording, name: str, default: float = np.nan) -> np.ndarray:
     """A column of numbers; filled with the default where the recording lacks it."""
     values = recording.table.get(name)
     return np.full(recording.n, default) if values is None else np.asarray(values, dtype=float)
+
+
+def rows_of(recording: Recording) -> list[dict[str, Any]]:
+    """The rows of all frames."""
+    return [{name: values[i] for name, values in recording.table.items()} for i in range(recording.n)]
 
 
 def refused(recording: Recording) -> np.ndarray:

@@ -15,7 +15,10 @@ Parts = tuple[number_of("number"), number_of("number"), number_of("number")]
 NEAR = 0.015
 """How near a drawn end must be to a face to be joined to it [m]."""
 
-SUGGESTIONS_BYTES = 2400
+BESIDE = "give places from -0.5 to 0.5, in parts of its size from its middle"
+"""What to do about a load that is not on its plank."""
+
+SUGGESTIONS_BYTES = 4000
 """Room for the suggestions of a frame in a recording."""
 
 

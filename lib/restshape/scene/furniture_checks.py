@@ -8,14 +8,16 @@ from typing import Any
 from restshape.application import Application
 from restshape.scene.bodies import number
 from restshape.scene.expressions import COORDINATES, Expression
+from restshape.scene.furniture import BESIDE
 from restshape.scene.model import Scene
+from restshape.scene.plank_quantities import check_plank_quantities, refuse_plank_quantities
 from restshape.scene.source import Source, suggestion
 from restshape.scene.units import UnitError
 
 TABLES = ("wood", "fastener", "planks", "joints", "floor", "weights", "pushes")
 """Tables that only scenes of furniture have."""
 
-OTHERS = ("shape", "material", "supports", "loads", "bodies", "start", "goal", "mesh", "quantities")
+OTHERS = ("shape", "material", "supports", "loads", "bodies", "start", "goal", "mesh")
 """Tables that scenes of furniture do not have."""
 
 Key = tuple[str, ...]
@@ -34,6 +36,7 @@ def refuse_furniture(scene: Scene, application: Application, source: Source) -> 
     for key in ("material", "mesh"):
         if key not in scene.model_fields_set:
             raise source.error((key,), f"the key {key!r} is missing", "add it")
+    refuse_plank_quantities(scene, application, source)
 
 
 def check_furniture(scene: Scene, source: Source) -> None:
@@ -53,6 +56,12 @@ def check_furniture(scene: Scene, source: Source) -> None:
             raise source.error(key, f"there is no plank {name!r}", suggestion(name, sorted(scene.planks)))
     for key, value in _numbers(scene):
         _check_number(scene, source, key, value)
+    for table in ("weights", "pushes"):
+        for name, load in getattr(scene, table).items():
+            if max(map(abs, load.at)) > 0.5:
+                what = f"the place {list(load.at)} is beside the plank {load.on}"
+                raise source.error((table, name, "at"), what, BESIDE)
+    check_plank_quantities(scene, source)
     for name, joint in scene.joints.named.items():
         if joint.plank == joint.to:
             raise source.error(("joints", name, "to"), "a plank cannot be joined to itself", "name another one")

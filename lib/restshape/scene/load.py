@@ -46,6 +46,20 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     return _scene(raw, Source(path, text, tuple(keys)))
 
 
+def recorded_scene(raw: dict[str, Any], path: Path) -> Scene:
+    """The scene of plain tables that a recording holds.
+
+    Args:
+        raw: as `Scene.raw` gave them.
+        path: for messages; files that the scene names are looked for beside it.
+
+    Raises:
+        UserError: they make no scene.
+    """
+    _check_format(raw, path)
+    return _scene(raw, Source(path, "", ()))
+
+
 def revise(scene: Scene, key: str, value: Any) -> Scene:
     """The scene with one key changed, validated anew; it shares all other tables with the one given.
 

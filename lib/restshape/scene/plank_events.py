@@ -1,16 +1,70 @@
 """Events of edit scripts that are for furniture: what a hand does to planks."""
 
-from typing import Annotated, Any, Literal, Self, get_args
+from math import pi
+from typing import Annotated, Any, Literal, NamedTuple, Self, get_args
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Redo, Undo
-from restshape.scene.units import UnitError
-from restshape.scene.values import Length, Name, number_of, only_one
+from restshape.scene.units import UnitError, quantity
+from restshape.scene.values import Name, number_of, only_one
 
 Place = tuple[Coordinate, Coordinate, Coordinate]
 Parts = tuple[number_of("number"), number_of("number"), number_of("number")]
 Parameter = Literal["move x", "move y", "move z", "turn x", "turn y", "turn z", "length x", "length y"]
+
+
+MOST_TURN = 20.0 * pi
+"""How far a plank is turned at once [rad]: with much more its direction would be lost in rounding."""
+
+
+class Dragged(NamedTuple):
+    """How far a parameter is dragged, whichever it is; None where the unit is not of that kind.
+
+    Args:
+        length: of a move or a length [m].
+        angle: of a turn [rad].
+    """
+
+    length: float | None
+    angle: float | None
+
+
+def _read_amount(raw: Any, info: ValidationInfo) -> Dragged:
+    """A length and an angle: a plain number is in the units of the script's header, and in rad."""
+    if isinstance(raw, Dragged):
+        return raw
+    if not isinstance(raw, str):
+        value = quantity(raw, None)
+        return Dragged(value * (info.context or {}).get("scale", 1.0), value)
+    found: list[float | None] = []
+    for dimension in ("length", "angle"):
+        try:
+            found.append(quantity(raw, dimension))
+        except UnitError:
+            found.append(None)
+    if found == [None, None]:
+        quantity(raw, "length")
+    return Dragged(*found)
+
+
+Amount = Annotated[
+    Dragged,
+    BeforeValidator(_read_amount),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "number"}, {"type": "string"}],
+            "description": 'a length in the header\'s units, or "12 mm"; of turns an angle in rad, or "5 deg"',
+        }
+    ),
+]
+
+
+def far_turn(angle: float) -> str:
+    """What is wrong with a turn by an angle [rad]; empty if nothing is."""
+    return (
+        f"a turn by {angle:g} rad is too far: at most {MOST_TURN:.4g} rad, ten turns" if abs(angle) > MOST_TURN else ""
+    )
 
 
 class PlankPress(EventLine):
@@ -29,15 +83,15 @@ class PlankPress(EventLine):
 
 
 class PlankDrag(EventLine):
-    """The cursor moves ``to`` a point, or along a ``path`` of points [m]; a parameter ``by`` so much from its start.
+    """The cursor moves ``to`` a point, or along a ``path`` of points; a parameter ``by`` so much from its start.
 
-    ``by`` is in m, and of turns in rad.
+    ``by`` is a length in the units of the header, and of turns an angle in rad; or a text with a unit.
     """
 
     do: Literal["drag"]
     to: Place | None = None
     path: Annotated[list[Place], Field(min_length=1)] | None = None
-    by: float | None = None
+    by: Amount | None = None
     frames: Frames | None = None
 
     @model_validator(mode="after")
@@ -61,6 +115,12 @@ class PlankRotate(EventLine):
     about: Literal["x", "y", "z"] = "z"
     frames: Frames = 1
 
+    @model_validator(mode="after")
+    def _is_not_far(self) -> Self:
+        if wrong := far_turn(self.by):
+            raise UnitError(wrong)
+        return self
+
 
 class PlankScale(EventLine):
     """A plank becomes longer by a factor, along its x or y."""
@@ -82,21 +142,27 @@ class PlankSet(EventLine):
 
 
 class DrawPlank(EventLine):
-    """A new plank by two drawn lines: its middle line from one point to another [m], and its width across it [m]."""
+    """A new plank by two drawn lines: its middle line from one point to another, and its width across it.
+
+    It is as thick and made as ``[wood]`` says, and joined as ``[fastener]`` does, where it says nothing else.
+    """
 
     do: Literal["plank"]
     name: Name
     start: Annotated[Place, Field(alias="from")]
     to: Place
     width: Place
-    thickness: Annotated[Length, Field(gt=0)] | None = None
+    thickness: Annotated[Coordinate, Field(gt=0)] | None = None
+    wood: str | None = None
+    fastener: str | None = None
 
 
 class Connect(EventLine):
-    """A plank is joined to all that it has come near, and stands on the floor if it reaches it."""
+    """A plank is joined to all that it has come near, with a ``fastener``, and stands on the floor if that is near."""
 
     do: Literal["connect"]
     on: str
+    fastener: str | None = None
 
 
 class PutWeight(EventLine):

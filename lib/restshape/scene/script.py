@@ -235,7 +235,11 @@ def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = 
             time; or (without keep_good) a line is bad.
     """
     path = Path(path)
-    text = read_text(path, "edit script")
+    return read_script(read_text(path, "edit script"), path, scene, keep_good)
+
+
+def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bool = False) -> Script:
+    """The validated edit script of a text; all else as of `load_script`, whose path is for messages here."""
     lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if line.strip()]
     if not lines:
         raise UserError("the edit script is empty", path.name, _first_line())

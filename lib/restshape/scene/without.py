@@ -34,7 +34,8 @@ def without(scene: Scene, application: Application, names: Iterable[str]) -> Sce
         if effect.required:
             raise UserError(f"{application.name!r} always has {name!r}", str(scene.path), "leave it on")
         effects = {key: value for key, value in raw.get("effects", {}).items() if key != name}
-        quantities = raw.get("quantities", {})
-        kept = {key: value for key, value in quantities.items() if not set(effect.quantities) & set(value)}
-        raw = {**raw, "effects": effects, "quantities": kept}
+        raw = {**raw, "effects": effects}
+        if quantities := raw.get("quantities"):
+            kept = {key: value for key, value in quantities.items() if not set(effect.quantities) & set(value)}
+            raw["quantities"] = kept
     return scene if raw is scene.raw else remade(scene, raw)

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from restshape.errors import UserError
-from restshape.shape.planks import Foot, Joint, Load, Piece, Plank, feet_near, joints_near
+from restshape.shape.planks import Foot, Load, Piece, Plank, feet_near, joints_near
 
 NEAR = 0.015
 """How near an end must be to a face to be joined to it [m]."""
@@ -23,20 +23,19 @@ def added(piece: Piece, plank: Plank, near: float = NEAR, fastener: str = "nail-
 
 
 def connected(piece: Piece, plank: int, near: float = NEAR, fastener: str = "nail-thesis") -> Piece:
-    """The piece with joints and feet wherever a plank has come near others or the floor; those it has are kept."""
-    joints = joints_near(piece.planks, near, (plank,), fastener)
-    held = {(joint.i, joint.side) for joint in piece.joints} | {(foot.plank, foot.side) for foot in piece.feet}
-    more: list[Joint] = []
-    for joint in joints:
-        if (joint.i, joint.side) not in held:
-            held.add((joint.i, joint.side))
-            more.append(joint)
+    """The piece with joints and feet wherever a plank has come near others or the floor; those it has are kept.
+
+    The rule is that of drawn pieces: see `joints_near` and `feet_near`.
+    """
+    more = joints_near(piece.planks, near, (plank,), fastener, piece.joints, piece.feet)
+    joints = (*piece.joints, *more)
+    standing = {(foot.plank, foot.side) for foot in piece.feet}
     feet = [
         foot
-        for foot in feet_near(piece.planks, planes=piece.planes)
-        if foot.plank == plank and (foot.plank, foot.side) not in held
+        for foot in feet_near(piece.planks, near, piece.planes, joints)
+        if foot.plank == plank and (foot.plank, foot.side) not in standing
     ]
-    return replace(piece, joints=(*piece.joints, *more), feet=(*piece.feet, *feet))
+    return replace(piece, joints=joints, feet=(*piece.feet, *feet))
 
 
 def removed(piece: Piece, plank: int) -> Piece:

@@ -37,10 +37,11 @@ def piece_of(scene: Scene) -> Piece:
         Load(name, index[p.on], p.at, tuple(number(f, scene.parameters) for f in p.force))
         for name, p in scene.pushes.items()
     )
+    joints = _joints(scene, planks, index)
     return Piece(
         planks,
-        _joints(scene, planks, index),
-        feet_near(planks, planes=planes),
+        joints,
+        feet_near(planks, scene.joints.reach, planes, joints),
         planes,
         weights,
         pushes if "push" in scene.effects else (),
@@ -61,6 +62,7 @@ def restated(piece: Piece, before: Scene, after: Scene) -> Piece:
     A plank that the scene draws elsewhere or in another size goes there; all others stay where edits have put them.
     """
     old, new = piece_of(before), piece_of(after)
+    numbers = {plank.name: k for k, plank in enumerate(piece.planks)}
     was, wanted = ({plank.name: plank for plank in one.planks} for one in (old, new))
     planks = tuple(_replanked(plank, was.get(plank.name), wanted.get(plank.name)) for plank in piece.planks)
     joints = piece.joints
@@ -74,7 +76,7 @@ def restated(piece: Piece, before: Scene, after: Scene) -> Piece:
         planks=planks,
         joints=joints,
         planes=new.planes,
-        weights=tuple(_reweighed(load, old, new) for load in piece.weights),
+        weights=tuple(_reweighed(load, old, new, numbers) for load in piece.weights),
         pushes=_pushes(piece, old, new),
         gravity=new.gravity,
         spacing=new.spacing,
@@ -138,12 +140,10 @@ def _joints(scene: Scene, planks: tuple[Plank, ...], index: dict[str, int]) -> t
             what = f"the end {spec.end} of {spec.plank!r} has a joint already"
             raise UserError(what, f"joints.{name}", "give each end one joint")
         found[joint.i, joint.side] = joint
+    joints = tuple(found.values())
     if scene.joints.near:
-        # A drawn end may be near two faces: both are joined, as they always were.
-        named = set(found)
-        near = [j for j in joints_near(planks, scene.joints.reach, fastener=usual) if (j.i, j.side) not in named]
-        return (*found.values(), *near)
-    return tuple(found.values())
+        return (*joints, *joints_near(planks, scene.joints.reach, fastener=usual, joints=joints))
+    return joints
 
 
 def _joint(spec: JointSpec, index: dict[str, int], usual: str) -> Joint:
@@ -165,12 +165,19 @@ def _replanked(plank: Plank, before: Plank | None, after: Plank | None) -> Plank
     return plank
 
 
-def _reweighed(load: Load, old: Piece, new: Piece) -> Load:
-    """A weight with what its scene says otherwise of its mass, its place, and gravity."""
+def _reweighed(load: Load, old: Piece, new: Piece, numbers: dict[str, int]) -> Load:
+    """A weight with what its scene says otherwise of its plank, its mass, its place, and gravity."""
     first, last = ({one.name: one for one in piece.weights}.get(load.name) for piece in (old, new))
-    if first and last and (old.gravity == new.gravity or load.force == first.force):
-        same = (first.force, first.place) == (last.force, last.place)
-        return load if same else replace(load, force=last.force, place=last.place)
+    if first and last:
+        was, on = old.planks[first.plank].name, new.planks[last.plank].name
+        if was != on:
+            if on not in numbers:
+                raise UserError(f"the plank {on} was deleted", do="name another one")
+            load = replace(load, plank=numbers[on])
+        if first.place != last.place:
+            load = replace(load, place=last.place)
+        if first.force != last.force and (old.gravity == new.gravity or load.force == first.force):
+            return replace(load, force=last.force)
     size = float(np.dot(old.gravity, old.gravity))
     if old.gravity == new.gravity or size == 0.0:
         return load

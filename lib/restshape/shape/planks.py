@@ -158,49 +158,124 @@ def weight(name: str, plank: int, kilograms: float, place: Sequence[float] = (0.
     return Load(name, plank, tuple(place), (0.0, 0.0, GRAVITY[2] * kilograms))
 
 
+LEAST_SLANT = 0.25
+"""Cosine between a plank and the normal of what its end meets, from which on the two are joined."""
+
+FLUSH = 1e-6
+"""How far two faces may be from one plane for an end to be joined to both [m]."""
+
+LYING = 1e-3
+"""How far a side that cannot be lengthened may be from the floor, or lean, to stand on it [m]."""
+
+
 def joints_near(
-    planks: Sequence[Plank], near: float = 1e-3, among: Iterable[int] | None = None, fastener: str = "nail-thesis"
+    planks: Sequence[Plank],
+    near: float = 1e-3,
+    among: Iterable[int] | None = None,
+    fastener: str = "nail-thesis",
+    joints: Sequence[Joint] = (),
+    feet: Sequence[Foot] = (),
 ) -> tuple[Joint, ...]:
-    """Joints of all ends that lie near a face of another plank.
+    """Joints of all ends that lie near a face of another plank, and come to it from outside.
+
+    An end is joined to the nearest face, and to others in the plane of that one. An end that has a joint already gets
+    more of them in its plane only, one that stands on the floor none.
 
     Args:
         planks: all planks.
-        near: how far an end's middle may be from the face [m].
+        near: how far an end's middle may be from the face, short of it or beyond it [m].
         among: only joints that one of these planks has part in.
         fastener: of the joints.
+        joints, feet: that there are already.
     """
     wanted = set(range(len(planks))) if among is None else set(among)
+    standing = {(foot.plank, foot.side) for foot in feet}
     found = []
     for i, plank in enumerate(planks):
         for side in range(4):
-            middle, along = plank.end(side), plank.axes[:, 1 - side // 2]
-            for j, other in enumerate(planks):
-                if i == j or not {i, j} & wanted:
-                    continue
-                place = other.axes.T @ (middle - other.centre)
-                face = 5 if place[2] > 0 else 4
-                half = 0.5 * plank.size[1 - side // 2] * np.abs(other.axes.T @ along)
-                if (
-                    abs(abs(place[2]) - 0.5 * other.size[2]) <= near
-                    and half[2] <= near
-                    and np.all(np.abs(place[:2]) - half[:2] < 0.5 * other.size[:2])
-                    and np.all(np.abs(place[:2]) <= 0.5 * other.size[:2] + near + half[:2])
-                    and abs(plank.axes[:, side // 2] @ other.axes[:, 2]) > 0.25
-                ):
-                    found.append(Joint(i, side, j, face, fastener))
+            if (i, side) in standing:
+                continue
+            has = [(joint.j, joint.face) for joint in joints if (joint.i, joint.side) == (i, side)]
+            there = {i, *(j for j, _ in has)}
+            others = [j for j in (range(len(planks)) if i in wanted else wanted) if j not in there]
+            spots = [(j, _spot(plank, side, planks[j], near)) for j in others]
+            new = [(j, spot[1]) for j, spot in sorted((one for one in spots if one[1]), key=lambda one: one[1][0])]
+            first, *_ = [*has, *new, (None, None)]
+            found += [
+                Joint(i, side, j, face, fastener)
+                for j, face in new
+                if _in_one_plane(planks[j], face, planks[first[0]], first[1])
+            ]
     return tuple(found)
 
 
-def feet_near(planks: Sequence[Plank], near: float = 1e-3, planes: Sequence[Plane] = (Plane(),)) -> tuple[Foot, ...]:
-    """Feet of all sides that lie in a plane, up to `near` [m]."""
+def _spot(plank: Plank, side: int, other: Plank, near: float) -> tuple[float, int] | None:
+    """How far an end is from the face of another plank that it comes to [m], and which; None if it meets none."""
+    axis = plank.axes[:, side // 2] * (1.0 if side % 2 else -1.0)
+    slope = float(axis @ other.axes[:, 2])
+    half = 0.5 * plank.size[1 - side // 2] * (other.axes.T @ plank.axes[:, 1 - side // 2])
+    if abs(slope) <= LEAST_SLANT or abs(half[2]) > near:
+        return None
+    face = 5 if slope < 0.0 else 4
+    place = other.axes.T @ (plank.end(side) - other.centre)
+    # Beyond the face along its normal: what the end is short of it.
+    short = (place[2] if face == 5 else -place[2]) - 0.5 * other.size[2]
+    if abs(short) > near:
+        return None
+    # Where the end's middle is once it is closed, and how much of its line then lies on the face.
+    place = place + (other.axes.T @ axis) * (short / abs(slope))
+    low, high = -1.0, 1.0
+    for at, way, size in zip(place[:2], half[:2], other.size[:2]):
+        if abs(way) < 1e-9:
+            low, high = (low, high) if abs(at) <= 0.5 * size else (0.0, 0.0)
+            continue
+        ends = sorted(((-0.5 * size - at) / way, (0.5 * size - at) / way))
+        low, high = max(low, ends[0]), min(high, ends[1])
+    return (float(abs(short)), face) if high > low else None
+
+
+def _in_one_plane(plank: Plank, face: int, other: Plank, other_face: int) -> bool:
+    """Tell whether two faces look the same way and lie in one plane."""
+    normal, others = (one.axes[:, 2] * (1.0 if k == 5 else -1.0) for one, k in ((plank, face), (other, other_face)))
+    apart = float(normal @ (plank.end(face) - other.end(other_face)))
+    lean = float(np.linalg.norm(normal - others)) * max(*plank.size, *other.size)
+    return abs(apart) + lean <= FLUSH
+
+
+def feet_near(
+    planks: Sequence[Plank], near: float = LYING, planes: Sequence[Plane] = (Plane(),), joints: Sequence[Joint] = ()
+) -> tuple[Foot, ...]:
+    """Feet of all sides that lie in a plane.
+
+    Args:
+        planks: all planks.
+        near: how far an end may be from the plane, or lean, to be meant to stand on it [m]; faces lie in it.
+        planes: that planks may stand on.
+        joints: whose ends stand on no plane.
+    """
+    held = {(joint.i, joint.side) for joint in joints}
     feet = []
     for k, plane in enumerate(planes):
         normal, point = np.array(plane.normal), np.array(plane.point)
         for i, plank in enumerate(planks):
             for side in range(6):
+                if (i, side) in held:
+                    continue
                 axis = plank.axes[:, side // 2] * (1.0 if side % 2 else -1.0)
                 across = [a for a in range(2) if a != side // 2]
                 tilt = sum(0.5 * plank.size[a] * abs(plank.axes[:, a] @ normal) for a in across)
-                if axis @ normal < -0.25 and abs((plank.end(side) - point) @ normal) <= near and tilt <= near:
+                reach = near if side < 4 else min(near, LYING)
+                away = abs((plank.end(side) - point) @ normal)
+                if axis @ normal < -LEAST_SLANT and away <= reach and tilt <= reach:
                     feet.append(Foot(i, side, k))
     return tuple(feet)
+
+
+def parts_of(piece: Piece) -> tuple[tuple[int, ...], ...]:
+    """The planks of each part that joints hold together, the largest first."""
+    part = list(range(len(piece.planks)))
+    for joint in piece.joints:
+        old, new = part[joint.i], part[joint.j]
+        part = [new if one == old else one for one in part]
+    found = [tuple(k for k, one in enumerate(part) if one == name) for name in dict.fromkeys(part)]
+    return tuple(sorted(found, key=lambda planks: -len(planks)))

@@ -22,7 +22,8 @@ def value_at(scene: Scene, key: str) -> Any:
         elif isinstance(here, (list, tuple)):
             here = here[int(part)] if part.isdigit() and int(part) < len(here) else None
         else:
-            here = getattr(here, part, None)
+            fields = {field.alias: name for name, field in getattr(type(here), "model_fields", {}).items()}
+            here = getattr(here, fields.get(part, part), None)
     return here
 
 

@@ -1,7 +1,9 @@
 """Whether a shape can be a shape: nothing crosses, touches, collapses or turns inside out.
 
 Curves are judged by straight pieces within CHORD of them; edges that share no vertex keep CLEARANCE apart, twice that,
-so that the true curves cannot cross unseen. Both are relative to the size that the shape had when it was made.
+so that the true curves cannot cross unseen. Both are relative to the size that the shape had when it was made. Lines
+and arcs that share a vertex, which no clearance keeps apart, are asked for their second common point besides: that is
+exact.
 """
 
 from __future__ import annotations
@@ -53,7 +55,8 @@ class MotionCheck:
         ends = np.array([(edge.start, edge.end) for edge in outline.edges], dtype=np.int32).reshape(-1, 2)
         loops = [(KINDS[loop.kind], [e for e, _ in loop.edges], [f for _, f in loop.edges]) for loop in outline.loops]
         embedded = np.array(outline.embedded, dtype=np.int32)
-        check = _kernels.OutlineCheck(first, ends, loops, CLEARANCE * size, SHARPEST)
+        rounds = [edge.kind in ("line", "arc") for edge in outline.edges]
+        check = _kernels.OutlineCheck(first, ends, loops, CLEARANCE * size, SHARPEST, rounds)
         reference, basis = outline.points, np.zeros((2, *outline.points.shape))
         if gesture is not None:
             reference, basis = gesture.reference, gesture.basis

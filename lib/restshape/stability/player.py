@@ -21,6 +21,7 @@ from restshape.replay.summary import summarise
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
 from restshape.stability.commanded import command_problem
+from restshape.stability.plank_checks import plank_problem
 from restshape.stability.strategies import EDITS, MOST_ELEMENTS, SCENE, Example
 
 ENDLESS = ("mu_", "q_critical")
@@ -95,7 +96,7 @@ def _play(folder: Path, example: Example, played: Played) -> None:
         if unknown := set(row) - names:
             raise Fault(f"frame {row['index']}: no column is known for {sorted(unknown)}")
         if replay.known and not row["refused"]:
-            _check_numbers(replay, row)
+            (_check_planks if app.planks else _check_numbers)(replay, row)
     summary = summarise(rows, example.policy, 1)
     json.dumps({key: value for key, value in summary.items() if key != "rows"}, allow_nan=False)
     if script.error:
@@ -121,6 +122,12 @@ def _check_numbers(replay: Replay, row: dict[str, Any]) -> None:
     for name, values in {**point, **cell}.items():
         if not (np.isfinite(values).all() or name.startswith(BLANK)):
             raise Fault(f"frame {row['index']} ({row['do']}): the field {name} is not finite")
+
+
+def _check_planks(replay: Replay, row: dict[str, Any]) -> None:
+    """Refuse what a frame of furniture must not say."""
+    if wrong := plank_problem(replay.analysis, row):
+        raise Fault(f"frame {row['index']} ({row['do']}): {wrong}")
 
 
 def signature(error: BaseException) -> str:

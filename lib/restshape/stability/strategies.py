@@ -11,6 +11,15 @@ from hypothesis import strategies as st
 
 from restshape.policy import POLICIES
 from restshape.stability.cloth_strategies import CLOTH, cloth_scenes, cloth_sets
+from restshape.stability.plank_strategies import (
+    EXTRA,
+    FURNITURE,
+    choices,
+    plank_edits,
+    plank_gestures,
+    plank_scenes,
+    plank_sets,
+)
 from restshape.stability.shape_strategies import Table, angles, entities, mesh_size, numbers, places, shapes, sides
 
 MOST_ELEMENTS = 200
@@ -247,6 +256,8 @@ def scenes(draw: st.DrawFn, app: str) -> Table:
     """The tables of a scene of an application."""
     if app == CLOTH:
         return draw(cloth_scenes())
+    if app == FURNITURE:
+        return draw(plank_scenes())
     shape, area = draw(shapes())
     modal = app == "metallophone"
     effects = draw(modal_effects() if modal else solid_effects(app))
@@ -355,9 +366,13 @@ rests = st.sampled_from([[{"do": "idle", "frames": 2}], [{"do": "analyse"}]])
 
 def scripts(scene: Table) -> st.SearchStrategy[list[Table]]:
     """Events of at most some 60 frames for a scene, with the header first."""
-    names = [*entities(scene["shape"]), *scene.get("bodies", {}), "q", "h1", "outline", "all"]
-    values = cloth_sets(scene) if scene["app"] == CLOTH else sets(scene)
-    part = st.one_of(small_moves(scene), gestures(names), single_edits(names), values, rests)
+    if scene["app"] == FURNITURE:
+        names = [*scene["planks"], EXTRA]
+        part = st.one_of(plank_gestures(names), plank_edits(names), choices(), plank_sets(scene), rests)
+    else:
+        names = [*entities(scene["shape"]), *scene.get("bodies", {}), "q", "h1", "outline", "all"]
+        values = cloth_sets(scene) if scene["app"] == CLOTH else sets(scene)
+        part = st.one_of(small_moves(scene), gestures(names), single_edits(names), values, rests)
     heads = [{}, {}, {}] + [{"analysis": "on demand"}] * (scene["app"] != "vibration")
     return st.builds(timed, st.sampled_from(heads), st.lists(part, min_size=1, max_size=8))
 
@@ -428,7 +443,7 @@ def examples(draw: st.DrawFn, apps: Sequence[str], damaged: bool) -> Example:
         edits = spliced(edits, draw(st.lists(splices, min_size=1, max_size=3)))
     policy = draw(st.sampled_from(list(POLICIES)[::-1]))
     # What cannot be predicted is asked for at times, for it is refused.
-    can = app not in ("vibration", CLOTH) and policy != "rebuild" and "analysis" not in lines[0]
+    can = app not in ("vibration", CLOTH, FURNITURE) and policy != "rebuild" and "analysis" not in lines[0]
     predict = draw(st.sampled_from(["none", "linear"])) if can or draw(st.integers(0, 19)) == 19 else "none"
     written = draw(st.integers(1, WRITTEN_SHARE)) == WRITTEN_SHARE
     return Example(app, text, edits, policy, predict, harm, written)

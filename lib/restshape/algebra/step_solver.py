@@ -1,0 +1,115 @@
+"""Linear solves of motion in steps: conjugate gradients by PETSc, with what one step tells the next."""
+
+from __future__ import annotations
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.nodal import Nodal
+from restshape.algebra.preconditioner import set_preconditioner
+
+WAYS = 2
+"""Solutions that the next guess is made of."""
+ALIKE = 1e-12
+"""Singular value, over the largest one, of the products of ways that are as good as parallel."""
+SHIFT = 0.01
+"""Part of the diagonal that is added to the matrix that incomplete factors are made from: without it most fail."""
+MOST = 2000
+"""Iterations of a solve."""
+
+
+class StepSolver:
+    """Solves A d = b for a row of symmetric positive definite matrices of one size that change little by little.
+
+    The guess is the best one, in the norm of A, among all sums of multiples of the last two solutions. The usual
+    preconditioner is symmetric successive over-relaxation by nodes, on each rank of its own rows: it wants no factor,
+    and is positive definite where A is.
+
+    Args:
+        comm: PETSc communicator.
+        prefix: of options in PETSc's database.
+        nodal: of the unknowns.
+        tolerance: residual over the right side.
+        preconditioner: of PETSc: "sor", "ilu" without fill, or "cholesky", which solves alone.
+
+    Attributes:
+        iterations: since `begin`.
+    """
+
+    def __init__(self, comm: PETSc.Comm, prefix: str, nodal: Nodal, tolerance: float, preconditioner: str) -> None:
+        self.nodal, self.tolerance, self.incomplete = nodal, tolerance, preconditioner == "ilu"
+        self.right, self.way, self.diagonal = (nodal.vector() for _ in range(3))
+        self.known = [(nodal.vector(), nodal.vector()) for _ in range(WAYS)]
+        self.matrix, self.shifted = PETSc.Mat(), PETSc.Mat()
+        self.ksp = self._made(comm, prefix, preconditioner)
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget what earlier solves have told, so that the same row of solves gives the same bits."""
+        self.iterations, self.filled = 0, 0
+
+    def free(self) -> None:
+        """Free PETSc's objects."""
+        pairs = [part for pair in self.known for part in pair]
+        for part in (self.ksp, self.right, self.way, self.diagonal, self.shifted, *pairs):
+            part.destroy()
+
+    def solve(self, matrix: PETSc.Mat, right: np.ndarray) -> np.ndarray | None:
+        """The solution (n, f) with right side (n, f); None where none is found."""
+        self.nodal.put(right, self.right)
+        if self.matrix.handle != matrix.handle:
+            self._take(matrix)
+        self._guess(matrix)
+        self.ksp.setOperators(matrix, self._shifted(matrix) if self.incomplete else matrix)
+        self.ksp.solve(self.right, self.way)
+        self.iterations += self.ksp.getIterationNumber()
+        if self.ksp.getConvergedReason() < 0:
+            return None
+        self.known.insert(0, self.known.pop())
+        self.way.copy(self.known[0][0])
+        self.filled = min(self.filled + 1, WAYS)
+        return self.nodal.values(self.way).copy()
+
+    def _take(self, matrix: PETSc.Mat) -> None:
+        """Take in another matrix, whose pattern may be another one, of which nothing tells PETSc."""
+        self.ksp.reset()
+        # Held, so that no other matrix takes its place in memory.
+        self.matrix = matrix
+        if self.incomplete:
+            self.shifted.destroy()
+            self.shifted = matrix.duplicate(copy=False)
+
+    def _guess(self, matrix: PETSc.Mat) -> None:
+        """Set the way to the best sum of multiples of earlier ones."""
+        self.way.set(0.0)
+        known = self.known[: self.filled]
+        for way, product in known:
+            matrix.mult(way, product)
+        gram = np.array([[way.dot(product) for _, product in known] for way, _ in known])
+        use = np.flatnonzero(gram.diagonal() > 0.0) if known else ()
+        if len(use) and np.isfinite(gram).all():
+            # Each as long as the other: ways may differ in size by much, and hardly in direction.
+            size = np.sqrt(gram.diagonal()[use])
+            load = np.array([known[k][0].dot(self.right) for k in use]) / size
+            scaled = gram[np.ix_(use, use)] / np.outer(size, size)
+            weights = np.linalg.lstsq(scaled, load, rcond=ALIKE)[0] / size
+            self.way.maxpy(weights, [known[k][0] for k in use])
+
+    def _shifted(self, matrix: PETSc.Mat) -> PETSc.Mat:
+        """A copy of a matrix with a larger diagonal."""
+        matrix.copy(self.shifted, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        matrix.getDiagonal(self.diagonal)
+        self.diagonal.scale(1.0 + SHIFT)
+        self.shifted.setDiagonal(self.diagonal)
+        return self.shifted
+
+    def _made(self, comm: PETSc.Comm, prefix: str, preconditioner: str) -> PETSc.KSP:
+        ksp = PETSc.KSP().create(comm)
+        ksp.setOptionsPrefix(prefix)
+        ksp.setType("cg")
+        ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        ksp.setInitialGuessNonzero(True)
+        ksp.setTolerances(rtol=self.tolerance, max_it=MOST)
+        set_preconditioner(ksp, preconditioner, 0)
+        ksp.setFromOptions()
+        return ksp

@@ -1,0 +1,22 @@
+"""What a scene asks for, in words."""
+
+from restshape.scene.model import Scene
+from restshape.scene.quantity import Quantity
+
+OF_THE_BODY = ("frequency", "mode", "load_factor", "margin")
+"""Quantities that belong to no place."""
+
+
+def quantity_rows(scene: Scene) -> list[tuple[str, str]]:
+    """A row a quantity of a scene: its name, and what it is of."""
+    return [(f"quantity {name}", quantity_words(quantity)) for name, quantity in scene.quantities.items()]
+
+
+def quantity_words(quantity: Quantity) -> str:
+    """What a quantity is of, where, and within which limits it holds."""
+    kind, value = quantity.kind, getattr(quantity, quantity.kind)
+    what = kind.replace("_", " ") if value is True else f"{kind.replace('_', ' ')} {value}"
+    place = what if kind in OF_THE_BODY else f"{quantity.take} of {what} at {quantity.at or 'all'}"
+    limit = f", holds up to {quantity.limit:.6g}" if quantity.limit is not None else ""
+    limit += f", holds from {quantity.at_least:.6g} on" if quantity.at_least is not None else ""
+    return f"{place}{limit}"

@@ -1,0 +1,149 @@
+"""A plank as a beam along its longer side: what acts on it, its moments and deflection, and a floor under it."""
+
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import numpy as np
+from scipy.optimize import nnls
+
+NODES = 81
+"""Places at which a floor pushes a plank that lies on it."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """Where a plank's beam runs.
+
+    Args:
+        centre, along, normal: (3,) its middle [m], its direction, and the way in which it bends.
+        length: [m].
+    """
+
+    centre: np.ndarray
+    along: np.ndarray
+    normal: np.ndarray
+    length: float
+
+
+@dataclass(frozen=True)
+class Actions:
+    """What acts on a beam.
+
+    Args:
+        place: (k,) middles from the beam's own [m].
+        span: (k,) lengths along the beam over which each is spread, with a density that runs straight [m].
+        force: (k,) along the normal [N].
+        couple: (k,) about along x normal [N m].
+        holds: (k,) whether it holds the beam, as a joint does, or loads it.
+        own: a force spread evenly over the length [N/m].
+        length: of the beam [m].
+    """
+
+    place: np.ndarray
+    span: np.ndarray
+    force: np.ndarray
+    couple: np.ndarray
+    holds: np.ndarray
+    own: float
+    length: float
+
+    @classmethod
+    def on(
+        cls, line: Line, rows: list[tuple[np.ndarray, float, np.ndarray, np.ndarray, bool]], own: float
+    ) -> "Actions":
+        """Actions on a line: of each its middle (3,), its span [m], its force (3,), its couple (3,), if it holds."""
+        if not rows:
+            return cls(*(np.zeros(0) for _ in range(4)), np.zeros(0, dtype=bool), own, line.length)
+        at, span, force, couple, holds = (np.array(column) for column in zip(*rows))
+        half, arms = line.length / 2, at - line.centre
+        place = np.clip(arms @ line.along, -half, half)
+        # What is spread stays on the beam.
+        span = np.minimum(span, 2 * (half - np.abs(place)))
+        axis = np.cross(line.along, line.normal)
+        # With moments of forces along the beam whose line misses its middle.
+        m = couple @ axis + np.cross(arms - place[:, None] * line.along, force) @ axis
+        return cls(place, span, force @ line.normal, m, holds, own, line.length)
+
+    def stations(self, count: int) -> np.ndarray:
+        """Places (s,) along the beam between which moments run smoothly [m]."""
+        half = self.length / 2
+        # The moment may jump at a place: there are stations on both sides of it.
+        beside = 1e-9 * self.length
+        ends = (self.place + sign * (self.span / 2 + beside) for sign in (-1.0, 1.0))
+        s = np.concatenate([np.linspace(-half, half, count), *ends])
+        return np.unique(np.clip(s, -half - beside, half + beside))
+
+    def moments(self, s: np.ndarray) -> np.ndarray:
+        """Bending moments (s,) at places, of all that acts before them [N m]."""
+        point = self.span <= 1e-6 * self.length
+        x = s[:, None] - self.place
+        found = np.where(x > 0.0, self.force * x - self.couple, 0.0)
+        span = np.where(point, 1.0, self.span)
+        # Of a density force / span + slope t, from the start of the span up to t or its end.
+        slope, t = 12.0 * self.couple / span**3, np.clip(x, -span / 2, span / 2)
+        square, cube = (t**2 - span**2 / 4) / 2, (t**3 + span**3 / 8) / 3
+        spread = self.force / span * (x * (t + span / 2) - square) + slope * (x * square - cube)
+        own = 0.5 * self.own * np.clip(s + self.length / 2, 0.0, self.length) ** 2
+        return np.where(point, found, spread).sum(axis=1) + own
+
+    def held(self) -> np.ndarray:
+        """Places (h,) that are held [m]."""
+        place, span = self.place[self.holds], self.span[self.holds]
+        return np.concatenate([place - span / 2, place + span / 2])
+
+    def on_floor(self, up: float) -> "Actions | None":
+        """The actions with those of a rigid floor on which the beam lies, which holds it alone; None if none does.
+
+        The floor pushes where the beam would go through it, and nowhere pulls: of all ways to balance what acts, that
+        which leaves the least energy of bending.
+
+        Args:
+            up: 1 if the floor pushes along the normal, -1 if against it.
+        """
+        half = self.length / 2
+        scale = np.abs(self.force).sum() + abs(self.own) * self.length
+        scale += np.abs(self.couple).sum() / self.length
+        if scale == 0.0:
+            return None
+        ends = np.concatenate([self.place - self.span / 2, self.place + self.span / 2])
+        nodes = np.unique(np.concatenate([np.linspace(-half, half, NODES), np.round(ends / half, 9) * half]))
+        # Two points of Gauss between nodes: moments are quadratic there, and straight by one push.
+        step, middle = np.diff(nodes), 0.5 * (nodes[1:] + nodes[:-1])
+        s = np.concatenate([middle - step / sqrt(12.0), middle + step / sqrt(12.0)])
+        weight = np.sqrt(np.tile(step, 2) / (2.0 * self.length))
+        there = self.moments(s) / (scale * self.length)
+        by_one = up * np.maximum(s[:, None] - nodes, 0.0) / self.length
+        # What is left behind the far end, of force and moment, weighs as much as makes it nothing.
+        stiff = 1e4
+        force = (self.force.sum() + self.own * self.length) / scale
+        behind = self.moments(np.array([half * (1 + 1e-9)])) / (scale * self.length)
+        rows = np.vstack([weight[:, None] * by_one, np.full(len(nodes), stiff * up), stiff * up * (half - nodes)])
+        rows[-1] /= self.length
+        push, _ = nnls(rows, -np.concatenate([weight * there, [stiff * force], stiff * behind]))
+        if abs(up * push.sum() + force) > 1e-5 or abs(rows[-1] @ push / stiff + behind[0]) > 1e-5:
+            return None
+        on, none = push > 1e-9, np.zeros(np.count_nonzero(push > 1e-9))
+        return replace(
+            self,
+            place=np.concatenate([self.place, nodes[on]]),
+            span=np.concatenate([self.span, none]),
+            force=np.concatenate([self.force, up * scale * push[on]]),
+            couple=np.concatenate([self.couple, none]),
+            holds=np.concatenate([np.zeros(len(self.holds), dtype=bool), np.ones(len(none), dtype=bool)]),
+        )
+
+
+def deflection(s: np.ndarray, curvature: np.ndarray, held: np.ndarray) -> np.ndarray:
+    """The integral of a curvature twice, 0 at the outermost places held; held at one, its slope is 0 there too."""
+    step = np.diff(s)
+    slope = np.concatenate([[0.0], np.cumsum(0.5 * step * (curvature[1:] + curvature[:-1]))])
+    # The curvature runs straight between stations.
+    rise = slope[:-1] * step + step**2 * (curvature[:-1] / 3.0 + curvature[1:] / 6.0)
+    w = np.concatenate([[0.0], np.cumsum(rise)])
+    if not len(held):
+        return w - np.interp(0.0, s, w)
+    first, last = held.min(), held.max()
+    w_first, w_last = np.interp([first, last], s, w)
+    if last - first > 1e-9:
+        return w - w_first - (w_last - w_first) / (last - first) * (s - first)
+    return w - w_first - np.interp(first, s, slope) * (s - first)

@@ -1,0 +1,101 @@
+"""What a replay of furniture told its user: verdicts, the parameter under the hand and its ranges, suggestions."""
+
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
+from typing import Any
+
+from restshape.physics.plank_words import without_uses
+from restshape.replay.verdict import HOLDS
+
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+OPEN = "( or beyond)?"
+INTERVAL = re.compile(f"({NUMBER}){OPEN} to ({NUMBER}){OPEN}")
+Row = Mapping[str, Any]
+
+
+def is_guided(columns: Iterable[str]) -> bool:
+    """Tell whether a replay with these columns is one of furniture."""
+    return "inside" in columns and "ranges" in columns
+
+
+def intervals(text: str) -> list[tuple[float, float]]:
+    """The valid ranges in a column's text, such as ``-0.2 to 0.03; 0.1 to 0.55``; none of "none" and of no text."""
+    return [(float(low), float(high)) for low, _, high, _ in INTERVAL.findall(text)]
+
+
+def beyond(text: str) -> list[tuple[bool, bool]]:
+    """Of each valid range whether its ends are where nothing further was looked at."""
+    return [(bool(below), bool(above)) for _, below, _, above in INTERVAL.findall(text)]
+
+
+def unit_of(parameter: str) -> str:
+    """The unit of a parameter under the hand, "m" or "rad": that of a suggestion is the one that it names first."""
+    leading = parameter.split(" + ")[0]
+    return "rad" if " turn " in f"{leading} " else "m"
+
+
+def guidance(rows: Sequence[Row]) -> dict[str, Any]:
+    """What each frame told, and each search for suggestions, for programs; None stands for what is not known.
+
+    Args:
+        rows: of all frames of a replay of furniture.
+    """
+    searched = [row for row in rows if row.get("suggestions")]
+    return {"frames": [_frame(row) for row in rows], "suggestions": [_search(row) for row in searched]}
+
+
+def found(row: Row) -> list[dict[str, Any]]:
+    """The suggestions of a frame."""
+    return json.loads(row["suggestions"]) if row.get("suggestions") else []
+
+
+def runs(rows: Iterable[Row]) -> list[tuple[Row, Row, str]]:
+    """Frames in a row with one verdict: the first, the last, and what is wrong with the piece; frames without one are
+    left out."""
+    judged = [row for row in rows if row["verdict"]]
+    spans = [(words, list(span)) for words, span in groupby(judged, key=lambda row: without_uses(_words(row)))]
+    return [(span[0], span[-1], _words(span[0]) if len(span) == 1 else words) for words, span in spans]
+
+
+def _words(row: Row) -> str:
+    return HOLDS if row["verdict"] == HOLDS else row["broken"]
+
+
+def _frame(row: Row) -> dict[str, Any]:
+    """What one frame told."""
+    held = bool(row.get("parameter"))
+    return {
+        "index": int(row["index"]),
+        "line": int(row["line"]),
+        "verdict": row["verdict"],
+        "broken": row["broken"],
+        "use": _number(row, "use"),
+        "margin": _number(row, "margin"),
+        "parameter": row.get("parameter", ""),
+        "unit": unit_of(row["parameter"]) if held else None,
+        "at": _number(row, "at") if held else None,
+        "ranges": [list(one) for one in intervals(row["ranges"])] if held and row["ranges"] else None,
+        "beyond": [list(one) for one in beyond(row["ranges"])] if held and row["ranges"] else None,
+        "inside": bool(row["inside"]) if held else None,
+    }
+
+
+def _search(row: Row) -> dict[str, Any]:
+    """What one search for suggestions found."""
+    return {
+        "frame": int(row["index"]),
+        "line": int(row["line"]),
+        "broken": row["broken"],
+        "tried": int(row["tried"]),
+        "tested": int(row["tested"]),
+        "ms": _number(row, "ms_suggestions"),
+        "found": found(row),
+    }
+
+
+def _number(row: Row, column: str) -> float | None:
+    """A number; None where there is none, which JSON does not know."""
+    value = float(row.get(column, float("nan")))
+    return value if abs(value) < float("inf") else None

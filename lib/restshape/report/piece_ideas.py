@@ -1,0 +1,75 @@
+"""Pictures of suggestions: the piece that was let go, and beside it what each suggestion would do."""
+
+from __future__ import annotations
+
+from math import ceil
+from pathlib import Path
+from textwrap import shorten, wrap
+
+import numpy as np
+
+from restshape.guidance.design import Idea
+from restshape.guidance.plank_session import PlankFrame
+from restshape.replay.recording import Recording
+from restshape.report.frames import scene_name
+from restshape.report.furniture import Slide, add_use_bar, bounds, draw_piece, in_one_view, slenderness
+from restshape.report.piece_frames import ACROSS, BAR, EACH, FEW, HEAD, LETTERS, TITLE, caption, pieces, shown_piece
+from restshape.report.style import INK, REFUSED, new_figure
+
+LINES = 4
+"""Lines of a title for what a suggestion does."""
+MEANING = "orange: what a suggestion moves, lengthens or adds, where it is shown; arrows: its way there"
+
+
+def searches(recording: Recording) -> np.ndarray:
+    """Indices of the frames in which suggestions were found."""
+    return np.flatnonzero([bool(text) for text in recording.table["suggestions"]])
+
+
+def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
+    """Writes the suggestions of a frame as a PNG.
+
+    Args:
+        recording: of furniture.
+        i: a frame in which suggestions were found.
+        path: of the picture.
+    """
+    (frame,) = pieces(recording, [i])
+    furniture, _, case = shown_piece(recording, frame)
+    ideas = frame.design.ideas.found
+    slides = [_slide(idea, frame) for idea in ideas]
+    ends = [end for slide in slides if (end := slide.end(furniture))]
+    box = bounds(furniture.moved(), *ends)
+    across, count = min(ACROSS, 1 + len(ideas)), 1 + len(ideas)
+    down = ceil(count / across)
+    figure = new_figure(EACH * across + BAR, HEAD + (TITLE + EACH * slenderness(*box)) * down)
+    panels = figure.subplots(down, across, squeeze=False).ravel()
+    push = furniture.piece.pushes[case - 1].name if case else ""
+    words, _ = caption(recording, i, push)
+    draw_piece(panels[0], furniture, words, None, case, len(furniture.piece.planks) <= FEW, box)
+    panels[0].set_title(words, fontsize=8.5, loc="left", color=REFUSED)
+    for number, (axes, idea, slide) in enumerate(zip(panels[1:], ideas, slides), 1):
+        draw_piece(axes, furniture, _title(number, idea), slide, case, False, box)
+    in_one_view(panels[:count])
+    for axes in panels[count:]:
+        axes.set_visible(False)
+    add_use_bar(figure, panels)
+    name = shorten(scene_name(recording), 80, placeholder=" …")
+    figure.suptitle(f"{name}: suggestions in frame {i}\n{MEANING}", x=0.01, ha="left", color=INK, fontsize=9)
+    figure.get_layout_engine().set(h_pad=0.08, w_pad=0.06)
+    figure.savefig(path)
+
+
+def _slide(idea: Idea, frame: PlankFrame) -> Slide:
+    """What is drawn of a suggestion."""
+    if idea.piece is not None:
+        return Slide(np.zeros((len(frame.design.piece.planks), 8)), piece=idea.piece)
+    return Slide(idea.direction, idea.t)
+
+
+def _title(number: int, idea: Idea) -> str:
+    """What a suggestion does, its range, and whether something else is still wrong with it."""
+    lines = wrap(f"{number}: {idea.words}", LETTERS, max_lines=LINES, placeholder=" …")
+    if idea.range_words:
+        lines += wrap(idea.range_words, LETTERS, max_lines=2, placeholder=" …")
+    return "\n".join(lines + ([] if idea.valid else ["holds in part: something else is still wrong"]))

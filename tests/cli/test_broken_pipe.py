@@ -1,0 +1,48 @@
+"""Output that nobody reads any more ends a command without a word, as it ends the tools of Unix."""
+
+import json
+
+import pytest
+from furniture_scenes import write_bench, write_edits
+
+COMMANDS = {
+    "check": ("check", "bench.toml", "edits.jsonl"),
+    "replay": ("replay", "bench.toml", "--edits", "edits.jsonl"),
+    "explain": ("explain", "bench.toml", "--seconds", "0"),
+    "list": ("list",),
+    "schema": ("schema", "scene"),
+    "info": ("info",),
+    "help": ("--help",),
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_reader_that_has_gone_ends_a_command_quietly(tmp_path, start_restshape, name):
+    write_bench(tmp_path)
+    write_edits(tmp_path, {"do": "press", "on": "left", "parameter": "move z"}, {"do": "drag", "by": 0.1, "frames": 3})
+    process = start_restshape(*COMMANDS[name])
+    process.stdout.close()
+    said = [line for line in process.stderr if not line.startswith("note: ")]
+    # A shell tells 128 and the number of the signal of a program that a broken pipe ended, which is 13.
+    assert process.wait() == 141
+    assert said == []
+
+
+def test_messages_that_nobody_reads_end_a_command_as_well(start_restshape):
+    process = start_restshape("check", "nowhere.toml")
+    process.stderr.close()
+    assert process.wait() == 141
+
+
+def test_what_a_replay_is_asked_to_write_is_there_although_nobody_reads(tmp_path, start_restshape):
+    write_bench(tmp_path)
+    process = start_restshape("replay", "bench.toml", "--json", "found.json", "--csv", "found.csv")
+    process.stdout.close()
+    assert process.wait() == 141
+    assert json.loads((tmp_path / "found.json").read_text())["frames"] == 1
+    assert len((tmp_path / "found.csv").read_text().splitlines()) == 2
+
+
+def test_a_reader_that_stays_gets_everything(tmp_path, restshape):
+    done = restshape("list")
+    assert done.returncode == 0 and done.stdout.rstrip().endswith("CSM3")

@@ -1,0 +1,89 @@
+"""Lost joints and feet are brought back: by one change, or by two at once."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from restshape_apps.furniture.pieces import table
+
+from restshape.guidance.design import Design
+from restshape.guidance.opening import Opening
+from restshape.guidance.reconnect import reconnect
+from restshape.physics.furniture import LOST, Furniture
+from restshape.shape.planks import FREEDOMS
+
+
+def lost(*changes: tuple[str, str, float]) -> Furniture:
+    """The table after changes of planks that joints do not follow."""
+    piece = table()
+    gamma = np.zeros((len(piece.planks), 8))
+    for plank, freedom, change in changes:
+        gamma[piece.index(plank), FREEDOMS.index(freedom)] = change
+    furniture = Furniture(Furniture(piece).moved(gamma))
+    assert furniture.test().flaws & LOST
+    return furniture
+
+
+def test_lost_joints_are_brought_back() -> None:
+    furniture = lost(("leg-1", "move y", -0.2))
+    ways = reconnect(furniture).found
+    assert len(ways) >= 3
+    for way in ways:
+        assert not furniture.test(way.t * way.direction).flaws & LOST
+        assert furniture.test((way.span[0] - 1e-4) * way.direction).flaws & LOST
+    # Back by a quarter of what it was moved: the leg's half width of 60 mm must meet the top by 10 mm.
+    back = next(way for way in ways if way.mode == "leg-1: move y")
+    assert back.span[0] * furniture.piece.size == pytest.approx(0.05, abs=1e-4)
+
+
+def test_a_foot_that_does_not_stand_flat_is_turned_back() -> None:
+    furniture = lost(("leg-1", "turn z", 0.1))
+    assert any(furniture.geometry().foot_faults)
+    (way,) = reconnect(furniture).found
+    assert way.mode == "leg-1: turn z"
+    # By as much as it was turned, and by nothing else: a tilted foot has no range.
+    assert way.t * way.direction[1, 5] == pytest.approx(-0.1, abs=1e-6)
+    assert not furniture.test(way.t * way.direction).flaws & LOST
+    assert not any(Furniture(furniture.moved(way.t * way.direction)).geometry().foot_faults)
+
+
+def test_two_changes_bring_back_what_none_does_alone() -> None:
+    furniture = lost(("leg-1", "turn z", 0.1), ("leg-1", "move y", -0.3))
+    found = reconnect(furniture).found
+    assert found
+    for way in found:
+        used = np.argwhere(way.direction)
+        assert len(used) == 2
+        assert not furniture.test(way.t * way.direction).flaws & LOST
+        for plank, number in used:
+            alone = np.zeros_like(way.direction)
+            alone[plank, number] = way.direction[plank, number]
+            reach = np.linspace(-1.0, 1.0, 401) * 0.5 / np.abs(alone[plank, number])
+            assert all(furniture.kernel.scan(alone, reach, LOST)[0])
+
+
+def test_what_is_too_far_away_is_told() -> None:
+    furniture = lost(("leg-1", "move y", -3.0))
+    search = reconnect(furniture)
+    assert search.found == ()
+    assert "top, leg-1" in search.why
+    assert Design(furniture.piece).ideas.why == search.why
+
+
+def test_openings_are_zero_where_all_is_closed_and_smooth_elsewhere() -> None:
+    piece = table()
+    assert np.abs(Opening(Furniture(piece)).at(np.zeros((5, 8)))).max() == pytest.approx(0.0, abs=1e-9)
+    furniture = lost(("leg-1", "move y", -0.2))
+    gamma = np.zeros((5, 8))
+    sizes = []
+    for back in (0.0, 0.02, 0.04, 0.0499):
+        gamma[1, 1] = back
+        sizes.append(float(np.linalg.norm(Opening(furniture).at(gamma))))
+    # Each step back closes as much as it is long.
+    assert np.diff(sizes) == pytest.approx([-0.02, -0.02, -0.0099], abs=1e-4)
+
+
+def test_a_piece_without_feet_that_has_lost_a_joint_is_looked_at_too() -> None:
+    furniture = lost(("leg-1", "move y", -0.2))
+    floating = Furniture(replace(furniture.piece, feet=()))
+    assert [way.mode for way in reconnect(floating).found if way.mode == "leg-1: move y"]

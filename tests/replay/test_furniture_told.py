@@ -1,0 +1,126 @@
+"""What replays of furniture tell of guidance: programs in JSON, people on the terminal."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from furniture_scenes import write_bench, write_edits
+
+from restshape.cli.main import main
+from restshape.replay.guided import beyond, intervals, runs, unit_of
+from restshape.replay.verdict import both
+
+EVENTS = [
+    {"do": "press", "on": "left", "parameter": "move z"},
+    {"do": "drag", "by": -0.7, "frames": 7},
+    {"do": "release"},
+    {"do": "undo"},
+    {"do": "rotate", "on": "right", "by": "4 deg", "about": "y", "frames": 2},
+    {"do": "press", "on": "left", "parameter": "move z"},
+    {"do": "drag", "by": -0.7, "frames": 1},
+    {"do": "release"},
+]
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory):
+    """What JSON and CSV of a replay hold: the leg goes too far twice, each time it is let go."""
+    folder = tmp_path_factory.mktemp("told")
+    words = ["replay", str(write_bench(folder)), "--edits", str(write_edits(folder, *EVENTS))]
+    assert main([*words, "--json", str(folder / "run.json"), "--csv", str(folder / "run.csv")]) == 0
+    with (folder / "run.csv").open(newline="") as file:
+        return json.loads((folder / "run.json").read_text()), list(csv.DictReader(file))
+
+
+def test_json_tells_the_guidance_of_each_frame(told):
+    found, rows = told
+    frames = found["guidance"]["frames"]
+    assert len(frames) == found["frames"] == len(rows) == 16
+    # The box tips over the leg's outer side: the leg has moved by 0.5 m and a little more.
+    held = frames[2:9]
+    assert [frame["verdict"] for frame in held] == ["holds"] * 5 + ["fails"] * 2
+    assert [frame["inside"] for frame in held] == [True] * 5 + [False] * 2
+    assert [frame["at"] for frame in held] == pytest.approx([-0.1 * k for k in range(1, 8)])
+    for frame, row in zip(held, rows[2:9]):
+        assert (frame["parameter"], frame["unit"]) == ("left: move z", "m")
+        ((low, high),) = frame["ranges"]
+        assert -0.6 < low < -0.5 < 0.0 < high and low == pytest.approx(float(row["range_low"]), abs=1e-6)
+        assert frame["use"] == pytest.approx(float(row["use"])) and frame["margin"] == pytest.approx(
+            float(row["margin"])
+        )
+    idle = frames[9]
+    assert idle["parameter"] == "" and idle["at"] is idle["ranges"] is idle["inside"] is idle["unit"] is None
+    assert [frame["unit"] for frame in frames[11:13]] == ["rad"] * 2
+
+
+def test_json_tells_every_search_for_suggestions(told):
+    found, rows = told
+    searches = found["guidance"]["suggestions"]
+    assert [search["frame"] for search in searches] == [9, 15]
+    for search in searches:
+        row = rows[search["frame"]]
+        assert search["found"] == json.loads(row["suggestions"]) and len(search["found"]) == int(row["suggested"]) > 0
+        assert search["broken"].startswith("falls") and search["tried"] == int(row["tried"]) > 0 and search["ms"] > 0.0
+
+
+def test_the_terminal_tells_verdicts_and_all_suggestions(tmp_path, capsys):
+    assert main(["replay", str(write_bench(tmp_path)), "--edits", str(write_edits(tmp_path, *EVENTS))]) == 0
+    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert "0 0 to 6 holds" in lines and "3 7 to 9 falls under its weights" in lines
+    assert "left: move z" in next(line for line in lines if line.startswith("3 left"))
+    # In millimetres and degrees.
+    assert any(line.endswith("mm 7 5") for line in lines) and any("deg 2 2" in line for line in lines)
+    assert sum(line.startswith("suggestions in frame") for line in lines) == 2
+
+
+def test_json_of_what_is_no_furniture_tells_no_guidance(tmp_path):
+    from small_scenes import plate, write_scene
+
+    assert main(["replay", str(write_scene(tmp_path, plate(0.3))), "--json", str(tmp_path / "run.json")]) == 0
+    assert "guidance" not in json.loads((tmp_path / "run.json").read_text())
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted", "ends"),
+    [
+        ("-0.2 to 0.03; 0.1 to 0.55 or beyond", [(-0.2, 0.03), (0.1, 0.55)], [(False, False), (False, True)]),
+        ("-1e-05 or beyond to 3", [(-1e-5, 3.0)], [(True, False)]),
+        ("none", [], []),
+        ("", [], []),
+        # A recording cuts long texts.
+        ("0 to 1; 2 to 3; 4…", [(0.0, 1.0), (2.0, 3.0)], [(False, False)] * 2),
+    ],
+)
+def test_ranges_are_read_from_their_text(text, wanted, ends):
+    assert intervals(text) == wanted and beyond(text) == ends
+
+
+def test_units_and_runs():
+    assert [unit_of(name) for name in ("a: move", "a: turn y", "a: turn", "a: length x + b: turn y")] == [
+        "m",
+        "rad",
+        "rad",
+        "m",
+    ]
+    rows = [
+        {"index": k, "verdict": verdict, "broken": why}
+        for k, (verdict, why) in enumerate(
+            [("holds", ""), ("", ""), ("holds", ""), ("fails", "falls"), ("fails", "falls"), ("holds", "")]
+        )
+    ]
+    assert [(a["index"], b["index"], words) for a, b, words in runs(rows)] == [
+        (0, 2, "holds"),
+        (3, 4, "falls"),
+        (5, 5, "holds"),
+    ]
+
+
+def test_a_piece_and_a_limit_fail_together():
+    limit = {"verdict": "fails", "broken": "leg", "note": ""}
+    piece = {"verdict": "holds", "broken": "", "note": "left out", "use": 0.5}
+    assert both(limit, piece) == {"verdict": "fails", "broken": "leg", "note": "left out", "use": 0.5}
+    piece |= {"verdict": "fails", "broken": "falls"}
+    assert both(limit, piece)["broken"] == "falls; leg"
+    assert both({"verdict": "", "broken": "", "note": ""}, piece)["verdict"] == "fails"
+    assert np.isnan(both(limit, {"sag": np.nan})["sag"])
