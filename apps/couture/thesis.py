@@ -19,7 +19,7 @@ from restshape.analysis.drape_equations import ClothEquations
 from restshape.replay.still import still
 
 SCENES = Path(__file__).parent / "scenes"
-FIGURE, TABLE, BALL = "figure 5.16", "table 5.1", "figure 5.21"
+FIGURE, TABLE, BALL = "figure 5.16", "5.1", "figure 5.21"
 HINGE, MORLEY = "effects.cloth.bending=hinge", "effects.cloth.bending=morley"
 TURNS = 3
 """Runs of which the median is taken."""

@@ -159,6 +159,12 @@ py::tuple scan(Furniture& f, const Doubles& direction, const Doubles& t, int wan
     return py::make_tuple(flaws, pull, shear);
 }
 
+py::tuple bisect(Furniture& f, const Doubles& direction, double good, double bad, double tolerance, int wanted) {
+    require(direction.size() == 8 * f.piece().count(), "direction must have 8 numbers a plank");
+    const int tests = f.bisect(direction.data(), good, bad, tolerance, wanted);
+    return py::make_tuple(good, bad, tests);
+}
+
 py::dict derivative(Furniture& f, const Doubles& directions, int c) {
     require(directions.ndim() == 2 && directions.shape(1) == 8 * f.piece().count(), "directions must be (m, 8 planks)");
     DesignDerivative design(f, directions.data(), static_cast<int>(directions.shape(0)));
@@ -223,6 +229,9 @@ void bind_planks(py::module_& m) {
         .def("forces", &forces, "case"_a, "Displacements, contact and joint forces at the last test.")
         .def("scan", &scan, "direction"_a, "t"_a, "wanted"_a = every_flaw,
              "Flaws, and uses of pull and shear strength, at each t along a direction (n, 8).")
+        .def("bisect", &bisect, "direction"_a, "good"_a, "bad"_a, "tolerance"_a, "wanted"_a = every_flaw,
+             "The last good and the first bad t along a direction (n, 8) between one of each, and the tests that it "
+             "took.")
         .def("derivative", &derivative, "directions"_a, "case"_a,
              "Derivatives of the last test's equilibrium along design directions (m, 8 n).")
         .def("stability_rows", &stability_rows, "directions"_a, "case"_a,

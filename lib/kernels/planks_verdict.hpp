@@ -91,6 +91,19 @@ class Furniture {
         return verdict;
     }
 
+    // Narrows a bracket of a parameter t along a direction (8 a plank), of whose ends one is free of what is wanted
+    // away, until it is within a tolerance; gives the number of tests.
+    int bisect(const double* direction, double& good, double& bad, double tolerance, int wanted) {
+        std::vector<double> gamma(8 * P.count());
+        int tests = 0;
+        for (; std::abs(bad - good) > tolerance; ++tests) {
+            const double middle = 0.5 * (good + bad);
+            for (size_t a = 0; a < gamma.size(); ++a) gamma[a] = middle * direction[a];
+            ((test(gamma.data(), wanted, true).flaws & wanted) == 0 ? good : bad) = middle;
+        }
+        return tests;
+    }
+
     // Brings a case to rest, from the state that it has; tells whether with one-sided contacts.
     bool one_sided(int load_case) {
         settle(load_case);

@@ -7,7 +7,6 @@ from itertools import combinations as choose
 import numpy as np
 
 from restshape.guidance.force_space import LONGEST, ForceSpace, combinations
-from restshape.guidance.ranges import bisected
 from restshape.guidance.relinearised import relinearised
 from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture
 from restshape.shape.design_modes import DesignModes
@@ -306,19 +305,11 @@ class Search:
             good, bad = self._end(direction, good, bad, COARSE)
         flaws = int(self.furniture.kernel.scan(direction, np.array([bad]), FORCELESS & self.wanted)[0][0])
         if flaws:
-            ends = self._bisected(direction, good, bad, tolerance, flaws)
+            ends = self.furniture.kernel.bisect(direction, good, bad, tolerance, flaws)[:2]
             place = ends[0] if abs(bad - good) > COARSE else 0.5 * (good + ends[0])
             if self._good(direction, np.array([place]))[0]:
                 return ends
-        return self._bisected(direction, good, bad, tolerance, self.wanted)
-
-    def _bisected(
-        self, direction: np.ndarray, good: float, bad: float, tolerance: float, wanted: int
-    ) -> tuple[float, float]:
-        low, high = np.array([min(good, bad)]), np.array([max(good, bad)])
-        flags = np.array([good < bad])
-        ends, beyond, _ = bisected(self.furniture, direction, low, high, flags, tolerance, wanted)
-        return float(ends[0]), float(beyond[0])
+        return self.furniture.kernel.bisect(direction, good, bad, tolerance, self.wanted)[:2]
 
     def _shown(self, direction: np.ndarray, span: tuple[float, float], tested: float) -> float:
         t = span[0] + REPRESENTED * (span[1] - span[0])

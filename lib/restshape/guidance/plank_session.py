@@ -79,7 +79,7 @@ class PlankSession:
         always = self._script.header.analysis == "every frame"
         for k, event in enumerate(events):
             room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
-            count = self._count(event)
+            count = event.frame_count
             pace = min(FRAME_TIME, room / count)
             for i, step in enumerate(self.steps(event)):
                 settled = self._hold is None and i == count - 1
@@ -111,14 +111,6 @@ class PlankSession:
         where = (self.way, (self.part, 0.0), self.scene, step.refused, analysed, settled, self.design, self.gamma)
         return PlankFrame(index, t, line, do, step.change, *where, step.note)
 
-    @staticmethod
-    def _count(event: Any) -> int:
-        """Number of frames that an event takes."""
-        frames = getattr(event, "frames", None)
-        if event.do == "drag" and frames is None:
-            return len(event.path) if event.path is not None else 1
-        return frames or 1
-
     # What a hand does.
 
     def _do_press(self, event: Any) -> Iterator[Step]:
@@ -140,7 +132,7 @@ class PlankSession:
         yield Step("none")
 
     def _do_drag(self, event: Any) -> Iterator[Step]:
-        hold, count = self._hold, self._count(event)
+        hold, count = self._hold, event.frame_count
         by, wrong = self._by(event)
         if wrong:
             for _ in range(count):

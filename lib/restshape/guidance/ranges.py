@@ -72,29 +72,10 @@ def valid_ranges(
     flaws = furniture.kernel.scan(direction, t, wanted)[0]
     good = flaws == 0
     turns = np.flatnonzero(good[1:] != good[:-1])
-    ends, _, tests = bisected(
-        furniture, direction, t[turns], t[turns + 1], good[turns], tolerance * (high - low), wanted
-    )
+    ends, tests = [], len(t)
+    for k in turns:
+        bracket = (t[k], t[k + 1]) if good[k] else (t[k + 1], t[k])
+        end, _, more = furniture.kernel.bisect(direction, *bracket, tolerance * (high - low), wanted)
+        ends, tests = [*ends, end], tests + more
     marks = np.concatenate([[low] if good[0] else [], ends, [high] if good[-1] else []])
-    return Ranges(marks.reshape(-1, 2), t, flaws, len(t) + tests)
-
-
-def bisected(
-    furniture: Furniture,
-    direction: np.ndarray,
-    left: np.ndarray,
-    right: np.ndarray,
-    left_good: np.ndarray,
-    tolerance: float,
-    wanted: int = ALL,
-) -> tuple[np.ndarray, np.ndarray, int]:
-    """The last valid and the first invalid parameters (k,) in brackets with one valid end each; tests that it took."""
-    ends, beyond, tests = np.empty(len(left)), np.empty(len(left)), 0
-    for k in range(len(left)):
-        a, b, good = float(left[k]), float(right[k]), bool(left_good[k])
-        while b - a > tolerance:
-            middle = 0.5 * (a + b)
-            same = (furniture.kernel.scan(direction, np.array([middle]), wanted)[0][0] == 0) == good
-            a, b, tests = (middle, b, tests + 1) if same else (a, middle, tests + 1)
-        ends[k], beyond[k] = (a, b) if good else (b, a)
-    return ends, beyond, tests
+    return Ranges(marks.reshape(-1, 2), t, flaws, tests)

@@ -7,7 +7,6 @@ import numpy as np
 
 from restshape.guidance.force_space import LONGEST
 from restshape.guidance.opening import Opening
-from restshape.guidance.ranges import bisected
 from restshape.physics.furniture import LOST, Furniture
 from restshape.shape.design_modes import DesignModes
 from restshape.shape.planks import Joint
@@ -172,7 +171,6 @@ class _Closing:
 
     def _end(self, direction: np.ndarray, t: np.ndarray, good: int, bad: int) -> float:
         """The last place where all are closed between two samples."""
-        low, high = t[[min(good, bad)]], t[[max(good, bad)]]
-        ends, _, tests = bisected(self.furniture, direction, low, high, np.array([good < bad]), 1e-6, LOST)
+        end, _, tests = self.furniture.kernel.bisect(direction, t[good], t[bad], 1e-6, LOST)
         self.tested += tests
-        return float(ends[0])
+        return end

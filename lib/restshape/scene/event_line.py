@@ -33,6 +33,12 @@ class EventLine(Strict):
     t: Annotated[number_of("time"), Field(ge=0)]
     note: str = ""
 
+    @property
+    def frame_count(self) -> int:
+        """Number of frames that it takes; along a path without a number of its own, one for each place."""
+        path = getattr(self, "path", None)
+        return getattr(self, "frames", None) or (len(path) if path is not None else 1)
+
 
 class Idle(EventLine):
     """Nothing happens for some frames."""

@@ -133,7 +133,7 @@ class EditSession:
         for k, event in enumerate(events):
             room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
             analysed = always or event.do == "analyse"
-            count = self._count(event)
+            count = event.frame_count
             pace = min(FRAME_TIME, room / count)
             for i, step in enumerate(self.steps(event)):
                 t = event.t + i * pace
@@ -185,17 +185,9 @@ class EditSession:
         c = STILL if self._hold is None else self._hold.c
         self._before = self.outline, self.scene, c, self._past, self._future
 
-    @staticmethod
-    def _count(event: Any) -> int:
-        """Number of frames that an event takes."""
-        frames = getattr(event, "frames", None)
-        if event.do == "drag" and frames is None:
-            return len(event.path) if event.path is not None else 1
-        return frames or 1
-
     def _refused_body(self, event: Any) -> Iterator[Step]:
         what = f"{event.on} is a body, which {event.do!r} does not know"
-        for _ in range(self._count(event)):
+        for _ in range(event.frame_count):
             yield self._refusal(UserError(what, do="bodies can be pressed and dragged, rotated and scaled"))
 
     def _do_press(self, event: Any) -> Iterator[Step]:
@@ -228,7 +220,7 @@ class EditSession:
     def _do_drag(self, event: Any) -> Iterator[Step]:
         path = event.path if event.path is not None else (event.to,)
         if self._hold is None:
-            for _ in range(self._count(event)):
+            for _ in range(event.frame_count):
                 yield Step("none", refused="nothing is held")
             return
         if event.frames is not None and event.frames != len(path):
