@@ -84,6 +84,19 @@ def test_earlier_solutions_spare_iterations():
     kept.free()
 
 
+def test_the_guess_is_the_best_sum_of_the_last_two_solutions():
+    way, pairs = solver("sor", 1e-3), steps(3)
+    known = [way.solve(petsc(dense), right.reshape(NODES, FIELDS)).ravel() for dense, right in pairs[:2]]
+    dense, right = pairs[2]
+    # With so loose a tolerance the guess stands as it is.
+    way.ksp.setTolerances(atol=1e30)
+    guess = way.solve(petsc(dense), right.reshape(NODES, FIELDS)).ravel()
+    both = np.stack(known, axis=1)
+    best = both @ np.linalg.solve(both.T @ dense @ both, both.T @ right)
+    np.testing.assert_allclose(guess, best, atol=1e-10 * np.abs(best).max())
+    way.free()
+
+
 def test_each_solution_goes_down_in_the_energy_of_its_step():
     way = solver("sor", 0.5)
     for dense, right in [*steps(3), (stretched(5, 0.05), -steps(1)[0][1])]:

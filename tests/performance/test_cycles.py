@@ -15,9 +15,9 @@ def test_either_cause_alone_keeps_the_cloth_moving(courses):
     for name, manner in cycles.MANNERS.items():
         course = courses[name]
         if manner.kink or manner.anew:
-            # It moves on and on: no slower at the end than in the middle.
-            late, middle = (max(course.speeds[part]) for part in (slice(-50, None), slice(100, 150)))
-            assert not course.at_rest and late > 0.3 * middle and late > 1e-2, name
+            # It moves on and on: hardly slower at the end than a hundred steps before.
+            late, earlier = (max(course.speeds[part]) for part in (slice(-50, None), slice(-150, -100)))
+            assert not course.at_rest and late > 0.3 * earlier and late > 1e-2, name
             assert min(course.residuals[-50:]) > 0.1, name
 
 

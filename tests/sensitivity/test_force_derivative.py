@@ -73,7 +73,7 @@ def test_the_rows_of_stability_are_reactions_of_a_tripod() -> None:
     rows = stability_derivative(furniture, modes_of(furniture).directions[:1])[0]
     reactions = furniture.forces().contacts.reshape(-1, 4, 3)[:, :, 2].sum(axis=1)
     points = np.array(feet)
-    size = np.ptp(points, axis=0).max()
+    size = max(np.hypot(*(a - b)) for a in points for b in points)
     expected = []
     for k in range(3):
         a, b = points[(k + 1) % 3], points[(k + 2) % 3]

@@ -9,8 +9,8 @@ from restshape_apps.furniture.pieces import table
 from restshape.guidance.design import Design
 from restshape.guidance.opening import Opening
 from restshape.guidance.reconnect import reconnect
-from restshape.physics.furniture import LOST, Furniture
-from restshape.shape.planks import FREEDOMS
+from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture
+from restshape.shape.planks import FREEDOMS, Foot, Joint, Load, Piece, Plank
 
 
 def lost(*changes: tuple[str, str, float]) -> Furniture:
@@ -87,3 +87,49 @@ def test_a_piece_without_feet_that_has_lost_a_joint_is_looked_at_too() -> None:
     furniture = lost(("leg-1", "move y", -0.2))
     floating = Furniture(replace(furniture.piece, feet=()))
     assert [way.mode for way in reconnect(floating).found if way.mode == "leg-1: move y"]
+
+
+def shelf_with_a_post(spot: float) -> Furniture:
+    """A top on two sides, a shelf between them, and a post at x = `spot` [m] that was on the shelf."""
+    thick, low, high = 0.018, 0.12, 0.45
+
+    def board(name: str, start: tuple[float, float], end: tuple[float, float]) -> Plank:
+        return Plank.between(name, (start[0], 0.0, start[1]), (end[0], 0.0, end[1]), (0.0, 0.35, 0.0), thick)
+
+    half = 0.55 - thick / 2
+    planks = (
+        board("left", (-0.55, 0.0), (-0.55, high)),
+        board("right", (0.55, 0.0), (0.55, high)),
+        board("shelf", (-half, low), (half, low)),
+        board("post", (spot, low + thick / 2), (spot, high - 0.1)),
+        board("top", (-0.6, high + thick / 2), (0.6, high + thick / 2)),
+    )
+    joints = tuple(Joint(*one) for one in ((0, 1, 4, 4), (1, 1, 4, 4), (2, 0, 0, 5), (2, 1, 1, 4), (3, 0, 2, 5)))
+    return Furniture(Furniture(Piece(planks, joints, (Foot(0, 0), Foot(1, 0)))).moved())
+
+
+def test_the_range_of_what_mends_all_is_where_nothing_at_all_is_wrong() -> None:
+    # The post, 18 mm thick, sticks 28 mm into the side that ends the shelf; within 0.1 mm planks only touch.
+    furniture = shelf_with_a_post(0.56)
+    assert furniture.test().flaws & (LOST | OVERLAPPING) == LOST | OVERLAPPING
+    ways = [way for way in reconnect(furniture).found if way.mode == "post: move z"]
+    (back,) = [way for way in ways if way.flaws == 0]
+    scale = float(np.abs(back.direction).max())
+    assert back.span[0] * scale == pytest.approx(0.0279, abs=1e-5)
+    for t in np.linspace(*back.span, 40):
+        assert furniture.test(t * back.direction).valid
+
+
+def test_the_range_of_what_mends_in_part_ends_where_more_is_wrong() -> None:
+    furniture = shelf_with_a_post(0.56)
+    # A push that throws it over keeps all ways from mending more than the joint.
+    push = Load("push", 4, (0.0, 0.0, 0.5), (2000.0, 0.0, 0.0))
+    furniture = Furniture(replace(furniture.piece, pushes=(push,)))
+    ways = reconnect(furniture).found
+    assert ways
+    for way in ways:
+        assert way.flaws & UNSTABLE
+        for t in np.linspace(*way.span, 20):
+            assert furniture.test(t * way.direction).flaws & ~way.flaws == 0
+    (back,) = [way for way in ways if way.mode == "post: move z"]
+    assert back.span[0] * float(np.abs(back.direction).max()) == pytest.approx(0.0279, abs=1e-5)
