@@ -7,7 +7,7 @@ import argparse
 import json
 from dataclasses import asdict
 
-from restshape_apps.furniture.misses import FIRST_ONLY, SMALL, UNLIMITED, Grid
+from restshape_apps.furniture.misses import FIRST_ONLY, LARGER, POINTS, SMALL, UNLIMITED, Grid
 from restshape_apps.furniture.times import (
     COLUMNS,
     Column,
@@ -88,8 +88,8 @@ def main() -> None:
     report: dict[str, Numbers] = {name: numbers_of(column) for name, column in COLUMNS.items()}
     report["a bookshelf with 224 freedoms"] = large_search()
     report["forecast of 4 of 224"] = vars(forecast(224, 4))
-    for name, make in SMALL.items():
-        grid = Grid.of(make())
+    for name, make in (SMALL | LARGER).items():
+        grid = Grid.of(make(), POINTS if name in SMALL else POINTS[:2])
         searches = {
             "as shown": grid.as_shown(),
             "without limits": grid.beside(UNLIMITED),

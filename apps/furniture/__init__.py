@@ -96,9 +96,8 @@ class Guide(Strict):
         from restshape.guidance.force_space import forecast
 
         most = forecast(8 * len(scene.planks), self.freedoms)
-        why = (
-            f"up to {most.combinations:,} combinations of {self.freedoms} freedoms, about {most.seconds:.3g} s a search"
-        )
+        number, seconds = f"{most.combinations:,}", f"{most.seconds:.3g} s"
+        why = f"up to {number} combinations of {self.freedoms} freedoms, nominally {seconds} a search"
         return Decision(self, why, warns=True)
 
 

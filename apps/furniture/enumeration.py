@@ -1,7 +1,8 @@
 """Suggestions by trying every combination of modes one by one, with nothing left out: what a search must find too.
 
 It shares the force space and the full test with the search, and nothing else: least squares are LAPACK's, every
-combination is looked at, and only in the end those are left out that hold a smaller one that works.
+combination is looked at, single modes at dense places, and only in the end those are left out that hold a smaller one
+that works.
 """
 
 from itertools import combinations as choose
@@ -20,6 +21,9 @@ PLACES = (0.03, 0.15, 0.4, 0.8)
 
 FURTHER = (1.15, 1.5)
 """And in parts of where the box is entered."""
+
+DENSE = 401
+"""Places of the full test along each mode alone, both ways."""
 
 Ray = tuple[np.ndarray, float, float]
 
@@ -68,6 +72,24 @@ def confirmed(
     return good
 
 
+def alone(furniture: Furniture, modes: DesignModes, wanted: int = ALL) -> set[tuple[int, ...]]:
+    """Modes along which the full test holds alone at one of many places: no force space, no direction, all modes."""
+    t = np.linspace(-LONGEST, LONGEST, DENSE)
+    directions = [modes.direction(np.array([k]), np.ones(1)) for k in range(len(modes))]
+    good = {(k,) for k, way in enumerate(directions) if (furniture.kernel.scan(way, t, wanted)[0] == 0).any()}
+    furniture.test()
+    return good
+
+
 def distinct(found: set[tuple[int, ...]]) -> set[tuple[int, ...]]:
     """Those that hold no other one."""
     return {some for some in found if not any(set(other) < set(some) for other in found)}
+
+
+def apart(found: set[tuple[int, ...]], expected: set[tuple[int, ...]]) -> tuple[set, set]:
+    """What is expected of which nothing is found, and what is found that is no part of what is expected.
+
+    A search also tries what it finds with modes left out, and then has the part in place of the whole.
+    """
+    missed = {some for some in expected if not any(set(less) <= set(some) for less in found)}
+    return missed, {some for some in found if not any(set(some) <= set(whole) for whole in expected)}

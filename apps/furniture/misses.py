@@ -6,7 +6,7 @@ from itertools import combinations as choose
 from itertools import product
 
 import numpy as np
-from restshape_apps.furniture.pieces import cantilever, scales
+from restshape_apps.furniture.pieces import cantilever, scales, table
 from restshape_apps.furniture.small_pieces import toppling
 
 from restshape.guidance.combination_search import Limits
@@ -27,10 +27,15 @@ FIRST_ONLY = Limits(trials=MANY, kept=0, glances=0, mended=0, continued=0)
 SMALL: dict[str, Callable[[], Piece]] = {
     "cantilever": lambda: cantilever(kilograms=1.8),
     "long cantilever": lambda: cantilever(width=0.1, arm=0.3, kilograms=1.3),
+    "cantilever, 2 kg": lambda: cantilever(kilograms=2.0),
+    "cantilever, 2.8 kg": lambda: cantilever(kilograms=2.8),
     "scales": scales,
     "cantilever that falls": toppling,
 }
 """Invalid pieces of at most four planks."""
+
+LARGER: dict[str, Callable[[], Piece]] = {"table": table}
+"""Pieces of which grids of single modes and pairs alone are made."""
 
 
 @dataclass(frozen=True)
@@ -97,9 +102,9 @@ class Grid:
             limits: of the search; default: those of `suggest`.
             shown: suggestions at most.
         """
-        found = {one.modes for one in suggest(Furniture(self.piece), len(self.ways), shown, limits).found}
+        found = {one.modes for one in suggest(Furniture(self.piece), len(POINTS), shown, limits).found}
         there, missed = (tuple(len(ways - less) for ways in self.ways) for less in (set(), found))
-        return Misses(there, missed, len(found - frozenset().union(*self.ways)))
+        return Misses(there, missed, sum(len(some) <= len(self.ways) for some in found - frozenset().union(*self.ways)))
 
     def as_shown(self) -> Misses:
         """What the search of an edit misses, with its limits and as many suggestions as it shows."""

@@ -42,6 +42,7 @@ struct Verdict {
 class Furniture {
  public:
     static constexpr double balance_tolerance = 1e-7;
+    static constexpr double repeated = 1e-6;  // of a joint's use, that counts as the same in two cases
 
     explicit Furniture(Piece piece) : P(std::move(piece)) {
         P.find_held();
@@ -233,7 +234,9 @@ class Furniture {
             const double pull = (2.0 * std::abs(f.bending) / lever + f.tension) / nails / spec.pull;
             const double shear = std::hypot(f.shear_x, f.shear_y) / nails / spec.shear;
             verdict.pull = std::max(verdict.pull, pull), verdict.shear = std::max(verdict.shear, shear);
-            if (!(std::max(pull, shear) <= most[k].use))
+            // A case that only repeats an earlier one, up to rounding, is not what breaks the joint.
+            const double known = most[k].joint < 0 ? most[k].use : most[k].use * (1.0 + repeated);
+            if (!(std::max(pull, shear) <= known))
                 most[k] = {static_cast<int>(k), load_case, std::max(pull, shear), shear > pull};
         }
     }

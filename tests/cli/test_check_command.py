@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from cloths import BALL, write_cloth
+from furniture_scenes import BENCH, write_bench
 
 from restshape.application import applications
 from restshape.cli.main import main
@@ -147,18 +148,42 @@ def test_a_thickness_without_a_sign_is_refused_and_a_thin_one_is_not(capsys):
 
 def test_check_tells_of_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
     clamp = '[supports.clamp]\non = "left"\nfix = ["x", "slope"]\n[supports.mirror]\non = "right"\nsymmetry = "x"\n'
-    start = '[start]\nmove = [0, 0, "tilt"]\nscatter = "1 mm"\n'
+    start = '[start]\nmove = [0, 0, "half"]\nscatter = "1 mm"\n'
     path = write_cloth(tmp_path, BALL, clamp, start)
     assert check(path, "--json", tmp_path / "check.json") == 0
     told = " ".join(capsys.readouterr().out.split())
     assert "sphere, center (0.5, half, -0.3), radius 0.25, friction 0.3" in told
     assert "x = 0 and slope = 0 on left" in told and "plane of symmetry with the normal x on right" in told
-    assert "moved by (0, 0, tilt) m, scattered by 0.001 m with the seed 0" in told
+    assert "moved by (0, 0, half) m, scattered by 0.001 m with the seed 0" in told
     found = json.loads((tmp_path / "check.json").read_text())
     assert found["bodies"] == {"ball": {"sphere": {"center": [0.5, "half", -0.3], "radius": 0.25}, "friction": 0.3}}
-    assert found["start"]["move"] == [0.0, 0.0, "tilt"] and "falls through bodies.ball" in found["warnings"][0]
+    assert found["start"]["move"] == [0.0, 0.0, "half"] and "falls through bodies.ball" in found["warnings"][0]
 
 
 def test_the_schema_takes_gravity_in_the_plane_and_in_space():
     gravity = scene_schema()["properties"]["effects"]["properties"]["gravity"]
     assert {model["properties"]["g"]["minItems"] for model in gravity["anyOf"]} == {2, 3}
+
+
+def test_check_tells_planks_joints_and_loads_of_furniture_in_space(tmp_path, capsys):
+    # Drawn against x: its z points down.
+    drawn = BENCH.replace("from = [-0.6, 0, 0.51]\nto = [0.6, 0, 0.51]", "from = [0.6, 0, 0.51]\nto = [-0.6, 0, 0.51]")
+    text = drawn.replace('mass = "20 kg"', 'mass = "20 kg"\nat = [0.5, 0, 0.5]')
+    limit = '[quantities]\nlong = { length = "x", at = "top", limit = "90 cm" }\n'
+    assert check(write_bench(tmp_path, text + limit), "--json", tmp_path / "check.json") == 0
+    told = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    board = "1200 x 300 x 20 mm of pine, middle at (0, 0, 0.51) m; x along -x, y along +y, z along -z"
+    assert f"plank top {board}" in told and "weight box 200 N on top at (-0.6, 0, 0.5) m" in told
+    # A fastener each 20 mm along the 300 mm.
+    assert any(line.startswith("joint left +x on top +z, 300 mm long, 15 'screw'") for line in told)
+    assert "quantity long sum of length x at top, holds up to 900 mm" in told
+    assert any(line.startswith("limits restshape replay") for line in told)
+    found = json.loads((tmp_path / "check.json").read_text())
+    assert found["planks"]["top"]["axes"] == [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]
+
+
+def test_check_refuses_quantities_of_joints_that_are_not_there(tmp_path, capsys):
+    text = '[quantities]\nfree = { use = "pull", at = "top +x" }\n'
+    assert check(write_bench(tmp_path, BENCH + text)) == 2
+    told = capsys.readouterr().err
+    assert "quantities.free.at (line" in told and "no joint at 'top +x'" in told

@@ -212,3 +212,10 @@ def test_lines_of_text_say_all_that_events_may_of_a_plank(tmp_path):
     wanted = SHELF | {"thickness": 0.015, "wood": "oak", "fastener": "dowel"}
     assert {key: first[key] for key in wanted} == wanted
     assert (second["do"], second["fastener"]) == ("connect", "nail")
+
+
+def test_what_cannot_be_deleted_is_told_with_what_can(play):
+    (push, nothing) = play({"do": "delete", "on": "wind"}, {"do": "delete", "on": "hatt"}, text=BENCH + PUSH)[1:]
+    assert "'wind' is a push" in push.refused and "pushes.wind.force" in push.refused
+    assert "no plank or weight 'hatt'" in nothing.refused
+    assert all(name in nothing.refused for name in ("top", "left", "right", "box"))

@@ -10,7 +10,7 @@ from restshape.guidance.design import Design
 from restshape.guidance.opening import Opening
 from restshape.guidance.reconnect import reconnect
 from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture
-from restshape.shape.planks import FREEDOMS, Foot, Joint, Load, Piece, Plank
+from restshape.shape.planks import FREEDOMS, Load, Piece, Plank, feet_near, joints_near
 
 
 def lost(*changes: tuple[str, str, float]) -> Furniture:
@@ -89,8 +89,8 @@ def test_a_piece_without_feet_that_has_lost_a_joint_is_looked_at_too() -> None:
     assert [way.mode for way in reconnect(floating).found if way.mode == "leg-1: move y"]
 
 
-def shelf_with_a_post(spot: float) -> Furniture:
-    """A top on two sides, a shelf between them, and a post at x = `spot` [m] that was on the shelf."""
+def shelf_with_a_post(spot: float, push: float = 0.0) -> Furniture:
+    """A top on two sides, a shelf between them, and a post on it that was moved to x = `spot` [m]."""
     thick, low, high = 0.018, 0.12, 0.45
 
     def board(name: str, start: tuple[float, float], end: tuple[float, float]) -> Plank:
@@ -101,11 +101,14 @@ def shelf_with_a_post(spot: float) -> Furniture:
         board("left", (-0.55, 0.0), (-0.55, high)),
         board("right", (0.55, 0.0), (0.55, high)),
         board("shelf", (-half, low), (half, low)),
-        board("post", (spot, low + thick / 2), (spot, high - 0.1)),
+        board("post", (0.0, low + thick / 2), (0.0, high - 0.1)),
         board("top", (-0.6, high + thick / 2), (0.6, high + thick / 2)),
     )
-    joints = tuple(Joint(*one) for one in ((0, 1, 4, 4), (1, 1, 4, 4), (2, 0, 0, 5), (2, 1, 1, 4), (3, 0, 2, 5)))
-    return Furniture(Furniture(Piece(planks, joints, (Foot(0, 0), Foot(1, 0)))).moved())
+    joints, pushes = joints_near(planks), (Load("push", 4, (0.0, 0.0, 0.5), (push, 0.0, 0.0)),) if push else ()
+    piece = Piece(planks, joints, feet_near(planks), pushes=pushes)
+    gamma = np.zeros((5, 8))
+    gamma[3, 2] = spot * planks[3].axes[0, 2]
+    return Furniture(Furniture(piece).moved(gamma))
 
 
 def test_the_range_of_what_mends_all_is_where_nothing_at_all_is_wrong() -> None:
@@ -121,10 +124,8 @@ def test_the_range_of_what_mends_all_is_where_nothing_at_all_is_wrong() -> None:
 
 
 def test_the_range_of_what_mends_in_part_ends_where_more_is_wrong() -> None:
-    furniture = shelf_with_a_post(0.56)
     # A push that throws it over keeps all ways from mending more than the joint.
-    push = Load("push", 4, (0.0, 0.0, 0.5), (2000.0, 0.0, 0.0))
-    furniture = Furniture(replace(furniture.piece, pushes=(push,)))
+    furniture = shelf_with_a_post(0.56, push=2000.0)
     ways = reconnect(furniture).found
     assert ways
     for way in ways:
@@ -133,3 +134,16 @@ def test_the_range_of_what_mends_in_part_ends_where_more_is_wrong() -> None:
             assert furniture.test(t * way.direction).flaws & ~way.flaws == 0
     (back,) = [way for way in ways if way.mode == "post: move z"]
     assert back.span[0] * float(np.abs(back.direction).max()) == pytest.approx(0.0279, abs=1e-5)
+
+
+def test_planks_that_meet_from_behind_are_named() -> None:
+    post = Plank.between("post", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.3, 0.0), 0.02)
+    arm = Plank.between("arm", (0.01, 0.0, 0.8), (0.31, 0.0, 0.8), (0.0, 0.1, 0.0), 0.02)
+    piece = Piece((post, arm), joints_near((post, arm)), feet_near((post, arm)))
+    # The arm goes through to the other side, and its end with it.
+    behind = Plank.between("arm", (0.01, 0.0, 0.8), (-0.29, 0.0, 0.8), (0.0, -0.1, 0.0), 0.02)
+    furniture = Furniture(replace(piece, planks=(post, behind)))
+    assert "from behind" in furniture.test().words[0]
+    search = reconnect(furniture)
+    assert search.tried > 0
+    assert search.found or "length of post, arm, alone" in search.why

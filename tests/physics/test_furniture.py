@@ -17,6 +17,7 @@ from restshape.shape.planks import Load, Piece, Plank, feet_near, joints_near, w
 
 G = 9.80665
 FINE = Compliance(least_overlap=1e-6)
+SIDES = {"left": -0.35, "right": 0.35}
 
 
 def settled(piece: Piece, compliance: Compliance | None = None) -> Furniture:
@@ -167,6 +168,50 @@ def test_forces_in_loops_depend_on_the_ratio_of_compliances_alone(make) -> None:
         assert other == pytest.approx(found[0], abs=1e-4 * np.abs(found[0]).max())
     other = settled(make(), Compliance(1e-9, 1e-6, 1e-9)).forces().bending
     assert np.abs(other - found[0][: len(other)]).max() > 1e-3 * np.abs(other).max()
+
+
+def stretched(place: float) -> Piece:
+    """A bench of 18 mm with a stretcher between its legs 0.7 m apart, and 70 kg at `place` [m] from the middle."""
+    t = 0.018
+    seat = Plank.between("seat", (-0.5, 0, 0.45 + t / 2), (0.5, 0, 0.45 + t / 2), (0, 0.3, 0), t, wood="pine")
+    legs = [Plank.between(name, (x, 0, 0), (x, 0, 0.45), (0, 0.26, 0), t, wood="pine") for name, x in SIDES.items()]
+    rail = Plank.between("rail", (-0.35 + t / 2, 0, 0.15), (0.35 - t / 2, 0, 0.15), (0, 0.2, 0), t, wood="pine")
+    planks = (seat, *legs, rail)
+    joints = joints_near(planks, fastener="screw")
+    return Piece(planks, joints, feet_near(planks), weights=(weight("sitter", 0, 70.0, (place, 0.0, 0.5)),))
+
+
+def test_what_a_stretcher_bears_under_a_weight_over_a_leg_is_of_joints_not_of_the_floor() -> None:
+    piece = stretched(0.35)
+    usual = Compliance()
+    joints, _ = least_energy(Furniture(piece))
+    found = settled(piece)
+    rail = [k for k, joint in enumerate(piece.joints) if joint.i == 3]
+    moment = np.abs(found.forces().bending[rail])
+    # Feet lift at one edge, which springs both ways do not.
+    expected = np.abs(np.einsum("ka,ka->k", joints[:, 3:], found.geometry().y))[rail]
+    assert moment == pytest.approx(expected, rel=0.1)
+    hard = settled(piece, replace(usual, floor=1e-3 * usual.floor)).forces().bending[rail]
+    assert np.abs(hard) == pytest.approx(moment, rel=0.1)
+    # Where joints turn as easily as nails let them, the leg's way down bends nothing: each end bears half of the rail.
+    loose = settled(piece, replace(usual, joint_r=4.0 / 0.018**2 * usual.joint_t)).forces()
+    own = 420.0 * 0.018 * 0.2 * (0.7 - 0.018) * G
+    assert np.abs(loose.bending[rail]).max() < 1e-3 * moment.min()
+    assert np.hypot(*loose.shear[rail].T) == pytest.approx(own / 2, rel=0.1)
+
+
+def test_a_joint_that_is_pressed_bears_more_moment() -> None:
+    # A post under a load: half of its thickness times the force is the moment that its screws need not bear.
+    piece = stretched(0.0)
+    found = settled(piece)
+    forces = found.forces()
+    leg = 0
+    pressed = 0.5 * (70.0 * G + found.geometry().mass[0] * G)
+    assert forces.tension[leg] == pytest.approx(-pressed, rel=0.02)
+    moment = abs(forces.bending[leg])
+    expected = (2.0 * moment / 0.018 - pressed) / (found.nails()[leg] * found.strength[leg, 0])
+    assert forces.pull_use[leg] == pytest.approx(expected, rel=0.02)
+    assert forces.pull_use[leg] < 0.0
 
 
 # --- hard -------------------------------------------------------------------------------------------------------------

@@ -82,10 +82,14 @@ def test_a_limit_makes_a_piece_that_stands_fail(tmp_path):
     text = '[quantities]\nleg = { length = "x", at = "left", limit = "45 cm" }\nload = { use = "largest", limit = 9 }\n'
     scene = write_bench(tmp_path, BENCH + text)
     row = rows_of(make_replay(scene, write_edits(tmp_path), "auto"))[0]
-    assert (row["verdict"], row["broken"], row["flaws"]) == ("fails", "leg", 0)
+    assert (row["verdict"], row["broken"], row["flaws"]) == ("fails", "leg is 500 mm, at most 450 mm", 0)
     tipped = write_edits(tmp_path, {"do": "press", "on": "left", "parameter": "move z"}, {"do": "drag", "by": -0.7})
     row = rows_of(make_replay(scene, tipped, "auto"))[-1]
-    assert row["verdict"] == "fails" and row["broken"].startswith("falls") and row["broken"].endswith("; leg")
+    assert (
+        row["verdict"] == "fails"
+        and row["broken"].startswith("falls")
+        and row["broken"].endswith("; leg is 500 mm, at most 450 mm")
+    )
 
 
 def test_quantities_follow_edits_into_tables_and_stay_with_what_is_there(tmp_path):

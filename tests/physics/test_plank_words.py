@@ -48,6 +48,26 @@ def test_a_push_is_named_where_it_alone_breaks_or_topples():
     assert words(replace(block(0.2, 0.4, 0.5), pushes=(nudge,)))[0] == "falls under push nudge"
 
 
+@pytest.mark.parametrize("share", [0.0, 1e-10, 1e-8])
+def test_a_push_that_changes_nothing_is_not_named(share: float) -> None:
+    # A force down beside the load, in parts of it: a moment, and so a use, that is larger by about as much.
+    piece = cantilever(arm=0.19, kilograms=1.8)
+    nudge = Load("nudge", 2, piece.weights[0].place, (0.0, 0.0, -share * 1.8 * G))
+    (told,) = words(replace(piece, pushes=(nudge,)))
+    assert told.endswith(" of its strength")
+
+
+@pytest.mark.parametrize("share", [1e-4, 0.2])
+def test_a_push_that_makes_a_weak_joint_worse_is_named(share: float) -> None:
+    arm, kilograms = 0.19, 1.8
+    piece = cantilever(arm=arm, kilograms=kilograms)
+    nudge = Load("nudge", 2, piece.weights[0].place, (0.0, 0.0, -share * kilograms * G))
+    own = 700.0 * 0.06 * 0.012 * arm * G
+    use = ((1 + share) * kilograms * G * arm + own * arm / 2) / (0.02 * 5.2e3 * 0.006 * 3)
+    (told,) = words(replace(piece, pushes=(nudge,)))
+    assert told == f"weak: joint beam on post at {ceil(100 * use) / 100:.2f} of its strength under push nudge"
+
+
 def test_what_falls_by_itself_falls_under_its_weights():
     assert words(ladder(0.5, 0.1))[0] == "falls under its weights"
 

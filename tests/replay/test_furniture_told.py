@@ -2,14 +2,15 @@
 
 import csv
 import json
+from math import inf
 
 import numpy as np
 import pytest
-from furniture_scenes import write_bench, write_edits
+from furniture_scenes import BENCH, write_bench, write_edits
 
 from restshape.cli.main import main
 from restshape.replay.guided import beyond, intervals, runs, unit_of
-from restshape.replay.verdict import both
+from restshape.replay.verdict import both, breaches
 
 EVENTS = [
     {"do": "press", "on": "left", "parameter": "move z"},
@@ -21,6 +22,10 @@ EVENTS = [
     {"do": "drag", "by": -0.7, "frames": 1},
     {"do": "release"},
 ]
+
+
+USES = (("1.2", "3.5 mm"), ("1.81", "1.1 m"), ("1.05", "40 mm"))
+"""Of three frames in a row: use of a joint, and sag of a plank."""
 
 
 @pytest.fixture(scope="module")
@@ -124,3 +129,35 @@ def test_a_piece_and_a_limit_fail_together():
     assert both(limit, piece)["broken"] == "falls; leg"
     assert both({"verdict": "", "broken": "", "note": ""}, piece)["verdict"] == "fails"
     assert np.isnan(both(limit, {"sag": np.nan})["sag"])
+
+
+def test_grouped_frames_tell_the_worst_of_their_amounts():
+    told = [f"weak: joint a on b at {use} of its strength; sag is {sag}, at most 3 mm" for use, sag in USES]
+    rows = [{"index": k, "verdict": "fails", "broken": words} for k, words in enumerate(told)]
+    ((first, last, words),) = runs(rows)
+    assert (first["index"], last["index"]) == (0, 2)
+    assert words == "weak: joint a on b at up to 1.81 of its strength; sag is up to 1.1 m, at most 3 mm"
+    assert runs(rows[:1] * 2)[0][2] == told[0]
+
+
+def test_a_limit_that_is_broken_tells_value_limit_and_unit():
+    limits, kinds = {"sag": (-inf, 3e-3), "hold": (0.14, inf)}, {"sag": "sag", "hold": "margin"}
+    assert breaches(limits, {"sag": 3.2e-3, "hold": 0.1}, kinds) == [
+        "sag is 3.2 mm, at most 3 mm",
+        "hold is 0.1, at least 0.14",
+    ]
+    assert breaches(limits, {"sag": 3.0000004e-3, "hold": 0.2}, kinds) == ["sag is 3.0000004 mm, at most 3 mm"]
+
+
+def test_furniture_is_not_predicted_and_says_why(tmp_path, capsys):
+    edits = write_edits(tmp_path, *EVENTS)
+    assert main(["replay", str(write_bench(tmp_path)), "--edits", str(edits), "--predict", "linear"]) == 2
+    assert "furniture is not predicted" in capsys.readouterr().err
+
+
+def test_the_terminal_says_that_ranges_and_suggestions_look_at_no_limit(tmp_path, capsys):
+    note = "ranges and suggestions judge the piece alone"
+    text = BENCH + '[quantities]\nlong = { length = "x", at = "top", limit = "90 cm" }\n'
+    for scene, told in ((write_bench(tmp_path, text, "limited.toml"), True), (write_bench(tmp_path), False)):
+        assert main(["replay", str(scene)]) == 0
+        assert (note in capsys.readouterr().out) is told

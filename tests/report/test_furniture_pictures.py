@@ -16,7 +16,7 @@ from restshape_apps.furniture.small_pieces import toppling
 from restshape.guidance.suggestions import suggest
 from restshape.physics.furniture import Furniture
 from restshape.report.force_space import draw_region
-from restshape.report.furniture import FOOT, MOVED, Slide, bounds, draw_piece, use_colours
+from restshape.report.furniture import FOOT, MOVED, Slide, bounds, draw_piece, use_colours, vector_words
 from restshape.report.style import REFUSED, new_figure
 
 
@@ -61,7 +61,7 @@ def test_everything_drawn_is_in_sight() -> None:
     furniture = model(table())
     axes, pixels = drawn(furniture)
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    arrows = [text for text in axes.texts if text.arrow_patch is not None]
+    arrows = [text for text in axes.texts if text.arrow_patch is not None and not text.get_text()]
     # Four feet and a weight.
     assert len(arrows) == 5
     for arrow in arrows:
@@ -174,3 +174,15 @@ def test_pictures_are_written(tmp_path, capsys) -> None:
     assert pictures.main(["--out", str(tmp_path / "a"), "--only", "forces", "--joints", "1", "9"]) == 2
     assert "choose from 0 to 2" in capsys.readouterr().err
     assert pictures.main(["--out", str(tmp_path / "a"), "--only", "suggestions", "--piece", "chair-1"]) == 2
+
+
+def test_names_and_pushes_are_written_where_they_are_wanted() -> None:
+    figure = new_figure(4.0, 3.5)
+    axes = figure.subplots()
+    furniture = model(table())
+    names = [plank.name for plank in furniture.piece.planks][:2]
+    draw_piece(axes, furniture, names=names)
+    every = {plank.name for plank in furniture.piece.planks}
+    assert {text.get_text() for text in axes.texts} & every == set(names)
+    assert vector_words(np.array([0.0, -60.0, 0.0])) == "60 N along \N{MINUS SIGN}y"
+    assert vector_words(np.array([3.0, 0.0, 4.0])) == "(3, 0, 4) N"

@@ -55,7 +55,6 @@ def test_pictures_are_those_of_furniture(recorded):
         "guidance.png",
         "suggestions-20.png",
         "animation.gif",
-        "levels.png",
         "timeline.png",
     ]
     for picture in told["pictures"]:

@@ -191,3 +191,18 @@ def test_drawn_at_once_or_one_after_the_other_a_piece_has_the_same_joints() -> N
     # An end meets two boards side by side, but only the nearer one of two that are not in one plane.
     ends = [sorted(j.j for j in joints_near(planks, 0.015) if j.i == 3) for planks in cases[:2]]
     assert ends == [[0, 1, 2], [0, 2]]
+
+
+@pytest.mark.parametrize(("over", "lost"), [(0.0, False), (0.5, False), (0.99, False), (1.01, True)])
+def test_an_end_holds_as_long_as_its_middle_line_is_on_the_face(over: float, lost: bool) -> None:
+    # A leg moved so far that it hangs over the edge of its top by so many halves of its thickness.
+    top = Plank.between("top", (-0.3, 0, 0.506), (0.3, 0, 0.506), (0, 0.3, 0), T)
+    x = 0.3 - 0.5 * T + 0.5 * over * T
+    legs = [Plank.between(f"leg {at}", (at, 0, 0), (at, 0, 0.5), (0, 0.3, 0), T) for at in (-0.2, 0.2)]
+    planks = (top, *legs)
+    piece = Piece(planks, joints_near(planks), feet_near(planks))
+    gamma = np.zeros((3, 8))
+    gamma[2, :3] = legs[1].axes.T @ (x - 0.2, 0.0, 0.0)
+    assert bool(Furniture(piece).test(gamma).flaws & LOST) is lost
+    moved = Furniture(piece).geometry(gamma).centre[2]
+    assert moved == pytest.approx([x, 0.0, 0.25], abs=1e-12)

@@ -63,8 +63,13 @@ def check_planks(args: argparse.Namespace, scene: Scene, effects: Plan) -> int:
     """The same for a piece of furniture, which has no outline."""
     from restshape.cli.check_planks import described_piece, held_piece
     from restshape.guidance.plank_session import PlankSession
+    from restshape.physics.plank_quantities import require_places
 
     design = PlankSession(scene, Script.empty(scene)).design
+    try:
+        require_places(scene.quantities, design.piece)
+    except UserError as error:
+        raise scene.located(error) from error
     print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), described_piece(scene, effects, design))
     return finish(args, scene, held_piece(scene, effects, design))
 

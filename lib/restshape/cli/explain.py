@@ -66,8 +66,9 @@ def run(args: argparse.Namespace) -> int:
     print(f"shares of {total:.4g} ms of processor time, the mean of {of}; {measured}\n")
     core = next(row for row in rows if "solver" in row)
     print_table("solvers", ("what", "choice", "why"), solvers(core["solver"]))
-    print()
-    print_table("kernels called, a frame", ("effect", "kernels: calls, elements in each"), kernels(rows))
+    if called := kernels(rows):
+        print()
+        print_table("kernels called, a frame", ("effect", "kernels: calls, elements in each"), called)
     write_json(args, rows)
     return 0
 
@@ -97,7 +98,8 @@ def solvers(plan: dict[str, Any]) -> list[tuple[str, str, str]]:
     for system in plan["systems"]:
         krylov = " with ".join(filter(None, (system["krylov"].upper(), system["factor"])))
         rows.append((system["of"], f"{system['matrix']}: {krylov}", system["why"]))
-    rows.append(("elements", f"order {plan['order']}: {', '.join(plan['elements'])}", plan["order_why"]))
+    if plan["elements"]:
+        rows.append(("elements", f"order {plan['order']}: {', '.join(plan['elements'])}", plan["order_why"]))
     rows += [("model", value, f"effects.{key}") for key, value in plan["models"].items()]
     used = ", ".join(f"{name} in {count} frames" for name, count in plan["preconditioners"].items() if name)
     expected = ", ".join(f"{name} {ms:.3g}" for name, ms in sorted(plan["expected_ms"].items(), key=lambda at: at[1]))

@@ -5,10 +5,12 @@ from typing import Any
 
 from restshape.cli.options import print_table
 from restshape.guidance.amounts import UNITS
-from restshape.replay.guided import beyond, found, intervals, is_guided, runs, unit_of
+from restshape.replay.guided import VALUE, beyond, found, intervals, is_guided, runs, searches, unit_of
 
 MOST = 12
 """Rows of a table at most."""
+NAMED = 8
+"""Frames that are named at most."""
 Ranges = Mapping[tuple[int, str, str], list[int]]
 
 
@@ -27,15 +29,17 @@ def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
     if ranges:
         heads = ("line", "parameter under the hand", "valid from where it was taken", "frames", "of them valid")
         cells = [
-            (line, name, _valid(name, text), len(inside), sum(inside))
+            (line, name, _valid(name, text), len(inside), inside.count(1))
             for (line, name, text), inside in _few(ranges).items()
         ]
         print_table("valid ranges", heads, cells, right=(heads[0], *heads[3:]))
-    for row in rows:
-        if row.get("suggestions"):
-            _print_suggestions(row)
-        elif row.get("no_suggestions"):
-            print(f"no suggestions in frame {row['index']}, line {row['line']}: {row['no_suggestions']}")
+    for same in searches(rows):
+        if same[0].get("suggestions"):
+            _print_suggestions(same)
+        else:
+            print(f"no suggestions in {_frames(same)}: {same[0]['no_suggestions']}")
+    if any(VALUE.search(row["broken"]) for row in rows):
+        print("limits of quantities count in verdicts; ranges and suggestions judge the piece alone")
 
 
 def _print_verdicts(rows: Sequence[Mapping[str, Any]]) -> None:
@@ -60,12 +64,31 @@ def _valid(parameter: str, text: str) -> str:
     return "; ".join(spans) or "nothing"
 
 
-def _print_suggestions(row: Mapping[str, Any]) -> None:
-    """Prints the suggestions of a frame."""
+def _frames(same: Sequence[Mapping[str, Any]]) -> str:
+    """Which frames, in words: the first with its line, then as many as there is room for."""
+    first, *others = same
+    place = f"frame {first['index']}, line {first['line']}"
+    if not others:
+        return place
+    named = ", ".join(str(row["index"]) for row in others[:NAMED])
+    more = len(others) - NAMED
+    return f"{place} (and in {named}{f' and {more} more' if more > 0 else ''})"
+
+
+def _print_suggestions(same: Sequence[Mapping[str, Any]]) -> None:
+    """Prints the suggestions that hold for these frames."""
+    row = same[0]
     heads = ("number", "what it does", "valid range of what it names first", "holds")
-    cells = [(one["number"], one["words"], _span(one), "yes" if one["valid"] else "in part") for one in found(row)]
-    place = f"suggestions in frame {row['index']}, line {row['line']}: {row['broken']}"
+    cells = [(one["number"], one["words"], _span(one), _holds(one)) for one in found(row)]
+    place = f"suggestions in {_frames(same)}: {row['broken']}"
     print_table(f"{place}; {row['tried']} combinations tried", heads, cells, right=heads[:1])
+
+
+def _holds(one: Mapping[str, Any]) -> str:
+    """Whether a piece holds after a suggestion, or what is still wrong with it."""
+    if one["valid"]:
+        return "yes"
+    return f"in part; still {one['rest']}" if one.get("rest") else "in part"
 
 
 def _span(one: Mapping[str, Any]) -> str:

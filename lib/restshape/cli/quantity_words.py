@@ -1,7 +1,7 @@
 """What a scene asks for, in words."""
 
 from restshape.scene.model import Scene
-from restshape.scene.quantity import Quantity
+from restshape.scene.quantity import Quantity, with_unit
 
 OF_THE_BODY = ("frequency", "mode", "load_factor", "margin")
 """Quantities that belong to no place."""
@@ -17,6 +17,6 @@ def quantity_words(quantity: Quantity) -> str:
     kind, value = quantity.kind, getattr(quantity, quantity.kind)
     what = kind.replace("_", " ") if value is True else f"{kind.replace('_', ' ')} {value}"
     place = what if kind in OF_THE_BODY else f"{quantity.take} of {what} at {quantity.at or 'all'}"
-    limit = f", holds up to {quantity.limit:.6g}" if quantity.limit is not None else ""
-    limit += f", holds from {quantity.at_least:.6g} on" if quantity.at_least is not None else ""
+    limit = f", holds up to {with_unit(kind, quantity.limit)}" if quantity.limit is not None else ""
+    limit += f", holds from {with_unit(kind, quantity.at_least)} on" if quantity.at_least is not None else ""
     return f"{place}{limit}"

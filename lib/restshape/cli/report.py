@@ -126,8 +126,8 @@ def _draw(recording: Any, folder: Path, args: argparse.Namespace) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         pictures = [folder / "timeline.png"]
         draw_timeline(recording, pictures[0])
-        # Where bodies move, and the pattern stays, there are no levels.
-        if recording.n > 1 and not (cloth and not recording.table["level"][1:].any()):
+        # Planks have no mesh to reuse; where bodies move, and the pattern stays, there are no levels.
+        if recording.n > 1 and not planks and not (cloth and not recording.table["level"][1:].any()):
             pictures.insert(0, folder / "levels.png")
             draw_levels(recording, pictures[0])
         if recording.dimension == 2:

@@ -27,6 +27,15 @@ PART_WHY = {
 }
 
 
+PLANK_WHY = {
+    "edit": "the script: reading an edit and closing joints",
+    "mesh": "the model of the piece as it is",
+    "observation": "quantities",
+    "record": "residual of each frame, off its time",
+}
+"""The same of furniture, which has neither an outline nor a mesh."""
+
+
 @dataclass(frozen=True)
 class Asked:
     """What is to be explained.
@@ -164,13 +173,13 @@ class Report:
         effects = [*self.plan.effects, *self.plan.implied]
         core = next((name for name in self.kept if not self._own(name)), next(iter(self.kept)))
         rows = [self._row(effect, core) for effect in effects]
-        measured = self.prices
+        measured, why = self.prices, PLANK_WHY if self.application.planks else PART_WHY
         for part in PARTS:
             if part == "solve":
                 continue
             counts = Counts(calls=measured.beside if part == "record" else {})
             row = self._numbers(part, counts)
-            rows.append({"effect": part, "kind": "part", "on": True, "why": PART_WHY[part], **row, "how": "measured"})
+            rows.append({"effect": part, "kind": "part", "on": True, "why": why[part], **row, "how": "measured"})
         return rows
 
     def _row(self, effect: PlannedEffect, core: str) -> Row:

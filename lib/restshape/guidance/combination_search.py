@@ -8,6 +8,7 @@ import numpy as np
 
 from restshape.guidance.force_space import LONGEST, ForceSpace, combinations
 from restshape.guidance.relinearised import relinearised
+from restshape.guidance.whole_way import may_alone, nearest_valid, places_within, stretch
 from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture
 from restshape.shape.design_modes import DesignModes
 from restshape.shape.planks import Piece
@@ -38,6 +39,9 @@ FORCELESS = LOST | OVERLAPPING | UNSTABLE
 
 REPRESENTED = 0.1
 """Where in its range a suggestion is shown."""
+
+WITHOUT = (0.0, 0.5, 1.0)
+"""Where in the range of a combination it is tested with modes left out."""
 
 
 @dataclass(frozen=True)
@@ -87,11 +91,12 @@ class Limits:
         trials: combinations of several modes tested in full at most.
         kept: rays kept for each number of modes and leading mode, the widest; 0 keeps all.
         glances: places at one of which a combination of several modes must hold to be looked at closely; 0: all are.
-        mended: combinations that fail whose direction is looked for again in vain, at most.
+        mended: combinations that fail whose direction is looked for again in vain, at most; one less where single
+            modes hold.
         continued: single modes that fail from which another mode is looked for, at most.
     """
 
-    trials: int = 24
+    trials: int = 16
     kept: int = 4
     glances: int = 2
     mended: int = 1
@@ -106,11 +111,13 @@ class Search:
         forces: what makes the force space of a piece.
         wanted: flaws that count.
         limits: how much it may do.
+        alone: numbers of modes whose whole way has been looked along before, for the same flaws.
 
     Attributes:
         tried: combinations tried of each number of modes.
         led: combinations taken up that lead into the box.
         tested, mended: tested in full; directions that were looked for again, and of them `vain` for nothing.
+        simple: single modes hold.
     """
 
     def __init__(
@@ -120,12 +127,14 @@ class Search:
         forces: Callable[[Furniture, DesignModes], ForceSpace],
         wanted: int,
         limits: Limits,
+        alone: frozenset[int] = frozenset(),
     ) -> None:
         self.furniture, self.modes, self.forces, self.wanted, self.limits = furniture, modes, forces, wanted, limits
         furniture.test()
         self.space = forces(furniture, modes)
         self.tried: tuple[int, ...] = ()
         self.led = self.tested = self.mended = self.vain = 0
+        self.alone, self.simple = alone, False
         self._seen: dict[tuple[int, ...], Suggestion | None] = {}
 
     def run(self, most: int, shown: int, known: Sequence[tuple[int, ...]] = ()) -> list[Suggestion]:
@@ -141,10 +150,15 @@ class Search:
             self.tried, self.led = (*self.tried, rays.tried[-1]), self.led + len(rays.modes)
             for one in self._of(list(rays.each()), count, most, shown):
                 found[one.modes] = one
+            if count == 1:
+                found |= self._whole_ways(known, found)
+                self.simple = any(len(modes) == 1 for modes in (*known, *found))
         if most > 1 and len(found) < shown:
             self._continue(found, known)
         least = [one for one in found.values() if not any(set(modes) < set(one.modes) for modes in found)]
-        return [self._finer(least[k]) for k in most_different(*self._numbers(least), shown)]
+        order = most_different(*self._numbers(least), shown)
+        places = places_within(self.furniture.count, len(order))
+        return [self._finer(least[k], places) for k in order]
 
     def _of(self, rays: list, count: int, most: int, shown: int) -> list[Suggestion]:
         """Those of the rays of one number of modes that hold: all single ones are tested, some of the others."""
@@ -165,6 +179,25 @@ class Search:
                 break
         return found
 
+    def _whole_ways(
+        self, known: Sequence[tuple[int, ...]], found: dict[tuple[int, ...], Suggestion]
+    ) -> dict[tuple[int, ...], Suggestion]:
+        """Single modes that hold away from where derivatives lead, both ways."""
+        more: dict[tuple[int, ...], Suggestion] = {}
+        able = may_alone(self.space)
+        left = [k for k in able if k not in self.alone and (k,) not in found and (k,) not in known]
+        self.alone |= able.keys()
+        flaws = int(self.furniture.kernel.scan(np.zeros((self.furniture.count, 8)), np.zeros(1), self.wanted)[0][0])
+        for k in left:
+            mode = np.array([k])
+            direction = self.modes.direction(mode, np.ones(1))
+            pair = nearest_valid(self.furniture, direction, able[k], flaws, self.wanted)
+            if pair:
+                bad, good = map(abs, pair)
+                one = self.confirmed(mode, np.sign(pair[1:]), np.array([good, good]), (bad, good))
+                more |= {(k,): one} if one else {}
+        return more
+
     def _tested(
         self, modes: np.ndarray, parts: np.ndarray, span: np.ndarray, tolerance: float = COARSE
     ) -> Suggestion | None:
@@ -176,11 +209,23 @@ class Search:
 
     def _least(self, one: Suggestion) -> list[Suggestion]:
         """The smaller combinations within one that hold too, which are simpler; without any, itself."""
-        for count in range(2, len(one.modes)):
-            smaller = [self._alone(modes) for modes in choose(one.modes, count)]
+        for count in range(1, len(one.modes)):
+            pairs = [(self._without(one, modes), modes) for modes in choose(one.modes, count)]
+            smaller = [less or (self._alone(modes) if count > 1 else None) for less, modes in pairs]
             if any(smaller):
                 return [each for each in smaller if each]
         return [one]
+
+    def _without(self, one: Suggestion, modes: tuple[int, ...]) -> Suggestion | None:
+        """The suggestion along the same direction, with all but some of its modes left out, if it holds."""
+        parts = np.array([one.parts[one.modes.index(k)] for k in modes])
+        length = float(np.linalg.norm(parts))
+        places = length * (one.span[0] + np.array(WITHOUT) * (one.span[1] - one.span[0]))
+        good = self._good(self.modes.direction(np.array(modes), parts / length), places)
+        if not good.any():
+            return None
+        t = float(places[np.argmax(good)])
+        return self.confirmed(np.array(modes), parts / length, np.array([t, t]), (t,))
 
     def _alone(self, modes: tuple[int, ...]) -> Suggestion | None:
         """The suggestion along the ray of a combination, if it leads into the box and holds."""
@@ -192,7 +237,7 @@ class Search:
 
     def _mended(self, modes: np.ndarray, parts: np.ndarray, span: np.ndarray) -> Suggestion | None:
         """The suggestion along a direction that was looked for again where the first one enters the box."""
-        if self.vain >= self.limits.mended:
+        if self.vain >= self.limits.mended - self.simple:
             return None
         self.mended += 1
         end = relinearised(self.furniture, self.modes, modes, float(span[0]) * parts, self.wanted)
@@ -203,7 +248,7 @@ class Search:
     def _to(self, modes: np.ndarray, end: np.ndarray) -> Suggestion | None:
         """The suggestion along the line to a change (k,) of modes, which may be valid."""
         length = float(np.linalg.norm(end))
-        return self.confirmed(modes, end / length, np.array([length, 1.5 * length]), length, FINE)
+        return self.confirmed(modes, end / length, np.array([length, 1.5 * length]), (length,), FINE)
 
     def _continue(self, found: dict[tuple[int, ...], Suggestion], known: Sequence[tuple[int, ...]]) -> None:
         """Add what one more mode makes valid, by the forces at places that a single mode that fails has led to."""
@@ -213,7 +258,7 @@ class Search:
             for t in span[0] + ONWARD * (span[1] - span[0]):
                 ways = self._onward(modes, t * parts, [*known, *found])
                 here = [one for both, end in ways if (one := self._to(both, end))]
-                found |= {one.modes: one for one in here}
+                found |= {less.modes: less for one in here for less in self._least(one)}
                 if here:
                     break
 
@@ -251,10 +296,10 @@ class Search:
         modes: np.ndarray,
         parts: np.ndarray,
         span: np.ndarray,
-        known: float = 0.0,
+        known: tuple[float, ...] = (),
         tolerance: float = COARSE,
     ) -> Suggestion | None:
-        """The suggestion along a ray, or None if the full test holds nowhere that it is tried; `known` is one place.
+        """The suggestion along a ray, or None if the full test holds nowhere that it is tried; `known` are places.
 
         Ends of its range are found up to `tolerance`.
         """
@@ -265,7 +310,7 @@ class Search:
             places = enters + INSIDE[1 : 1 + self.limits.glances] * (leaves - enters)
             if not self._good(direction, places).any():
                 return None
-        t = np.unique(np.concatenate([[known], enters + INSIDE * (leaves - enters), enters * BEYOND]))
+        t = np.unique(np.concatenate([known, enters + INSIDE * (leaves - enters), enters * BEYOND]))
         t = np.concatenate([[0.0], t[(t > 0.0) & (t <= LONGEST)]])
         # The piece as it is has a flaw that is wanted away.
         first = next((k for k in range(1, len(t)) if self._good(direction, t[k : k + 1])[0]), 0)
@@ -285,8 +330,11 @@ class Search:
         names = self.modes.names(modes)
         return Suggestion(numbers, tuple(map(float, parts)), direction, shown, span, outside, names, True)
 
-    def _finer(self, one: Suggestion) -> Suggestion:
-        """The same with the ends of its range as they are shown."""
+    def _finer(self, one: Suggestion, places: int) -> Suggestion:
+        """The same with its range looked at more closely, and the ends of that as they are shown."""
+        span, bad = stretch(self.furniture, one.direction, one.span, one.t, self.wanted, places)
+        outside = tuple(out if cut is None else cut for out, cut in zip(one.outside, bad))
+        one = replace(one, span=span, outside=(outside[0], outside[1]))
         if all(abs(end - out) <= FINE for end, out in zip(one.span, one.outside)):
             return one
         ends = [self._end(one.direction, *pair, FINE) for pair in zip(one.span, one.outside)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from textwrap import shorten
 from time import perf_counter
 
 import numpy as np
@@ -28,6 +29,15 @@ MOST_FREEDOMS = 5
 """Freedoms that a search can combine."""
 
 MORE_DIGITS = 6
+
+TRIED = 1e-3
+"""Change [m or rad] of a fixed parameter by which it is found which joint or foot would open."""
+
+REST = 160
+"""Letters at most of what a suggestion leaves wrong."""
+
+FASTENING = "closer fasteners ([fastener] spacing), stronger ones or a lighter load"
+"""What else helps a weak joint."""
 
 
 @dataclass(frozen=True)
@@ -54,11 +64,12 @@ class Idea:
         direction: (n, 8) change of the design parameters by a unit of t; None: it is another piece.
         t: where it is shown: how far its leading parameter, which `words` names first, is changed [m or rad].
         span: valid range of t around it.
-        valid: the full test holds there; else something else is still wrong.
+        valid: the full test holds there; else `rest` tells what is still wrong.
         piece: with one more plank; None where planks move.
         unit: of t, "m" or "rad"; empty for a piece.
         name: which parameters it changes.
         beyond: the range may go on past what was looked at, at both ends.
+        rest: what is still wrong where it is shown; empty where it is valid.
     """
 
     words: str
@@ -70,6 +81,7 @@ class Idea:
     unit: str = ""
     name: str = ""
     beyond: tuple[bool, bool] = (False, False)
+    rest: str = ""
 
     @classmethod
     def along(
@@ -95,12 +107,14 @@ class Idea:
             return ""
         low, high = (amounts.amount(end, self.unit) for end in self.span)
         others = ", the others in proportion" if np.count_nonzero(self.direction) > 1 else ""
-        return f"valid from {low} to {high}{' or beyond' if self.beyond[1] else ''}{others}"
+        what = "valid" if self.valid else "nothing more is wrong"
+        return f"{what} from {low} to {high}{' or beyond' if self.beyond[1] else ''}{others}"
 
     @property
     def told(self) -> str:
         """What it does, and its range."""
-        return f"{self.words}; {self.range_words}" if self.unit else self.words
+        parts = (self.words, self.range_words, f"still wrong: {self.rest}" if self.rest else "")
+        return "; ".join(filter(None, parts))
 
 
 @dataclass(frozen=True)
@@ -176,6 +190,22 @@ class Design:
         self.furniture.test()
         return found
 
+    def why_fixed(self, plank: int, number: int | None) -> str:
+        """Why a plank cannot change a design parameter, None: be moved; and what of it can be changed instead."""
+        verb = "move" if number is None else _verb(FREEDOMS[number])
+        why = f"{self.piece.planks[plank].name} cannot {verb}: its joints and feet would not stay closed"
+        for sign in (1.0, -1.0) if number is not None else ():
+            gamma = np.zeros((len(self.piece.planks), 8))
+            gamma[plank, number] = sign * TRIED
+            verdict = self.furniture.test(gamma)
+            if verdict.flaws & LOST:
+                # The first of its words are those of what is lost.
+                why += f" ({next(words for words in verdict.words if words.startswith('lost'))})"
+                break
+        self.furniture.test()
+        free = [FREEDOMS[k] for k in range(8) if (plank, k) in self.freedoms]
+        return f"{why}; free: {', '.join(free) if free else 'nothing of it'}"
+
     def way(self, direction: np.ndarray, name: str) -> Way:
         """The way along a direction (n, 8), looked at as far as suggestions go: `REACH` in sizes and radians."""
         sizes, turns = direction[:, [0, 1, 2, 6, 7]] / self.piece.size, direction[:, 3:6]
@@ -227,15 +257,30 @@ class Design:
         elif flaws & OVERLAPPING or not flaws & (UNSTABLE | WEAK):
             found, tried, tested = [], 0, 0
             why = "planks overlap: move them apart" if flaws & OVERLAPPING else "no equilibrium was found"
+        elif flaws & UNSTABLE and not self.piece.feet:
+            found, tried, tested = [], 0, 0
+            why = "nothing stands on the floor: draw a plank that does, or connect one that is near it"
         else:
             of_modes = suggest(self.furniture, self.guidance.freedoms, most)
             found = [self._along(one, one.beyond, one.valid) for one in of_modes.found]
             tried, tested, why = sum(of_modes.tried), of_modes.tested, self._why_none(of_modes)
+            why += f"; {FASTENING} may help" if flaws & WEAK else ""
             if flaws & WEAK and not flaws & UNSTABLE:
                 supports = [self._supported(one) for one in support_planks(self.furniture)][:most]
                 found = [*found[: most - len(supports)], *supports]
-        found = _told_apart(self.piece, found)
+        found = [self._with_rest(one) for one in _told_apart(self.piece, found)]
         return Ideas(tuple(found), tried, tested, perf_counter() - start, "" if found else why)
+
+    def _with_rest(self, one: Idea) -> Idea:
+        """The suggestion with what is still wrong where it is shown."""
+        if one.valid:
+            return one
+        if one.piece is not None:
+            words = Furniture(one.piece).test().words
+        else:
+            words = self.furniture.test(one.t * one.direction).words
+            self.furniture.test()
+        return replace(one, rest=shorten("; ".join(words), REST, placeholder=" ..."))
 
     def _along(self, one: Suggestion | Reconnection, open_: bool, valid: bool) -> Idea:
         return Idea.along(self.piece, one.direction, one.t, one.span, open_, valid)
@@ -260,6 +305,12 @@ class Design:
         place = ", ".join(f"{1e3 * x:.0f}" for x in plank.centre)
         words = f"a plank of {long} by {wide} between {first} and {other}, its middle at ({place}) mm"
         return Idea(words, None, 1.0, (0.0, 1.0), board.verdict.valid, board.piece, name="a support plank")
+
+
+def _verb(parameter: str) -> str:
+    """What a plank does when a parameter of it changes."""
+    kind, _, axis = parameter.partition(" ")
+    return f"become longer along its {axis}" if kind == "length" else f"{kind} {axis}".strip()
 
 
 def _told_apart(piece: Piece, found: list[Idea]) -> list[Idea]:

@@ -204,7 +204,7 @@ class FurnitureAnalysis:
             "range_low": low,
             "range_high": high,
             "ranges": found,
-            "inside": -1 if self.way is None else int(self.verdict.valid),
+            "inside": self._inside(),
             "tried": self.ideas.tried,
             "tested": self.ideas.tested,
             "suggested": len(self.ideas.found),
@@ -227,6 +227,13 @@ class FurnitureAnalysis:
         far = np.maximum(intervals[:, 0] - self.at, self.at - intervals[:, 1])
         low, high = intervals[int(np.argmin(far))]
         return text, float(low), float(high)
+
+    def _inside(self) -> int:
+        """1: the piece is valid at the hand; 0: it is not; -1: it is, but farther than ranges were looked for."""
+        if self.way is None:
+            return -1
+        known = not self.design.guidance.ranges or self.way.low <= self.at <= self.way.high
+        return int(self.verdict.valid) if known or not self.verdict.valid else -1
 
     def _marked(self, low: float, high: float) -> str:
         """A valid range as text; an end that is as far as was looked at is marked."""
@@ -307,4 +314,4 @@ def _told(number: int, idea: Idea) -> dict[str, Any]:
     """A suggestion for programs."""
     t, low, high = (float(f"{value:.6g}") for value in (idea.t, *idea.span))
     told = {"number": number, "words": idea.words, "t": t, "range": [low, high], "valid": idea.valid}
-    return told | {"unit": idea.unit, "beyond": idea.beyond[1]}
+    return told | {"unit": idea.unit, "beyond": idea.beyond[1]} | ({"rest": idea.rest} if idea.rest else {})

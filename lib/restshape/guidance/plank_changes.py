@@ -71,7 +71,14 @@ def without(piece: Piece, scene: Scene, event: Any) -> Change:
     """The piece without a plank and what is on it, or without a weight."""
     if event.on in {load.name for load in piece.weights}:
         return replace(piece, weights=tuple(load for load in piece.weights if load.name != event.on)), ""
-    plank = plank_number(piece, event.on)
+    if event.on in {load.name for load in piece.pushes}:
+        do = f"set pushes.{event.on}.force to [0, 0, 0], or leave its plank out"
+        raise UserError(f"{event.on!r} is a push, and pushes cannot be deleted", do=do)
+    names = [plank.name for plank in piece.planks]
+    if event.on not in names:
+        known = [*names, *(load.name for load in piece.weights)]
+        raise UserError(f"there is no plank or weight {event.on!r}", do=suggestion(event.on, known))
+    plank = names.index(event.on)
     gone = [f"weight {load.name}" for load in piece.weights if load.plank == plank]
     gone += [f"push {load.name}" for load in piece.pushes if load.plank == plank]
     return plank_edits.removed(piece, plank), f"with {event.on} go {' and '.join(gone)}" if gone else ""

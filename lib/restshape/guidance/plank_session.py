@@ -122,8 +122,7 @@ class PlankSession:
         free = np.array([(plank, number) in self.design.freedoms for number in range(8)])
         number = None if event.parameter is None else FREEDOMS.index(event.parameter)
         if not (free[:3].any() if number is None else free[number]):
-            what = event.parameter or "move"
-            yield Step("none", f"{event.on} cannot {_verb(what)}: its joints and feet would not stay closed")
+            yield Step("none", self.design.why_fixed(plank, number))
             return
         origin = self.design.piece.planks[plank].centre if event.at is None else np.array(event.at)
         if number is not None:
@@ -176,11 +175,17 @@ class PlankSession:
             return self._along(self.way, 0.0, note)
         # A hand that goes straight on goes along one way, whose range is known from its first frame on.
         unit = np.round(own / far, STRAIGHT) + 0.0
+        back = (0.0 - unit).tobytes()
+        if back in hold.ways:
+            # On the other side of where it was taken it is still the same way.
+            return self._along(hold.ways[back], -far, note)
         way = hold.ways.get(unit.tobytes())
         if way is None:
             direction = np.zeros((len(self.design.piece.planks), 8))
             direction[hold.plank, :3] = unit
-            way = hold.ways[unit.tobytes()] = self.design.way(direction, f"{plank.name}: move")
+            towards = ", ".join(f"{part:.3g}" for part in (np.round(plank.axes @ unit, 3) + 0.0).tolist())
+            way = self.design.way(direction, f"{plank.name}: move along ({towards})")
+            hold.ways[unit.tobytes()] = way
         return self._along(way, far, note)
 
     def _along(self, way: Way | None, t: float, note: str = "") -> Step:
@@ -224,7 +229,7 @@ class PlankSession:
             return
         number = FREEDOMS.index(name)
         if (plank, number) not in self.design.freedoms:
-            why = f"{event.on} cannot {_verb(name)}: its joints and feet would not stay closed"
+            why = self.design.why_fixed(plank, number)
             for _ in range(event.frames):
                 yield Step("none", why)
             return
@@ -397,12 +402,6 @@ def _with_own_names(piece: Piece) -> Piece:
         count += 1
         name = f"{last.name}-{count}"
     return replace(piece, planks=(*others, replace(last, name=name)))
-
-
-def _verb(parameter: str) -> str:
-    """What a plank does when a parameter of it changes."""
-    kind, _, axis = parameter.partition(" ")
-    return f"become longer along its {axis}" if kind == "length" else f"{kind} {axis}".strip()
 
 
 def _evenly(start: np.ndarray, path: Any, frames: int) -> list[np.ndarray]:

@@ -7,7 +7,8 @@ import numpy as np
 
 from restshape.guidance.force_space import LONGEST
 from restshape.guidance.opening import Opening
-from restshape.physics.furniture import LOST, Furniture
+from restshape.physics.furniture import ALL, LOST, Furniture
+from restshape.physics.plank_words import BEHIND, LENGTH, SLANT
 from restshape.shape.design_modes import DesignModes
 from restshape.shape.planks import Joint
 
@@ -18,7 +19,9 @@ INSIDE = 0.1
 NARROW = 1e-3
 """Width of a range that is no more than what tolerances leave."""
 
-FULL = 31
+PLACES = np.array([0.0, 0.001, 0.01, 0.03, INSIDE, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.97, 0.99, 0.999, 1.0])
+"""Where in the range in which all is closed the full test is made."""
+
 STEPS = 12
 """Least squares steps towards closed joints, at most."""
 
@@ -41,8 +44,8 @@ class Reconnection:
         mode: what it does, in words.
         direction: (n, 8) change of the design parameters by a unit of t.
         t: where it is shown.
-        span: range of t where all are closed.
-        flaws: what the full test still finds there, besides.
+        span: range of t around it where the full test finds no flaw that is not among `flaws`.
+        flaws: what it still finds where the way is shown.
     """
 
     mode: str
@@ -68,17 +71,27 @@ def reconnect(furniture: Furniture, shown: int = 8) -> Reconnections:
     Where no single one does, two at once are looked for. A way may leave other flaws, which its `flaws` tell; those
     with none come before the others.
     """
-    geometry, piece = furniture.geometry(), furniture.piece
-    lost = {plank for k, fault in enumerate(geometry.joint_faults) if fault for plank in _joined(piece.joints[k])}
-    lost |= {piece.feet[k].plank for k, fault in enumerate(geometry.foot_faults) if fault}
+    piece, lost = furniture.piece, _lost(furniture)
     modes = DesignModes.of(piece, [(plank, freedom) for plank in sorted(lost) for freedom in range(8)])
     search = _Closing(furniture, modes)
-    found = (search.single() or search.pairs()) if lost else []
+    found = search.single() or search.pairs()
     furniture.test()
     order = sorted(found, key=lambda one: (one.flaws != 0, one.t))
     names = ", ".join(piece.planks[plank].name for plank in sorted(lost))
     why = f"no move, turn or length of {names}, alone or two at once, closes all joints and feet within reach"
     return Reconnections(tuple(order[:shown]), search.tried, search.tested, "" if found else why)
+
+
+def _lost(furniture: Furniture) -> set[int]:
+    """Planks of lost joints and feet, and those whose ends cannot be closed."""
+    geometry, piece = furniture.geometry(), furniture.piece
+    lost = {plank for k, fault in enumerate(geometry.joint_faults) if fault for plank in _joined(piece.joints[k])}
+    lost |= {piece.feet[k].plank for k, fault in enumerate(geometry.foot_faults) if fault}
+    faults = furniture.test().found.faults
+    lost |= {where for fault, where in faults if fault == LENGTH}
+    ends = {divmod(where, 4) for fault, where in faults if fault in (SLANT, BEHIND)}
+    lost |= {plank for joint in piece.joints if (joint.i, joint.side) in ends for plank in _joined(joint)}
+    return lost | {foot.plank for foot in piece.feet if (foot.plank, foot.side) in ends}
 
 
 def _joined(joint: Joint) -> tuple[int, int]:
@@ -160,17 +173,41 @@ class _Closing:
         left, right = self._end(direction, t, first, first - 1), t[last]
         if last + 1 < len(t):
             right = self._end(direction, t, last, last + 1)
-        # What must be met has no range to be inside of.
-        shown = float(t[first] if right - left < NARROW else left + INSIDE * (right - left))
-        flaws = self.furniture.test(shown * direction, FULL).flaws
-        if flaws & LOST:
-            shown = float(t[first])
-            flaws = self.furniture.test(shown * direction, FULL).flaws
         names = " + ".join(self.modes.names(some))
-        return Reconnection(names, direction, shown, (float(left), float(right)), flaws)
+        return Reconnection(names, direction, *self._tested(direction, float(t[first]), float(left), float(right)))
 
-    def _end(self, direction: np.ndarray, t: np.ndarray, good: int, bad: int) -> float:
-        """The last place where all are closed between two samples."""
-        end, _, tests = self.furniture.kernel.bisect(direction, t[good], t[bad], 1e-6, LOST)
+    def _tested(
+        self, direction: np.ndarray, met: float, left: float, right: float
+    ) -> tuple[float, tuple[float, float], int]:
+        """Where to show a way that is closed from `left` to `right`, its range by the full test, and its flaws."""
+        if right - left < NARROW:
+            # What must be met has no range to be inside of.
+            return met, (left, right), self._flaws(direction, met)
+        t = left + PLACES * (right - left)
+        flaws = np.array([self._flaws(direction, place) for place in t])
+        # The fewest flaws, and of those places the one that is nearest to the usual one.
+        count = [bin(one).count("1") for one in flaws]
+        best = min(range(len(t)), key=lambda k: (count[k], abs(PLACES[k] - INSIDE)))
+        bearable = ALL & ~int(flaws[best])
+        good = (flaws & bearable) == 0
+        first = best - int(np.argmin(np.append(good[best::-1], False))) + 1
+        last = best + int(np.argmin(np.append(good[best:], False))) - 1
+        if first > 0:
+            left = self._end(direction, t, first, first - 1, bearable)
+        if last + 1 < len(t):
+            right = self._end(direction, t, last, last + 1, bearable)
+        inside = left + INSIDE * (right - left)
+        # Between places something narrow may hide.
+        shown = next(place for place in (inside, t[best]) if not self._flaws(direction, place) & bearable)
+        return float(shown), (left, right), self._flaws(direction, shown)
+
+    def _flaws(self, direction: np.ndarray, t: float) -> int:
+        """All flaws at a place of a way."""
+        self.tested += 1
+        return self.furniture.test(t * direction).flaws
+
+    def _end(self, direction: np.ndarray, t: np.ndarray, good: int, bad: int, wanted: int = LOST) -> float:
+        """The last place between two samples that has none of the flaws wanted; where all are closed."""
+        end, _, tests = self.furniture.kernel.bisect(direction, t[good], t[bad], 1e-6, wanted)
         self.tested += tests
-        return end
+        return float(end)

@@ -55,7 +55,7 @@ def suggest(furniture: Furniture, most: int = 3, shown: int = SHOWN, limits: Lim
     if unstable and 2 * len(found) < shown and most > 1:
         # What makes a piece stand may break a joint: both are looked at at once.
         rest = replace(limits, trials=limits.trials // 2, mended=limits.mended - search.vain)
-        again = Search(furniture, modes, whole_space, ALL, rest)
+        again = Search(furniture, modes, whole_space, ALL, rest, search.alone)
         searches.append(again)
         found = (found + again.run(most, shown, [one.modes for one in found]))[:shown]
     if unstable and not found:

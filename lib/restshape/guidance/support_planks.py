@@ -1,8 +1,8 @@
 """Support planks: boards between two parallel planks, or a plank and the floor, that take load off a weak joint."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import islice, product
 
 import numpy as np
 
@@ -22,10 +22,24 @@ AWAY = (0.0, 0.12, 0.3, 0.5)
 ALONG = (-1.0, 0.0, 1.0)
 """Where it is along the joint: at one end, in the middle, at the other."""
 
+FAR = (1.0, 0.85, 0.7)
+"""The same for a prop far from the third plank; 1 is flush with the end of the face."""
+
+Spot = tuple[bool, float, float]
+"""Whether the board's width points away from the third plank, and how far away and along the joint it is."""
+
+ROUNDS: tuple[tuple[Spot, ...], ...] = (
+    tuple(product((True, False), AWAY, ALONG)),
+    tuple((across, away, along) for along, away, across in product((0.0, -1.0, 1.0), FAR, (False, True))),
+)
+"""Spots that are tried one after the other: near the weak joint, and, where none of these makes all valid, far."""
+
 SHOWN = 2
 TRIALS = 36
+"""Tests at most of a round."""
+
 EACH = 8
-"""Tests at most of one pair of planks."""
+"""Tests at most of one pair of planks in a round."""
 
 FLOOR = -1
 """Stands for the first plane, in place of a plank's number."""
@@ -54,30 +68,34 @@ def support_planks(furniture: Furniture, shown: int = SHOWN, trials: int = TRIAL
     """Support planks that make a weak joint durable, at most `shown`; those that make the whole piece valid are first.
 
     Between two planks i and j that are nearly parallel and share a third plank k through joints, one of them weak,
-    a board goes straight across, with its face along k or across it, at places along the joint and away from k. The
-    floor counts as such a plank j where k stands on it. No other joint may become weak.
+    a board goes straight across, with its face along k or across it, at places along the joint and away from k: near
+    it at first, and out to the far end of plank i where no near one makes the piece valid. The floor counts as such a
+    plank j where k stands on it. No other joint may become weak.
 
     Args:
         furniture: the model of the weak piece, just tested at no change of its design parameters.
         shown: how many to give.
-        trials: full tests at most.
+        trials: full tests at most of near places, and as many of far ones.
 
     Source: docs/theory.md, section 11; the thesis, section 6.5.5.
     """
     use = _uses(furniture)
     geometry = furniture.geometry()
     found: list[SupportPlank] = []
-    tried = 0
-    for i, j, k, joint in _candidates(furniture.piece, use):
-        places = _planks(furniture.piece, i, j, k, geometry.p[joint], geometry.y[joint])
-        for number, plank in enumerate(places):
-            if number >= EACH or tried >= trials or sum(one.verdict.valid for one in found) >= shown:
+    for spots in ROUNDS:
+        if any(one.verdict.valid for one in found):
+            break
+        left = trials
+        for i, j, k, joint in _candidates(furniture.piece, use):
+            if left <= 0 or sum(one.verdict.valid for one in found) >= shown:
                 break
-            tried += 1
-            if one := _relief(furniture, plank, (i, j), k, use, joint):
-                found.append(one)
-                # The next one shall be another idea.
-                break
+            places = _planks(furniture.piece, (i, j, k), geometry.p[joint], geometry.y[joint], spots)
+            for plank in islice(places, min(EACH, left)):
+                left -= 1
+                if one := _relief(furniture, plank, (i, j), k, use, joint):
+                    found.append(one)
+                    # The next one shall be another idea.
+                    break
     furniture.test()
     return tuple(sorted(found, key=lambda one: (not one.verdict.valid, -len(one.relieved)))[:shown])
 
@@ -131,8 +149,11 @@ def _candidates(piece: Piece, use: np.ndarray) -> Iterator[tuple[int, int, int, 
                 yield i, FLOOR, k, int(number)
 
 
-def _planks(piece: Piece, i: int, j: int, k: int, p: np.ndarray, y: np.ndarray) -> Iterator[Plank]:
-    """Support planks from plank i to plank j or the floor beside plank k, by the rules of this module."""
+def _planks(
+    piece: Piece, between: tuple[int, int, int], p: np.ndarray, y: np.ndarray, spots: Sequence[Spot]
+) -> Iterator[Plank]:
+    """Support planks at spots from plank i to plank j or the floor beside plank k, by the rules of this module."""
+    i, j, k = between
     one, third = piece.planks[i], piece.planks[k]
     way = _way(piece, i, j, k)
     if way is None:
@@ -145,12 +166,15 @@ def _planks(piece: Piece, i: int, j: int, k: int, p: np.ndarray, y: np.ndarray) 
     wide = min(WIDTH, free)
     normals = [one.axes[:, 2], np.array(piece.planes[0].normal) if j == FLOOR else piece.planks[j].axes[:, 2]]
     # An end lies flush with a slanted face only if its edge runs along that.
-    turns = (True, False) if max(abs(normal @ down) for normal in normals) < 1e-9 else (False,)
-    for across, away, along in product(turns, AWAY, ALONG):
+    slanted = max(abs(normal @ down) for normal in normals) >= 1e-9
+    end = (one.centre - p) @ down + 0.5 * reach
+    for across, away, along in spots:
         high, broad = (wide, float(third.size[2])) if across else (float(third.size[2]), wide)
-        if along and free - broad < 1e-3:
+        if (across and slanted) or (along and free - broad < 1e-3):
             continue
         offset = 0.5 * third.size[2] + 0.5 * high + 1e-3 + away * reach
+        if away in FAR:
+            offset = min(offset, end - 0.5 * high)
         place = p + down * offset + y * ((one.centre - p) @ y + 0.5 * along * (free - broad))
         ends = [_met(one, place, way), _landed(piece, place, way) if j == FLOOR else _met(piece.planks[j], place, way)]
         if ends[0] is None or ends[1] is None or (ends[1] - ends[0]) @ way <= 0.02:

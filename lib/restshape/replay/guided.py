@@ -8,8 +8,11 @@ from typing import Any
 
 from restshape.physics.plank_words import without_uses
 from restshape.replay.verdict import HOLDS
+from restshape.scene.units import quantity
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+USE = re.compile(r" at (\S+) of its (?:shear )?strength")
+VALUE = re.compile(rf" is ({NUMBER}(?: [^\s,;]+)?), at (most|least) ({NUMBER}(?: [^\s,;]+)?)")
 OPEN = "( or beyond)?"
 INTERVAL = re.compile(f"({NUMBER}){OPEN} to ({NUMBER}){OPEN}")
 Row = Mapping[str, Any]
@@ -42,8 +45,18 @@ def guidance(rows: Sequence[Row]) -> dict[str, Any]:
     Args:
         rows: of all frames of a replay of furniture.
     """
-    searched = [row for row in rows if row.get("suggestions")]
-    return {"frames": [_frame(row) for row in rows], "suggestions": [_search(row) for row in searched]}
+    searched = [same for same in searches(rows) if same[0].get("suggestions")]
+    return {"frames": [_frame(row) for row in rows], "suggestions": [_search(same) for same in searched]}
+
+
+def searches(rows: Iterable[Row]) -> list[list[Row]]:
+    """Frames in which suggestions were looked for, those together that tell the same of the same flaws."""
+    told: dict[tuple[str, ...], list[Row]] = {}
+    for row in rows:
+        key = tuple(row.get(name) or "" for name in ("suggestions", "no_suggestions", "broken"))
+        if key[0] or key[1]:
+            told.setdefault(key, []).append(row)
+    return list(told.values())
 
 
 def found(row: Row) -> list[dict[str, Any]]:
@@ -55,8 +68,34 @@ def runs(rows: Iterable[Row]) -> list[tuple[Row, Row, str]]:
     """Frames in a row with one verdict: the first, the last, and what is wrong with the piece; frames without one are
     left out."""
     judged = [row for row in rows if row["verdict"]]
-    spans = [(words, list(span)) for words, span in groupby(judged, key=lambda row: without_uses(_words(row)))]
-    return [(span[0], span[-1], _words(span[0]) if len(span) == 1 else words) for words, span in spans]
+    spans = [list(span) for _, span in groupby(judged, key=lambda row: without_amounts(_words(row)))]
+    return [(span[0], span[-1], at_worst(list(map(_words, span)))) for span in spans]
+
+
+def without_amounts(words: str) -> str:
+    """What is wrong, without uses of strength and values of quantities, which change from frame to frame."""
+    return VALUE.sub("", without_uses(words))
+
+
+def at_worst(told: Sequence[str]) -> str:
+    """What is wrong in frames that differ in amounts alone, with the worst of each amount.
+
+    Args:
+        told: what is wrong in each of them.
+    """
+    if len(set(told)) == 1:
+        return told[0]
+    uses = iter([max(same, key=lambda use: float(use[1])) for same in zip(*map(USE.finditer, told))])
+    values = iter([_farthest(same) for same in zip(*map(VALUE.finditer, told))])
+    words = USE.sub(lambda _: " at up to " + next(uses)[0].removeprefix(" at "), told[0])
+    return VALUE.sub(lambda _: next(values), words)
+
+
+def _farthest(same: Sequence[re.Match[str]]) -> str:
+    """Of values of a quantity beyond a limit the one that is farthest from it."""
+    least = same[0][2] == "least"
+    worst = (min if least else max)(same, key=lambda value: quantity(value[1], None))
+    return f" is {'down' if least else 'up'} to {worst[1]}, at {worst[2]} {worst[3]}"
 
 
 def _words(row: Row) -> str:
@@ -78,14 +117,16 @@ def _frame(row: Row) -> dict[str, Any]:
         "at": _number(row, "at") if held else None,
         "ranges": [list(one) for one in intervals(row["ranges"])] if held and row["ranges"] else None,
         "beyond": [list(one) for one in beyond(row["ranges"])] if held and row["ranges"] else None,
-        "inside": bool(row["inside"]) if held else None,
+        "inside": bool(row["inside"]) if held and row["inside"] >= 0 else None,
     }
 
 
-def _search(row: Row) -> dict[str, Any]:
-    """What one search for suggestions found."""
+def _search(same: Sequence[Row]) -> dict[str, Any]:
+    """What one search for suggestions found, which holds for all these frames."""
+    row = same[0]
     return {
         "frame": int(row["index"]),
+        "frames": [int(one["index"]) for one in same],
         "line": int(row["line"]),
         "broken": row["broken"],
         "tried": int(row["tried"]),

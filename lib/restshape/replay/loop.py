@@ -24,7 +24,7 @@ from restshape.replay.foresight import Foresight
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.sessions import session_of
-from restshape.replay.verdict import both, broken, limits_of, verdict
+from restshape.replay.verdict import both, breaches, limits_of, verdict
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script
@@ -81,6 +81,7 @@ class Replay:
         self.foretold: Any = None
         self.estimating = True
         self.limits = limits_of(scene.quantities)
+        self.kinds = {name: quantity.kind for name, quantity in scene.quantities.items()}
         self.row: dict[str, Any] = {}
 
     @classmethod
@@ -170,7 +171,7 @@ class Replay:
             "elements": len((self.analysis if self.known else self.moving).mesh.cells),
             "note": self.foresight.note if self.foresight else "",
             "verdict": verdict(self.limits, quantities),
-            "broken": ", ".join(broken(self.limits, quantities)) if quantities else "",
+            "broken": "; ".join(breaches(self.limits, quantities, self.kinds)) if quantities else "",
             **{f"q_{name}": value for name, value in quantities.items()},
         }
 

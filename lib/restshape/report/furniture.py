@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -15,6 +16,7 @@ from matplotlib.figure import Figure
 
 from restshape.guidance.ranges import Ranges
 from restshape.physics.furniture import LOST, Forces, Furniture
+from restshape.report.labels import Labels
 from restshape.report.raster import FINER, Camera, Hits, hits
 from restshape.report.space_axes import draw_box
 from restshape.report.style import BODY, COLOURS, INK, REFUSED, length_unit
@@ -28,6 +30,8 @@ SHADES = (0.62, 0.38)
 """Light on a face that is seen from the side, and what is added to it facing the light."""
 LIGHT = np.array([0.35, -0.55, 0.76])
 FOOT, LOAD, MOVED = "#0072b2", INK, "#d55e00"
+NAMES, NAMED_AT = "#444444", 0.22
+"""Colour of the names of planks, and where on their lengths they are."""
 GHOST = 0.38
 """Of a suggestion's end state, which is not hidden."""
 ROOM = (0.3, 0.14, 0.2, 0.2)
@@ -86,6 +90,9 @@ class PieceView:
     columns: int = COLUMNS
     reach: list[np.ndarray] = field(default_factory=list)
 
+    def __post_init__(self) -> None:
+        self.labels = Labels(self.axes)
+
     def at(self, places: np.ndarray) -> np.ndarray:
         """Where places (n, 3) or (3,) are in the picture."""
         flat = self.camera.project(np.atleast_2d(places))[0]
@@ -98,23 +105,26 @@ class PieceView:
         style |= {"shrinkA": 0, "shrinkB": 0}
         self.axes.annotate("", ends[1], ends[0], arrowprops=style, zorder=8, annotation_clip=False)
         self.reach.append(ends)
+        self.labels.spare(ends)
 
-    def words(self, place: np.ndarray, text: str, colour: str, up: float, aside: float = 0.0) -> None:
-        """Words beside a place, so many points above and to the right of it."""
+    def words(self, place: np.ndarray, text: str, colour: str, up: float, aside: float = 0.0, **look: Any) -> None:
+        """Words beside a place, so many points above and to the right of it, or further where others are there."""
         box = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.6}
-        self.axes.annotate(
+        word = self.axes.annotate(
             text,
             self.at(place),
             xytext=(aside, up),
             textcoords="offset points",
             ha="center" if not aside else "left" if aside > 0 else "right",
             va="bottom" if up > 0 else "top" if up < 0 else "center",
-            fontsize=7,
             color=colour,
             bbox=box,
             zorder=9,
             annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "lw": 0.5, "color": colour, "shrinkA": 0, "shrinkB": 0},
+            **{"fontsize": 7, **look},
         )
+        self.labels.add(word)
 
 
 def use_colours() -> tuple[Colormap, Normalize]:
@@ -139,6 +149,7 @@ def draw_piece(
     numbers: bool = True,
     box: tuple[np.ndarray, np.ndarray] | None = None,
     columns: int = COLUMNS,
+    names: Collection[str] = (),
 ) -> None:
     """Draw a piece as it is, with its joints, feet and weights.
 
@@ -151,6 +162,7 @@ def draw_piece(
         numbers: forces of feet in newtons, and masses, are written beside their arrows.
         box: corners [m] that hold all, such as those of several pictures side by side.
         columns: pixels across what is painted.
+        names: of planks that are written at them.
     """
     end = slide.end(furniture) if slide else None
     whole = not furniture.test().flaws & LOST
@@ -176,6 +188,11 @@ def draw_piece(
     _draw_loads(view, furniture, case, numbers)
     if slide and slide.ranges is not None:
         _draw_range(view, furniture, slide, slide.ranges)
+    for plank in piece.planks:
+        if plank.name in names:
+            # Beside the middle, where loads often are.
+            place = plank.centre + NAMED_AT * plank.size[0] * plank.axes[:, 0]
+            view.words(place, plank.name, NAMES, 0.0, 0.0, style="italic", fontsize=6.5)
     _frame(view, window)
     if title:
         axes.set_title(title, fontsize=8.5, loc="left")
@@ -285,14 +302,17 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
     use = np.maximum(forces.pull_use, forces.shear_use)
     half = 0.5 * geometry.length[:, None] * geometry.y
     lines = [view.at(np.array([p - h, p + h])) for p, h in zip(geometry.p, half)]
+    for line in lines:
+        view.labels.spare(line)
     wide = np.where(use > 1.0, 5.0, 3.6)
     view.axes.add_collection(LineCollection(lines, colors="white", linewidths=wide + 1.4, zorder=5), autolim=False)
     colours = cmap(norm(use))
     view.axes.add_collection(LineCollection(lines, colors=colours, linewidths=wide, zorder=6), autolim=False)
     for k in np.flatnonzero(use > 1.0):
-        # At the end that is nearer to the camera, to the left of it.
-        end = half[k] if half[k] @ view.camera.axes[2] > 0.0 else -half[k]
-        view.words(geometry.p[k] + end, f"{np.ceil(100.0 * use[k]) / 100.0:.2f}", REFUSED, -5.0, -4.0)
+        # Level with its left end.
+        ends = np.array([geometry.p[k] - half[k], geometry.p[k] + half[k]])
+        left = ends[int(np.argmin(view.at(ends)[:, 0]))]
+        view.words(left, f"{np.ceil(100.0 * use[k]) / 100.0:.2f}", REFUSED, 0.0, -4.0)
 
 
 def _draw_feet(view: PieceView, furniture: Furniture, forces: Forces, numbers: bool) -> None:
@@ -325,9 +345,22 @@ def _draw_loads(view: PieceView, furniture: Furniture, case: int, numbers: bool)
         size = float(np.linalg.norm(force))
         tail = at - max(ARROW * size / largest, 0.3 * ARROW) * view.size * force / size
         view.arrow(tail, at, LOAD)
+        weight = g > 0.0 and np.allclose(force / size, np.array(piece.gravity) / g)
+        if not weight:
+            # One across the view has next to no arrow.
+            view.axes.plot(*view.at(at)[None].T, "o", ms=3.0, color=LOAD, zorder=8)
         if numbers:
-            weight = np.allclose(force / size, np.array(piece.gravity) / g)
-            view.words(tail, f"{size / g:.3g} kg" if weight else f"{size:.3g} N", LOAD, 2.0)
+            view.words(tail, f"{size / g:.3g} kg" if weight else vector_words(force), LOAD, 2.0)
+
+
+def vector_words(force: np.ndarray) -> str:
+    """A force [N] as people read it: how much along which axis, or its three components."""
+    size, k = float(np.linalg.norm(force)), int(np.argmax(np.abs(force)))
+    if abs(force[k]) > 0.9999 * size:
+        text = f"{size:.3g} N along {'+' if force[k] > 0.0 else '-'}{'xyz'[k]}"
+    else:
+        text = f"({', '.join(f'{round(float(f), 1) + 0.0:g}' for f in force)}) N"
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def in_one_view(panels: Sequence[Axes]) -> None:

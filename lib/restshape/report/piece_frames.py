@@ -39,7 +39,8 @@ SAME = 1e-6
 """How far corners of a piece that is made again may be from those of the recording, in parts of its size."""
 MEANING = (
     "joints in colour; blue: forces of feet, black: loads. Thick line with ends: the valid range of what is under the "
-    "hand, black where the piece is valid, red where not; circle: the piece as it is"
+    "hand, black where the piece is valid, red where not; circle: the piece as it is. Planks are named where they are "
+    "seen first"
 )
 
 
@@ -152,10 +153,15 @@ def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> N
     down = ceil(len(frames) / across)
     figure = new_figure(max(EACH * across + BAR, 6.0), HEAD + (TITLE + EACH * slenderness(*box)) * down)
     panels = figure.subplots(down, across, squeeze=False).ravel()
+    named: set[str] = set()
     for axes, frame, (furniture, slide, case) in zip(panels, frames, made):
+        few = len(furniture.piece.planks) <= FEW
+        # Each name once, where its plank is seen first.
+        fresh = {plank.name for plank in furniture.piece.planks if few} - named
+        named |= fresh
         push = furniture.piece.pushes[case - 1].name if case else ""
         words, holds = caption(recording, frame.index, push)
-        draw_piece(axes, furniture, words, slide, case, len(furniture.piece.planks) <= FEW, box)
+        draw_piece(axes, furniture, words, slide, case, few, box, names=fresh)
         axes.set_title(words, fontsize=8.5, loc="left", color=INK if holds else REFUSED)
     in_one_view(panels[: len(frames)])
     for axes in panels[len(frames) :]:

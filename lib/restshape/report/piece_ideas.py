@@ -10,11 +10,13 @@ import numpy as np
 
 from restshape.guidance.design import Idea
 from restshape.guidance.plank_session import PlankFrame
+from restshape.replay import guided
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.furniture import Slide, add_use_bar, bounds, draw_piece, in_one_view, slenderness
 from restshape.report.piece_frames import ACROSS, BAR, EACH, FEW, HEAD, LETTERS, TITLE, caption, pieces, shown_piece
 from restshape.report.style import INK, REFUSED, new_figure
+from restshape.report.tables import rows_of
 
 LINES = 4
 """Lines of a title for what a suggestion does."""
@@ -22,8 +24,9 @@ MEANING = "orange: what a suggestion moves, lengthens or adds, where it is shown
 
 
 def searches(recording: Recording) -> np.ndarray:
-    """Indices of the frames in which suggestions were found."""
-    return np.flatnonzero([bool(text) for text in recording.table["suggestions"]])
+    """Indices of the frames in which suggestions were found, of those that tell the same the first."""
+    told = [same[0] for same in guided.searches(rows_of(recording))]
+    return np.array([row["index"] for row in told if row["suggestions"]], dtype=int)
 
 
 def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
@@ -46,7 +49,9 @@ def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
     panels = figure.subplots(down, across, squeeze=False).ravel()
     push = furniture.piece.pushes[case - 1].name if case else ""
     words, _ = caption(recording, i, push)
-    draw_piece(panels[0], furniture, words, None, case, len(furniture.piece.planks) <= FEW, box)
+    few = len(furniture.piece.planks) <= FEW
+    names = [plank.name for plank in furniture.piece.planks if few]
+    draw_piece(panels[0], furniture, words, None, case, few, box, names=names)
     panels[0].set_title(words, fontsize=8.5, loc="left", color=REFUSED)
     for number, (axes, idea, slide) in enumerate(zip(panels[1:], ideas, slides), 1):
         draw_piece(axes, furniture, _title(number, idea), slide, case, False, box)
@@ -72,4 +77,6 @@ def _title(number: int, idea: Idea) -> str:
     lines = wrap(f"{number}: {idea.words}", LETTERS, max_lines=LINES, placeholder=" …")
     if idea.range_words:
         lines += wrap(idea.range_words, LETTERS, max_lines=2, placeholder=" …")
-    return "\n".join(lines + ([] if idea.valid else ["holds in part: something else is still wrong"]))
+    if not idea.valid:
+        lines += wrap(f"in part; still {idea.rest}", LETTERS, max_lines=2, placeholder=" …")
+    return "\n".join(lines)

@@ -53,9 +53,20 @@ def draw_guidance(recording: Recording, path: Path) -> None:
 
 
 def _holds(rows: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
-    """Frames in a row with one parameter under the hand."""
-    spans = groupby(rows, key=lambda row: (row["parameter"], row["do"] == "slide"))
+    """Frames in a row with one parameter under the hand, or one plank, whichever way it goes."""
+    spans = groupby(rows, key=lambda row: (_undirected(row["parameter"]), row["do"] == "slide"))
     return [list(span) for (name, _), span in spans if name]
+
+
+def _undirected(name: str) -> str:
+    """What is under the hand, without the direction that a plank is moved along."""
+    return name.split(" along ")[0]
+
+
+def _label(held: list[dict[str, Any]]) -> str:
+    """What is under the hand in all these frames."""
+    names = {row["parameter"] for row in held}
+    return shorten(names.pop() if len(names) == 1 else _undirected(held[0]["parameter"]), 48, placeholder=" …")
 
 
 def _colours(rows: list[dict[str, Any]]) -> list[str]:
@@ -89,9 +100,8 @@ def _draw_parameters(axes: Axes, holds: list[list[dict[str, Any]]], unit: str) -
                 axes.fill_between(row["index"] + np.array([-0.5, 0.5]), low, high, color=BAND, linewidth=0, zorder=1)
         axes.plot(frames, way, color=FAINT, linewidth=0.8, zorder=2)
         axes.scatter(frames, way, c=_colours(held), s=14, zorder=3, linewidths=0)
-        words = shorten(held[0]["parameter"], 34, placeholder=" …")
         axes.annotate(
-            words,
+            _label(held),
             (frames[0], top),
             xytext=(0, -2),
             textcoords="offset points",

@@ -42,15 +42,16 @@ class Expression:
     Args:
         text: for example ``"-P*(L - x)*y/I"``; ``^`` is a power, as ``**`` is, and numbers
             may have a unit, as in ``3 mm*(1 - x/2)``.
+        wanted: name of the dimension that its value must have; None: of any, or not known.
 
     Raises:
         ExpressionError: not a formula of + - * / ** ^, numbers, names and the known functions.
     """
 
-    __slots__ = ("_code", "_numbers", "names", "text")
+    __slots__ = ("_code", "_numbers", "names", "text", "wanted")
 
-    def __init__(self, text: str) -> None:
-        self.text = text
+    def __init__(self, text: str, wanted: str | None = None) -> None:
+        self.text, self.wanted = text, wanted
         if len(text) > LONGEST:
             raise ExpressionError(f"the formula is {len(text)} characters long: {LONGEST} are allowed")
         plain = in_si(text)

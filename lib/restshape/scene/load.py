@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from restshape.application import Application, application
 from restshape.errors import UserError
 from restshape.scene.checks import check_scene
+from restshape.scene.dimensions import check_units
 from restshape.scene.model import FORMAT, VERSION, Scene
 from restshape.scene.plan import plan
 from restshape.scene.problems import user_error
@@ -194,6 +195,7 @@ def _scene(raw: dict[str, Any], source: Source) -> Scene:
             raise user_error(error, source, model, ("effects", name)) from error
     scene = scene.model_copy(update={"effects": effects})
     check_scene(scene, app, source)
+    check_units(scene, raw.get("parameters", {}), source)
     scene._source, scene._raw = source, raw
     return _decided(scene, app)
 

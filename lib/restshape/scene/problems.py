@@ -24,7 +24,7 @@ def user_error(
         prefix: key of that model in the file.
     """
     # an unknown key is often what makes another one missing: tell it first
-    found = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
+    found = sorted(whole_lists(error.errors(include_url=False)), key=lambda e: e["type"] != "extra_forbidden")
     told = [_told(details, source, root, prefix) for details in found[:MOST_TOLD]]
     first = told[0]
     others = [f"  also {other.where}: {other.what}{f' ({other.do})' * bool(other.do)}" for other in told[1:]]
@@ -54,13 +54,38 @@ def _told(details: ErrorDetails, source: Source, root: type[BaseModel], prefix: 
     return source.error(key, what, do)
 
 
+AXES = {2: "two numbers [x, y]", 3: "three numbers [x, y, z]"}
+"""Lists of numbers that are most often wanted, by their count."""
+
+
+def whole_lists(found: Sequence[ErrorDetails]) -> list[ErrorDetails]:
+    """The findings, with one for each list that is too short, at the first place that it lacks, with its full count."""
+    counts: dict[tuple[str | int, ...], int] = {}
+    for details in found:
+        if _lacks_an_entry(details):
+            *place, number = details["loc"]
+            counts[tuple(place)] = max(counts.get(tuple(place), 0), int(number) + 1)
+    told = []
+    for details in found:
+        if not _lacks_an_entry(details):
+            told.append(details)
+        elif count := counts.pop(tuple(details["loc"][:-1]), 0):
+            told.append({**details, "ctx": {"count": count}})
+    return told
+
+
+def _lacks_an_entry(details: ErrorDetails) -> bool:
+    return details["type"] == "missing" and isinstance(details["loc"][-1], int)
+
+
 def plain(details: ErrorDetails) -> tuple[str, str]:
     """What one finding says in plain words, and what to do about it."""
     kind, given, context = details["type"], details["input"], details.get("ctx", {})
     shown = f"not {_shown(given)}"
     match kind:
         case "missing" if isinstance(details["loc"][-1], int):
-            return "two numbers [x, y] are wanted here, and there are fewer", ""
+            count = context["count"]
+            return f"{AXES.get(count, f'{count} entries')} are wanted here, and there are fewer", ""
         case "missing":
             return f"the key {str(details['loc'][-1])!r} is missing", "add it"
         case "value_error":

@@ -44,6 +44,25 @@ LIMIT_DIMENSIONS = {
 }
 
 
+LIMIT_UNITS = {
+    "length": "m",
+    "force": "N",
+    "pressure": "Pa",
+    "moment": "J",
+    "area": "m^2",
+    "frequency": "Hz",
+    "mass": "kg",
+}
+"""SI units of dimensions; what is not here has none."""
+
+
+def with_unit(kind: str, value: float, digits: int = 6) -> str:
+    """The value of a quantity of a kind with its unit, lengths below a metre in millimetres."""
+    unit = LIMIT_UNITS.get(LIMIT_DIMENSIONS[kind], "")
+    factor, unit = (1e3, "mm") if unit == "m" and 0.0 < abs(value) < 1.0 else (1.0, unit)
+    return f"{factor * value:.{digits}g} {unit}".rstrip()
+
+
 class Quantity(Strict):
     """``[quantities.NAME]``: one number a frame; ``take`` says how many values become one.
 

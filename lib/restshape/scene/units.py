@@ -77,6 +77,9 @@ UNITS = PLAIN | {
     p + name: (scale * f, powers) for name, (f, powers) in PREFIXED.items() for p, scale in PREFIXES.items()
 }
 
+KNOWN_UNITS = f"use {', '.join([*PREFIXED, *PLAIN])}, or a prefix and one of {', '.join(PREFIXED)}, as in mm, kN or GPa"
+"""What to write in place of a unit that is not known."""
+
 NUMBER_UNIT = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
     r"\s*((?![eE][+-]?\d)[A-Za-zµ°%][\w\sµ°%^*/.²³·-]*)?\s*$"
@@ -107,8 +110,8 @@ def unit(text: str) -> tuple[float, Powers]:
         if match is None or match[2] not in UNITS or match[1].count("/") > 1:
             word = match[2] if match else text.strip()
             alike = [name for name in UNITS if name.lower() == word.lower() and name != word]
-            do = f": did you mean {' or '.join(map(repr, alike))}?" if alike else ""
-            raise UnitError(f"{text.strip()!r} is not a known unit{do}")
+            do = f"did you mean {' or '.join(map(repr, alike))}?" if alike else KNOWN_UNITS
+            raise UnitError(f"{text.strip()!r} is not a known unit: {do}")
         scale, own = UNITS[match[2]]
         # a slash holds for the factor behind it only: "N/m s" is (N/m) s
         sign = -1 if "/" in match[1] else 1

@@ -53,7 +53,7 @@ def value_of(dimension: str) -> Any:
         if isinstance(raw, Expression):
             return raw
         if isinstance(raw, str) and not reads_as_quantity(raw):
-            return Expression(raw)
+            return Expression(raw, dimension)
         return quantity(raw, dimension)
 
     def write(value: Value) -> float | str:

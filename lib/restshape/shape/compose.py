@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from restshape.errors import UserError
 from restshape.scene.load import parse_override
 from restshape.scene.model import Scene
-from restshape.scene.problems import plain
+from restshape.scene.problems import plain, whole_lists
 from restshape.scene.script import EVENTS, FORMAT, VERSION, Script
 from restshape.scene.units import quantity
 from restshape.shape.body_hold import place_of
@@ -126,7 +126,7 @@ class Composer:
         try:
             found = self.events[event["do"]].model_validate(stamped)
         except ValidationError as error:
-            first = error.errors()[0]
+            first = whole_lists(error.errors())[0]
             key = ".".join(str(part) for part in first["loc"])
             what, do = plain(first)
             raise UserError(f"{key}: {what}", text.strip(), do or f"write one of\n{self.grammar}") from error

@@ -1,0 +1,85 @@
+"""Words in a picture that keep clear of each other, and of what they tell about."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
+from matplotlib.text import Annotation, Text
+
+AWAY = (7.0, 13.0, 20.0, 28.0, 37.0, 47.0)
+"""How far words are moved at most, in steps [points]."""
+AROUND = 16
+"""Directions in which they are."""
+BLOCKED = 0.6
+"""Weight of an area of words over something else drawn, beside that of words over words."""
+PATH = 0.02
+"""What a pixel of way costs, in parts of an area as high as the words."""
+PIECES = 25
+"""Boxes that stand for a line."""
+
+
+class Labels(Artist):
+    """Moves words apart, in the pixels of the picture, right before they are drawn.
+
+    What is added first stays nearest to its place. A word that is moved has a thin line to its place.
+
+    Args:
+        axes: of the picture.
+    """
+
+    zorder = 8.5
+
+    def __init__(self, axes: Axes) -> None:
+        super().__init__()
+        self._words: list[tuple[Annotation, np.ndarray]] = []
+        self._lines: list[np.ndarray] = []
+        axes.add_artist(self)
+
+    def add(self, word: Annotation) -> None:
+        """Keep a word, whose offset is in points, clear of all others."""
+        self._words.append((word, np.array(word.xyann, dtype=float)))
+
+    def spare(self, line: np.ndarray) -> None:
+        """Keep words off a line (2, 2) in data coordinates."""
+        self._lines.append(np.asarray(line, dtype=float))
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Move the words; they are drawn after this."""
+        lines = [self.axes.transData.transform(line) for line in self._lines]
+        steps = np.linspace(0.0, 1.0, PIECES)[:, None]
+        blocks = np.array([np.tile(p, 2) for a, b in lines for p in a + steps * (b - a)]).reshape(-1, 4)
+        blocks += [-2.0, -2.0, 2.0, 2.0]
+        pixels = renderer.points_to_pixels(1.0)
+        angles = 2.0 * np.pi * np.arange(AROUND) / AROUND
+        ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        moves = np.concatenate([np.zeros((1, 2)), *(far * ring for far in AWAY)])
+        taken = np.zeros((0, 4))
+        for word, offset in self._words:
+            word.xyann = tuple(offset)
+            # Of the words alone: the line to their place is none of them.
+            word.update_positions(renderer)
+            box = _text_box(word, renderer)
+            boxes = box + np.tile(pixels * moves, 2)
+            height = box[3] - box[1]
+            cost = _covered(boxes, taken) + BLOCKED * _covered(boxes, blocks)
+            cost += PATH * height * pixels * np.linalg.norm(moves, axis=1)
+            best = int(np.argmin(cost))
+            word.xyann = tuple(offset + moves[best])
+            if word.arrow_patch is not None:
+                word.arrow_patch.set_visible(best > 0)
+            taken = np.vstack([taken, boxes[best]])
+
+
+def _text_box(word: Annotation, renderer: RendererBase) -> np.ndarray:
+    """Left, bottom, right and top (4,) of words in pixels, without their line."""
+    box = Text.get_window_extent(word, renderer)
+    return np.array([box.x0 - 1.0, box.y0 - 1.0, box.x1 + 1.0, box.y1 + 1.0])
+
+
+def _covered(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """The area (n,) that boxes (n, 4) share with all others (m, 4)."""
+    low = np.maximum(boxes[:, None, :2], others[None, :, :2])
+    high = np.minimum(boxes[:, None, 2:], others[None, :, 2:])
+    return np.maximum(high - low, 0.0).prod(axis=2).sum(axis=1)

@@ -1,0 +1,134 @@
+"""Dimensions of formulas: what parameters that have units make of them, where that can be told."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from typing import Any
+
+from pydantic import BaseModel
+
+from restshape.scene.expressions import Expression
+from restshape.scene.source import Source
+from restshape.scene.units import DIMENSIONS, EXAMPLES, NUMBER_UNIT, Powers, UnitError, article, in_si, spelled, unit
+
+NONE: Powers = (0, 0, 0, 0, 0)
+Known = Powers | None
+"""Powers of a value; None where nothing tells them, and any will do."""
+
+
+def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) -> None:
+    """Refuses formulas that give another dimension than is wanted of them, by the units of the parameters in them.
+
+    A parameter without a unit, x, y and a decimal number may stand for anything; whole numbers and pi have no
+    dimension where they multiply or divide. Radians do not count.
+
+    Args:
+        scene: whose formulas are looked at.
+        written: the parameters as they stand in the file.
+        source: for messages.
+
+    Raises:
+        UserError: the first formula that adds what cannot be added, or gives what is not wanted.
+    """
+    named = {name: _powers(value) for name, value in written.items()}
+    named = {name: powers for name, powers in named.items() if powers is not None}
+    if not named:
+        return
+    for key, formula in _formulas(scene, ()):
+        if not formula.names.intersection(named):
+            continue
+        example = EXAMPLES.get(formula.wanted or "", '"12 mm"')
+        try:
+            found = _of(_tree(formula.text), named)
+        except UnitError as error:
+            raise source.error(key, f"{formula.text!r} {error}", "give the parameters units that fit") from error
+        wanted = None if formula.wanted is None else _plain(DIMENSIONS[formula.wanted])
+        if None not in (found, wanted) and found != wanted:
+            units = ", ".join(f"{name} = {written[name]!r}" for name in sorted(formula.names.intersection(named)))
+            what = f"{formula.text!r} is {article(spelled(found))} ({units}), but {article(formula.wanted)} is wanted"
+            raise source.error(key, what, f"give the parameter another unit, as in {example}")
+
+
+def _powers(value: Any) -> Known:
+    """The powers of a parameter that is written with a unit."""
+    match = NUMBER_UNIT.match(value) if isinstance(value, str) else None
+    return _plain(unit(match[2])[1]) if match and match[2] else None
+
+
+def _plain(powers: Powers) -> Powers:
+    """Powers without that of radians: arcs are lengths."""
+    return (*powers[:4], 0)
+
+
+def _formulas(value: Any, key: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Expression]]:
+    """All formulas of a model, each with its key."""
+    if isinstance(value, Expression):
+        yield key, value
+    elif isinstance(value, BaseModel):
+        for name, field in type(value).model_fields.items():
+            yield from _formulas(getattr(value, name), (*key, field.alias or name))
+        for name, extra in (value.model_extra or {}).items():
+            yield from _formulas(extra, (*key, name))
+    elif isinstance(value, Mapping):
+        for name, one in value.items():
+            yield from _formulas(one, (*key, str(name)))
+    elif isinstance(value, list | tuple):
+        for one in value:
+            yield from _formulas(one, key)
+
+
+@lru_cache(maxsize=4096)
+def _tree(text: str) -> ast.expr:
+    return ast.parse(in_si(text).strip().replace("^", "**"), mode="eval").body
+
+
+def _of(node: ast.expr, named: Mapping[str, Powers]) -> Known:
+    """The powers of a part of a formula."""
+    match node:
+        case ast.Name(id="pi"):
+            return NONE
+        case ast.Name(id=name):
+            return named.get(name)
+        case ast.Constant(value=int()):
+            return NONE
+        case ast.UnaryOp(operand=operand):
+            return _of(operand, named)
+        case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
+            return _same(_of_term(left, named), _of_term(right, named))
+        case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as op, right=right):
+            one, other = _of(left, named), _of(right, named)
+            sign = -1 if isinstance(op, ast.Div) else 1
+            return None if one is None or other is None else _sum(one, other, sign)
+        case ast.BinOp(left=left, op=ast.Pow(), right=ast.Constant(value=int() as power)):
+            powers = _of(left, named)
+            return None if powers is None else tuple(power * p for p in powers)
+        case ast.Call(func=ast.Name(id="abs" | "min" | "max"), args=arguments):
+            found: Known = None
+            for one in arguments:
+                found = _same(found, _of_term(one, named))
+            return found
+    return None
+
+
+def _of_term(node: ast.expr, named: Mapping[str, Powers]) -> Known:
+    """The powers of what is added: a number alone is of the kind of the others."""
+    while isinstance(node, ast.UnaryOp):
+        node = node.operand
+    return None if isinstance(node, ast.Constant) else _of(node, named)
+
+
+def _sum(one: Powers, other: Powers, sign: int) -> Powers:
+    return tuple(p + sign * q for p, q in zip(one, other))
+
+
+def _same(one: Known, other: Known) -> Known:
+    """What two terms are that are added or compared.
+
+    Raises:
+        UnitError: they are not of one kind.
+    """
+    if None not in (one, other) and one != other:
+        raise UnitError(f"adds {article(spelled(one))} and {article(spelled(other))}")
+    return one if other is None else other
