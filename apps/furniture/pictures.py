@@ -7,6 +7,7 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from textwrap import wrap
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -39,7 +40,12 @@ def model(piece: Piece) -> Furniture:
 
 def state(furniture: Furniture) -> str:
     """What is wrong with a piece, in words."""
-    return ", ".join(furniture.test().words) or "valid"
+    return "; ".join(furniture.test().words) or "valid"
+
+
+def headed(name: str, furniture: Furniture, letters: int) -> str:
+    """The heading of a piece, in at most two lines of so many letters."""
+    return "\n".join(wrap(f"{name}: {state(furniture)}", letters, max_lines=2, placeholder=" …"))
 
 
 def told(one: Suggestion, furniture: Furniture) -> str:
@@ -67,7 +73,7 @@ def pieces(
     panels = figure.subplots(down, across, squeeze=False).ravel()
     for axes, name in zip(panels, names):
         furniture = model(PIECES[name]())
-        draw_piece(axes, furniture, f"{name}: {state(furniture)}", numbers=len(furniture.piece.planks) <= 10)
+        draw_piece(axes, furniture, headed(name, furniture, 36), numbers=len(furniture.piece.planks) <= 10)
     for axes in panels[len(names) :]:
         axes.set_visible(False)
     add_use_bar(figure, panels)
@@ -107,7 +113,7 @@ def ranges(path: Path) -> None:
     panels = figure.subplots(1, len(RANGES))
     for axes, (words, make) in zip(panels, RANGES.items()):
         furniture, slide = make()
-        draw_piece(axes, furniture, f"{words}: {state(furniture)}", slide, numbers=False)
+        draw_piece(axes, furniture, headed(words, furniture, 70), slide, numbers=False)
     add_use_bar(figure, panels)
     _save(figure, path)
 
