@@ -5,6 +5,8 @@ import json
 import pytest
 from furniture_scenes import write_bench, write_edits
 
+from restshape.application import applications
+
 COMMANDS = {
     "check": ("check", "bench.toml", "edits.jsonl"),
     "replay": ("replay", "bench.toml", "--edits", "edits.jsonl"),
@@ -43,6 +45,12 @@ def test_what_a_replay_is_asked_to_write_is_there_although_nobody_reads(tmp_path
     assert len((tmp_path / "found.csv").read_text().splitlines()) == 2
 
 
-def test_a_reader_that_stays_gets_everything(tmp_path, restshape):
+def test_a_reader_that_stays_gets_a_row_a_line_however_long_it_is(restshape):
     done = restshape("list")
-    assert done.returncode == 0 and done.stdout.rstrip().endswith("CSM3")
+    scenes = [scene for app in applications().values() for scene in app.scenes()]
+    lines = done.stdout.split("scenes\n")[1].splitlines()[1:]
+    assert done.returncode == 0
+    assert len(lines) == len(scenes)
+    assert max(map(len, lines)) > 160
+    for scene, line in zip(scenes, lines, strict=True):
+        assert str(scene) in line and line == line.rstrip()

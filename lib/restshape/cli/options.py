@@ -17,8 +17,8 @@ from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 
-PLAIN_WIDTH = 160
-"""Columns of a table where there is no terminal."""
+ENDLESS = 1_000_000
+"""Columns of a table where there is no terminal: a row is one line there, for `grep` and `awk`."""
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
@@ -116,14 +116,14 @@ class Output(Console):
 
 
 def console() -> Console:
-    """Where tables go: as wide as the terminal, or plain and wide where there is none, or a launcher's."""
+    """Where tables go: as wide as the terminal, or as wide as they come where there is none, or a launcher's."""
     terminal = sys.stdout.isatty() and not launched()
-    width = None if terminal else PLAIN_WIDTH
+    width = None if terminal else ENDLESS
     return Output(file=sys.stdout, force_terminal=terminal, width=width, highlight=False, soft_wrap=False)
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]], right: Sequence[str] = ()) -> None:
-    """Prints a table: ruled on a terminal, aligned plain text elsewhere.
+    """Prints a table: ruled on a terminal, elsewhere aligned plain text, a row a line.
 
     Args:
         title: one line above.
@@ -139,7 +139,13 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]
     for row in rows:
         table.add_row(*(Text(shown(cell)) for cell in row))
     out.print(Text(title, style="bold"), soft_wrap=True)
-    out.print(table)
+    if out.is_terminal:
+        out.print(table)
+        return
+    with out.capture() as plain:
+        out.print(table)
+    for line in plain.get().splitlines():
+        out.file.write(line.rstrip() + "\n")
 
 
 def shown(cell: Any) -> str:
