@@ -2,30 +2,20 @@
 
 from pathlib import Path
 
+import small_scenes
+from small_scenes import block
+
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 
-CLOTH = """
-format = "restshape-scene"
-version = 1
-app = "couture"
-[parameters]
+HEAD = small_scenes.HEAD.replace("solid", "couture")
+
+CLOTH = f"""
+{HEAD}[parameters]
 tilt = "30 deg"
 half = 0.5
-[shape]
-outline = ["bottom", "right", "top", "left"]
-[shape.vertices]
-a = [0, 0]
-b = [1, 0]
-c = [1, 1]
-d = [0, 1]
-[shape.edges]
-bottom = { line = ["a", "b"] }
-right = { line = ["b", "c"] }
-top = { line = ["c", "d"] }
-left = { line = ["d", "a"] }
-[shape.regions]
-patch = { polygon = [[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]] }
+{block()}[shape.regions]
+patch = {{ polygon = [[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]] }}
 [material.cotton]
 E = "2 MPa"
 nu = 0.25

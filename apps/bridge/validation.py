@@ -38,7 +38,7 @@ def solved(scene: Scene, outline: Outline, comm: PETSc.Comm) -> dict[str, float]
     """The quantities of a scene with another outline, on a mesh of its own."""
     app = application(scene.app)
     moving = MovingMesh(outline, scene.mesh, ranks=comm.size)
-    moving.advance(EditFrame(0, 0.0, 0, "start", "start", None, (0.0, 0.0), outline, scene, None))
+    moving.advance(EditFrame(0, 0.0, 0, "start", "start", None, (0.0, 0.0), scene, None, outline))
     analysis = app.make_analysis()(scene, plan(scene, app), comm, policy("auto"), Calibration.load(), Stages())
     mesh = moving.field_mesh
     cells = np.arange(len(mesh.cells), dtype=np.int32)

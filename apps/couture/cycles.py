@@ -29,8 +29,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
-from restshape.physics.cloth_scene import SheetArguments, sheet_arguments
-from restshape.physics.contact import Contact
+from restshape.physics.cloth_scene import SheetArguments, sheet_arguments, sheet_of
 from restshape.physics.sheet import Sheet
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
@@ -103,20 +102,13 @@ class Cloth:
         chosen = plan(self.scene, application(self.scene.app))
         self.mesh = generate(Outline.from_spec(self.scene.shape, self.scene.folder), self.scene.mesh)
         self.arguments: SheetArguments = sheet_arguments(self.scene, chosen, self.mesh)
-        self.settings = self.arguments.contact
 
     def sheet(self, kink: bool, like: Sheet | None = None) -> Sheet:
         """A sheet with one onset of contact or the other, with the history of friction that another one has."""
-        given, settings = self.arguments, self.settings
-        sheet = Sheet(self.mesh, given.fabric, given.held, given.g)
-        sheet.contact = Contact(
-            [body for body, _ in given.bodies],
-            sheet.area,
-            settings.stiffness,
-            KINK if kink else settings.thickness,
-            [friction for _, friction in given.bodies],
-            SLIP,
-        )
+        sheet = sheet_of(self.mesh, self.arguments)
+        sheet.contact.slip = SLIP
+        if kink:
+            sheet.contact.thickness = KINK
         if like:
             sheet.contact.take(like.contact)
         return sheet
@@ -144,9 +136,7 @@ def move(sheet: Sheet, x: np.ndarray, manner: Manner, most: int) -> Course:
     while len(course.residuals) <= most:
         longest = Steps().longest if manner.checked else TIME_STEP
         left = Steps(TIME_STEP, longest=longest, most=most - len(course.residuals))
-        moving = KineticDamping(
-            PETSc.COMM_SELF, "cycles_", equations, sheet.mass, x.shape, equations.operator.rows, left
-        )
+        moving = KineticDamping(PETSc.COMM_SELF, "cycles_", equations, sheet.mass, x.shape, equations.rows, left)
         moving.on_step = note
         if manner.anew:
             moving.on_move = sheet.follow

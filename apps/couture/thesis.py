@@ -110,9 +110,7 @@ def stepped(size: str, length: float, steps: int = STEPS) -> tuple[int, float]:
     sheet = analysis.sheet
     equations = ClothEquations(sheet, PETSc.COMM_SELF, Stages())
     even = Steps(length, longest=length, most=WARM + steps)
-    moving = KineticDamping(
-        PETSc.COMM_SELF, "steps_", equations, sheet.mass, analysis.x.shape, equations.operator.rows, even
-    )
+    moving = KineticDamping(PETSc.COMM_SELF, "steps_", equations, sheet.mass, analysis.x.shape, equations.rows, even)
     times: list[float] = []
 
     def note(x: np.ndarray, norm: float) -> bool:

@@ -1,4 +1,4 @@
-"""Small pieces whose statics is worked by hand: a bench, a stool, a ladder, a block; and pieces in a mirror."""
+"""Small pieces whose statics is worked by hand: benches, a stool, a ladder, a block; and pieces in a mirror."""
 
 import numpy as np
 from restshape_apps.furniture.pieces import cantilever
@@ -17,6 +17,17 @@ def bench(place: float = 0.1, mu: float = 0.5, kilograms: float = 20.0, leg: flo
     planks = (top, *legs)
     put = weight("weight", 0, kilograms, (place / 1.2, 0.0, 0.0))
     return Piece(planks, joints_near(planks), feet_near(planks), (Plane(mu=mu),), (put,))
+
+
+def stretched(place: float, kilograms: float = 70.0) -> Piece:
+    """A bench of 18 mm with a stretcher between its legs 0.7 m apart, and a mass at `place` [m] from the middle."""
+    t, sides = 0.018, {"left": -0.35, "right": 0.35}
+    seat = Plank.between("seat", (-0.5, 0, 0.45 + t / 2), (0.5, 0, 0.45 + t / 2), (0, 0.3, 0), t, wood="pine")
+    legs = [Plank.between(name, (x, 0, 0), (x, 0, 0.45), (0, 0.26, 0), t, wood="pine") for name, x in sides.items()]
+    rail = Plank.between("rail", (-0.35 + t / 2, 0, 0.15), (0.35 - t / 2, 0, 0.15), (0, 0.2, 0), t, wood="pine")
+    planks = (seat, *legs, rail)
+    joints = joints_near(planks, fastener="screw")
+    return Piece(planks, joints, feet_near(planks), weights=(weight("sitter", 0, kilograms, (place, 0.0, 0.5)),))
 
 
 def stool(

@@ -59,8 +59,9 @@ std::unique_ptr<Operator> Operator::create(bool world, int fields, std::vector<i
     PetscInitialized(&running);
     if (!running) throw std::runtime_error("PETSc is not initialised: import petsc4py and call petsc4py.init() first");
     if (backend == "csr") return make_csr_operator(world, fields, std::move(node_offsets), rank);
+    if (backend == "bcsr") return make_bcsr_operator(world, fields, std::move(node_offsets), rank);
     if (backend == "coo") return make_coo_operator(world, fields, std::move(node_offsets), rank);
-    throw std::invalid_argument("no backend \"" + backend + "\"; there are csr, coo");
+    throw std::invalid_argument("no backend \"" + backend + "\"; there are csr, bcsr, coo");
 }
 
 Operator::Operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank)
@@ -166,19 +167,19 @@ void Operator::begin(bool kept) {
     stop_filling();
     (void)PetscLogEventBegin(events().values, 0, 0, 0, 0);
     filling_ = true;
-    std::vector<double>& target = values();
+    const Entries target = values();
     if (kept) {
-        std::copy(kept_.begin(), kept_.end(), target.begin());
+        std::copy(kept_.begin(), kept_.end(), target.data);
         for (size_t k = 0; k < constrained_.size(); ++k) diagonal_[constrained_[k]] = kept_diagonal_[k];
     } else {
-        std::fill(target.begin(), target.end(), 0.0);
+        std::fill_n(target.data, target.count, 0.0);
         for (int32_t dof : constrained_) diagonal_[dof] = 0.0;
     }
 }
 
 void Operator::keep() {
     if (!filling_) throw std::runtime_error("an operator needs begin before keep");
-    kept_ = values();
+    kept_.assign(values().data, values().data + values().count);
     kept_diagonal_.clear();
     for (int32_t dof : constrained_) kept_diagonal_.push_back(diagonal_[dof]);
 }

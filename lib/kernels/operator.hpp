@@ -1,4 +1,4 @@
-// A sparse matrix assembled from elements, with supports eliminated inside the elements. Two backends share the loop.
+// A sparse matrix assembled from elements, with supports eliminated inside the elements. Its backends share the loop.
 #pragma once
 
 #include <petscmat.h>
@@ -33,6 +33,12 @@ struct Terms {
     std::vector<Term> list;
 };
 
+// Stored entries of a matrix.
+struct Entries {
+    double* data = nullptr;
+    size_t count = 0;
+};
+
 class Operator {
  public:
     static std::unique_ptr<Operator> create(bool world, int fields, std::vector<int32_t> node_offsets, int rank,
@@ -63,7 +69,7 @@ class Operator {
 
     virtual void new_pattern() = 0;
     virtual void patch_pattern(int block, const int32_t* changed, int count) = 0;
-    virtual std::vector<double>& values() = 0;  // that `assemble` adds to
+    virtual Entries values() = 0;  // that `assemble` adds to
     virtual void assemble(int block, const Terms& terms) = 0;
     virtual void set_diagonal(int dof, double value) = 0;
     virtual void finish() = 0;
@@ -125,6 +131,7 @@ void with_sizes(const Element& e, Run run) {
     const auto is = [&e](int nodes, int dim, int fields) {
         return e.nodes == nodes && e.dim == dim && e.fields == fields;
     };
+    if (is(1, 2, 3)) return run(Sizes<1, 2, 3>(e));
     if (is(3, 2, 2)) return run(Sizes<3, 2, 2>(e));
     if (is(6, 2, 2)) return run(Sizes<6, 2, 2>(e));
     if (is(3, 2, 3)) return run(Sizes<3, 2, 3>(e));
@@ -138,6 +145,8 @@ void with_sizes(const Element& e, Run run) {
 
 // Own memory in PETSc's CSR format, one rank: new values and patches cost no search and no preallocation.
 std::unique_ptr<Operator> make_csr_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
+// The same in blocks of two nodes (PETSc's BAIJ), one rank: for solves by products and relaxation alone.
+std::unique_ptr<Operator> make_bcsr_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
 // PETSc's COO assembly, any number of ranks.
 std::unique_ptr<Operator> make_coo_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
 

@@ -36,7 +36,7 @@ class CooOperator final : public Operator {
 
     void patch_pattern(int, const int32_t*, int) override { new_pattern(); }
 
-    std::vector<double>& values() override { return value_; }
+    Entries values() override { return {value_.data(), value_.size()}; }
 
     void assemble(int block, const Terms& terms) override {
         double* value = value_.data() + first_[block];

@@ -55,7 +55,7 @@ class CsrOperator final : public Operator {
         use(std::move(fresh));
     }
 
-    std::vector<double>& values() override { return arrays_->value; }
+    Entries values() override { return {arrays_->value.data(), arrays_->value.size()}; }
 
     void assemble(int block, const Terms& terms) override {
         with_sizes(*terms.list.front().element, [&](auto sizes) { assemble(sizes, block, terms); });

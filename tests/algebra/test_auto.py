@@ -11,7 +11,8 @@ from small_scenes import across, drag, make_replay, plate, rows_of, write_scene,
 
 from restshape import _kernels
 from restshape.algebra.choice import CHOLESKY, GAMG, ICC, ILU, Choice, Size, prices
-from restshape.algebra.linear import LinearSolver, true_residual
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.linear_report import true_residual
 from restshape.algebra.projection import Projection
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration

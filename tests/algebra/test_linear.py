@@ -10,7 +10,8 @@ from scipy.sparse.linalg import spilu, splu
 from small_scenes import across, drag, make_replay, plate, write_scene, write_script
 
 from restshape.algebra.gather import System
-from restshape.algebra.linear import LinearSolver, true_residual
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.linear_report import true_residual
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 

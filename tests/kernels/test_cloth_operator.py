@@ -10,7 +10,7 @@ from restshape import _kernels as k
 from restshape.algebra.operator import Operator
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import edges_of_cells
-from restshape.physics.cloth import areas_of_nodes, membrane_params
+from restshape.physics.cloth import lumped, membrane_params
 from restshape.physics.contact import Contact
 from restshape.physics.elasticity import isotropic, plane_stress
 
@@ -35,7 +35,7 @@ class Cloth:
         else:
             bent, params = hinges(cells, cell_edges), np.array([0.01])
         self.X, self.corners = X, corners
-        self.contact = Contact([SPHERE], areas_of_nodes(X, cells), 50.0, 0.1, friction=0.3, slip=0.5)
+        self.contact = Contact([SPHERE], lumped(X, cells), 50.0, 0.1, friction=0.3, slip=0.5)
         nodes = np.arange(corners, dtype=np.int32)[:, None]
         self.blocks = [cells, bent, np.ascontiguousarray(nodes)]
         self.elements = [k.Element("membrane_tri3"), k.Element(bending), k.Element("potential_point1")]

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from restshape import _kernels as k
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import edges_of_cells
-from restshape.physics.cloth import HINGE_STIFFNESS, areas_of_nodes
+from restshape.physics.cloth import HINGE_STIFFNESS, lumped
 
 ALONG = np.array([0.6, -0.5, 0.0])
 T = ALONG / np.linalg.norm(ALONG)
@@ -159,7 +159,7 @@ def tip_share(columns: int, slenderness: int, wide: bool = False) -> float:
             block = element.tangent_block(X[cell], np.zeros((len(cell), 3)), np.array(p))
             K[np.ix_(cell, cell)] += block[2::3, 2::3]
     free = np.flatnonzero(X[:, 0] > 1e-9)
-    w = np.linalg.solve(K[np.ix_(free, free)], areas_of_nodes(X, cells)[free])
+    w = np.linalg.solve(K[np.ix_(free, free)], lumped(X, cells)[free])
     length = X[:, 0].max()
     tip = X[free, 0] > length - 1e-9
     return w[tip].mean() / (length**4 / (8 * D))

@@ -17,7 +17,8 @@ def operator(n: int, fields: int, backend: str = "csr"):
 
 def entries(op) -> np.ndarray:
     """All entries, dense."""
-    start, column, value = op.mat.getValuesCSR()
+    mat = op.mat if op.mat.getType() == "seqaij" else op.mat.convert("aij", PETSc.Mat())
+    start, column, value = mat.getValuesCSR()
     dense = np.zeros(op.mat.getSize())
     for i in range(len(start) - 1):
         dense[i, column[start[i] : start[i + 1]]] = value[start[i] : start[i + 1]]
@@ -82,7 +83,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("backend", ["csr", "coo"])
+@pytest.mark.parametrize("backend", ["csr", "bcsr", "coo"])
 @pytest.mark.parametrize("name", CASES)
 def test_matrix_and_right_side_equal_a_dense_assembly(name, backend):
     (X, cells, _), params = CASES[name][0](), CASES[name][1]
@@ -105,7 +106,7 @@ def test_backends_agree_and_repeat_bit_for_bit():
     X, cells, _ = unit_box(2, 12)
     x = np.zeros_like(X)
     results = {}
-    for backend in ("csr", "coo"):
+    for backend in ("csr", "bcsr", "coo"):
         op = operator(len(X), 2, backend)
         op.set_topology([cells])
         op.set_constraints(np.arange(2 * len(X), dtype=np.uint8) < 26)
@@ -115,9 +116,32 @@ def test_backends_agree_and_repeat_bit_for_bit():
         assert np.array_equal(entries(op), results[backend])
     scale = np.abs(results["csr"]).max()
     np.testing.assert_allclose(results["coo"], results["csr"], rtol=0, atol=1e-15 * scale)
+    assert np.array_equal(results["bcsr"], results["csr"])
 
 
-@pytest.mark.parametrize("backend", ["csr", "coo"])
+def test_relaxation_in_blocks_takes_in_new_values():
+    """PETSc keeps the inverses of diagonal blocks, and must be told that they are of another matrix."""
+    X, cells, _ = unit_box(2, 6)
+    x = np.zeros_like(X)
+    op = operator(len(X), 2, "bcsr")
+    op.set_topology([cells])
+    op.set_constraints(np.arange(X.size, dtype=np.uint8) < 14)
+    rhs, way = op.mat.createVecs()
+    rhs.setArray(np.random.default_rng(3).uniform(-1, 1, X.size))
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc.setType("sor")
+    found = []
+    for coef in (1.0, 4.0):
+        filled(op, "linear_elastic_tri3", X, x, HOOKE, coef)
+        pc.setOperators(op.mat)
+        pc.setUp()
+        pc.apply(rhs, way)
+        found.append(way.getArray().copy())
+    assert found[0] == pytest.approx(4.0 * found[1], rel=1e-12)
+    pc.destroy()
+
+
+@pytest.mark.parametrize("backend", ["csr", "bcsr", "coo"])
 def test_blocks_and_coefficients_add_up(backend):
     """Newmark's matrix K + c M with residual K u + M a, and a load on one side, which has no tangent."""
     X, cells, _ = unit_box(2, 5)
@@ -147,7 +171,7 @@ def test_blocks_and_coefficients_add_up(backend):
     np.testing.assert_allclose(rhs, rhs_K + rhs_M + np.where(fixed, 0, load.ravel()), rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("backend", ["csr", "coo"])
+@pytest.mark.parametrize("backend", ["csr", "bcsr", "coo"])
 @pytest.mark.parametrize("order", [1, 2])
 def test_follower_pressure_is_a_block_of_its_own_that_outlives_flips(order, backend):
     """Its tangent is not symmetric: rows are residuals, columns unknowns. Flips touch the block of cells only."""
@@ -307,7 +331,7 @@ def test_new_values_log_no_pattern():
 def test_supported_node_without_elements_keeps_a_regular_row():
     X = np.array([[0.0, 0], [1, 0], [0, 1], [5, 5]])
     cells = np.array([[0, 1, 2]], dtype=np.int32)
-    for backend in ("csr", "coo"):
+    for backend in ("csr", "bcsr", "coo"):
         op = operator(4, 2, backend)
         op.set_topology([cells])
         op.set_constraints(np.array([0, 0, 0, 0, 0, 0, 1, 1], dtype=np.uint8))
@@ -324,7 +348,7 @@ def test_bad_use_is_refused():
         op.set_topology([cells.astype(np.int64)])
     with pytest.raises(ValueError, match="does not exist"):
         op.set_topology([cells + 5])
-    with pytest.raises(ValueError, match="there are csr, coo"):
+    with pytest.raises(ValueError, match="there are csr, bcsr, coo"):
         operator(3, 2, "dense")
     op.set_topology([cells])
     with pytest.raises(ValueError, match="does not exist"):

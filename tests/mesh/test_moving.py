@@ -46,7 +46,7 @@ class Hand:
         if change == "move":
             outline = outline.moved(gesture.points(c))
         self.index += 1
-        return EditFrame(self.index - 1, 0.0, 0, do, change, gesture, c, outline, scene or self.scene, refused)
+        return EditFrame(self.index - 1, 0.0, 0, do, change, gesture, c, scene or self.scene, refused, outline)
 
 
 def begin(kind: str, size: float = 0.1, **options) -> tuple[MovingMesh, Hand, Gesture]:

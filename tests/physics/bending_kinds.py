@@ -17,7 +17,7 @@ from restshape.mesh.generate import generate
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth import HINGE_STIFFNESS, areas_of_nodes, isotropic_bending, morley_params
+from restshape.physics.cloth import HINGE_STIFFNESS, isotropic_bending, lumped, morley_params
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.shape.outline import Outline
 
@@ -158,7 +158,7 @@ class Plate:
         else:
             self.K = stiffness("hinge4", mesh.X, hinges(mesh.cells, mesh.cell_edges), np.array([D]))
             self.edge_number, self.X = None, mesh.X
-        self.load = areas_of_nodes(self.X, mesh.cells)
+        self.load = lumped(self.X, mesh.cells)
 
     def deflection(self, supported, clamped=None) -> np.ndarray:
         """Deflections (nodes,) where corners with supported(X) are held, and slopes of edges with clamped(X) too."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from restshape_apps.solid.second_order import SCENES, displacement, gradient
-from small_scenes import write_scene
+from small_scenes import HEAD, block, write_scene
 
 from restshape import _kernels
 from restshape.mesh.quadrature import collapsed
@@ -14,23 +14,8 @@ from restshape.replay.still import still
 
 LINEAR = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
 
-TWO = """
-format = "restshape-scene"
-version = 1
-app = "solid"
-[shape]
-outline = ["bottom", "right", "top", "left"]
-[shape.vertices]
-a = [0, 0]
-b = [1, 0]
-c = [1, 1]
-d = [0, 1]
-[shape.edges]
-bottom = { line = ["a", "b"] }
-right = { line = ["b", "c"] }
-top = { line = ["c", "d"] }
-left = { line = ["d", "a"] }
-[shape.regions.core]
+TWO = f"""
+{HEAD}{block()}[shape.regions.core]
 polygon = [[0.3, 0.25], [0.7, 0.3], [0.65, 0.75], [0.25, 0.7]]
 [material.soft]
 E = 1e6
@@ -42,7 +27,7 @@ region = ["core"]
 [effects.solid]
 [supports.whole]
 on = "all"
-fix = { x = "1e-3*x + 2e-4*y", y = "-3e-4*y" }
+fix = {{ x = "1e-3*x + 2e-4*y", y = "-3e-4*y" }}
 [mesh]
 size = 0.1
 """

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from restshape_apps.furniture.least_energy import least_energy
 from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, shelf_1, shelf_2, stool_chair, table
-from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool
+from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool, stretched
 from scipy.optimize import linprog
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
@@ -17,7 +17,6 @@ from restshape.shape.planks import Load, Piece, Plank, feet_near, joints_near, w
 
 G = 9.80665
 FINE = Compliance(least_overlap=1e-6)
-SIDES = {"left": -0.35, "right": 0.35}
 
 
 def settled(piece: Piece, compliance: Compliance | None = None) -> Furniture:
@@ -168,17 +167,6 @@ def test_forces_in_loops_depend_on_the_ratio_of_compliances_alone(make) -> None:
         assert other == pytest.approx(found[0], abs=1e-4 * np.abs(found[0]).max())
     other = settled(make(), Compliance(1e-9, 1e-6, 1e-9)).forces().bending
     assert np.abs(other - found[0][: len(other)]).max() > 1e-3 * np.abs(other).max()
-
-
-def stretched(place: float) -> Piece:
-    """A bench of 18 mm with a stretcher between its legs 0.7 m apart, and 70 kg at `place` [m] from the middle."""
-    t = 0.018
-    seat = Plank.between("seat", (-0.5, 0, 0.45 + t / 2), (0.5, 0, 0.45 + t / 2), (0, 0.3, 0), t, wood="pine")
-    legs = [Plank.between(name, (x, 0, 0), (x, 0, 0.45), (0, 0.26, 0), t, wood="pine") for name, x in SIDES.items()]
-    rail = Plank.between("rail", (-0.35 + t / 2, 0, 0.15), (0.35 - t / 2, 0, 0.15), (0, 0.2, 0), t, wood="pine")
-    planks = (seat, *legs, rail)
-    joints = joints_near(planks, fastener="screw")
-    return Piece(planks, joints, feet_near(planks), weights=(weight("sitter", 0, 70.0, (place, 0.0, 0.5)),))
 
 
 def test_what_a_stretcher_bears_under_a_weight_over_a_leg_is_of_joints_not_of_the_floor() -> None:

@@ -4,31 +4,18 @@ import json
 
 import numpy as np
 import pytest
+from cloths import HEAD
+from small_scenes import block
 
 from restshape.cli.main import main
 from restshape.replay.recording import Recording
 from restshape.scene.bodies import Body
 from restshape.scene.body_columns import body_columns, body_row, recorded_bodies
 
-SCENE = """
-format = "restshape-scene"
-version = 1
-app = "couture"
-[parameters]
+SCENE = f"""
+{HEAD}[parameters]
 level = "-0.3 m"
-[shape]
-outline = ["bottom", "right", "top", "left"]
-[shape.vertices]
-a = [0, 0]
-b = [1, 0]
-c = [1, 1]
-d = [0, 1]
-[shape.edges]
-bottom = { line = ["a", "b"] }
-right = { line = ["b", "c"] }
-top = { line = ["c", "d"] }
-left = { line = ["d", "a"] }
-[material.felt]
+{block()}[material.felt]
 E = "1 MPa"
 nu = 0.3
 rho = "500 kg/m^3"
@@ -37,7 +24,7 @@ thickness = "1 mm"
 on = "outline"
 fix = ["x", "y", "z"]
 [bodies.ball]
-sphere = { center = [0.5, 0.5, "level"], radius = "25 cm" }
+sphere = {{ center = [0.5, 0.5, "level"], radius = "25 cm" }}
 friction = 0.3
 [effects.cloth]
 bending = "hinge"

@@ -2,14 +2,12 @@
 
 from collections import Counter
 
-from hypothesis import HealthCheck, given, seed, settings
+from drawn_scenes import look_at_drawn
+from hypothesis.strategies import tuples
 
 from restshape.application import application
-from restshape.errors import UserError
-from restshape.scene.load import load_scene
 from restshape.stability.cloth_strategies import cloth_scenes
 from restshape.stability.fuzz import fuzz
-from restshape.stability.strategies import toml
 
 
 def test_nothing_breaks():
@@ -22,15 +20,8 @@ def test_scenes_are_of_all_kinds(tmp_path):
     seen: Counter[str] = Counter()
     known = application("couture")
 
-    @seed(3)
-    @settings(max_examples=150, database=None, deadline=None, suppress_health_check=list(HealthCheck))
-    @given(cloth_scenes())
-    def look(tables):
-        path = tmp_path / "scene.toml"
-        path.write_text(toml(tables))
-        try:
-            scene = load_scene(path)
-        except UserError:
+    def look(tables, scene):
+        if scene is None:
             seen.update(["refused"])
             return
         assert scene.app == known.name
@@ -39,7 +30,7 @@ def test_scenes_are_of_all_kinds(tmp_path):
         seen.update([scene.effects["cloth"]["bending"], scene.effects["drape"]["way"]])
         seen.update({"start": scene.start is not None, "nested": scene.mesh.levels > 1, "bare": not scene.supports})
 
-    look()
+    look_at_drawn(tuples(cloth_scenes()), 150, tmp_path, look)
     # What makes no sense is refused, and is not most of it.
     assert 0 < seen["refused"] < 50
     drawn = {name for name, count in seen.items() if count}

@@ -4,18 +4,16 @@ from collections import Counter
 from dataclasses import replace
 
 import pytest
+from drawn_scenes import look_at_drawn
 from furniture_scenes import write_bench, write_edits
-from hypothesis import HealthCheck, given, seed, settings
 from small_scenes import make_replay
 
 from restshape.application import application
-from restshape.errors import UserError
-from restshape.scene.load import load_scene
 from restshape.scene.script import PLANK_EVENTS
 from restshape.stability.fuzz import fuzz
 from restshape.stability.plank_checks import plank_problem
 from restshape.stability.plank_strategies import plank_scenes
-from restshape.stability.strategies import scripts, toml
+from restshape.stability.strategies import scripts
 
 
 def test_nothing_breaks():
@@ -27,17 +25,9 @@ def test_nothing_breaks():
 def test_scenes_and_edits_are_of_all_kinds(tmp_path):
     seen: Counter[str] = Counter()
 
-    @seed(3)
-    @settings(max_examples=250, database=None, deadline=None, suppress_health_check=list(HealthCheck))
-    @given(plank_scenes().flatmap(lambda tables: scripts(tables).map(lambda lines: (tables, lines))))
-    def look(drawn):
-        tables, lines = drawn
+    def look(tables, lines, scene):
         seen.update(event["do"] for event in lines[1:])
-        path = tmp_path / "scene.toml"
-        path.write_text(toml(tables))
-        try:
-            scene = load_scene(path)
-        except UserError:
+        if scene is None:
             seen.update(["refused"])
             return
         seen.update(list(scene.effects))
@@ -45,7 +35,8 @@ def test_scenes_and_edits_are_of_all_kinds(tmp_path):
         seen.update("drawn" if plank.drawn else "centred" for plank in scene.planks.values())
         seen.update({"smooth": scene.floor.friction == 0.0, "pushes": bool(scene.pushes), "loads": bool(scene.weights)})
 
-    look()
+    drawn = plank_scenes().flatmap(lambda tables: scripts(tables).map(lambda lines: (tables, lines)))
+    look_at_drawn(drawn, 250, tmp_path, look)
     # What makes no sense is refused, and is not most of it.
     assert 0 < seen["refused"] < 80
     wanted = {"named joint", "drawn", "centred", "smooth", "pushes", "loads"}

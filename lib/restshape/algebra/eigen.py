@@ -73,6 +73,17 @@ class EigenReport:
     counted: bool = False
     missed: int = 0
 
+    def followed_by(self, other: "EigenReport") -> "EigenReport":
+        """This solve and another one of the same frame, as one."""
+        return EigenReport(
+            self.iterations + other.iterations,
+            self.refreshed or other.refreshed,
+            other.age,
+            other.method,
+            other.counted,
+            self.missed + other.missed,
+        )
+
 
 class EigenSolver:
     """The lowest eigenpairs of K phi = lambda M phi, frame after frame.

@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.choice import ILU, MEMORY, Candidate, Choice, Size, prices
+from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.pivots import factors_of, negative_pivots, zero_pivots
 from restshape.algebra.preconditioner import kind_of, nonzeros, set_preconditioner, set_rigid_motions
 from restshape.algebra.projection import Projection
 from restshape.algebra.stages import Stages
@@ -27,31 +28,6 @@ INCOMPLETE = 0.25
 plate): its solves end at this share of the tolerance, so that solutions agree within it in the energy norm."""
 NO_FACTOR = "the stiffness matrix has no factor: part of the body is not held, or has no stiffness"
 Reason = PETSc.KSP.ConvergedReason
-
-
-@dataclass
-class LinearReport:
-    """What a frame's solves did.
-
-    Args:
-        iterations: of the Krylov method.
-        refreshed: the preconditioner was made anew.
-        age: solves, or frames, since it was made.
-        preconditioner: its name.
-        newton: steps of Newton's method; 0 where the equations are linear.
-    """
-
-    iterations: int
-    refreshed: bool
-    age: int
-    preconditioner: str = ""
-    newton: int = 0
-
-    def followed_by(self, other: "LinearReport") -> "LinearReport":
-        """This solve and another one that went on from it, as one."""
-        return LinearReport(
-            self.iterations + other.iterations, self.refreshed or other.refreshed, other.age, other.preconditioner
-        )
 
 
 class LinearSolver:
@@ -271,13 +247,8 @@ class LinearSolver:
         """
         if self.kind not in COMPLETE:
             return 0
-        found = sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in self._factors())
+        found = sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp))
         return found if self.comm.size == 1 else self.comm.tompi4py().allreduce(found)
-
-    def _factors(self) -> list[PETSc.PC]:
-        """What has this rank's factors."""
-        pc = self.ksp.getPC()
-        return [ksp.getPC() for ksp in pc.getASMSubKSP()] if pc.getType() == "asm" else [pc]
 
     def definite(self, mat: PETSc.Mat, places: np.ndarray | None, new_system: bool = False) -> bool:
         """Tell whether a matrix is positive definite, by a new factor of it, which ends at a pivot that is zero.
@@ -288,7 +259,7 @@ class LinearSolver:
         if self.kind not in COMPLETE:
             return True
         self._factor(mat, places)
-        zero = sum(zero_pivots(part.getFactorMatrix(), self.kind) for part in self._factors())
+        zero = sum(zero_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp))
         zero = zero if self.comm.size == 1 else self.comm.tompi4py().allreduce(zero)
         return zero == 0 and self.negative_pivots() == 0
 
@@ -446,32 +417,3 @@ class LinearSolver:
             if self.keeps
             else f"the linear solve did not converge ({names.get(reason, reason)}, {done} iterations)"
         )
-
-
-def negative_pivots(factor: PETSc.Mat, kind: str) -> int:
-    """The negative pivots of a complete factor, `cholesky` or `lu`."""
-    if kind == "cholesky":
-        return factor.getInertia()[0]
-    if factor.getType() != "seqaij":
-        # Other solvers' LU factors exchange rows, and show no pivots.
-        return 0
-    # PETSc's own exchanges no rows, and its diagonal is that of U.
-    pivots = factor.getDiagonal()
-    found = int(np.count_nonzero(pivots.getArray(readonly=True) < 0.0))
-    pivots.destroy()
-    return found
-
-
-def zero_pivots(factor: PETSc.Mat, kind: str) -> int:
-    """Those pivots of a complete Cholesky factor that it has none of, as it ended at one that is zero; 0 of others."""
-    return factor.getInertia()[1] if kind == "cholesky" else 0
-
-
-def true_residual(mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, scale: float | None = None) -> float:
-    """The norm of b - mat x over `scale`, by default the norm of b; as it is where that is 0."""
-    r = b.duplicate()
-    mat.mult(x, r)
-    r.aypx(-1.0, b)
-    scale, error = b.norm() if scale is None else scale, r.norm()
-    r.destroy()
-    return error / scale if scale > 0 else error

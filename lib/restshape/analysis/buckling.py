@@ -7,13 +7,14 @@ from petsc4py import PETSc
 
 from restshape.algebra.buckling import BucklingSolver
 from restshape.algebra.eigen import EigenReport
-from restshape.algebra.linear import LinearReport, LinearSolver
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.analysis.cold_buckling import cold_differences
 from restshape.analysis.correction import correction, largest_values, preconditioner
 from restshape.analysis.counted import Counted
-from restshape.analysis.following import Following
+from restshape.analysis.following import Following, upright
 from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.shown import Fields
@@ -316,16 +317,8 @@ class BucklingAnalysis(StaticAnalysis):
         if len(before) and len(self.modes):
             self.following(before, self.modes, self.heavy, pencil.norms(before))
         elif len(self.modes):
-            self._turn()
+            upright(self.modes, self.heavy)
             self.following.begin(len(self.modes), np.arange(len(self.modes)))
-
-    def _turn(self) -> None:
-        """Make the component of largest size positive: a mode's sign means nothing, but must not depend on luck."""
-        for mode, weight in zip(self.modes, self.heavy):
-            top = np.flatnonzero(np.abs(mode) > 0.999 * np.abs(mode).max())[0]
-            if mode[top] < 0.0:
-                mode *= -1.0
-                weight *= -1.0
 
     def _most(self) -> float:
         """The load factor at which the mean strain is 1: linear elasticity knows nothing beyond; infinite without load.

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
-from restshape.algebra.gather import System, whole_matrix
+from restshape.algebra.gather import System, matrix_difference, whole_matrix
 from restshape.algebra.operator import Operator
 from restshape.mesh.mesh import Mesh
 from restshape.physics.geometric import GeometricStiffness
@@ -39,7 +39,7 @@ def cold_differences(analysis: Buckled) -> tuple[float, float]:
     """
     hot, cold = analysis.system(), analysis.cold_system()
     kept = whole_matrix(analysis.whole[0].mat, PETSc.COMM_SELF)
-    entries = max(_difference(hot.matrix, cold.matrix), _difference(kept, _geometric(analysis, analysis.x)))
+    entries = max(matrix_difference(hot.matrix, cold.matrix), matrix_difference(kept, _geometric(analysis, analysis.x)))
     error = hot.solution - cold.solution
     distance = float(np.sqrt(max(0.0, error @ (cold.matrix @ error)) / (2.0 * hot.energy))) if hot.energy else 0.0
     free = np.flatnonzero(analysis.physics.mask.ravel() == 0)
@@ -66,8 +66,3 @@ def _geometric(analysis: Buckled, u: np.ndarray) -> sp.csr_matrix:
     operator.set_topology([mesh.cells], analysis.physics.mask)
     terms = [(0, part.element, mesh.X, np.zeros_like(u), part.params(u), analysis.sign)]
     return whole_matrix(operator.assemble(terms, None), PETSc.COMM_SELF)
-
-
-def _difference(a: sp.csr_matrix, b: sp.csr_matrix) -> float:
-    """The largest difference of entries over the largest entry."""
-    return float(abs(a - b).max() / abs(b).max())

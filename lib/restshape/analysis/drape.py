@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from petsc4py import PETSc
 
 from restshape.algebra.gather import matrix_difference, whole_matrix
 from restshape.algebra.kinetic_damping import Steps
-from restshape.algebra.linear import LinearReport, LinearSolver
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import Stages
 from restshape.analysis.fall import fall, loosen, stand_in
 from restshape.analysis.frame import Frame
@@ -26,9 +28,9 @@ from restshape.mesh.transfer import transfer
 from restshape.physics.carried import carried, placed
 from restshape.physics.cloth_estimate import ClothEstimate
 from restshape.physics.cloth_quantities import ClothObserver
-from restshape.physics.cloth_scene import SheetArguments, sheet_arguments
-from restshape.physics.contact import Contact
+from restshape.physics.cloth_scene import SheetArguments, set_contact, sheet_arguments, sheet_of
 from restshape.physics.laid import Laid
+from restshape.physics.piercing import piercing, size_of
 from restshape.physics.sheet import Sheet
 from restshape.policy import Policy
 from restshape.scene.bodies import Body
@@ -47,10 +49,6 @@ SHORT = 300
 """Steps from a saddle after which the membrane is softened for the rest of the way."""
 SMALL = 600
 """Nodes up to which motion is solved for with complete factors."""
-PIERCED = 0.5
-"""Part of a body's smallest size by which it is deeper in a triangle where it comes through; less is a chord's sag."""
-MOST_PLACES = 24
-"""Places along the side of a triangle that are looked at for a body between its nodes."""
 FARTHER = 0.01
 """Part of the tolerance to which a cold solve goes on."""
 FIRST_STEP = 1.0 / 60.0
@@ -175,7 +173,10 @@ class DrapeAnalysis:
         )
         if arrival.at_rest and arrival.stable is False:
             notes.append("at rest where it may not stay: the tangent is not positive definite")
-        notes += [f"bodies.{name} comes through the cloth" for name in self._piercing()]
+        if self.sheet.contact:
+            x = self.sheet.corners(self.x)[self.mesh.cells]
+            through = piercing(self.bodies, self.sheet.contact.bodies, x)
+            notes += [f"bodies.{name} comes through the cloth" for name in compress(self.bound.bodies, through)]
         return {
             "at_rest": int(arrival.at_rest),
             "stable": -1 if arrival.stable is None else int(arrival.stable),
@@ -185,14 +186,6 @@ class DrapeAnalysis:
             "note": "; ".join(notes),
             **body_row(dict(zip(self.bound.bodies, self.bodies)), self.body_columns),
         }
-
-    def _piercing(self) -> list[str]:
-        """Names of bodies that are between the nodes of a triangle: cloth touches them with its nodes alone."""
-        if not self.sheet.contact:
-            return []
-        x = self.sheet.corners(self.x)[self.mesh.cells]
-        named = zip(self.bound.bodies, self.bodies, self.sheet.contact.bodies)
-        return [name for name, body, kernel in named if _comes_through(kernel, _size(body), x)]
 
     def fields(self) -> Fields:
         """Displacement [m] of the nodes from the flat pattern, larger principal tension [N/m] of the cells."""
@@ -249,7 +242,7 @@ class DrapeAnalysis:
 
     def _make(self, scene: Scene, mesh: Mesh, arguments: SheetArguments) -> None:
         """A sheet and what brings it to rest, on a mesh that is not known."""
-        self.sheet = _sheet(mesh, arguments)
+        self.sheet = sheet_of(mesh, arguments)
         self.laid = Laid(scene.start, scene.parameters)
         self.rest = self._rest(self.sheet, scene)
         self.age = 0
@@ -279,7 +272,7 @@ class DrapeAnalysis:
     @property
     def _reach(self) -> float:
         """The farthest way of a node in one step [m]."""
-        return PASSED * min((_size(body) for body in self.bodies), default=np.inf)
+        return PASSED * min((size_of(body) for body in self.bodies), default=np.inf)
 
     def _other_kind(self, arguments: SheetArguments) -> bool:
         """Tell whether the sheet's elements are others."""
@@ -297,17 +290,10 @@ class DrapeAnalysis:
         sheet.move()
         x = stayed(self.x)
         if sheet.contact:
-            self._set_contact(arguments)
+            set_contact(sheet, arguments)
             # What sticks does so wherever its nodes are in it.
             sheet.contact.anchors += sheet.corners(x) - sheet.corners(self.x)
         self.x = np.where(sheet.mask, sheet.prescribed, x)
-
-    def _set_contact(self, arguments: SheetArguments) -> None:
-        contact, settings = self.sheet.contact, arguments.contact
-        contact.bodies = [body for body, _ in arguments.bodies]
-        contact.friction = np.array([friction for _, friction in arguments.bodies])
-        contact.area = self.sheet.area[self.sheet.number]
-        contact.stiffness, contact.thickness, contact.slip = settings.stiffness, settings.thickness, settings.slip
 
     def _carried_corners(self, frame: Frame, scene: Scene) -> np.ndarray:
         """Positions (corners, 3) of the last frame: along the cloth, or, on a new mesh, by their displacements."""
@@ -373,7 +359,7 @@ class DrapeAnalysis:
     def _stand_in(self, mesh: Mesh, level: int) -> Rest:
         """What falls on a mesh of the hierarchy in place of the cloth itself."""
         arguments = sheet_arguments(self.bound, self.plan, mesh)
-        sheet = _sheet(mesh, replace(arguments, fabric=stand_in(arguments.fabric)))
+        sheet = sheet_of(mesh, replace(arguments, fabric=stand_in(arguments.fabric)))
         return self._rest(sheet, self.bound, f"drape_level{level}_")
 
     @property
@@ -433,49 +419,7 @@ class DrapeAnalysis:
 
     def _cold_sheet(self) -> Sheet:
         """The sheet of this frame made anew, with the same history of friction."""
-        sheet = _sheet(self.mesh, sheet_arguments(self.scene, self.plan, self.mesh))
+        sheet = sheet_of(self.mesh, sheet_arguments(self.scene, self.plan, self.mesh))
         if sheet.contact:
             sheet.contact.take(self.sheet.contact)
         return sheet
-
-
-def _sheet(mesh: Mesh, arguments: SheetArguments) -> Sheet:
-    """The sheet of a scene on a mesh."""
-    sheet = Sheet(mesh, arguments.fabric, arguments.held, arguments.g)
-    if arguments.bodies:
-        settings = arguments.contact
-        sheet.contact = Contact(
-            [body for body, _ in arguments.bodies],
-            sheet.area[sheet.number],
-            settings.stiffness,
-            settings.thickness,
-            [friction for _, friction in arguments.bodies],
-            settings.slip,
-        )
-    return sheet
-
-
-def _size(body: Body) -> float:
-    """The smallest way through a body of numbers, from its middle [m]; infinite for a half-space."""
-    form = body.form
-    match body.kind:
-        case "sphere" | "capsule":
-            return form.radius
-        case "box":
-            return min(form.half)
-        case _:
-            return np.inf
-
-
-def _comes_through(body: Any, size: float, x: np.ndarray) -> bool:
-    """Tell whether a body of this size [m] is between the corners of one of the triangles x (ne, 3, 3) [m]."""
-    if not np.isfinite(size):
-        return False
-    longest = float(np.linalg.norm(x - np.roll(x, 1, axis=1), axis=2).max())
-    middles = x.mean(axis=1)
-    near = x[body.distance(middles)[0] < longest]
-    n = int(np.clip(np.ceil(2.0 * longest / size), 3, MOST_PLACES))
-    i, j = (part.ravel() for part in np.mgrid[: n + 1, : n + 1])
-    inside = np.column_stack([i, j, n - i - j])[i + j <= n] / n
-    places = np.einsum("pi,eij->epj", inside, near).reshape(-1, 3)
-    return len(places) > 0 and bool(body.distance(places)[0].min() < -PIERCED * size)

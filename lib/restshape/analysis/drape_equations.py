@@ -1,4 +1,4 @@
-"""The equations of cloth as SNES wants them, on one operator whose pattern and bending stiffness are kept."""
+"""The equations of cloth as SNES wants them, on operators whose pattern and bending stiffness are kept."""
 
 import numpy as np
 from petsc4py import PETSc
@@ -14,14 +14,54 @@ WEIGHTLESS = 1.0
 """The same inertia [1/s^2] where there is no weight."""
 
 
+class Assembly:
+    """A matrix of a sheet, anew for each place of it, with the pattern and the constant terms kept.
+
+    Args:
+        sheet: whose nodes may move, and whose membrane may be softened.
+        comm: PETSc communicator.
+        stages: takes the times of patterns and values.
+        backend: of the operator.
+    """
+
+    def __init__(self, sheet: Sheet, comm: PETSc.Comm, stages: Stages, backend: str | None) -> None:
+        self.stages, self.sheet, self.operator = stages, sheet, Operator(comm, 3, sheet.node_offsets, backend)
+        self.patterned = False
+        self.begin()
+
+    def begin(self) -> None:
+        """Take in that nodes, stiffness or supports have changed."""
+        self.current = False
+
+    def matrix(self, x: np.ndarray, stabilised: bool, inertia: float) -> PETSc.Mat:
+        """The tangent at x (n, 3) [m], with or without its compressed part, plus `inertia` [1/s^2] times the mass."""
+        with self.stages("values"):
+            if not self.current:
+                self._prepare()
+            terms = self.sheet.terms(x, stabilised, inertia)
+            return self.operator.assemble(terms, None, kept=bool(self.constant))
+
+    def _prepare(self) -> None:
+        if self.patterned:
+            self.operator.set_constraints(self.sheet.mask)
+        else:
+            with self.stages("pattern"):
+                self.operator.set_topology(self.sheet.blocks, self.sheet.mask)
+        self.constant = self.sheet.constant_terms()
+        if self.constant:
+            self.operator.keep(self.constant)
+        self.patterned = self.current = True
+
+
 class ClothEquations:
     """Forces out of balance of a sheet, as `algebra.newton`, `kinetic_damping` and `descent` want them.
 
     Args:
         sheet: whose nodes may move, and whose membrane may be softened.
         comm: PETSc communicator.
-        stages: takes the time of values.
-        backend: of the operator.
+        stages: takes the times of patterns and values.
+        backend: of the operators; by default, on one rank, motion has one in blocks of nodes.
+        relaxed: steps of motion are solved with relaxation; with factors, which want no such blocks, where not.
 
     Attributes:
         stabilised: whether `tangent` leaves out what is compressed; inertia: times the mass, on its diagonal.
@@ -29,12 +69,14 @@ class ClothEquations:
 
     potential = True
 
-    def __init__(self, sheet: Sheet, comm: PETSc.Comm, stages: Stages, backend: str | None = None) -> None:
+    def __init__(
+        self, sheet: Sheet, comm: PETSc.Comm, stages: Stages, backend: str | None = None, relaxed: bool = True
+    ) -> None:
         self.sheet, self.stages = sheet, stages
-        self.operator = Operator(comm, 3, sheet.node_offsets, backend)
-        self.operator.set_topology(sheet.blocks, sheet.mask)
+        self.tangents = Assembly(sheet, comm, stages, backend)
+        blocks = relaxed and comm.size == 1 and backend is None
+        self.steps = Assembly(sheet, comm, stages, "bcsr") if blocks else self.tangents
         self.stabilised, self.inertia = True, self.held_up
-        self.begin()
 
     @property
     def held_up(self) -> float:
@@ -43,17 +85,19 @@ class ClothEquations:
         return HELD_UP * float(np.linalg.norm(self.sheet.g)) / size or WEIGHTLESS
 
     @property
+    def rows(self) -> slice:
+        """This rank's, of all 3 n."""
+        return self.tangents.operator.rows
+
+    @property
     def held(self) -> np.ndarray:
         """Unknowns, of all 3 n, that never change."""
         return self.sheet.held
 
     def begin(self) -> None:
-        """Assemble what stays while the nodes of the mesh do."""
-        with self.stages("values"):
-            self.operator.set_constraints(self.sheet.mask)
-            self.constant = self.sheet.constant_terms()
-            if self.constant:
-                self.operator.keep(self.constant)
+        """Take in that nodes, stiffness or supports have changed."""
+        self.tangents.begin()
+        self.steps.begin()
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set `out` (n, 3) [N] to the forces out of balance at positions x (n, 3) [m]."""
@@ -69,21 +113,16 @@ class ClothEquations:
         """The true tangent at x (n, 3) [m]; `out` as in `residual`."""
         if out is not None:
             self.residual(x, out)
-        return self._assembled(x, False, 0.0)
+        return self.tangents.matrix(x, False, 0.0)
 
     def tangent(self, x: np.ndarray) -> PETSc.Mat:
         """The tangent that descents make steps with."""
-        return self._assembled(x, self.stabilised, self.inertia)
+        return self.tangents.matrix(x, self.stabilised, self.inertia)
 
     def true_tangent(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
         """The true tangent plus `inertia` [1/s^2] times the mass."""
-        return self._assembled(x, False, inertia)
+        return self.tangents.matrix(x, False, inertia)
 
     def step_matrix(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
         """The stabilised tangent plus `inertia` [1/s^2] times the mass."""
-        return self._assembled(x, True, inertia)
-
-    def _assembled(self, x: np.ndarray, stabilised: bool, inertia: float) -> PETSc.Mat:
-        with self.stages("values"):
-            terms = self.sheet.terms(x, stabilised, inertia)
-            return self.operator.assemble(terms, None, kept=bool(self.constant))
+        return self.steps.matrix(x, True, inertia)

@@ -8,6 +8,20 @@ SAME = 0.3
 theirs: half each where they turn by 45 degrees in a frame."""
 
 
+def upright(modes: np.ndarray, heavy: np.ndarray) -> None:
+    """Make the component of largest size positive: a mode's sign means nothing, but must not depend on luck.
+
+    Args:
+        modes: (k, n), changed in place; heavy: (k, n) their products M phi, likewise.
+    """
+    for mode, weight in zip(modes, heavy):
+        # The first one of nearly the largest, for symmetric modes have several.
+        top = np.flatnonzero(np.abs(mode) > 0.999 * np.abs(mode).max())[0]
+        if mode[top] < 0.0:
+            mode *= -1.0
+            weight *= -1.0
+
+
 class Following:
     """Gives each mode a number that it keeps for as long as it is computed, across crossings too.
 

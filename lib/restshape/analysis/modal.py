@@ -8,16 +8,15 @@ from petsc4py import PETSc
 
 from restshape.algebra.eigen import EigenReport, EigenSolver
 from restshape.algebra.gather import whole_matrix
-from restshape.algebra.krylov_schur import krylov_schur
-from restshape.algebra.linear import LinearReport
-from restshape.algebra.operator import Operator
-from restshape.algebra.pencil import Deflation, Pencil
+from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import Stages
 from restshape.analysis.correction import largest_values
 from restshape.analysis.counted import Counted
-from restshape.analysis.following import Following
+from restshape.analysis.eigen_matrices import assembled, cold_differences, operators_of
+from restshape.analysis.following import Following, upright
 from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import largest_difference
+from restshape.analysis.modal_quantities import modal_quantity
 from restshape.analysis.shown import Fields
 from restshape.application import application
 from restshape.calibration import Calibration
@@ -29,7 +28,6 @@ from restshape.physics.bodies import oscillator
 from restshape.physics.estimate_modes import ModeEstimate, estimate_of
 from restshape.physics.oscillator import Oscillator
 from restshape.physics.pitch import note
-from restshape.physics.quantities import area
 from restshape.policy import Policy
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
@@ -44,9 +42,6 @@ MOST_BESIDE = 24
 CLUSTER = 1e-3
 """Eigenvalues that differ by less than this share of themselves belong together: they are solved for, and followed
 along a change of the shape, all or none."""
-
-COLD = 1e-10
-"""Residual that a cold solve for comparison goes down to."""
 
 
 class ModalAnalysis:
@@ -191,7 +186,8 @@ class ModalAnalysis:
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the last solution."""
-        return {name: self._quantity(name, quantity) for name, quantity in self.quantities.items()}
+        found = self.mesh, self.frequencies, self.numbers
+        return {name: modal_quantity(name, quantity, *found) for name, quantity in self.quantities.items()}
 
     def row(self) -> dict[str, object]:
         """Columns of a frame's row that only modes have."""
@@ -303,16 +299,8 @@ class ModalAnalysis:
             if self.predicted:
                 self.solver.history = [self.modes, *self.solver.history]
         with self.stages("values"):
-            body = self.body
-            rest = np.zeros((len(body.mesh.X), body.fields))
-            stiffness, mass = (
-                operator.assemble([(0, element, body.mesh.X, rest, params, 1.0)], None)
-                for operator, element, params in zip(
-                    self.operators, (body.stiffness, body.mass), (body.stiffness_params, body.mass_params)
-                )
-            )
-            without_held_mass(mass, self.held)
-            rigid = body.rigid()
+            stiffness, mass = assembled(self.operators, self.body, self.held)
+            rigid = self.body.rigid()
         certain = frame.settled or self.counted.due(frame.mesh)
         self._find(stiffness, mass, rigid, new_mesh or new_scene, certain)
         with self.stages("observe"):
@@ -322,7 +310,7 @@ class ModalAnalysis:
                 sizes = self.solver.pencil.norms(before) if another else np.ones(len(before))
                 self.following(before, self.modes, self.heavy, sizes)
             else:
-                self._turn()
+                upright(self.modes, self.heavy)
                 self.following.begin(len(self.modes), self.chosen)
 
     def _confirm(self) -> LinearReport:
@@ -343,10 +331,7 @@ class ModalAnalysis:
         with self.stages("pattern"):
             self.plan = planned(frame.scene, application(frame.scene.app))
             self.body = body = oscillator(frame.scene, self.plan, frame.mesh, self.policy.lumped_mass)
-            offsets = np.array([0, len(body.mesh.X)], dtype=np.int32)
-            self.operators = [Operator(PETSc.COMM_SELF, body.fields, offsets, None) for _ in range(2)]
-            for operator in self.operators:
-                operator.set_topology([body.mesh.cells], body.mask)
+            self.operators = operators_of(body)
             self.held = np.flatnonzero(body.mask)
         self.solver.tolerance, self.quantities = frame.scene.solve.tolerance, frame.scene.quantities
         self.count = max(self.count, self.plan.settings("modal").modes)
@@ -393,7 +378,7 @@ class ModalAnalysis:
         total = None
         while True:
             found, report = self.solver.solve(stiffness, mass, rigid, self.count, new_system and total is None, certain)
-            total = report if total is None else _sum(total, report)
+            total = report if total is None else total.followed_by(report)
             heavy = np.empty_like(found.modes)
             self.solver.pencil.apply(mass, found.modes, heavy)
             shares = self.body.normal_shares(found.modes, heavy)
@@ -419,37 +404,6 @@ class ModalAnalysis:
             known = known & (shares >= NORMAL)
         return np.flatnonzero(known)[: settings.modes]
 
-    def _turn(self) -> None:
-        """Make the component of largest size positive: a mode's sign means nothing, but must not depend on luck."""
-        for mode, weight in zip(self.modes, self.heavy):
-            # The first one of nearly the largest, for symmetric modes have several.
-            top = np.flatnonzero(np.abs(mode) > 0.999 * np.abs(mode).max())[0]
-            if mode[top] < 0.0:
-                mode *= -1.0
-                weight *= -1.0
-
-    def _quantity(self, name: str, quantity: Quantity) -> float:
-        if quantity.area:
-            return area(self.mesh, self.mesh.cells_of(quantity.at) if quantity.at else slice(None))
-        frequencies = self.frequencies
-        if quantity.frequency is not None:
-            within = quantity.frequency <= len(frequencies)
-            if not within:
-                raise UserError(
-                    f"only {len(frequencies)} modes are computed",
-                    f"quantities.{name}.frequency",
-                    f"set effects.modal.modes to {quantity.frequency} or more",
-                )
-            return float(frequencies[quantity.frequency - 1])
-        if quantity.mode is not None:
-            at = np.flatnonzero(self.numbers == quantity.mode)
-            return float(frequencies[at[0]]) if len(at) else float("nan")
-        raise UserError(
-            f"modes have no {quantity.kind}: their size means nothing",
-            f"quantities.{name}.{quantity.kind}",
-            "ask for frequency = 1, mode = 1 or area = true",
-        )
-
     # --- for comparison with a cold solve ---------------------------------------------------------------------------
 
     def matrices(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
@@ -458,51 +412,10 @@ class ModalAnalysis:
 
     def cold_differences(self) -> tuple[float, float]:
         """Largest differences of the matrices' entries and of frequencies from a solve with nothing kept; relative."""
-        body = oscillator(self.scene, self.plan, self.mesh, self.policy.lumped_mass)
-        offsets, rest = np.array([0, len(body.mesh.X)], dtype=np.int32), np.zeros(body.mask.shape)
-        cold = []
-        for element, params in ((body.stiffness, body.stiffness_params), (body.mass, body.mass_params)):
-            operator = Operator(PETSc.COMM_SELF, body.fields, offsets, "coo")
-            operator.set_topology([body.mesh.cells], body.mask)
-            cold.append(operator.assemble([(0, element, body.mesh.X, rest, params, 1.0)], None).copy())
-        without_held_mass(cold[1], np.flatnonzero(body.mask))
-        pairs = [(hot, whole_matrix(mat, PETSc.COMM_SELF)) for hot, mat in zip(self.matrices(), cold)]
-        entries = max(relative_difference(*pair) for pair in pairs)
-        pencil = Pencil(self.stages)
-        pencil.take(*cold, True)
-        pencil.factor(-1e-2 * float(self.values[0]))
-        found = krylov_schur(pencil, Deflation(body.rigid(), pencil), None, int(self.chosen[-1]) + 1, COLD)
-        reference = np.sqrt(found.values[self.chosen]) / (2.0 * np.pi)
-        return entries, float(np.max(np.abs(self.frequencies / reference - 1.0)))
+        return cold_differences(self)
 
 
 def cluster_end(values: np.ndarray, k: int) -> int:
     """How many of values (m,), ascending, there are up to the last one of the cluster of the k-th, from 0."""
     gaps = np.flatnonzero(np.diff(values[k:]) > CLUSTER * np.abs(values[k + 1 :]))
     return k + 1 + int(gaps[0]) if len(gaps) else len(values)
-
-
-def without_held_mass(mass: PETSc.Mat, held: np.ndarray) -> None:
-    """Take the mass of held unknowns (k,) out of a matrix: alone on their rows, they would be modes of their own."""
-    if len(held):
-        diagonal = mass.getDiagonal()
-        diagonal.getArray()[held] = 0.0
-        mass.setDiagonal(diagonal)
-        diagonal.destroy()
-
-
-def relative_difference(a: sp.csr_matrix, b: sp.csr_matrix) -> float:
-    """The largest difference of two matrices' entries over the largest entry."""
-    return float(abs(a - b).max() / abs(b).max())
-
-
-def _sum(first: EigenReport, second: EigenReport) -> EigenReport:
-    """Two solves of a frame as one."""
-    return EigenReport(
-        first.iterations + second.iterations,
-        first.refreshed or second.refreshed,
-        second.age,
-        second.method,
-        second.counted,
-        first.missed + second.missed,
-    )

@@ -6,7 +6,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.gather import System, whole_matrix
-from restshape.algebra.linear import COMPLETE, LinearReport, LinearSolver
+from restshape.algebra.linear import COMPLETE, LinearSolver
+from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import INDEFINITE, Newton, Outcome
 from restshape.algebra.stages import Stages
 from restshape.analysis.buckling import BucklingAnalysis

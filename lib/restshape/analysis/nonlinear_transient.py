@@ -4,7 +4,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.gather import System, whole_matrix
-from restshape.algebra.linear import LinearReport, LinearSolver
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
 from restshape.analysis.effective import State

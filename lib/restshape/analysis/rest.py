@@ -98,9 +98,9 @@ class Rest:
         prefix: str = "drape_",
     ) -> None:
         self.sheet, self.comm, self.stages, self.linear, self.goal = sheet, comm, stages, linear, goal
-        self.equations = ClothEquations(sheet, comm, stages, backend)
-        rows, shape = self.equations.operator.rows, (sheet.n_nodes, 3)
         self.motion = motion or Steps()
+        self.equations = ClothEquations(sheet, comm, stages, backend, self.motion.preconditioner == "sor")
+        rows, shape = self.equations.rows, (sheet.n_nodes, 3)
         self.moving = KineticDamping(comm, f"{prefix}kinetic_", self.equations, sheet.mass, shape, rows, self.motion)
         reach = self.motion.reach
         self.descent = Descent(comm, f"{prefix}descent_", self.equations, shape, rows, reach=reach)

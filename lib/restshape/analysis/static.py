@@ -5,7 +5,8 @@ from petsc4py import PETSc
 from scipy.sparse.linalg import spsolve
 
 from restshape.algebra.gather import System, whole_matrix, whole_vector
-from restshape.algebra.linear import LinearReport, LinearSolver, true_residual
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.analysis.correction import correction

@@ -29,9 +29,7 @@ def moved(rest: Rest, x: np.ndarray, most: int, arrival: Arrival, damping: str =
         return _in_rounds(rest, rest.moving, lambda: rest.moving.snes.getIterationNumber(), x, most, arrival)
     steps = replace(rest.motion, damping="rayleigh", alpha=ALPHA, beta=BETA)
     equations = rest.equations
-    moving = KineticDamping(
-        rest.comm, "drape_rayleigh_", equations, rest.sheet.mass, x.shape, equations.operator.rows, steps
-    )
+    moving = KineticDamping(rest.comm, "drape_rayleigh_", equations, rest.sheet.mass, x.shape, equations.rows, steps)
     moving.on_step, moving.on_move = rest.moving.on_step, rest.moving.on_move
     try:
         return _in_rounds(rest, moving, lambda: moving.snes.getIterationNumber(), x, most, arrival)
@@ -43,9 +41,7 @@ def descended(rest: Rest, x: np.ndarray, most: int, arrival: Arrival, kind: str,
     """One kind of SNES alone, until it rests."""
     equations = rest.equations
     equations.stabilised, equations.inertia = stabilised, FREELY
-    descent = Descent(
-        rest.comm, f"drape_{kind}_", equations, x.shape, equations.operator.rows, kind, reach=rest.motion.reach
-    )
+    descent = Descent(rest.comm, f"drape_{kind}_", equations, x.shape, equations.rows, kind, reach=rest.motion.reach)
     descent.on_step = rest.descent.on_step
     try:
         return _in_rounds(rest, descent, lambda: descent.steps, x, most, arrival)

@@ -11,7 +11,7 @@ from restshape.scene.model import Scene
 from restshape.scene.plank_events import PLANK_EVENTS
 from restshape.scene.script import Script
 from restshape.scene.units import quantity
-from restshape.shape.compose import ANGLE, FRAMES, LENGTH, NAME, NUMBER, PLANK_GRAMMAR, Composer, length
+from restshape.shape.compose import ANGLE, FRAMES, LENGTH, NAME, NUMBER, PLAIN, PLANK_GRAMMAR, Composer, length
 from restshape.shape.outline import Outline
 
 FASTENED = rf"(?:\s+with\s+(?P<fastener>{NAME}))?"
@@ -125,8 +125,6 @@ PLANK_RULES: list[tuple[re.Pattern, Callable[..., list[dict[str, Any]]]]] = [
         (rf"slide\s+to\s+(?P<to>{NUMBER}){FRAMES}", PlankComposer._slide),
         (rf"set\s+(?P<key>{NAME})\s*=\s*(?P<value>.+?){FRAMES}", PlankComposer._set),
         (r"idle\s+(?P<frames>\d+)", PlankComposer._idle),
-        (r"analyse", PlankComposer._analyse),
-        (r"undo", PlankComposer._undo),
-        (r"redo", PlankComposer._redo),
+        (PLAIN, PlankComposer._plain),
     )
 ]

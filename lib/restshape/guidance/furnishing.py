@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.linear import LinearReport
+from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import Stages
 from restshape.analysis.frame import Frame
 from restshape.analysis.plank_equilibrium import PlankEquilibrium

@@ -8,52 +8,26 @@ import numpy as np
 
 from restshape.guidance.design import Design, Way
 from restshape.scene.model import Scene
+from restshape.shape.script_session import ScriptFrame
 
 State = tuple[Design, Scene]
 
 
 @dataclass(slots=True)
-class PlankFrame:
-    """One frame of a session of furniture.
+class PlankFrame(ScriptFrame):
+    """One frame of a session of furniture; its gesture is the parameter under the hand, at c[0] from its start.
 
     Args:
-        index: from 0.
-        t: edit time [s].
-        line: of the script, 0 for the start.
-        do: the event's kind, "start" for frame 0.
-        change: "start", "none", "move", "shape" (another set of planks, joints or loads) or "values".
-        gesture: the parameter under the hand; None where there is none.
-        c: how far it is from its start, and 0.
-        scene: what else holds.
-        refused: why the event changed nothing; None when it was carried out.
         analysed: whether the script asks for a solution of this frame.
         settled: no hand holds a plank, and the event is at its end.
         design: the piece that the edit began with; gamma: (n, 8) its design parameters now.
         note: what was left out of the edit, or came with it.
     """
 
-    index: int
-    t: float
-    line: int
-    do: str
-    change: str
-    gesture: Way | None
-    c: tuple[float, float]
-    scene: Scene
-    refused: str | None
     analysed: bool
     settled: bool
     design: Design
     gamma: np.ndarray
-    note: str = ""
-
-
-@dataclass(slots=True)
-class Step:
-    """What one frame of an event did."""
-
-    change: str
-    refused: str | None = None
     note: str = ""
 
 

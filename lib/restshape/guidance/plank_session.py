@@ -9,22 +9,21 @@ from typing import Any
 import numpy as np
 
 from restshape.application import Application
-from restshape.application import application as application_named
 from restshape.errors import UserError
 from restshape.guidance.boards import MovingBoards
 from restshape.guidance.design import Design, Guidance, Idea, Way
 from restshape.guidance.plank_changes import CHANGES, plank_number
-from restshape.guidance.plank_frame import Hold, PlankFrame, State, Step
+from restshape.guidance.plank_frame import Hold, PlankFrame, State
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
 from restshape.scene.plank_events import far_turn
 from restshape.scene.script import Script
-from restshape.scene.source import split_key
+from restshape.shape.handpath import resampled
 from restshape.shape.plank_adoption import adopted
 from restshape.shape.plank_scene import piece_of, restated
 from restshape.shape.planks import FREEDOMS, Piece, Plank
-from restshape.shape.session import FIXED, FRAME_TIME, UNDO_STEPS
+from restshape.shape.script_session import ScriptSession, Step
 from restshape.shape.sweep import sweep
 
 NO_LENGTH = 2
@@ -34,7 +33,7 @@ STRAIGHT = 9
 """Decimals of the direction of a hand that count."""
 
 
-class PlankSession:
+class PlankSession(ScriptSession):
     """Replays a script's events on a scene's piece.
 
     Args:
@@ -47,8 +46,7 @@ class PlankSession:
     """
 
     def __init__(self, scene: Scene, script: Script, application: Application | None = None) -> None:
-        self.scene, self._script = scene, script
-        self._application = application or application_named(scene.app)
+        super().__init__(scene, script, application)
         try:
             self.design = Design.closed(piece_of(scene), self._guidance())
         except UserError as error:
@@ -59,8 +57,6 @@ class PlankSession:
         self.part = 0.0
         self._hold: Hold | None = None
         self._chosen: tuple[Design, Idea] | None = None
-        self._past: tuple[State, ...] = ()
-        self._future: tuple[State, ...] = ()
         self._mark()
 
     def models(self) -> MovingBoards:
@@ -72,44 +68,25 @@ class PlankSession:
         """The parameter under the hand; None where there is none."""
         return self.way
 
-    def frames(self) -> Iterator[PlankFrame]:
-        """All frames, one after the other; the first shows the piece before any event."""
-        yield self._frame(0, 0.0, 0, "start", Step("start"), True, True)
-        index, events = 1, self._script.events
-        always = self._script.header.analysis == "every frame"
-        for k, event in enumerate(events):
-            room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
-            count = event.frame_count
-            pace = min(FRAME_TIME, room / count)
-            for i, step in enumerate(self.steps(event)):
-                settled = self._hold is None and i == count - 1
-                analysed = always or event.do == "analyse"
-                yield self._frame(index, event.t + i * pace, event.line, event.do, step, analysed, settled)
-                index += 1
-
-    def steps(self, event: Any) -> Iterator[Step]:
-        """What each frame of one event does; piece and scene follow as the steps are taken."""
+    def _carried_out(self, event: Any) -> Iterator[Step]:
         self.way = self.way if self._hold else None
-        steps = getattr(self, f"_do_{event.do}")(event)
-        while True:
-            self._mark()
-            step = next(steps, None)
-            if step is None:
-                return
-            yield step
+        return super()._carried_out(event)
 
     def take_back(self) -> None:
         """Restore all as it was before the last step: it has no solution."""
         self.design, self.scene, self.gamma, self.way, self.part, self._past, self._future, self._chosen = self._before
 
     def _mark(self) -> None:
-        """Note the state that `take_back` restores."""
         now = (self.design, self.scene, self.gamma, self.way, self.part)
         self._before = (*now, self._past, self._future, self._chosen)
 
-    def _frame(self, index: int, t: float, line: int, do: str, step: Step, analysed: bool, settled: bool) -> PlankFrame:
-        where = (self.way, (self.part, 0.0), self.scene, step.refused, analysed, settled, self.design, self.gamma)
-        return PlankFrame(index, t, line, do, step.change, *where, step.note)
+    def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> PlankFrame:
+        settled = self._hold is None and (last or step.change == "start")
+        told = (step.change, self.way, (self.part, 0.0), self.scene, step.refused)
+        return PlankFrame(*when, *told, analysed, settled, self.design, self.gamma, step.note)
+
+    def _state(self) -> State:
+        return self.design, self.scene
 
     # What a hand does.
 
@@ -134,11 +111,10 @@ class PlankSession:
         hold, count = self._hold, event.frame_count
         by, wrong = self._by(event)
         if wrong:
-            for _ in range(count):
-                yield Step("none", wrong)
+            yield from self._refused(count, wrong)
             return
         path = event.path or [event.to] if by is None else [(by, 0.0, 0.0)]
-        for cursor in _evenly(hold.cursor, path, count):
+        for cursor in map(np.array, resampled(hold.cursor, path, count)):
             hold.cursor = cursor
             yield self._drag_to(hold, cursor - hold.origin)
 
@@ -224,21 +200,18 @@ class PlankSession:
         try:
             plank = plank_number(self.design.piece, event.on)
         except UserError as error:
-            for _ in range(event.frames):
-                yield self._refusal(error)
+            yield from self._refused(event.frames, error)
             return
         number = FREEDOMS.index(name)
         if (plank, number) not in self.design.freedoms:
-            why = self.design.why_fixed(plank, number)
-            for _ in range(event.frames):
-                yield Step("none", why)
+            yield from self._refused(event.frames, self.design.why_fixed(plank, number))
             return
         way = self.design.parameter(plank, number)
         yield from self._swept(way, 0.0, amount(self.design.piece.planks[plank]), event.frames)
 
     def _swept(self, way: Way, first: float, last: float, frames: int) -> Iterator[Step]:
         """Even steps along a way of the present design; the piece at the last one is where further edits begin."""
-        before = self.design, self.scene
+        before = self._state()
         for i in range(1, frames + 1):
             step = self._along(way, last if i == frames else first + (last - first) * i / frames)
             if i == frames:
@@ -250,7 +223,7 @@ class PlankSession:
 
     def _changed(self, event: Any) -> Iterator[Step]:
         """One frame of an edit that gives another piece."""
-        before = self.design, self.scene
+        before = self._state()
         try:
             piece, note = CHANGES[event.do](self.design.piece, self.scene, event)
             self.design = Design.closed(piece, self.design.guidance)
@@ -287,8 +260,7 @@ class PlankSession:
 
     def _do_slide(self, event: Any) -> Iterator[Step]:
         if self._chosen is None:
-            for _ in range(event.frames):
-                yield Step("none", "no suggestion is chosen that could be slid along")
+            yield from self._refused(event.frames, "no suggestion is chosen that could be slid along")
             return
         before, (base, idea) = (self.design, self.scene), self._chosen
         low, high = idea.span
@@ -306,23 +278,17 @@ class PlankSession:
     # The scene, and what came before.
 
     def _do_set(self, event: Any) -> Iterator[Step]:
-        if next(iter(split_key(event.key)), "") in FIXED:
-            why = f"{event.key} cannot be set during an edit (change the scene, or use --set)"
-            for _ in range(event.frames):
-                yield Step("none", why)
+        wrong = self._why_fixed(event.key) or ("nothing can be set while a plank is held" if self._hold else "")
+        if wrong:
+            yield from self._refused(event.frames, wrong)
             return
-        if self._hold is not None:
-            for _ in range(event.frames):
-                yield Step("none", "nothing can be set while a plank is held")
-            return
-        before = self.design, self.scene
+        before = self._state()
         try:
             self.scene = adopted(self.scene, self.design.piece, event.key)
             part_of = None if event.frames == 1 else sweep(self.scene, event.key, event.value)
         except UserError as error:
             self.scene = before[1]
-            for _ in range(event.frames):
-                yield self._refusal(error)
+            yield from self._refused(event.frames, error)
             return
         for i in range(1, event.frames + 1):
             yield self._revised(event, part_of, i / event.frames)
@@ -343,30 +309,7 @@ class PlankSession:
         self.gamma, self._chosen = self._rest(), None
         return Step("values")
 
-    def _do_idle(self, event: Any) -> Iterator[Step]:
-        for _ in range(event.frames):
-            yield Step("none")
-
-    def _do_analyse(self, event: Any) -> Iterator[Step]:
-        yield Step("none")
-
-    def _do_undo(self, event: Any) -> Iterator[Step]:
-        if not self._past:
-            yield Step("none", "there is nothing to undo")
-            return
-        *past, then = self._past
-        self._past, self._future = tuple(past), (*self._future, (self.design, self.scene))
-        yield self._go_to(then)
-
-    def _do_redo(self, event: Any) -> Iterator[Step]:
-        if not self._future:
-            yield Step("none", "there is nothing to redo")
-            return
-        *future, then = self._future
-        self._past, self._future = (*self._past, (self.design, self.scene)), tuple(future)
-        yield self._go_to(then)
-
-    def _go_to(self, then: State) -> Step:
+    def _go_to(self, then: State, kind: str) -> Step:
         self.design, self.scene = then
         self.gamma, self._chosen = self._rest(), None
         return Step("shape")
@@ -377,21 +320,12 @@ class PlankSession:
             self.design = self.design.moved(self.gamma)
         self.gamma, self._chosen = self._rest(), None
 
-    def _remember(self, before: State) -> None:
-        """End an edit step: it can be undone from now on, if it changed anything."""
-        if before[0] is not self.design or before[1] is not self.scene:
-            self._past, self._future = (*self._past, before)[-UNDO_STEPS:], ()
-
     def _guidance(self) -> Guidance:
         asked = plan(self.scene, self._application).settings("guidance")
         return Guidance(asked.ranges, asked.suggestions, asked.freedoms) if asked else Guidance()
 
     def _rest(self) -> np.ndarray:
         return np.zeros((len(self.design.piece.planks), 8))
-
-    def _refusal(self, error: UserError) -> Step:
-        why = f"{error.where}: {error.what}" if error.where else error.what
-        return Step("none", f"{why} ({error.do})" if error.do else why)
 
 
 def _with_own_names(piece: Piece) -> Piece:
@@ -402,11 +336,3 @@ def _with_own_names(piece: Piece) -> Piece:
         count += 1
         name = f"{last.name}-{count}"
     return replace(piece, planks=(*others, replace(last, name=name)))
-
-
-def _evenly(start: np.ndarray, path: Any, frames: int) -> list[np.ndarray]:
-    """As many places (3,) of the cursor as frames, evenly by number along its start and path."""
-    chain = np.array([start, *path], dtype=float)
-    places = np.arange(1, frames + 1) * (len(path) / frames)
-    steps = [np.interp(places, np.arange(len(chain)), chain[:, k]) for k in range(3)]
-    return [*np.stack(steps, axis=1)[:-1], chain[-1]]

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from restshape.mesh.hinges import inner_sides
 from restshape.shape.outline import Loop, Outline
 
 
@@ -46,10 +47,8 @@ def cell_regions(
     """
     if not polygons:
         return np.zeros(len(cells), dtype=np.int32)
-    sides = cell_edges.ravel()
-    order = np.argsort(sides, kind="stable")
-    same = (sides[order][1:] == sides[order][:-1]) & ~barrier[sides[order][1:]]
-    left, right = order[:-1][same] // 3, order[1:][same] // 3
+    pairs = inner_sides(cell_edges)
+    left, right = pairs[~barrier[cell_edges.ravel()[pairs[:, 0]]]].T // 3
     links = coo_array((np.ones(len(left), dtype=bool), (left, right)), shape=(len(cells), len(cells)))
     _, patch = connected_components(links, directed=False)
     _, one_of = np.unique(patch, return_index=True)

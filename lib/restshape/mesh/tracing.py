@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from restshape.errors import UserError
 from restshape.mesh.boundary import Boundary
+from restshape.mesh.hinges import inner_sides
 from restshape.mesh.mesh import edges_of_cells
 from restshape.mesh.regions import contains, signed_area
 from restshape.shape.draft import Draft, DraftEdge
@@ -148,10 +149,7 @@ def _patches(found: Triangles, edges: np.ndarray, cell_edges: np.ndarray, border
         member[found.groups[name]["cells"], i] = True
     kinds, kind = np.unique(member, axis=0, return_inverse=True) if names else (member[:1], np.zeros(len(member), int))
     kind = kind.ravel()
-    order = np.argsort(cell_edges.ravel(), kind="stable")
-    sides = cell_edges.ravel()[order]
-    shared = np.flatnonzero(sides[1:] == sides[:-1])
-    left, right = order[shared] // 3, order[shared + 1] // 3
+    left, right = inner_sides(cell_edges).T // 3
     same = kind[left] == kind[right]
     links = coo_array((np.ones(same.sum(), dtype=bool), (left[same], right[same])), shape=(len(kind), len(kind)))
     count, of_cell = connected_components(links, directed=False)

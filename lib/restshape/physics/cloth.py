@@ -34,14 +34,15 @@ def isotropic_bending(D: float, nu: float) -> np.ndarray:
     return D * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, (1.0 - nu) / 2.0]])
 
 
-def areas_of_nodes(X: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Area (n,) [m^2] that each node stands for: a third of its triangles; 0 for nodes of edges.
+def lumped(X: np.ndarray, corners: np.ndarray, density: float | np.ndarray = 1.0) -> np.ndarray:
+    """Masses (n,) [kg] of nodes, a third of their triangles', or by default the areas [m^2] that they stand for.
 
     Args:
         X: (n, 2) rest positions [m].
         corners: (ne, 3) nodes of triangles.
+        density: mass by area [kg/m^2], one or (ne,).
     """
     a, b, c = X[corners].swapaxes(0, 1)
     u, v = b - a, c - a
-    share = (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 6.0
+    share = density * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 6.0
     return np.bincount(corners.ravel(), np.repeat(share, 3), minlength=len(X))

@@ -10,9 +10,10 @@ import numpy as np
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth_supports import supports
+from restshape.physics.contact import Contact
 from restshape.physics.fabric import fabric
 from restshape.physics.laid import Laid, rotation
-from restshape.physics.sheet import Fabric, Held
+from restshape.physics.sheet import Fabric, Held, Sheet
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -57,6 +58,31 @@ def sheet_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> SheetArguments:
         contact=contact,
         start=np.where(held.mask, held.places, laid.scattered(mesh)),
     )
+
+
+def sheet_of(mesh: Mesh, arguments: SheetArguments) -> Sheet:
+    """The sheet of a scene on a mesh."""
+    sheet = Sheet(mesh, arguments.fabric, arguments.held, arguments.g)
+    if arguments.bodies:
+        settings = arguments.contact
+        sheet.contact = Contact(
+            [body for body, _ in arguments.bodies],
+            sheet.area[sheet.number],
+            settings.stiffness,
+            settings.thickness,
+            [friction for _, friction in arguments.bodies],
+            settings.slip,
+        )
+    return sheet
+
+
+def set_contact(sheet: Sheet, arguments: SheetArguments) -> None:
+    """Let contact be with bodies, and of values, that are others; friction remembers what it did."""
+    contact, settings = sheet.contact, arguments.contact
+    contact.bodies = [body for body, _ in arguments.bodies]
+    contact.friction = np.array([friction for _, friction in arguments.bodies])
+    contact.area = sheet.area[sheet.number]
+    contact.stiffness, contact.thickness, contact.slip = settings.stiffness, settings.thickness, settings.slip
 
 
 def touched(scene: Scene) -> list[tuple[_kernels.Body, float]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.mesh.hinges import border_cells, normals
 from restshape.mesh.mesh import Mesh
 from restshape.physics.laid import Laid
 from restshape.physics.places import facets_on, nodes_on
@@ -50,23 +51,10 @@ def supports(scene: Scene, mesh: Mesh, laid: Laid) -> Held:
         mask=mask,
         places=np.where(mask, given, 0.0),
         clamped=clamped,
-        slopes=laid.slopes(outward(mesh, clamped)),
+        slopes=laid.slopes(normals(mesh.X, border_cells(mesh.cells, mesh.cell_edges, clamped)[1])),
         mirrored=np.concatenate(mirrored),
         axes=np.concatenate(axes),
     )
-
-
-def outward(mesh: Mesh, edges: np.ndarray) -> np.ndarray:
-    """Unit normals (k, 2) of mesh edges (k,) of the outline, out of the triangle at them."""
-    normals = np.zeros((len(edges), 2))
-    cells, sides = np.nonzero(np.isin(mesh.cell_edges, edges))
-    corners = mesh.cells[cells]
-    first = np.arange(len(cells))
-    d = mesh.X[corners[first, (sides + 2) % 3]] - mesh.X[corners[first, (sides + 1) % 3]]
-    # Of a triangle that is run round counter-clockwise the right is outside.
-    n = np.column_stack([d[:, 1], -d[:, 0]]) / np.linalg.norm(d, axis=1)[:, None]
-    normals[np.searchsorted(edges, mesh.cell_edges[cells, sides])] = n
-    return normals
 
 
 def _edges(scene: Scene, mesh: Mesh, support: Support, where: str) -> np.ndarray:

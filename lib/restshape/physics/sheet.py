@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from restshape import _kernels
-from restshape.mesh.hinges import hinges
+from restshape.mesh.hinges import border_cells, hinges, inner_sides, normals
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth import UPPER, areas_of_nodes
+from restshape.mesh.morley import SIDES, MorleySpace
+from restshape.physics.cloth import UPPER, lumped
 from restshape.physics.contact import POTENTIAL, Contact
 
 BENDING = ("morley", "hinge", "nonlinear", "none")
@@ -123,9 +123,9 @@ class Sheet:
         self.X = self.space.X if self.space else self.mesh.X.copy()
         self.normals = self.space.normals() if self.space else None
         n = len(self.X)
-        self.area = areas_of_nodes(self.X, self.blocks[0])
+        self.area = lumped(self.X, self.blocks[0])
         self.density = np.broadcast_to(self.fabric.density, len(self.mesh.cells))
-        self.mass = _lumped(self.X, self.blocks[0], self.density)
+        self.mass = lumped(self.X, self.blocks[0], self.density)
         self.membrane_params = self._membrane_params()
         self.bending_params = self._bending_params() if self.bending else None
         self.mirror_params = self._mirrored_params() if self.mirror else None
@@ -331,15 +331,8 @@ class Sheet:
     def _mirrored_cells(self) -> np.ndarray:
         """Nodes (k, 3) of each clamped edge, then of each on a plane of symmetry, with its triangle on the left."""
         edges = np.concatenate([self.support.clamped, self.support.mirrored])
-        cells, sides = np.nonzero(np.isin(self.mesh.cell_edges, edges))
-        order = np.argsort(self.mesh.cell_edges[cells, sides], kind="stable")
-        cells, sides = cells[order], sides[order]
-        place = np.searchsorted(self.mesh.cell_edges[cells, sides], edges)
-        self.mirrored_in, sides = cells[place], sides[place]
-        corners = self.mesh.cells[self.mirrored_in]
-        rows = np.arange(len(edges))
-        nodes = [corners[rows, (sides + k) % 3] for k in (1, 2, 0)]
-        return np.ascontiguousarray(np.column_stack(nodes), dtype=np.int32)
+        self.mirrored_in, nodes = border_cells(self.mesh.cells, self.mesh.cell_edges, edges)
+        return nodes
 
     def _mirrored_params(self) -> np.ndarray:
         """Stiffness and direction (k, 4) of each mirrored hinge."""
@@ -371,24 +364,24 @@ class Sheet:
 
     def _across(self, cells: np.ndarray, D: np.ndarray) -> np.ndarray:
         """What hinges at the edges between the first two nodes of cells (m, .) have of bending stiffness (m, 3, 3)."""
-        edge = self.mesh.X[cells[:, 1]] - self.mesh.X[cells[:, 0]]
-        n = np.column_stack([edge[:, 1], -edge[:, 0]]) / np.linalg.norm(edge, axis=1)[:, None]
+        n = normals(self.mesh.X, cells)
         curvature = np.column_stack([n[:, 0] ** 2, n[:, 1] ** 2, 2.0 * n[:, 0] * n[:, 1]])
         stiffness = self.fabric.hinge_factor * np.einsum("ia,iab,ib->i", curvature, D, curvature)
         return np.ascontiguousarray(stiffness[:, None])
 
     def _cells_of_hinges(self) -> np.ndarray:
         """The two triangles (m, 2) of each hinge."""
-        flat = self.mesh.cell_edges.ravel()
-        order = np.argsort(flat, kind="stable")
-        pairs = np.flatnonzero(flat[order[1:]] == flat[order[:-1]])
-        return np.column_stack([order[pairs] // 3, order[pairs + 1] // 3])
+        return inner_sides(self.mesh.cell_edges) // 3
 
     def _hold_slopes(self) -> None:
-        """Give the slopes of clamped edges, and those across the normal of planes of symmetry."""
+        """Give the slopes of clamped edges, and those across the normal of planes of symmetry.
+
+        On the border a side that runs as its edge does has the outside on the right, where the normal points.
+        """
         space, support, edges = self.space, self.support, self.mesh.edge_nodes
         length = np.linalg.norm(np.diff(self.mesh.X[edges], axis=1)[:, 0], axis=1)
-        outward = _outward(self.mesh)
+        outward = np.empty(len(edges))
+        outward[self.mesh.cell_edges[:, SIDES]] = space.signs
         for edge, slope in zip(support.clamped, support.slopes):
             node = space.side_number[edge]
             self.mask[node] = 1
@@ -396,20 +389,3 @@ class Sheet:
         for edge, axis in zip(support.mirrored, support.axes):
             node = space.side_number[edge]
             self.mask[node] = np.arange(3) != axis
-
-
-def _lumped(X: np.ndarray, corners: np.ndarray, density: np.ndarray) -> np.ndarray:
-    """Masses (n,) [kg] of nodes: a third of each of their triangles."""
-    a, b, c = X[corners].swapaxes(0, 1)
-    u, v = b - a, c - a
-    share = density * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 6.0
-    return np.bincount(corners.ravel(), np.repeat(share, 3), minlength=len(X))
-
-
-def _outward(mesh: Mesh) -> np.ndarray:
-    """1 for each mesh edge (edges,) whose vector on the right points out of the triangle that it was last met in."""
-    out = np.zeros(len(mesh.edge_nodes))
-    sides = mesh.cell_edges[:, [2, 0, 1]]
-    # Of a triangle that an edge runs round with, the right is outside.
-    out[sides] = np.where(mesh.cells == mesh.edge_nodes[sides, 0], 1.0, -1.0)
-    return out

@@ -8,7 +8,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.gather import bury
-from restshape.algebra.linear import LinearReport
+from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import NAMES, Stages
 from restshape.analysis.frame import Frame
 from restshape.application import Application

@@ -20,7 +20,8 @@ from restshape.shape.body_hold import place_of
 from restshape.shape.handpath import cursor_path
 from restshape.shape.outline import Outline
 from restshape.shape.pull import pull
-from restshape.shape.session import FRAME_TIME, EditSession
+from restshape.shape.script_session import FRAME_TIME
+from restshape.shape.session import EditSession
 
 GRAMMAR = """\
 [KIND] ENTITY by DX DY in N frames[, straight | jerk | hand-like][, pause K]
@@ -53,6 +54,7 @@ FRAMES = r"(?:\s+in\s+(?P<frames>\d+)\s+frames?)?"
 ABOUT = rf"(?:\s+about\s+(?P<ax>{LENGTH})\s+(?P<ay>{LENGTH}))?"
 PIN = rf"\s+(?:\(\s*(?P<px>{LENGTH})\s+(?P<py>{LENGTH})\s*\)|(?P<vertex>(?!in\s)[^\s,=()]+))"
 PINS = rf"(?:\s+pins(?P<pins>(?:{re.sub(r'P<[a-z]+>', ':', PIN)})+))?"
+PLAIN = r"(?P<do>analyse|undo|redo)"
 KINDS = r"(?:vertex|point|edge|hole|region|group|body)\s+"
 
 
@@ -203,14 +205,8 @@ class Composer:
     def _idle(self, match: re.Match) -> list[dict[str, Any]]:
         return [{"do": "idle", "frames": int(match["frames"])}]
 
-    def _analyse(self, match: re.Match) -> list[dict[str, Any]]:
-        return [{"do": "analyse"}]
-
-    def _undo(self, match: re.Match) -> list[dict[str, Any]]:
-        return [{"do": "undo"}]
-
-    def _redo(self, match: re.Match) -> list[dict[str, Any]]:
-        return [{"do": "redo"}]
+    def _plain(self, match: re.Match) -> list[dict[str, Any]]:
+        return [{"do": match["do"]}]
 
 
 def length(text: str) -> float:
@@ -280,9 +276,7 @@ RULES: list[Rule] = [
         (rf"delete\s+(?:{KINDS})?(?P<on>{NAME})", Composer._delete),
         (rf"set\s+(?P<key>[^\s=]+)\s*=\s*(?P<value>.+?){FRAMES}", Composer._set),
         (r"idle\s+(?P<frames>\d+)(?:\s+frames?)?", Composer._idle),
-        (r"analyse", Composer._analyse),
-        (r"undo", Composer._undo),
-        (r"redo", Composer._redo),
+        (PLAIN, Composer._plain),
         (
             rf"(?:{KINDS})?(?P<on>{NAME})\s+by\s+(?P<dx>{LENGTH})\s+(?P<dy>{LENGTH}){FRAMES}{STYLES}",
             Composer._drag,

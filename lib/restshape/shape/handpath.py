@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 TREMOR = 0.004
@@ -77,3 +79,12 @@ def _tremor(t: np.ndarray, seconds: float, way: float, random: np.random.Generat
     hertz, phase = random.uniform(*TREMOR_HERTZ, (3, 2)), random.uniform(0.0, 2.0 * np.pi, (3, 2))
     waves = np.sin(2.0 * np.pi * seconds * hertz * t[:, None, None] + phase).mean(axis=1)
     return TREMOR * way * (16.0 * t**2 * (1.0 - t) ** 2)[:, None] * waves
+
+
+def resampled(start: Any, path: Any, frames: int) -> list[tuple[float, ...]]:
+    """As many cursor positions as frames, evenly along start and path by number, the last one exactly."""
+    chain = np.array([start, *path], dtype=float)
+    places = np.arange(1, frames + 1) * (len(path) / frames)
+    columns = [np.interp(places, np.arange(len(chain)), column) for column in chain.T]
+    steps = list(zip(*(column.tolist() for column in columns)))
+    return [*steps[:-1], tuple(chain[-1].tolist())]

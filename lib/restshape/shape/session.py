@@ -9,81 +9,41 @@ from typing import Any
 import numpy as np
 
 from restshape.application import Application
-from restshape.application import application as application_named
 from restshape.errors import UserError
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
 from restshape.scene.script import Script
-from restshape.scene.source import split_key
 from restshape.shape import body_hold, surgery
 from restshape.shape import gesture as gestures
 from restshape.shape.body_hold import BodyHold, hold_body
 from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
+from restshape.shape.handpath import resampled
 from restshape.shape.outline import Outline
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
+from restshape.shape.script_session import STILL, ScriptFrame, ScriptSession, State, Step
 from restshape.shape.sweep import sweep
 from restshape.shape.validity import MotionCheck, problem
-
-FRAME_TIME = 1.0 / 60.0
-"""Edit time of a frame [s] where the script leaves room for it."""
-
-UNDO_STEPS = 100
-"""Edit steps that can be undone; older ones are forgotten, so that memory does not grow with the script."""
-
-FIXED = ("format", "version", "app", "shape", "quantities", "solve")
-"""Tables and keys of a scene that hold for a whole session."""
 
 OF_SHAPE = ("pull", "smooth", "arc", "insert", "delete")
 """Events on parts of the shape, never on bodies."""
 
-STILL = (0.0, 0.0)
-State = tuple[Outline, Scene]
-
 
 @dataclass(slots=True)
-class EditFrame:
-    """One frame of a session.
+class EditFrame(ScriptFrame):
+    """One frame of a session of shapes.
 
     Args:
-        index: from 0.
-        t: edit time [s].
-        line: of the script, 0 for the start.
-        do: the event's kind, "start" for frame 0.
-        change: "start", "none", "move" (control points), "shape" (another layout), "values" (materials, loads, ...) or
-            "mesh" (mesh settings).
-        gesture: the motion of a "move", given already at the press; None where there is none.
-        c: its two coefficients.
-        outline: the valid shape of this frame; scene: what else holds.
-        refused: why the event changed nothing; None when it was carried out.
+        outline: the valid shape of this frame.
         analysed: whether the script asks for a solution of this frame.
         settled: nothing moves in it, or it is the last one of an event while no hand holds the shape.
     """
 
-    index: int
-    t: float
-    line: int
-    do: str
-    change: str
-    gesture: Gesture | None
-    c: tuple[float, float]
     outline: Outline
-    scene: Scene
-    refused: str | None
     analysed: bool = True
     settled: bool = False
-
-
-@dataclass(slots=True)
-class Step:
-    """What one frame of an event did, before it gets its number and time."""
-
-    change: str
-    gesture: Gesture | None = None
-    c: tuple[float, float] = STILL
-    refused: str | None = None
 
 
 @dataclass(slots=True)
@@ -98,7 +58,7 @@ class Hold:
     c: tuple[float, float] = STILL
 
 
-class EditSession:
+class EditSession(ScriptSession):
     """Replays a script's events on a scene's shape.
 
     Args:
@@ -114,57 +74,24 @@ class EditSession:
     def __init__(
         self, scene: Scene, script: Script, application: Application | None = None, outline: Outline | None = None
     ) -> None:
-        self.scene = scene
+        super().__init__(scene, script, application)
         self.outline = outline if outline is not None else Outline.from_spec(scene.shape, scene.folder)
         refuse_lost_names(scene, self.outline)
-        self._application = application or application_named(scene.app)
         self._columns = self._application.own_columns(scene)
-        self._script = script
         self._hold: Hold | BodyHold | None = None
-        self._past: tuple[State, ...] = ()
-        self._future: tuple[State, ...] = ()
         self._mark()
 
-    def frames(self) -> Iterator[EditFrame]:
-        """All frames, one after the other; the first shows the shape before any event."""
-        yield EditFrame(0, 0.0, 0, "start", "start", None, STILL, self.outline, self.scene, None)
-        index, events = 1, self._script.events
-        always = self._script.header.analysis == "every frame"
-        for k, event in enumerate(events):
-            room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
-            analysed = always or event.do == "analyse"
-            count = event.frame_count
-            pace = min(FRAME_TIME, room / count)
-            for i, step in enumerate(self.steps(event)):
-                t = event.t + i * pace
-                gesture, c, refused = step.gesture, step.c, step.refused
-                settled = step.change == "none" or (self._hold is None and i == count - 1)
-                yield EditFrame(
-                    index,
-                    t,
-                    event.line,
-                    event.do,
-                    step.change,
-                    gesture,
-                    c,
-                    self.outline,
-                    self.scene,
-                    refused,
-                    analysed,
-                    settled,
-                )
-                index += 1
+    def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> EditFrame:
+        settled = step.change == "none" or (self._hold is None and last)
+        told = (step.change, step.gesture, step.c, self.scene, step.refused)
+        return EditFrame(*when, *told, self.outline, analysed, settled)
 
-    def steps(self, event: Any) -> Iterator[Step]:
-        """What each frame of one event does; the session's shape and scene follow as the steps are taken."""
-        of_body = event.do in OF_SHAPE and event.on in self.scene.bodies
-        steps = self._refused_body(event) if of_body else getattr(self, f"_do_{event.do}")(event)
-        while True:
-            self._mark()
-            step = next(steps, None)
-            if step is None:
-                return
-            yield step
+    def _carried_out(self, event: Any) -> Iterator[Step]:
+        if event.do in OF_SHAPE and event.on in self.scene.bodies:
+            what = f"{event.on} is a body, which {event.do!r} does not know"
+            why = UserError(what, do="bodies can be pressed and dragged, rotated and scaled")
+            return self._refused(event.frame_count, why)
+        return super()._carried_out(event)
 
     @property
     def held(self) -> Gesture | None:
@@ -181,14 +108,11 @@ class EditSession:
             self._hold.c = c
 
     def _mark(self) -> None:
-        """Notes the state that `take_back` restores."""
         c = STILL if self._hold is None else self._hold.c
         self._before = self.outline, self.scene, c, self._past, self._future
 
-    def _refused_body(self, event: Any) -> Iterator[Step]:
-        what = f"{event.on} is a body, which {event.do!r} does not know"
-        for _ in range(event.frame_count):
-            yield self._refusal(UserError(what, do="bodies can be pressed and dragged, rotated and scaled"))
+    def _state(self) -> State:
+        return self.outline, self.scene
 
     def _do_press(self, event: Any) -> Iterator[Step]:
         if event.on in self.scene.bodies:
@@ -215,13 +139,12 @@ class EditSession:
     def _take(self, gesture: Gesture, origin: tuple[float, float]) -> Step:
         """The hand takes hold, the cursor being at the origin."""
         self._hold = Hold(gesture, MotionCheck(self.outline, gesture), origin, origin, (self.outline, self.scene))
-        return Step("none", gesture)
+        return Step("none", gesture=gesture)
 
     def _do_drag(self, event: Any) -> Iterator[Step]:
         path = event.path if event.path is not None else (event.to,)
         if self._hold is None:
-            for _ in range(event.frame_count):
-                yield Step("none", refused="nothing is held")
+            yield from self._refused(event.frame_count, "nothing is held")
             return
         if event.frames is not None and event.frames != len(path):
             path = resampled(self._hold.cursor, path, event.frames)
@@ -239,25 +162,18 @@ class EditSession:
             return step
         wrong = hold.check.problem(c)
         if wrong is not None:
-            return Step("none", hold.gesture, hold.c, wrong)
+            return Step("none", wrong, gesture=hold.gesture, c=hold.c)
         hold.c = c
         self.outline = self.outline.moved(hold.gesture.points(c))
-        return Step("move", hold.gesture, c)
+        return Step("move", gesture=hold.gesture, c=c)
 
     def _do_release(self, event: Any) -> Iterator[Step]:
         hold, self._hold = self._hold, None
         if hold is None:
-            yield Step("none", refused="nothing is held")
+            yield Step("none", "nothing is held")
             return
         self._remember(hold.before)
         yield Step("none")
-
-    def _do_idle(self, event: Any) -> Iterator[Step]:
-        for _ in range(event.frames):
-            yield self._unchanged()
-
-    def _do_analyse(self, event: Any) -> Iterator[Step]:
-        yield self._unchanged()
 
     def _do_rotate(self, event: Any) -> Iterator[Step]:
         if event.on in self.scene.bodies:
@@ -292,12 +208,11 @@ class EditSession:
 
     def _sweep(self, frames: int, make: Any, coefficients: Any) -> Iterator[Step]:
         """A gesture carried out in equal parts, without a hand: `coefficients` are its c at the part done so far."""
-        before = self.outline, self.scene
+        before = self._state()
         try:
             gesture = make()
         except UserError as error:
-            for _ in range(frames):
-                yield self._refusal(error)
+            yield from self._refused(frames, error)
             return
         check, reached = MotionCheck(self.outline, gesture), STILL
         for i in range(1, frames + 1):
@@ -306,21 +221,20 @@ class EditSession:
             # Curves that bend are sampled anew: the samples of the motion are those of the shape before it.
             wrong = check.problem(c) or problem(wanted)
             if wrong is not None:
-                yield Step("none", gesture, reached, wrong)
+                yield Step("none", wrong, gesture=gesture, c=reached)
                 continue
             self.outline = wanted
-            yield Step("move", gesture, c)
+            yield Step("move", gesture=gesture, c=c)
             if self.outline is wanted:
                 reached = c
         self._remember(before)
 
     def _do_arc(self, event: Any) -> Iterator[Step]:
-        before = self.outline, self.scene
+        before = self._state()
         try:
             edge, goal = self._arc_goal(event)
         except UserError as error:
-            for _ in range(event.frames):
-                yield self._refusal(error)
+            yield from self._refused(event.frames, error)
             return
         start = float(self.outline.bulges[edge])
         gesture = gestures.bend(self.outline)
@@ -332,7 +246,7 @@ class EditSession:
             if wrong is None:
                 change = "move" if wanted.topology == self.outline.topology else "shape"
                 self.outline = wanted
-            yield Step(change, gesture if change == "move" else None, refused=wrong)
+            yield Step(change, wrong, gesture=gesture if change == "move" else None)
         self._remember(before)
 
     def _arc_goal(self, event: Any) -> tuple[int, float]:
@@ -345,10 +259,9 @@ class EditSession:
         return edge, goal
 
     def _do_set(self, event: Any) -> Iterator[Step]:
-        if next(iter(split_key(event.key)), "") in FIXED:
-            why = f"{event.key} cannot be set during an edit (change the scene, or use --set)"
-            for _ in range(event.frames):
-                yield Step("none", refused=why, **self._held())
+        fixed = self._why_fixed(event.key)
+        if fixed:
+            yield from self._refused(event.frames, fixed)
             return
         if event.frames == 1:
             yield from self._revise_evenly(1, lambda _: revise(self.scene, event.key, event.value))
@@ -356,8 +269,7 @@ class EditSession:
         try:
             part_of = sweep(self.scene, event.key, event.value)
         except UserError as error:
-            for _ in range(event.frames):
-                yield self._refusal(error)
+            yield from self._refused(event.frames, error)
             return
         yield from self._revise_evenly(event.frames, lambda part: part_of(self.scene, part))
 
@@ -372,7 +284,7 @@ class EditSession:
 
     def _revise_evenly(self, frames: int, revised: Callable[[float], Scene]) -> Iterator[Step]:
         """Scenes of the part of an event that is done, a frame each; all of them are undone at once."""
-        before = self.outline, self.scene
+        before = self._state()
         for i in range(1, frames + 1):
             yield self._revised(lambda part=i / frames: revised(part))
         if self._hold is None:
@@ -413,7 +325,7 @@ class EditSession:
 
     def _cut(self, operation: Any) -> Step:
         """One frame of an edit that gives another layout."""
-        before = self.outline, self.scene
+        before = self._state()
         try:
             wanted = operation()
             refuse_lost_names(self.scene, wanted, self.outline)
@@ -421,30 +333,14 @@ class EditSession:
             return self._refusal(error)
         wrong = problem(wanted)
         if wrong is not None:
-            return Step("none", refused=wrong)
+            return Step("none", wrong)
         self.scene = without_lost_sizes(self.scene, wanted, self.outline)
         self.outline = wanted
         self._remember(before)
         return Step("shape")
 
-    def _do_undo(self, event: Any) -> Iterator[Step]:
-        if not self._past:
-            yield Step("none", refused="there is nothing to undo")
-            return
-        *past, then = self._past
-        self._past, self._future = tuple(past), (*self._future, (self.outline, self.scene))
-        yield self._go_to(then, "undo")
-
-    def _do_redo(self, event: Any) -> Iterator[Step]:
-        if not self._future:
-            yield Step("none", refused="there is nothing to redo")
-            return
-        *future, then = self._future
-        self._past, self._future = (*self._past, (self.outline, self.scene)), tuple(future)
-        yield self._go_to(then, "redo")
-
     def _go_to(self, then: State, kind: str) -> Step:
-        now = self.outline, self.scene
+        now = self._state()
         self.outline, self.scene = then
         if now[1] is not then[1] and now[0] is not then[0]:
             # Values were set while the hand held the shape: both come back at once.
@@ -454,13 +350,7 @@ class EditSession:
         if now[0].topology != then[0].topology:
             return Step("shape")
         gesture = gestures.towards(kind, *(state[0] for state in (now, then)))
-        return Step("move", gesture, (1.0, 0.0))
-
-    def _remember(self, before: State) -> None:
-        """Ends an edit step: it can be undone from now on, if it changed anything."""
-        if before[0] is self.outline and before[1] is self.scene:
-            return
-        self._past, self._future = (*self._past, before)[-UNDO_STEPS:], ()
+        return Step("move", gesture=gesture, c=(1.0, 0.0))
 
     def _scene_change(self, old: Scene, new: Scene) -> str:
         """The change "mesh" where mesh settings or the effects that are simulated differ, else "values"."""
@@ -470,19 +360,3 @@ class EditSession:
     def _held(self) -> dict[str, Any]:
         gesture = self.held
         return {} if gesture is None else {"gesture": gesture, "c": self._hold.c}
-
-    def _unchanged(self) -> Step:
-        return Step("none", **self._held())
-
-    def _refusal(self, error: UserError) -> Step:
-        why = f"{error.where}: {error.what}" if error.where else error.what
-        return Step("none", refused=f"{why} ({error.do})" if error.do else why, **self._held())
-
-
-def resampled(start: tuple[float, float], path: Any, frames: int) -> list[tuple[float, float]]:
-    """As many cursor positions as frames, evenly along start and path by number, the last one exactly."""
-    chain = np.array([start, *path], dtype=float)
-    places = np.arange(1, frames + 1) * (len(path) / frames)
-    xy = [np.interp(places, np.arange(len(chain)), chain[:, k]) for k in (0, 1)]
-    steps = list(zip(*(column.tolist() for column in xy)))
-    return [*steps[:-1], tuple(chain[-1].tolist())]

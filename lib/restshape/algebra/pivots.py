@@ -1,0 +1,29 @@
+"""Pivots of complete factors: how many eigenvalues of their matrix are negative, and whether one is zero."""
+
+import numpy as np
+from petsc4py import PETSc
+
+
+def factors_of(ksp: PETSc.KSP) -> list[PETSc.PC]:
+    """What has this rank's factors."""
+    pc = ksp.getPC()
+    return [part.getPC() for part in pc.getASMSubKSP()] if pc.getType() == "asm" else [pc]
+
+
+def negative_pivots(factor: PETSc.Mat, kind: str) -> int:
+    """The negative pivots of a complete factor, `cholesky` or `lu`."""
+    if kind == "cholesky":
+        return factor.getInertia()[0]
+    if factor.getType() != "seqaij":
+        # Other solvers' LU factors exchange rows, and show no pivots.
+        return 0
+    # PETSc's own exchanges no rows, and its diagonal is that of U.
+    pivots = factor.getDiagonal()
+    found = int(np.count_nonzero(pivots.getArray(readonly=True) < 0.0))
+    pivots.destroy()
+    return found
+
+
+def zero_pivots(factor: PETSc.Mat, kind: str) -> int:
+    """Those pivots of a complete Cholesky factor that it has none of, as it ended at one that is zero; 0 of others."""
+    return factor.getInertia()[1] if kind == "cholesky" else 0

@@ -1,0 +1,175 @@
+"""What sessions of shapes and of furniture share: when the frames of a script are, and what can be undone."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from restshape.application import Application
+from restshape.application import application as application_named
+from restshape.errors import UserError
+from restshape.scene.model import Scene
+from restshape.scene.script import Script
+from restshape.scene.source import split_key
+
+FRAME_TIME = 1.0 / 60.0
+"""Edit time of a frame [s] where the script leaves room for it."""
+
+UNDO_STEPS = 100
+"""Edit steps that can be undone; older ones are forgotten, so that memory does not grow with the script."""
+
+FIXED = ("format", "version", "app", "shape", "quantities", "solve")
+"""Tables and keys of a scene that hold for a whole session."""
+
+STILL = (0.0, 0.0)
+State = tuple[Any, Scene]
+
+
+@dataclass(slots=True)
+class ScriptFrame:
+    """One frame of a session.
+
+    Args:
+        index: from 0.
+        t: edit time [s].
+        line: of the script, 0 for the start.
+        do: the event's kind, "start" for frame 0.
+        change: "start", "none", "move" (along the gesture), "shape" (another layout, or other parts), "values"
+            (materials, loads, ...) or "mesh" (mesh settings).
+        gesture: the motion of a "move", given already at the press; None where there is none.
+        c: its coefficients.
+        scene: what else holds.
+        refused: why the event changed nothing; None when it was carried out.
+    """
+
+    index: int
+    t: float
+    line: int
+    do: str
+    change: str
+    gesture: Any
+    c: tuple[float, float]
+    scene: Scene
+    refused: str | None
+
+
+@dataclass(slots=True)
+class Step:
+    """What one frame of an event did, before it gets its number and time."""
+
+    change: str
+    refused: str | None = None
+    note: str = ""
+    gesture: Any = None
+    c: tuple[float, float] = STILL
+
+
+class ScriptSession(ABC):
+    """Replays a script's events: each kind of them is carried out by the method of its name.
+
+    Args:
+        scene: where the session starts.
+        script: validated events.
+        application: whose effects the scene may name; default: the scene's own.
+    """
+
+    def __init__(self, scene: Scene, script: Script, application: Application | None) -> None:
+        self.scene, self._script = scene, script
+        self._application = application or application_named(scene.app)
+        self._past: tuple[State, ...] = ()
+        self._future: tuple[State, ...] = ()
+
+    def frames(self) -> Iterator[Any]:
+        """All frames, one after the other; the first shows what there is before any event."""
+        yield self._frame((0, 0.0, 0, "start"), Step("start"), True, False)
+        index, events = 1, self._script.events
+        always = self._script.header.analysis == "every frame"
+        for k, event in enumerate(events):
+            room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
+            analysed = always or event.do == "analyse"
+            count = event.frame_count
+            pace = min(FRAME_TIME, room / count)
+            for i, step in enumerate(self.steps(event)):
+                yield self._frame((index, event.t + i * pace, event.line, event.do), step, analysed, i == count - 1)
+                index += 1
+
+    def steps(self, event: Any) -> Iterator[Step]:
+        """What each frame of one event does; the session follows as the steps are taken."""
+        steps = self._carried_out(event)
+        while True:
+            self._mark()
+            step = next(steps, None)
+            if step is None:
+                return
+            yield step
+
+    def _carried_out(self, event: Any) -> Iterator[Step]:
+        return getattr(self, f"_do_{event.do}")(event)
+
+    @abstractmethod
+    def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> ScriptFrame:
+        """The frame of a step, the last one of its event or not; `when` is its index, time, line and event."""
+
+    @abstractmethod
+    def _mark(self) -> None:
+        """Note the state that `take_back` restores."""
+
+    @abstractmethod
+    def _state(self) -> State:
+        """What an undo brings back."""
+
+    @abstractmethod
+    def _go_to(self, then: State, kind: str) -> Step:
+        """Bring a state back, by "undo" or "redo"."""
+
+    def _do_idle(self, event: Any) -> Iterator[Step]:
+        for _ in range(event.frames):
+            yield Step("none", **self._held())
+
+    def _do_analyse(self, event: Any) -> Iterator[Step]:
+        yield Step("none", **self._held())
+
+    def _do_undo(self, event: Any) -> Iterator[Step]:
+        if not self._past:
+            yield Step("none", "there is nothing to undo")
+            return
+        *past, then = self._past
+        self._past, self._future = tuple(past), (*self._future, self._state())
+        yield self._go_to(then, "undo")
+
+    def _do_redo(self, event: Any) -> Iterator[Step]:
+        if not self._future:
+            yield Step("none", "there is nothing to redo")
+            return
+        *future, then = self._future
+        self._past, self._future = (*self._past, self._state()), tuple(future)
+        yield self._go_to(then, "redo")
+
+    def _remember(self, before: State) -> None:
+        """End an edit step: it can be undone from now on, if it changed anything."""
+        if any(old is not new for old, new in zip(before, self._state())):
+            self._past, self._future = (*self._past, before)[-UNDO_STEPS:], ()
+
+    def _held(self) -> dict[str, Any]:
+        """The gesture and coefficients of a frame in which nothing moves."""
+        return {}
+
+    def _refusal(self, why: str | UserError) -> Step:
+        if isinstance(why, UserError):
+            what = f"{why.where}: {why.what}" if why.where else why.what
+            why = f"{what} ({why.do})" if why.do else what
+        return Step("none", why, **self._held())
+
+    def _refused(self, frames: int, why: str | UserError) -> Iterator[Step]:
+        """All frames of an event that cannot be carried out."""
+        for _ in range(frames):
+            yield self._refusal(why)
+
+    def _why_fixed(self, key: str) -> str:
+        """Why a key of the scene cannot be set, empty where it can."""
+        fixed = next(iter(split_key(key)), "") in FIXED
+        return f"{key} cannot be set during an edit (change the scene, or use --set)" if fixed else ""
