@@ -107,8 +107,8 @@ Args:
   fields: unknowns of a node; unknown `a` of node i is row i*fields + a.
   node_offsets: int32 (ranks + 1); nodes of rank r are node_offsets[r]:node_offsets[r + 1].
   rank: this process's.
-  backend: "csr" (one rank; own arrays, cheap patches), "bcsr" (one rank; in blocks of the unknowns of two nodes, which
-    products and relaxation read faster and complete factors do not take) or "coo" (any number of ranks).
+  backend: "csr" (one rank; own arrays, cheap patches), "bcsr" (one rank; in blocks of the unknowns of two nodes, PETSc's
+    BAIJ, which products and relaxation read faster; PETSc has no multigrid for it, and no relaxation for its copies) or "coo" (any number of ranks).
 
 Use: set_topology, set_constraints, then for each set of values begin, add ..., end. Then `mat` (a petsc4py Mat that holds
 a reference of its own; fetch it again when `generation` has changed). PETSc must be initialised. Every rank holds all

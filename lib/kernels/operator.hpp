@@ -145,7 +145,7 @@ void with_sizes(const Element& e, Run run) {
 
 // Own memory in PETSc's CSR format, one rank: new values and patches cost no search and no preallocation.
 std::unique_ptr<Operator> make_csr_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
-// The same in blocks of two nodes (PETSc's BAIJ), one rank: for solves by products and relaxation alone.
+// The same in blocks of two nodes (PETSc's BAIJ), one rank, which products and relaxation read faster.
 std::unique_ptr<Operator> make_bcsr_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
 // PETSc's COO assembly, any number of ranks.
 std::unique_ptr<Operator> make_coo_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);

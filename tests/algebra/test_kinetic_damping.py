@@ -34,7 +34,7 @@ class Chain:
         out[:-1, 0] -= pull
         out[self.held] = 0.0
 
-    def step_matrix(self, x, inertia):
+    def step_matrix(self, x, inertia, blocks):
         k = 100.0 + 3.0 * self.hard * self.stretches(x) ** 2
         K = np.diag(np.r_[k, 0] + np.r_[0, k]) - np.diag(k, 1) - np.diag(k, -1)
         K += inertia * np.eye(N)
@@ -48,7 +48,7 @@ class Chain:
         return self.matrix
 
     def tangent(self, x):
-        return self.step_matrix(x, 0.0)
+        return self.step_matrix(x, 0.0, False)
 
     def rest(self):
         """Places where each spring bears the masses on its right."""
@@ -96,7 +96,7 @@ def test_fixed_steps_are_those_of_implicit_euler():
 
     chain, h = One(), 0.01
     x = np.zeros((N, 1))
-    K = chain.step_matrix(x, 0.0)[:, :][1:, 1:]
+    K = chain.step_matrix(x, 0.0, False)[:, :][1:, 1:]
     values, modes = np.linalg.eigh(K)
     x[1:, 0] = modes[:, 0]
     states = []

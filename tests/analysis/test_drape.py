@@ -1,5 +1,6 @@
 """Cloth at rest: against closed forms, against other ways to the same rest, and what is kept between frames."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,8 +8,10 @@ import pytest
 from cloths import BALL, CONTACT, PIN, cloth, write_cloth
 from petsc4py import PETSc
 
+from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
 from restshape.analysis.drape import DrapeAnalysis
+from restshape.analysis.drape_equations import ClothEquations
 from restshape.analysis.frame import Frame
 from restshape.application import application
 from restshape.calibration import Calibration
@@ -248,3 +251,55 @@ def test_a_body_that_comes_through_is_told(tmp_path):
     assert "bodies.bar comes through the cloth" in pierced.row()["note"]
     ball = solved(cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.12", "effects.cloth.bending=hinge")))
     assert ball.row()["note"] == ""
+
+
+@pytest.mark.parametrize("bending", ["hinge", "morley"])
+def test_steps_know_of_new_supports_bending_and_nodes(tmp_path, bending):
+    """Their matrix in blocks, kept over all changes, is that of new equations in rows."""
+    scene = cloth(tmp_path, PIN, CONTACT, BALL, overrides=(f'effects.cloth.bending="{bending}"',))
+    sheet = solved(scene).sheet
+    kept = ClothEquations(sheet, PETSc.COMM_SELF, Stages())
+    assert kept.steps.operator.backend == "bcsr"
+    rng, inertia = np.random.default_rng(5), 300.0
+    x = sheet.flat(np.column_stack([sheet.mesh.X, np.zeros(len(sheet.mesh.X))]))
+    x = x + 0.02 * rng.uniform(-1, 1, x.shape) * sheet.free
+
+    def matrices():
+        kept.begin()
+        new = ClothEquations(sheet, PETSc.COMM_SELF, Stages(), "csr")
+        blocks, rows = kept.step_matrix(x, inertia, True), new.step_matrix(x, inertia, False)
+        assert blocks.getType() == "seqbaij" and rows.getType() == "seqaij"
+        return blocks.convert("dense", PETSc.Mat()).getDenseArray().copy(), rows[:, :]
+
+    found = []
+    for change in (
+        lambda: None,
+        lambda: sheet.mask.__setitem__(slice(20, 30), 1),
+        lambda: setattr(sheet, "fabric", replace(sheet.fabric, bending=3.0 * sheet.fabric.bending)),
+        lambda: sheet.mesh.X.__imul__(1.1),
+    ):
+        change()
+        if found:
+            mask = sheet.mask.copy()
+            sheet.move()
+            sheet.mask[:] = mask
+        blocks, rows = matrices()
+        assert blocks == pytest.approx(rows, abs=1e-14 * np.abs(rows).max())
+        assert all(np.abs(blocks - before).max() > 1e-6 * np.abs(rows).max() for before in found)
+        found.append(blocks)
+
+
+@pytest.mark.parametrize(("kind", "blocks"), [("sor", True), ("gamg", False), ("eisenstat", False), ("icc", False)])
+def test_motion_takes_the_preconditioner_that_petsc_is_told(tmp_path, kind, blocks):
+    found = solved(cloth(tmp_path, PIN, overrides=('effects.cloth.bending="hinge"',)))
+    sheet, options = found.sheet, PETSc.Options()
+    equations = ClothEquations(sheet, PETSc.COMM_SELF, Stages())
+    options.setValue("told_step_pc_type", kind)
+    steps = Steps(1 / 60, longest=1 / 60, most=5)
+    moving = KineticDamping(PETSc.COMM_SELF, "told_", equations, sheet.mass, found.x.shape, equations.rows, steps)
+    options.delValue("told_step_pc_type")
+    x = sheet.flat(np.column_stack([sheet.mesh.X, np.zeros(len(sheet.mesh.X))]))
+    moving.run(x, 0.0)
+    assert moving.linear.blocks is blocks and equations.steps.patterned is blocks
+    assert moving.iterations > 0 and sheet.corners(x)[:, 2].min() < -1e-4
+    moving.free()

@@ -6,6 +6,7 @@ import pytest
 from furniture_scenes import write_bench, write_edits
 
 from restshape.application import applications
+from restshape.cli.options import print_table
 
 COMMANDS = {
     "check": ("check", "bench.toml", "edits.jsonl"),
@@ -54,3 +55,8 @@ def test_a_reader_that_stays_gets_a_row_a_line_however_long_it_is(restshape):
     assert max(map(len, lines)) > 160
     for scene, line in zip(scenes, lines, strict=True):
         assert str(scene) in line and line == line.rstrip()
+
+
+def test_cells_of_several_lines_are_one_where_nothing_is_a_terminal(capsys):
+    print_table("rows", ("a", "b"), [("one\ntwo", "x"), ("three", "y")])
+    assert capsys.readouterr().out.splitlines() == ["rows", "a        b", "one two  x", "three    y"]

@@ -35,8 +35,8 @@ class Motion(Protocol):
     def energy(self, x: np.ndarray) -> float:
         """The energy whose gradient is r."""
 
-    def step_matrix(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
-        """The stabilised tangent plus `inertia` [1/s^2] times the mass."""
+    def step_matrix(self, x: np.ndarray, inertia: float, blocks: bool) -> PETSc.Mat:
+        """The stabilised tangent plus `inertia` [1/s^2] times the mass; with `blocks` it may be of type BAIJ."""
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,7 @@ class KineticDamping:
             right = (self.mass * v / h - force) / damped
             right.ravel()[self.motion.held] = 0.0
             # Each iterate, of CG and guesses, goes down in the step's own energy, so that a short enough step does too.
-            d = self.linear.solve(self.motion.step_matrix(x, inertia), right)
+            d = self.linear.solve(self.motion.step_matrix(x, inertia, self.linear.blocks), right)
             if d is not None:
                 if not steps.adaptive:
                     return x + d, d / h, potential

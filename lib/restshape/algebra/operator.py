@@ -15,8 +15,8 @@ class Operator:
         comm: PETSc communicator.
         fields: unknowns a node.
         node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
-        backend: `csr` (one rank, the library's own patchable pattern) or `coo` (PETSc's COO assembly); by default
-            csr on one rank and coo on several.
+        backend: `csr` (one rank, the library's own patchable pattern), `bcsr` (one rank, blocks of nodes, for solvers
+            by products and relaxation) or `coo` (PETSc's COO assembly); by default csr on one rank and coo on several.
         symmetric: and positive definite, which PETSc is told.
     """
 

@@ -34,6 +34,7 @@ class StepSolver:
 
     Attributes:
         iterations: since `begin`.
+        blocks: matrices may be of type BAIJ. Multigrid and Eisenstat's form have none, nor can PETSc copy them whole.
     """
 
     def __init__(self, comm: PETSc.Comm, prefix: str, nodal: Nodal, tolerance: float, preconditioner: str) -> None:
@@ -42,6 +43,7 @@ class StepSolver:
         self.known = [(nodal.vector(), nodal.vector()) for _ in range(WAYS)]
         self.matrix, self.shifted = PETSc.Mat(), PETSc.Mat()
         self.ksp = self._made(comm, prefix, preconditioner)
+        self.blocks = self.ksp.getPC().getType() == "sor"
         self.begin()
 
     def begin(self) -> None:

@@ -60,8 +60,7 @@ class ClothEquations:
         sheet: whose nodes may move, and whose membrane may be softened.
         comm: PETSc communicator.
         stages: takes the times of patterns and values.
-        backend: of the operators; by default, on one rank, motion has one in blocks of nodes.
-        relaxed: steps of motion are solved with relaxation; with factors, which want no such blocks, where not.
+        backend: of the operators; by default, on one rank, motion may have one in blocks of nodes.
 
     Attributes:
         stabilised: whether `tangent` leaves out what is compressed; inertia: times the mass, on its diagonal.
@@ -69,13 +68,11 @@ class ClothEquations:
 
     potential = True
 
-    def __init__(
-        self, sheet: Sheet, comm: PETSc.Comm, stages: Stages, backend: str | None = None, relaxed: bool = True
-    ) -> None:
+    def __init__(self, sheet: Sheet, comm: PETSc.Comm, stages: Stages, backend: str | None = None) -> None:
         self.sheet, self.stages = sheet, stages
         self.tangents = Assembly(sheet, comm, stages, backend)
-        blocks = relaxed and comm.size == 1 and backend is None
-        self.steps = Assembly(sheet, comm, stages, "bcsr") if blocks else self.tangents
+        own = comm.size == 1 and backend is None
+        self.steps = Assembly(sheet, comm, stages, "bcsr") if own else self.tangents
         self.stabilised, self.inertia = True, self.held_up
 
     @property
@@ -123,6 +120,6 @@ class ClothEquations:
         """The true tangent plus `inertia` [1/s^2] times the mass."""
         return self.tangents.matrix(x, False, inertia)
 
-    def step_matrix(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
-        """The stabilised tangent plus `inertia` [1/s^2] times the mass."""
-        return self.steps.matrix(x, True, inertia)
+    def step_matrix(self, x: np.ndarray, inertia: float, blocks: bool) -> PETSc.Mat:
+        """The stabilised tangent plus `inertia` [1/s^2] times the mass; with `blocks` it may be of type BAIJ."""
+        return (self.steps if blocks else self.tangents).matrix(x, True, inertia)

@@ -99,7 +99,7 @@ class Rest:
     ) -> None:
         self.sheet, self.comm, self.stages, self.linear, self.goal = sheet, comm, stages, linear, goal
         self.motion = motion or Steps()
-        self.equations = ClothEquations(sheet, comm, stages, backend, self.motion.preconditioner == "sor")
+        self.equations = ClothEquations(sheet, comm, stages, backend)
         rows, shape = self.equations.rows, (sheet.n_nodes, 3)
         self.moving = KineticDamping(comm, f"{prefix}kinetic_", self.equations, sheet.mass, shape, rows, self.motion)
         reach = self.motion.reach

@@ -137,7 +137,8 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]
     for column in columns:
         table.add_column(Text(column), justify="right" if column in right else "left", overflow="fold")
     for row in rows:
-        table.add_row(*(Text(shown(cell)) for cell in row))
+        cells = [shown(cell) for cell in row]
+        table.add_row(*(Text(cell if out.is_terminal else " ".join(cell.splitlines())) for cell in cells))
     out.print(Text(title, style="bold"), soft_wrap=True)
     if out.is_terminal:
         out.print(table)

@@ -22,6 +22,7 @@ from restshape.physics.furniture import LOST, Forces, Furniture, Verdict
 from restshape.physics.plank_bending import plank_bending
 from restshape.physics.plank_quantities import Observed, plank_quantities, require_places
 from restshape.physics.plank_words import held_by_springs
+from restshape.physics.uncounted_moments import uncounted_moments
 from restshape.policy import Policy
 from restshape.scene.furniture import SUGGESTIONS_BYTES
 from restshape.scene.model import Scene
@@ -76,7 +77,7 @@ class FurnitureAnalysis:
         self.at = np.nan
         self.ranged_seconds = np.nan
         self.ideas = Ideas()
-        self.note = self.sprung = ""
+        self.note = self.sprung = self.uncounted = ""
         self.age = 0
 
     @property
@@ -119,6 +120,7 @@ class FurnitureAnalysis:
             steps = self._balance(gamma)
             # What the forces say is the answer, and sag an effect: no stage of quantities.
             self._measure(furniture)
+            self.uncounted = uncounted_moments(furniture, self.forces, gamma) if self.forces else ""
         return steps, fresh
 
     def _balance(self, gamma: np.ndarray) -> int:
@@ -213,7 +215,7 @@ class FurnitureAnalysis:
             "ms_equilibrium": 1e3 * self.seconds,
             "ms_range": 1e3 * self.ranged_seconds,
             "ms_suggestions": 1e3 * self.ideas.seconds if self.ideas.found else np.nan,
-            "note": "; ".join(filter(None, [self.note, self.sprung])),
+            "note": "; ".join(filter(None, [self.note, self.sprung, self.uncounted])),
         }
 
     def _ranges(self) -> tuple[str, float, float]:
