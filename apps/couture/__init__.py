@@ -114,7 +114,10 @@ class Contact(Strict):
         # At a depth s within the thickness t the pressure is k s^2 / (2 t).
         times, cause = borne(scene)
         stiffness = 8.0 * times * weight / self.thickness
-        why = f"stiffness {stiffness:.3g} N/m^3, for half of the thickness bears {times:.3g} times the weight"
+        why = (
+            f"stiffness {stiffness:.3g} N/m^3, so that cloth pressed everywhere through half of contact.thickness "
+            f"({1e3 * self.thickness:.3g} mm) is pushed back by {times:.3g} times its weight"
+        )
         why = "; ".join(filter(None, (why, cause)))
         return Decision(self.model_copy(update={"stiffness": stiffness}), why, warns=warning)
 
@@ -166,7 +169,14 @@ class Drape(Strict):
 
 def columns(scene: Scene) -> dict[str, Any]:
     """The columns that a replay of cloth has besides: whether it rests and stays, steps, factors, friction, bodies."""
-    own = {"at_rest": np.int64, "stable": np.int64, "steps": np.int64, "factors": np.int64, "dragged": np.float64}
+    own = {
+        "at_rest": np.int64,
+        "stable": np.int64,
+        "steps": np.int64,
+        "factors": np.int64,
+        "dragged": np.float64,
+        "deepest": np.float64,
+    }
     return own | body_columns(scene.bodies)
 
 

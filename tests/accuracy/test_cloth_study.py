@@ -112,6 +112,29 @@ def test_the_tip_is_counted_from_the_heavy_elastica(strip):
     assert all(0.5 < r["effectivity"]["median"] < 2.0 for r in strip.records)
 
 
+@pytest.mark.parametrize(
+    ("sizes", "affordable", "coarser"), [((2.0, 1.0), 4e6, False), ((1.0, 0.25), 4e6, True), ((1.0, 0.25), 4e4, False)]
+)
+def test_a_reference_that_is_not_finished_asks_for_what_differs(tmp_path, monkeypatch, sizes, affordable, coarser):
+    events = [{"do": "set", "key": "material.canvas.bending", "value": "3e-5 N m", "frames": 3}]
+    asked = Asked(Choice(sizes, (1,), (1e-2,), ("auto",)), frames=4, samples=2, reference_seconds=20.0)
+    case = Case("strip", STRIP, write_script(tmp_path, events))
+    monkeypatch.setitem(MOST_UNKNOWNS, "cloth", affordable)
+
+    def refused(problem):
+        with pytest.raises(UserError) as told:
+            study(case, asked, lambda words: None, lambda job, seconds: Outcome([], problem))
+        return told.value
+
+    late = refused("stopped after 20 s")
+    assert late.what == "the reference was not finished after 20 s (--reference-seconds)"
+    assert "--frames 2" in late.do and "--reference-seconds 60" in late.do
+    # of no use where they are given, nor where the reference is as fine as is affordable with them or without
+    assert ("--sizes 2,1" in late.do) is coarser
+    torn = refused("frame 2: the mesh is torn")
+    assert "no solution: frame 2: the mesh is torn" in torn.what and "--reference-seconds" not in torn.do
+
+
 def test_the_tolerance_of_rest_is_that_of_the_solver():
     plain = load_scene(STRIP)
     assert plain.solve.tolerance == 1e-4

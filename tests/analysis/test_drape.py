@@ -303,3 +303,32 @@ def test_motion_takes_the_preconditioner_that_petsc_is_told(tmp_path, kind, bloc
     assert moving.linear.blocks is blocks and equations.steps.patterned is blocks
     assert moving.iterations > 0 and sheet.corners(x)[:, 2].min() < -1e-4
     moving.free()
+
+
+TABLE = """
+[bodies.table]
+box = { center = [0.5, 0.5, CENTRE], half = [0.3, 0.3, 0.04] }
+friction = 0.3
+"""
+
+
+@pytest.mark.parametrize(("centre", "begins"), [(-0.05, ""), (-0.03, "10"), (0.0, "40")])
+def test_cloth_that_begins_inside_a_body_is_told(tmp_path, centre, begins):
+    scene = cloth(tmp_path, CONTACT, TABLE.replace("CENTRE", str(centre)), overrides=("mesh.size=0.08",))
+    row = solved(scene).row()
+    assert ("begins" in row["note"]) == bool(begins)
+    if begins:
+        assert f"cloth begins {begins} mm inside bodies.table" in row["note"]
+
+
+@pytest.mark.parametrize(("stiffness", "told"), [(2e3, True), (5e7, False)])
+def test_the_deepest_node_is_told(tmp_path, stiffness, told):
+    """By the distance from a ball in closed form; soft contact gives by more than its thickness, stiff by less."""
+    found = solved(cloth(tmp_path, CONTACT, BALL, overrides=(f"effects.contact.stiffness={stiffness}",)))
+    corners = found.sheet.corners(found.x)
+    # The ball's centre goes by a parameter of 0.5.
+    depth = 0.25 - np.linalg.norm(corners - [0.5, 0.5, -0.3], axis=1).min()
+    row = found.row()
+    assert row["deepest"] == pytest.approx(max(depth, 0.0), abs=1e-12)
+    assert bool(depth > found.sheet.contact.thickness) is told
+    assert (f"cloth lies {1e3 * depth:.3g} mm inside bodies.ball" in row["note"]) is told

@@ -78,6 +78,16 @@ def test_refused_edits_are_listed_and_the_code_is_1(tmp_path, capsys, events, li
     assert "refused edits" in capsys.readouterr().out
 
 
+def test_an_edit_that_is_refused_in_each_of_its_frames_is_one_row(tmp_path, capsys):
+    out = tmp_path / "check.json"
+    bad = '{"t": 0, "do": "set", "key": "material.steel.nu", "value": 0.7, "frames": 7}'
+    assert check(DATA / "plate.toml", script(tmp_path, bad, bad), "--json", out) == 1
+    # programs have each frame
+    assert [one["frame"] for one in json.loads(out.read_text())["edits"]["refused"]] == list(range(1, 15))
+    rows = [line.split()[:4] for line in capsys.readouterr().out.splitlines() if "less than 0.5" in line]
+    assert rows == [["2", "1", "7", "set"], ["3", "8", "7", "set"]]
+
+
 def test_a_script_of_another_scene_is_a_warning(tmp_path, capsys):
     path = tmp_path / "edits.jsonl"
     path.write_text((DATA / "plate.jsonl").read_text().replace("plate.toml", "bridge.toml"))
@@ -155,8 +165,11 @@ def test_check_tells_of_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
     assert "sphere, center (0.5, half, -0.3), radius 0.25, friction 0.3" in told
     assert "x = 0 and slope = 0 on left" in told and "plane of symmetry with the normal x on right" in told
     assert "moved by (0, 0, half) m, scattered by 0.001 m with the seed 0" in told
+    # 1 m^2 of 0.5 mm at 400 kg/m^3
+    assert "mass 0.2 kg, weight 1.962 N; 200 g/m^2, which is rho times thickness" in told
     found = json.loads((tmp_path / "check.json").read_text())
     assert found["bodies"] == {"ball": {"sphere": {"center": [0.5, "half", -0.3], "radius": 0.25}, "friction": 0.3}}
+    assert [found[key] for key in ("mass_by_area", "mass", "weight")] == pytest.approx([0.2, 0.2, 1.962], rel=1e-12)
     assert found["start"]["move"] == [0.0, 0.0, "half"] and "falls through bodies.ball" in found["warnings"][0]
 
 

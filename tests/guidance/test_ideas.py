@@ -10,9 +10,10 @@ from furniture_scenes import write_edits
 from restshape_apps.furniture.pieces import PIECES, SCENES, chair, drawn, scales, shelf_1, table
 from small_scenes import make_replay, rows_of
 
-from restshape.guidance.amounts import amount, in_words, named, room_words
+from restshape.guidance.amounts import along, amount, in_words, named, room_words
 from restshape.guidance.design import Design, Guidance
 from restshape.physics.furniture import UNSTABLE, WEAK, Furniture
+from restshape.shape.plank_edits import added
 from restshape.shape.planks import FREEDOMS, Plank
 
 SAID = re.compile(
@@ -157,3 +158,64 @@ def test_a_replay_tells_why_there_are_no_suggestions(tmp_path) -> None:
     rows = rows_of(make_replay(SCENES / "scales.toml", path, overrides=overrides))
     assert rows[0]["suggested"] == 0
     assert "combinations of at most 1 freedoms tried" in rows[0]["no_suggestions"]
+
+
+SUPPORT = re.compile(
+    r"a plank of ([\d.]+) mm by ([\d.]+) mm between (\S+|the floor) and (\S+|the floor), its middle at \((.+)\) mm, "
+    r"its length along (.+), its width along (.+?)(?:, ([\d.]+) mm thick)?"
+    r"(?:, of (\w+))?(?:, not joined to (\S+) beside it)?"
+)
+AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+
+
+def test_lines_are_axes_of_the_room_or_directions() -> None:
+    assert along(np.array([0.0, -1.0, 0.0])) == "along y"
+    # Whichever way along them.
+    assert along(np.array([0.6, 0.0, -0.8])) == along(np.array([-0.6, 0.0, 0.8])) == "along (-0.6, 0, 0.8)"
+
+
+@pytest.mark.parametrize("name", ["cantilever", "table", "shelf-1", "bookshelf", "turned"])
+def test_a_support_plank_can_be_drawn_again_from_its_words(name) -> None:
+    piece = PIECES["cantilever" if name == "turned" else name]()
+    if name in ("cantilever", "turned"):
+        piece = replace(piece, weights=tuple(replace(w, force=(0, 0, 2 * w.force[2])) for w in piece.weights))
+    if name == "turned":
+        q = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
+        piece = replace(piece, planks=tuple(replace(p, centre=q @ p.centre, axes=q @ p.axes) for p in piece.planks))
+    ideas = [idea for idea in Design(piece).ideas.found if idea.name == "a support plank"]
+    assert ideas
+    for idea in ideas:
+        made = idea.piece.planks[-1]
+        *said, middle, length, width, thick, wood, beside = SUPPORT.fullmatch(idea.words).groups()
+        x, y = (
+            np.array(AXES.get(way) or [float(part) for part in way.strip("()").split(",")]) for way in (length, width)
+        )
+        long, wide = (float(part) / 1e3 for part in said[:2])
+        centre = np.array([float(part) for part in middle.split(",")]) / 1e3
+        ends = centre - 0.5 * long * x, centre + 0.5 * long * x
+        again = Plank.between("again", *ends, wide * y, float(thick or 1e3 * piece.planks[0].size[2]) / 1e3)
+        corners, others = again.corners(), made.corners()
+        away = np.linalg.norm(corners[:, None] - others, axis=2).min(axis=1)
+        # Millimetres, and three digits of a size and a direction.
+        assert away.max() < 2e-3
+        assert (thick is None) == (len({p.size[2] for p in piece.planks}) == 1)
+        assert wood is None
+        drawn_again = added(piece, replace(made, name="again"), piece.reach)
+        assert len(drawn_again.joints) - len(idea.piece.joints) == (beside is not None)
+        if beside:
+            joint = drawn_again.joints[-1]
+            assert beside in (drawn_again.planks[joint.i].name, drawn_again.planks[joint.j].name)
+
+
+def test_a_support_plank_tells_its_thickness_and_wood_where_there_are_several() -> None:
+    piece = PIECES["shelf-1"]()
+    support = next(idea for idea in Design(piece).ideas.found if idea.name == "a support plank")
+    assert "thick" not in support.words and "of mdf" not in support.words
+    top = len(piece.planks) - 1
+    other = replace(piece.planks[top], wood="oak", size=piece.planks[top].size * [1, 1, 1.01])
+    support = next(
+        idea
+        for idea in Design(replace(piece, planks=(*piece.planks[:top], other))).ideas.found
+        if idea.name == "a support plank"
+    )
+    assert ", its width along x, 12 mm thick, of mdf" in support.words

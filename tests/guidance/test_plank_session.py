@@ -76,9 +76,9 @@ def test_directions_that_would_open_joints_are_left_out_and_named(play):
 
 def test_hands_that_hold_a_parameter_drag_numbers_and_others_points(play):
     frames, _ = play(press("left", parameter="move z"), {"do": "drag", "to": [0, 0, 0]})
-    assert frames[-1].refused == "a parameter is dragged by a number"
+    assert frames[-1].refused == "a parameter is dragged by a number: use 'by', or press the plank without a parameter"
     frames, _ = play(press("left"), {"do": "drag", "by": 1.0})
-    assert frames[-1].refused == "a plank is dragged to a point"
+    assert frames[-1].refused == "a plank is dragged to a point: use 'to', or press a parameter of it"
 
 
 def test_the_hand_takes_a_path_in_as_many_frames_as_it_has_points(play):
@@ -104,7 +104,7 @@ def test_turns_and_lengths_without_a_hand(play):
 def test_no_plank_loses_all_of_its_length(play):
     frames, session = play(press("top", parameter="move z"), {"do": "drag", "by": -0.6, "frames": 6})
     assert [frame.refused for frame in frames[2:6]] == [None] * 4
-    assert frames[-1].refused == "a plank would have no length left"
+    assert frames[-1].refused == "left and right would have no length left: a plank keeps 10 mm at least"
     assert planks(session)["left"].size[0] > 0.0
 
 
@@ -150,7 +150,9 @@ REFUSED = [
     ({"do": "rotate", "on": "lft", "by": 1}, "did you mean 'left'"),
     ({"do": "rotate", "on": "left", "by": 1, "about": "z"}, "left cannot turn z"),
     (SHELF | {"name": "left"}, "there is 'left' already"),
-    (SHELF | {"width": [1, 0, 0]}, "must have lengths and differ in direction"),
+    (SHELF | {"width": [1, 0, 0]}, "its width lies along its middle line (draw its width across its middle line)"),
+    (SHELF | {"width": [0, 0, 0]}, "its width has no length (draw a width across"),
+    (SHELF | {"to": SHELF["from"]}, "its middle line has no length: it ends where it begins (let it go"),
     ({"do": "weight", "name": "left", "on": "top", "mass": 1}, "there is 'left' already"),
     ({"do": "choose", "number": 1}, "there is no suggestion 1"),
     ({"do": "slide", "to": 0.5}, "no suggestion is chosen"),

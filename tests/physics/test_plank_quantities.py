@@ -12,7 +12,9 @@ from small_scenes import make_replay, rows_of
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.physics.fasteners import wood
+from restshape.physics.plank_quantities import require_places
 from restshape.scene.load import load_scene
+from restshape.shape.plank_scene import piece_of
 
 G = 9.80665
 CANTILEVER = (SCENES / "cantilever.toml").read_text() + "\n[effects.bending]\n"
@@ -136,6 +138,25 @@ def test_a_joint_or_foot_that_is_not_there_is_told(tmp_path, line, capsys):
     assert main(["replay", str(write_bench(tmp_path, f"{BENCH}[quantities]\n{line}\n"))]) == 2
     told = capsys.readouterr().err
     assert "quantities.a.at (line" in told and ("left +x" in told if "use" in line else "left -x" in told)
+
+
+@pytest.mark.parametrize(
+    ("start", "at", "far"),
+    [
+        # From the face of the left leg, 20 mm thick around x = -0.5, whose end is at y = 0.15.
+        ([-0.4, 0, 0.2], "shelf -x", "; shelf -x is 90 mm from left, beyond the reach of 15 mm of joints"),
+        ([-0.4, 0.0, 0.2], "shelf", "; shelf -x is 90 mm from left, beyond the reach of 15 mm of joints"),
+        ([-0.49, 0.27, 0.2], "shelf", "; shelf -x is 70 mm from left, beyond the reach of 15 mm of joints"),
+        ([-0.485, 0.0, 0.2], "shelf +x", "; shelf +x is 290 mm from right, beyond the reach of 15 mm of joints"),
+    ],
+)
+def test_a_joint_that_is_not_there_for_want_of_reach_tells_the_gap(tmp_path, start, at, far):
+    end = [0.2, start[1], 0.2]
+    plank = f"[planks.shelf]\nfrom = {start}\nto = {end}\nwidth = [0, 0.1, 0]\n"
+    scene = load_scene(write_bench(tmp_path, f'{BENCH}{plank}[quantities]\na = {{ use = "pull", at = "{at}" }}\n'))
+    with pytest.raises(UserError) as caught:
+        require_places(scene.quantities, piece_of(scene))
+    assert caught.value.do.startswith("there are: left +x, right +x") and caught.value.do.endswith(far)
 
 
 def test_other_applications_have_no_quantities_of_planks(tmp_path, capsys):

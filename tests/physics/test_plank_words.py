@@ -10,7 +10,8 @@ from restshape_apps.furniture.small_pieces import block, ladder
 
 from restshape.physics.furniture import Furniture
 from restshape.physics.plank_words import without_uses
-from restshape.shape.planks import Load
+from restshape.shape.plank_gaps import gap_of
+from restshape.shape.planks import Foot, Joint, Load, Piece, Plank
 
 G = 9.80665
 
@@ -104,3 +105,74 @@ def test_planks_in_each_other_are_named_and_many_are_counted():
 def test_uses_can_be_left_out(use):
     told = f"falls under its weights; weak: joint a on b at {use} of its strength, c on d at 1.01 of its shear strength"
     assert without_uses(told) == "falls under its weights; weak: joint a on b, c on d"
+
+
+def bracket(start, end, width=(0, 0.1, 0), reach=0.015, joints=()):
+    """A post of 20 mm with an arm beside it."""
+    post = Plank.between("post", (0, 0, 0), (0, 0, 1.6), (0, 0.2, 0), 0.02)
+    arm = Plank.between("arm", start, end, width, 0.02)
+    return Piece((post, arm), joints, (Foot(0, 0),), reach=reach)
+
+
+@pytest.mark.parametrize(
+    ("start", "reach", "told"),
+    [
+        ((0.03, 0, 1.5), 0.015, " (arm -x is 20 mm from post, beyond the reach of 15 mm of joints)"),
+        ((0.03, 0, 1.5), 0.0199996, " (arm -x is 20 mm from post, beyond the reach of 19.9996 mm of joints)"),
+        ((0.03, 0, 1.5), 0.02 + 1e-9, ""),
+        # Before the post by 30 mm and beside it by 40 mm.
+        ((0.04, 0.19, 1.5), 0.015, " (arm -x is 50 mm from post, beyond the reach of 15 mm of joints)"),
+        # Before it by 80 mm and above it by 60 mm.
+        ((0.09, 0.0, 1.66), 0.015, " (arm -x is 100 mm from post, beyond the reach of 15 mm of joints)"),
+        ((1.01, 0, 1.5), 0.015, " (arm -x is 1000 mm from post, beyond the reach of 15 mm of joints)"),
+    ],
+)
+def test_parts_that_joints_do_not_reach_tell_their_gap(start, reach, told):
+    end = (2.0, start[1], start[2])
+    assert words(bracket(start, end, reach=reach))[0] == f"in two parts: post, arm{told}"
+    # Its other end looks away.
+    assert words(bracket(end, start, reach=reach))[0] == f"in two parts: post, arm{told.replace('-x', '+x')}"
+
+
+def test_planks_that_no_end_of_looks_at_a_face_tell_no_gap():
+    # An arm along the post's face, 40 mm before it.
+    assert words(bracket((0.06, 0.5, 1.5), (0.06, 1.0, 1.5), (0, 0, 0.1)))[0] == "in two parts: post, arm"
+    # One whose end is not level with the face, by more than joints reach: 100 mm on edge at 30 degrees.
+    lean = (0.1 * np.sin(np.pi / 6), 0.1 * np.cos(np.pi / 6), 0)
+    assert words(bracket((0.1, 0, 1.5), (0.5, -0.231, 1.5), lean))[0] == "in two parts: post, arm"
+
+
+def test_gaps_are_those_of_dense_sampling():
+    rng = np.random.default_rng(3)
+    s = np.linspace(-0.5, 0.5, 20001)[:, None]
+    for _ in range(100):
+        boards = [
+            Plank(name, 0.7 * rng.normal(size=3), np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.uniform(0.05, 1.0, 3))
+            for name in "ab"
+        ]
+        side, (one, other) = int(rng.integers(4)), boards
+        across = 1 - side // 2
+        places = (one.end(side) + s * one.axes[:, across] * one.size[across] - other.centre) @ other.axes
+        outside = np.maximum(np.abs(places) - 0.5 * other.size, 0.0)
+        least = np.linalg.norm(outside, axis=1).min()
+        assert gap_of(Piece(tuple(boards), (), ()), 0, side, 1).size == pytest.approx(least, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "told"),
+    [
+        # At right angles to the post's normal, 300 mm before its face and 400 mm above it.
+        ((0.31, 0, 2.0), (0.31, 0, 2.5), "arm does not point at post, 500 mm from it"),
+        # Right in front of its face.
+        ((0.01, 0, 1.5), (0.01, 0, 1.2), "arm lies too flat on post"),
+        # Straight towards the post, but past it: its end is closed to the plane of the face.
+        ((0.31, 0.45, 1.5), (0.5, 0.45, 1.5), "arm misses post, 300 mm from it"),
+        ((0.31, 0.15001, 1.5), (0.5, 0.15001, 1.5), "arm misses post"),
+        ((-0.11, 0.0, 1.5), (-0.31, 0.0, 1.5), "arm comes to post from behind, 100 mm from it"),
+    ],
+)
+def test_joints_of_planks_farther_apart_than_reach_tell_how_far(start, end, told):
+    piece = bracket(start, end, (0, 0.1, 0), joints=(Joint(1, 0, 0, 4),))
+    closed = Furniture(piece).moved()
+    assert words(closed)[0] == f"lost: {told}"
+    assert without_uses(f"lost: {told}") == f"lost: {told.partition(',')[0]}"

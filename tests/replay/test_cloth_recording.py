@@ -50,7 +50,7 @@ def cloth(tmp_path_factory):
     (folder / "cloth.toml").write_text(SCENE)
     (folder / "cloth.jsonl").write_text("\n".join(map(json.dumps, EVENTS)))
     call = ["replay", str(folder / "cloth.toml"), "--edits", str(folder / "cloth.jsonl")]
-    assert main([*call, "--out", str(folder / "cloth.vtkhdf")]) == 0
+    assert main([*call, "--out", str(folder / "cloth.vtkhdf"), "--json", str(folder / "cloth.json")]) == 0
     return folder / "cloth.vtkhdf"
 
 
@@ -63,6 +63,25 @@ def test_bodies_of_each_frame_are_those_of_the_script(cloth):
     expected += [(0.5 + way, 0.5 - way, -0.4, 0.2) for way in (0.0, 0.0, 0.05, 0.1, 0.1, 0.0)]
     assert np.array(spheres) == pytest.approx(np.array(expected), abs=1e-12)
     assert {bodies["ball"].friction for bodies in found} == {0.3}
+
+
+def test_the_summary_tells_how_many_frames_are_at_rest(cloth, tmp_path, capsys):
+    rest = json.loads(cloth.with_suffix(".json").read_text())["rest"]
+    with Recording(cloth) as recording:
+        table = recording.table
+        rests, stays = (np.asarray(table[name]) == 1 for name in ("at_rest", "stable"))
+        counts = {"at_rest": rests.sum(), "stable": (rests & stays).sum(), "not_at_rest": (~rests).sum()}
+        assert rest == counts | {"residual": pytest.approx(max(table["residual"]))}
+        assert rest["at_rest"] > 0
+    # one step is too few for any cloth that falls
+    out = tmp_path / "restless.json"
+    words = ["replay", str(cloth.with_suffix(".toml")), "--set", "effects.drape.steps=1", "--json", str(out)]
+    assert main(words) == 0
+    told = json.loads(out.read_text())["rest"]
+    assert (told["at_rest"], told["stable"], told["not_at_rest"]) == (0, 0, 1) and told["residual"] > 1e-4
+    assert f"at rest: 0 of 1 frames, 0 of them stable; largest residual {told['residual']:.1e} of the weight" in (
+        capsys.readouterr().out
+    )
 
 
 def test_vtk_warps_the_pattern_to_where_the_cloth_lies(cloth):

@@ -94,6 +94,12 @@ def test_a_bad_line_keeps_the_frames_before_it(tmp_path, restshape, scene, scrip
     assert read_json(tmp_path / "a.json")["frames"] == 6
 
 
+def test_one_frame_before_a_bad_line_is_one(restshape, scene, script):
+    script.write_text("\n".join([script.read_text().splitlines()[0], '{"t": 0.15, "do": "fly"}', ""]))
+    done = restshape("replay", scene, "--edits", script)
+    assert done.returncode == 2 and done.stderr.endswith("\n  the frame before it was replayed\n")
+
+
 def test_a_torn_last_line(tmp_path, restshape, scene, script):
     script.write_text(script.read_text()[:-12])
     done = restshape("replay", scene, "--edits", script, "--out", "a.vtkhdf")

@@ -161,3 +161,41 @@ def test_the_terminal_says_that_ranges_and_suggestions_look_at_no_limit(tmp_path
     for scene, told in ((write_bench(tmp_path, text, "limited.toml"), True), (write_bench(tmp_path), False)):
         assert main(["replay", str(scene)]) == 0
         assert (note in capsys.readouterr().out) is told
+
+
+LOOSE = """
+[planks.shelf]
+from = [0.25, 0, 0.2]
+to = [0.45, 0, 0.2]
+width = [0, 0.1, 0]
+"""
+
+
+def test_a_piece_in_parts_tells_its_gap_as_the_hand_goes_and_no_combinations(tmp_path, capsys):
+    drag = [{"do": "press", "on": "shelf"}, {"do": "drag", "path": [[0.33, 0, 0.2], [0.31, 0, 0.2]]}, {"do": "release"}]
+    words = ["replay", str(write_bench(tmp_path, BENCH + LOOSE)), "--edits", str(write_edits(tmp_path, *drag))]
+    assert main([*words, "--csv", str(tmp_path / "run.csv")]) == 0
+    with (tmp_path / "run.csv").open(newline="") as file:
+        broken = [row["broken"] for row in csv.DictReader(file)]
+    # The face of the right leg is at x = 0.49; the shelf ends at 0.45, then 0.43 and 0.41.
+    for far, said in zip((40, 40, 60, 80, 80), broken, strict=True):
+        gap = f"shelf +x is {far} mm from right, beyond the reach of 15 mm of joints"
+        assert said.startswith(f"in two parts: top with 2 more, shelf ({gap}); falls under its weights: shelf")
+    out = " ".join(capsys.readouterr().out.split())
+    assert "suggestions in frame 0" in out and "combinations tried" not in out
+    assert "0 to 4 in two parts: top with 2 more, shelf (shelf +x is up to 80 mm from right, beyond the reach" in out
+
+
+def test_grouped_frames_tell_the_largest_of_their_distances():
+    def run(*told):
+        return [one[2] for one in runs([{"index": k, "verdict": "fails", "broken": one} for k, one in enumerate(told)])]
+
+    gap = "in two parts: a, b (b -x is {} mm from a, beyond the reach of 15 mm of joints); falls under its weights: b"
+    assert run(gap.format(20), gap.format(100), gap.format(30)) == [gap.format("up to 100")]
+    near = "in two parts: a, b; falls under its weights: b"
+    assert run(near, gap.format(20)) == [gap.format(20)]
+    assert run(near, near) == [near]
+    lost = "lost: arm misses post, {} mm from it, leg misses top"
+    assert run(lost.format(20), lost.format(9.5)) == ["lost: arm misses post, up to 20 mm from it, leg misses top"]
+    assert run(lost.format(20), "lost: arm misses post, leg misses top") == ["lost: arm misses post, leg misses top"]
+    assert run("lost: arm misses post", "lost: leg misses top") == ["lost: arm misses post", "lost: leg misses top"]

@@ -16,7 +16,8 @@ from restshape_apps.furniture.small_pieces import toppling
 from restshape.guidance.suggestions import suggest
 from restshape.physics.furniture import Furniture
 from restshape.report.force_space import draw_region
-from restshape.report.furniture import FOOT, MOVED, Slide, bounds, draw_piece, use_colours, vector_words
+from restshape.report.furniture import FOOT, LOAD, MOVED, WAY, Slide, bounds, draw_piece, use_colours, vector_words
+from restshape.report.raster import Camera, hits, nearest_faces
 from restshape.report.style import REFUSED, new_figure
 
 
@@ -94,9 +95,14 @@ def test_an_end_state_is_translucent_and_has_arrows() -> None:
     axes, _ = drawn(furniture, Slide(one.direction, one.t))
     ghosts = [shown.get_array() for shown in axes.images if shown.get_zorder() == 4]
     assert len(ghosts) == 1
-    assert 0.0 < ghosts[0][..., 3].max() < 0.5
+    assert 0 < ghosts[0][..., 3].max() < 128
     moved = [t for t in axes.texts if t.arrow_patch is not None and t.arrow_patch.get_edgecolor()[:3] == to_rgb(MOVED)]
     assert len(moved) == 1
+
+
+def colour(arrow) -> tuple[float, ...]:
+    """The colour of an arrow."""
+    return arrow.arrow_patch.get_edgecolor()[:3]
 
 
 def moves(axes) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -119,7 +125,51 @@ def test_another_piece_has_an_arrow_for_what_goes_and_none_for_what_is_added() -
     axes, _ = drawn(furniture, Slide(still, piece=added))
     assert moves(axes) == []
     (ghost,) = [shown.get_array() for shown in axes.images if shown.get_zorder() == 4]
-    assert 0.0 < ghost[..., 3].max() < 0.5
+    assert 0 < ghost[..., 3].max() < 128
+
+
+def test_a_short_way_has_an_arrow_that_can_be_seen() -> None:
+    furniture = model(table())
+    piece = furniture.moved()
+    still = np.zeros((len(piece.planks), 8))
+    (*others, last), along = piece.planks, np.array([0.002, 0.0, 0.0])
+    near = replace(piece, planks=(*others, replace(last, centre=last.centre + along)))
+    axes, _ = drawn(furniture, Slide(still, piece=near))
+    ((start, end),) = moves(axes)
+    low, high = bounds(piece, near)
+    assert np.linalg.norm(end - start) == pytest.approx(WAY * (high - low).max())
+    assert end[0] > start[0]
+
+
+def test_the_arrow_of_a_load_ends_below_what_lies_above_it() -> None:
+    piece = table()
+    top = next(plank for plank in piece.planks if plank.name == "top")
+    cover = replace(top, name="cover", centre=top.centre + np.array([0.0, 0.0, 0.06]))
+    spans = []
+    for planks in (piece.planks, (*piece.planks, cover)):
+        axes, _ = drawn(model(replace(piece, planks=planks)))
+        (load,) = [
+            t for t in axes.texts if t.arrow_patch is not None and not t.get_text() and colour(t) == to_rgb(LOAD)
+        ]
+        spans.append(load.xyann[1] - load.xy[1])
+    free = 0.06 - top.size[2]
+    assert spans[0] > free > spans[1] > 0.0
+
+
+def test_nearest_faces_are_those_of_triangles() -> None:
+    rng = np.random.default_rng(3)
+    camera = Camera.towards(np.zeros(3), 0.4, 0.3, 8.0)
+    middle, one, other = (rng.normal(size=(12, 3)) for _ in range(3))
+    quads = np.stack([middle - one - other, middle + one - other, middle + one + other, middle - one + other], axis=1)
+    faces = np.arange(48).reshape(12, 4)
+    window = (-3.0, 3.0, -2.0, 2.0)
+    face, near = nearest_faces(camera, quads.reshape(-1, 3), faces, window, 150)
+    split = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
+    found = hits(camera, quads.reshape(-1, 3), split, window, 150)
+    same = face == np.where(found.there, found.triangle % 12, -1)
+    # Rounding decides a pixel on an edge.
+    assert same.mean() > 0.999
+    assert near[same & found.there] == pytest.approx(found.near[same & found.there])
 
 
 def test_a_range_is_black_where_the_piece_is_valid_and_red_where_not() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 from restshape.cli.main import main
@@ -17,6 +17,7 @@ from restshape.report import piece_frames, piece_ideas, piece_ranges
 from restshape.report.furniture import MOVED
 from restshape.report.piece_frames import pieces, telling_frames
 from restshape.report.piece_ideas import searches
+from restshape.report.piece_verdicts import BEYOND, only_limits
 from restshape.report.style import INK, REFUSED
 
 EVENTS = [
@@ -146,6 +147,52 @@ def test_a_recording_tells_the_pieces_of_its_frames(recorded):
         planks["left"]["to"][0] += 0.1
         with pytest.raises(UserError, match="another piece in frame 0"):
             list(pieces(recording, [0]))
+
+
+def test_searches_are_bounded(recorded, tmp_path, capsys):
+    common = ["report", str(recorded[0]), "--animation", "none", "--out", str(tmp_path / "few")]
+    assert main([*common, "--searches", "0", "--json", str(tmp_path / "few.json")]) == 0
+    told = json.loads((tmp_path / "few.json").read_text())
+    assert not [picture for picture in told["pictures"] if "suggestions" in picture]
+    assert main([*common, "--searches", "-1"]) == 2
+    assert "no fewer than 0" in capsys.readouterr().err
+
+
+def test_a_limit_alone_is_told_apart_from_a_piece_that_does_not_hold(tmp_path, monkeypatch):
+    # The bench holds; a limit below what it weighs does not.
+    text = BENCH + '[quantities]\nheavy = { mass = true, limit = "1 g" }\n'
+    path = tmp_path / "heavy.vtkhdf"
+    script = write_edits(tmp_path, *EVENTS[:2])
+    assert main(["replay", str(write_bench(tmp_path, text)), "--edits", str(script), "--out", str(path)]) == 0
+    sheets, panels = figures(monkeypatch, piece_frames), figures(monkeypatch, piece_ranges)
+    with Recording(path) as recording:
+        piece_frames.draw_piece_frames(recording, np.array([0, 3, 15]), tmp_path / "frames.png")
+        piece_ranges.draw_guidance(recording, tmp_path / "guidance.png")
+        falls = np.array([word.startswith("falls") for word in recording.table["broken"]])
+        assert set(recording.table["verdict"]) == {"fails"} and 0 < falls.sum() < recording.n
+    titles = [axes._left_title for axes in sheets[0].axes[:3]]
+    assert [title.get_color() for title in titles] == [BEYOND, BEYOND, REFUSED]
+    assert [("holds, but heavy is" in title.get_text()) for title in titles] == [True, True, False]
+    assert "Purple heading" in sheets[0].get_suptitle().replace("\n", " ")
+    dots = [c for c in panels[0].axes[0].collections if len(c.get_offsets())]
+    marked = {to_hex(c.get_facecolors()[0]): c.get_offsets()[:, 0].tolist() for c in dots}
+    assert marked == {BEYOND: np.flatnonzero(~falls).tolist(), REFUSED: np.flatnonzero(falls).tolist()}
+    assert any("beyond its limit" in text.get_text() for text in panels[0].legends[0].get_texts())
+
+
+@pytest.mark.parametrize(
+    ("verdict", "broken", "alone"),
+    [
+        ("holds", "", False),
+        ("fails", "sag is 3.2 mm, at most 3 mm", True),
+        ("fails", "tray is 0.839, at most 0.8; sag is 3.291 mm, at most 3 mm", True),
+        ("fails", "weak: joint a on b at 1.03 of its strength; tray is 1.024, at most 0.8", False),
+        ("fails", "falls under push wind", False),
+        ("", "", False),
+    ],
+)
+def test_what_is_wrong_with_the_piece_comes_before_limits(verdict, broken, alone):
+    assert only_limits(verdict, broken) is alone
 
 
 def test_planks_are_not_exaggerated(recorded, capsys):

@@ -128,6 +128,9 @@ def test_the_stiffness_of_contact_comes_from_the_weight(tmp_path):
     """k s^2/(2 t) at s = t/2 is k t/8: ten times 400 kg/m^3 * 0.5 mm * 9.81 m/s^2, for t = 4 mm."""
     scene = cloth(tmp_path, BALL, CONTACT, overrides=('effects.contact.thickness="4 mm"',))
     assert plan(scene, COUTURE).settings("contact").stiffness == pytest.approx(10 * 1.962 * 8 / 4e-3, rel=1e-12)
+    why = next(effect.why for effect in plan(scene, COUTURE).effects if effect.name == "contact")
+    assert "stiffness 3.92e+04 N/m^3, so that cloth pressed everywhere through half of contact.thickness (4 mm)" in why
+    assert why.endswith("is pushed back by 10 times its weight")
     given = revise(scene, "effects.contact.stiffness", "70 kN/m^3")
     assert plan(given, COUTURE).settings("contact").stiffness == 70e3
 
@@ -174,6 +177,21 @@ def test_a_line_is_named_for_a_bad_body(tmp_path):
         load_scene(path)
     line = path.read_text().splitlines()[int(refused.value.where.split("line ")[1].rstrip(")")) - 1]
     assert "radios" in line and "'radius'" in refused.value.do
+
+
+@pytest.mark.parametrize(
+    ("given", "what", "do"),
+    [
+        ('["22 cm", "16 cm"]', "three numbers", 'write 3, as in ["22 cm", "16 cm", "16 cm"]'),
+        ("[1, 2, 3, 4]", "at most 3 entries", "write 3, as in [1, 2, 3]"),
+        ("[]", "three numbers", ""),
+    ],
+)
+def test_a_list_of_another_length_is_told_by_its_key_with_an_example(tmp_path, given, what, do):
+    with pytest.raises(UserError) as told:
+        cloth(tmp_path, CONTACT, f"[bodies.top]\nbox = {{ center = [0, 0, 0], half = {given} }}\n")
+    assert "bodies.top.box.half (line " in told.value.where
+    assert what in told.value.what and told.value.do == do
 
 
 def test_all_levels_of_the_mesh_lead_to_rest_unless_fewer_are_asked_for(tmp_path):

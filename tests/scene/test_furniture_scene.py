@@ -8,6 +8,7 @@ from furniture_scenes import BENCH, write_bench, write_edits
 from restshape_apps.furniture.pieces import PIECES, table
 
 from restshape.application import application
+from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.physics.furniture import Furniture
 from restshape.scene.load import load_scene, revise
@@ -101,7 +102,12 @@ WRONG = [
     ("both ways", (DRAWN, DRAWN + "\nsize = [1, 1]"), ("planks.left (line", "'size' stands beside 'from'")),
     ("nowhere", (DRAWN, 'wood = "oak"'), ("planks.left (line", "has no place")),
     ("no mass", ('"20 kg"', '"20 N"'), ("weights.box.mass (line", "a mass is wanted")),
-    ("formula", ("[-0.6, 0, 0.51]", '["-lon/2", 0, 0.51]'), ("planks.top.from (line", "'lon'")),
+    ("formula", ("[-0.6, 0, 0.51]", '["-lon/2", 0, 0.51]'), ("planks.top.from (line", "'lon'", "known names: pi")),
+    (
+        "parameter",
+        ("thickness = 0.02", 'thickness = "thik"\n[parameters]\nthick = 0.02'),
+        ("wood.thickness (line", "not in [parameters]\n  try: did you mean 'thick'?"),
+    ),
     ("coordinates", ("[-0.6, 0, 0.51]", '["x/2", 0, 0.51]'), ("planks.top.from (line", "cannot name x or y")),
     ("mesh", ("[wood]", "[mesh]\nsize = 0.1\n[wood]"), ("mesh (line", "made of planks")),
     (
@@ -131,6 +137,25 @@ def test_errors_name_file_key_and_line(tmp_path, change, words):
     with pytest.raises(UserError) as caught:
         load_scene(write_bench(tmp_path, BENCH.replace(*change, 1)))
     assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "what", "do"),
+    [
+        (("0.3", "0"), "its width has no length", "draw a width across its middle line, as long as the plank is wide"),
+        (
+            ("0.5]", "0]"),
+            "its middle line has no length: it ends where it begins",
+            "let it go from one point to another one",
+        ),
+        (("0.3, 0", "0, 0.3"), "its width lies along its middle line", "draw its width across its middle line"),
+    ],
+)
+def test_lines_that_make_no_plank_are_told_with_their_place(tmp_path, capsys, change, what, do):
+    path = write_bench(tmp_path, BENCH.replace(DRAWN, DRAWN.replace(*change)))
+    line = path.read_text().split("\n").index("[planks.left]") + 1
+    assert main(["check", str(path)]) == 2
+    assert capsys.readouterr().err.endswith(f"bench.toml: planks.left (line {line}): {what}\n  try: {do}\n")
 
 
 def test_a_joint_whose_ends_have_two_names_is_refused(tmp_path):
@@ -163,6 +188,8 @@ BAD_LINES = [
     ({"do": "weight", "name": "a", "on": "top", "mass": "-1 kg"}, "greater than 0"),
     ({"do": "plank", "name": "a", "from": [0, 0, 0], "to": [0, 0, 1]}, "'width' is missing"),
     ({"do": "drag", "to": [0, 0, 0]}, "before a press"),
+    ({"do": "drag", "to": 600}, "to a point [x, y, z], not 600\n  try: use 'by' for a held parameter"),
+    ({"do": "drag", "path": [[0, 0, 0], "3 deg"]}, "not '3 deg'\n  try: use 'by' for a held parameter"),
 ]
 
 
@@ -223,3 +250,10 @@ def test_pushes_come_and_go_with_their_effect(tmp_path):
     assert [(load.plank, load.force) for load in after.pushes] == [(1, (30.0, 0.0, 0.0))]
     assert restated(after, pushed, scene).pushes == ()
     assert restated(removed(after, 1), pushed, revise(pushed, "floor.friction", 0.4)).pushes == ()
+
+
+def test_the_reach_of_joints_goes_into_the_piece(tmp_path):
+    scene = load_scene(write_bench(tmp_path, BENCH + '[joints]\nreach = "25 mm"\n'))
+    piece = piece_of(scene)
+    assert piece.reach == 0.025
+    assert restated(piece, scene, revise(scene, "joints.reach", "30 mm")).reach == 0.03

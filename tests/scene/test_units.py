@@ -54,8 +54,20 @@ def test_an_angle_is_no_number():
 
 
 def test_a_dimension_without_a_name_is_spelled_out():
-    with pytest.raises(UnitError, match=r"m\^1 kg\^1"):
+    with pytest.raises(UnitError, match="a quantity in kg m, but a force"):
         quantity("1 kg m", "force")
+    with pytest.raises(UnitError, match=r"a quantity in kg/m/s, but a pressure"):
+        quantity("1 Pa s", "pressure")
+    with pytest.raises(UnitError, match=r"a quantity in 1/m\^2, but a length"):
+        quantity("1 m^-2", "length")
+
+
+def test_a_mass_by_area_is_told_what_density_it_makes():
+    with pytest.raises(UnitError) as told:
+        quantity("500 g/m^2", "density")
+    assert "is a quantity in kg/m^2, but a density is wanted: divide it by the thickness" in str(told.value)
+    # half a kilogram on 0.4 litres
+    assert '0.4 mm thick have rho = "1250 kg/m^3"' in str(told.value)
 
 
 @pytest.mark.parametrize(

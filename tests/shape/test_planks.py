@@ -25,8 +25,21 @@ def test_a_plank_is_drawn_by_two_lines() -> None:
     plank = Plank.between("p", (0, 0, 0), (2, 0, 0), (1, 0.5, 0), 0.01)
     assert plank.size == pytest.approx([2.0, 0.5, 0.01])
     assert np.linalg.det(plank.axes) == pytest.approx(1.0)
-    with pytest.raises(UserError, match="differ in direction"):
-        Plank.between("p", (0, 0, 0), (2, 0, 0), (1, 0, 0), 0.01)
+
+
+@pytest.mark.parametrize(
+    ("end", "width", "what", "do"),
+    [
+        ((2, 0, 0), (1, 0, 0), "its width lies along its middle line", "draw its width across its middle line"),
+        ((2, 0, 0), (0, 0, 0), "its width has no length", "as long as the plank is wide"),
+        ((0, 0, 0), (0, 1, 0), "its middle line has no length: it ends where it begins", "to another one"),
+        ((0, 0, 0), (0, 0, 0), "its middle line has no length: it ends where it begins", "to another one"),
+    ],
+)
+def test_lines_that_make_no_plank_are_told_apart(end, width, what, do) -> None:
+    with pytest.raises(UserError) as caught:
+        Plank.between("p", (0, 0, 0), end, width, 0.01)
+    assert (caught.value.what, caught.value.where) == (what, "p") and do in caught.value.do
 
 
 def test_a_table_has_a_joint_and_a_foot_for_each_leg() -> None:

@@ -35,6 +35,8 @@ TOLERANCES = {
 }
 """Of the reference, the next where rounding does not let a frame reach the first. Modes are those of bodies in space,
 whose frequencies are right to the square of it."""
+FEWEST = 2
+"""Frames that hold an edit, at least."""
 MODULE = "restshape.accuracy.replays"
 
 
@@ -134,8 +136,32 @@ def _plain(value: str) -> str:
         return value
 
 
+def quicker(plan: Plan, finest: float, total: int, seconds: float) -> list[str]:
+    """What makes a reference cheaper, and last what leaves it more time, with options that differ from those given.
+
+    Args:
+        plan: of the reference.
+        finest: factor of the mesh size of the finest point.
+        total: number of frames replayed; seconds: that the reference may take.
+    """
+    advice = []
+    if total > FEWEST:
+        advice.append(f"fewer frames (--frames {max(FEWEST, total // 2)})")
+    # Other values than the scene's are tried at its own size. The reference is as fine as is affordable, at most.
+    if finest < 1.0 and plan.factor < 1.0 / FINER:
+        advice.append("coarser sizes (--sizes 2,1)")
+    advice.append(f"more time for it (--reference-seconds {3.0 * seconds:.0f})")
+    return advice
+
+
 def solve(
-    job: Job, scene: Scene, plan: Plan, folder: Path, frames: Sequence[int], play: Callable[[Job], Outcome]
+    job: Job,
+    scene: Scene,
+    plan: Plan,
+    folder: Path,
+    frames: Sequence[int],
+    play: Callable[[Job], Outcome],
+    advice: Sequence[str],
 ) -> tuple[Row, Row]:
     """What the reference in ``folder/fine`` and the coarser one in ``folder/coarse`` took, and how far they differ.
 
@@ -146,6 +172,7 @@ def solve(
         folder: for the files.
         frames: wanted.
         play: runs jobs.
+        advice: what to do where it cannot be had; the last one where it takes too long.
 
     Raises:
         UserError: there is no reference.
@@ -170,10 +197,10 @@ def solve(
             if out_of_time or (outcome.found and not (set(outcome.found["refused"]) & set(map(str, frames)))):
                 break
         if not outcome.found:
-            raise UserError(
-                f"the reference has no solution: {outcome.problem or 'it told nothing'}",
-                job.scene,
-                "fewer frames (--frames 10), coarser sizes (--sizes 2,1), or more time for it (--reference-seconds)",
-            )
+            if not out_of_time:
+                what = f"the reference has no solution: {outcome.problem or 'it told nothing'}"
+                raise UserError(what, job.scene, ", or ".join(advice[:-1]))
+            what = f"the reference was not finished{outcome.problem.removeprefix(STOPPED)} (--reference-seconds)"
+            raise UserError(what, job.scene, ", or ".join(advice))
         told.append(outcome.found | {"tolerance": tolerance})
     return told[1], told[0]

@@ -9,7 +9,7 @@ from typing import Any
 
 from restshape.accuracy.front import mark_pareto
 from restshape.accuracy.record import Truth, record, truth_of
-from restshape.accuracy.reference import COARSER, MODULE, Plan, planned, solve
+from restshape.accuracy.reference import COARSER, MODULE, Plan, planned, quicker, solve
 from restshape.accuracy.sampling import begun, sampled
 from restshape.accuracy.setting import Choice, Omission, Setting, kind_of, settings
 from restshape.application import Application, application
@@ -155,10 +155,12 @@ def referred(
 ) -> Study:
     """A study with its reference in a folder, and no points yet."""
     frames, total = sampling
-    plan = planned(case.scene, case.overrides, app, min(setting.factor for setting in tried))
+    finest = min(setting.factor for setting in tried)
+    plan = planned(case.scene, case.overrides, app, finest)
     on_run(f"{case.name}: reference, size x {plan.factor:.3g}, order {plan.order}, and one {COARSER:g} times as coarse")
     job = case.job(plan.policy, (), {})
-    fine, coarse = solve(job, scene, plan, folder, frames, lambda job: play(job, asked.reference_seconds))
+    advice = quicker(plan, finest, total, asked.reference_seconds)
+    fine, coarse = solve(job, scene, plan, folder, frames, lambda job: play(job, asked.reference_seconds), advice)
     truth = truth_of(scene, fine, coarse)
     return Study(case, scene, asked, frames, total, plan, fine, coarse, truth)
 

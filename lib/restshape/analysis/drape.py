@@ -30,7 +30,7 @@ from restshape.physics.cloth_estimate import ClothEstimate
 from restshape.physics.cloth_quantities import ClothObserver
 from restshape.physics.cloth_scene import SheetArguments, set_contact, sheet_arguments, sheet_of
 from restshape.physics.laid import Laid
-from restshape.physics.piercing import piercing, size_of
+from restshape.physics.piercing import depths, piercing, size_of
 from restshape.physics.sheet import Sheet
 from restshape.policy import Policy
 from restshape.scene.bodies import Body
@@ -96,6 +96,7 @@ class DrapeAnalysis:
         self.arrival = Arrival()
         self.observed: dict[str, float] | None = None
         self._estimator: ClothEstimate | None = None
+        self.begun: list[str] = []
         self._others: DrapeAnalysis | None = None
         self.watch: Callable[[Rest, np.ndarray, float], None] = lambda *_: None
         self.age = 0
@@ -173,19 +174,30 @@ class DrapeAnalysis:
         )
         if arrival.at_rest and arrival.stable is False:
             notes.append("at rest where it may not stay: the tangent is not positive definite")
+        deepest = 0.0
         if self.sheet.contact:
-            x = self.sheet.corners(self.x)[self.mesh.cells]
-            through = piercing(self.bodies, self.sheet.contact.bodies, x)
+            corners, kernels = self.sheet.corners(self.x), self.sheet.contact.bodies
+            through = piercing(self.bodies, kernels, corners[self.mesh.cells])
             notes += [f"bodies.{name} comes through the cloth" for name in compress(self.bound.bodies, through)]
+            deep = depths(kernels, corners)
+            deepest = max(deep, default=0.0)
+            notes += [*self.begun, *self._too_deep("lies", deep)]
         return {
             "at_rest": int(arrival.at_rest),
             "stable": -1 if arrival.stable is None else int(arrival.stable),
             "steps": arrival.steps,
             "factors": arrival.factors,
             "dragged": arrival.dragged,
+            "deepest": deepest,
             "note": "; ".join(notes),
             **body_row(dict(zip(self.bound.bodies, self.bodies)), self.body_columns),
         }
+
+    def _too_deep(self, how: str, deep: list[float]) -> list[str]:
+        """Bodies in which cloth is deeper than contact begins above their surface, by how deep [m] it is in each."""
+        least = self.sheet.contact.thickness
+        told = zip(self.bound.bodies, deep)
+        return [f"cloth {how} {1e3 * depth:.3g} mm inside bodies.{name}" for name, depth in told if depth > least]
 
     def fields(self) -> Fields:
         """Displacement [m] of the nodes from the flat pattern, larger principal tension [N/m] of the cells."""
@@ -220,6 +232,9 @@ class DrapeAnalysis:
             self._follow(mesh, arguments)
             if cold:
                 self.x = self.sheet.flat(arguments.start)
+        self.begun = []
+        if cold and self.sheet.contact:
+            self.begun = self._too_deep("begins", depths(self.sheet.contact.bodies, self.sheet.corners(self.x)))
         if self.sheet.contact and old is not None and old.contact and not cold:
             self._carry_anchors(before)
             self._go_along(before)

@@ -176,6 +176,7 @@ def held(scene: Scene, effects: Plan, outline: Outline) -> dict[str, Any]:
         "entities": names_of(outline),
         "area": float(outline.area()),
         "materials": list(scene.material),
+        **heft(scene, effects, outline),
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
         "supports": {name: support.on for name, support in scene.supports.items()},
         "loads": {name: {"kind": load.kind, "on": load.on} for name, load in scene.loads.items()},
@@ -204,6 +205,28 @@ def made_of(material: Material) -> str:
     return f"{known}{stiff}, rho {material.rho:g} kg/m^3, {thick}{bends}"
 
 
+def heft(scene: Scene, effects: Plan, outline: Outline) -> dict[str, float]:
+    """Mass by area [kg/m^2] of cloth of one material, its ``mass`` [kg] and ``weight`` [N]; nothing of what is none."""
+    if not application(scene.app).cloth or len(scene.material) != 1:
+        return {}
+    (material,) = scene.material.values()
+    if isinstance(material.thickness, Expression) or material.region:
+        return {}
+    by_area = material.rho * material.thickness
+    mass = by_area * float(outline.area())
+    gravity = effects.settings("gravity")
+    return {"mass_by_area": by_area, "mass": mass, "weight": mass * (gravity.size if gravity else 0.0)}
+
+
+def weighed(scene: Scene, effects: Plan, outline: Outline) -> str:
+    """Mass and weight of cloth, for people; empty where they are not known."""
+    found = heft(scene, effects, outline)
+    if not found:
+        return ""
+    by_area = f"{1e3 * found['mass_by_area']:.4g} g/m^2, which is rho times thickness"
+    return f"mass {found['mass']:.4g} kg, weight {found['weight']:.4g} N; {by_area}"
+
+
 def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, str]]:
     """What the scene holds, for people."""
     names = names_of(outline)
@@ -211,6 +234,7 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows = [(plurals[kind], listed(found)) for kind, found in names.items() if found or kind in ("vertex", "edge")]
     rows.append(("area", f"{outline.area():.6g} m^2"))
     rows += [(f"material {name}", made_of(m)) for name, m in scene.material.items()]
+    rows += [("cloth", words)] if (words := weighed(scene, effects, outline)) else []
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
     rows += [(f"support {name}", f"{fixed(s)} on {', '.join(s.on)}") for name, s in scene.supports.items()]
     rows += [(f"load {name}", f"{loaded(load)} on {', '.join(load.on)}") for name, load in scene.loads.items()]
@@ -296,5 +320,13 @@ def print_edits(path: Path, edits: dict[str, Any], script: Script) -> None:
         print(f"warning: {warning}", file=sys.stderr)
     if edits["refused"]:
         print()
-        shown = [(r["line"], r["frame"], r["do"], r["why"]) for r in edits["refused"]]
-        print_table("refused edits", ("line", "frame", "event", "why"), shown, right=("line", "frame"))
+        heads = ("line", "frame", "frames", "event", "why")
+        print_table("refused edits", heads, told_once(edits["refused"]), right=heads[:3])
+
+
+def told_once(refused: list[dict[str, Any]]) -> list[tuple[int, int, int, str, str]]:
+    """Line, first frame, number of frames, event and why of refused frames, a row for those of one event and reason."""
+    alike: dict[tuple[int, str, str], list[int]] = {}
+    for frame in refused:
+        alike.setdefault((frame["line"], frame["do"], frame["why"]), []).append(frame["frame"])
+    return [(line, frames[0], len(frames), do, why) for (line, do, why), frames in alike.items()]

@@ -80,8 +80,9 @@ def _print_suggestions(same: Sequence[Mapping[str, Any]]) -> None:
     row = same[0]
     heads = ("number", "what it does", "valid range of what it names first", "holds")
     cells = [(one["number"], one["words"], _span(one), _holds(one)) for one in found(row)]
-    place = f"suggestions in {_frames(same)}: {row['broken']}"
-    print_table(f"{place}; {row['tried']} combinations tried", heads, cells, right=heads[:1])
+    # For a piece in parts no combinations are searched.
+    tried = f"; {row['tried']} combinations tried" if row["tried"] else ""
+    print_table(f"suggestions in {_frames(same)}: {row['broken']}{tried}", heads, cells, right=heads[:1])
 
 
 def _holds(one: Mapping[str, Any]) -> str:

@@ -144,7 +144,9 @@ def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> in
     print_summary(summary)
     if request.script.error:
         kept = "replayed and recorded" if args.out else "replayed"
-        raise UserError(f"{request.script.error}\n  the {summary['frames']} frames before it were {kept}")
+        frames = summary["frames"]
+        before = "the frame before it was" if frames == 1 else f"the {frames} frames before it were"
+        raise UserError(f"{request.script.error}\n  {before} {kept}")
     return 1 if args.parity and not summary["parity"]["holds"] else 0
 
 
@@ -174,6 +176,8 @@ def print_summary(summary: dict[str, Any]) -> None:
     if summary["predicted"]:
         ms = summary["predicted_ms"]["p50"]
         print(f"{summary['predicted']} frames predicted, {ms:.3f} ms each (p50), {1e3 / ms:,.0f} frames a second")
+    if rest := summary.get("rest"):
+        print(rested(rest))
     for line in estimates(summary):
         print(line)
     heads = ("quantity", "first", "last", "least", "largest")
@@ -189,6 +193,16 @@ def print_summary(summary: dict[str, Any]) -> None:
             f"parity with cold solves: {'holds' if parity['holds'] else 'FAILS'}; entries differ by at most "
             f"{parity['entries']:.1e} relative, solutions by {parity['solution']:.1e} in the energy norm"
         )
+
+
+def rested(rest: dict[str, Any]) -> str:
+    """What a summary tells of coming to rest, in one line."""
+    frames = rest["at_rest"] + rest["not_at_rest"]
+    residual = "-" if rest["residual"] is None else f"{rest['residual']:.1e}"
+    return (
+        f"at rest: {rest['at_rest']} of {frames} frames, {rest['stable']} of them stable; "
+        f"largest residual {residual} of the weight (of the supports' forces without weight)"
+    )
 
 
 def estimates(summary: dict[str, Any]) -> list[str]:

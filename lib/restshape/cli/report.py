@@ -14,7 +14,7 @@ _FORMATS = ("gif", "mp4", "none")
 MOVING = 24
 """Frames of furniture that are animated at most."""
 SEARCHES = 3
-"""Searches for suggestions that are drawn, the last ones."""
+"""Searches for suggestions that are drawn where nobody says otherwise."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,6 +23,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="DIR", type=Path, help="folder for pictures (default: beside the recording)")
     parser.add_argument("--frames", metavar="N", type=int, default=6, help="frames on the contact sheet (default 6)")
     parser.add_argument("--animation", choices=_FORMATS, default="gif", help="kind of animation (default gif)")
+    parser.add_argument(
+        "--searches",
+        metavar="N",
+        type=int,
+        default=SEARCHES,
+        help=f"of furniture: searches for suggestions that are drawn, the last ones (default {SEARCHES})",
+    )
     parser.add_argument("--scale", metavar="S", type=float, help="exaggeration (default: 8 %% of the size)")
     add_json(parser)
 
@@ -32,6 +39,8 @@ def run(args: argparse.Namespace) -> int:
     open_json(args)
     if args.frames < 1:
         raise UserError("at least one frame must be shown", "--frames", "--frames 6")
+    if args.searches < 0:
+        raise UserError("there are no fewer than 0", "--searches", "--searches 0 draws no suggestions")
     if args.scale is not None and not 0.0 < args.scale < float("inf"):
         raise UserError("the exaggeration must be greater than 0", "--scale", "--scale 1 draws true displacements")
     if args.recording.is_dir():
@@ -183,7 +192,8 @@ def _draw_planks(recording: Any, args: argparse.Namespace, folder: Path) -> list
     draw_piece_frames(recording, telling_frames(recording, args.frames), folder / "frames.png")
     draw_guidance(recording, folder / "guidance.png")
     pictures = [folder / "frames.png", folder / "guidance.png"]
-    for i in searches(recording)[-SEARCHES:]:
+    told = searches(recording)
+    for i in told[max(len(told) - args.searches, 0) :]:
         pictures.append(folder / f"suggestions-{i}.png")
         draw_suggestions(recording, int(i), pictures[-1])
     if args.animation != "none":

@@ -8,6 +8,9 @@ DIGITS = 3
 ALONG = 0.3
 """Least cosine with an axis of the room for a direction to be named by it."""
 
+STRAIGHT = 1.0 - 1e-9
+"""Least cosine with an axis of the room for a line to be told as that axis."""
+
 UNITS = {"m": (1e3, "mm"), "rad": (180.0 / np.pi, "deg")}
 """What people read in place of a unit of design parameters."""
 
@@ -42,6 +45,15 @@ def amount(value: float, unit: str, digits: int = DIGITS) -> str:
     factor, name = UNITS[unit]
     text = np.format_float_positional(factor * value, digits, unique=False, fractional=False, trim="-")
     return f"{text} {name}"
+
+
+def along(way: np.ndarray) -> str:
+    """The line that a unit vector (3,) lies in, whichever way along it: an axis of the room, or a direction."""
+    k = int(np.argmax(np.abs(way)))
+    if abs(way[k]) > STRAIGHT:
+        return f"along {'xyz'[k]}"
+    parts = np.round(way * np.sign(way[k]), DIGITS) + 0.0
+    return f"along ({', '.join(f'{part:g}' for part in parts)})"
 
 
 def _one(piece: Piece, p: int, number: int, change: float, digits: int) -> str:

@@ -18,9 +18,9 @@ from restshape.guidance.ranges import Ranges, predicted_ends, valid_ranges
 from restshape.guidance.reconnect import Reconnection, reconnect
 from restshape.guidance.suggestions import Suggestions, suggest
 from restshape.guidance.support_planks import FLOOR, SupportPlank, support_planks
-from restshape.physics.furniture import APART, LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture
+from restshape.physics.furniture import APART, LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture, Verdict
 from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import FREEDOMS, Piece
+from restshape.shape.planks import FREEDOMS, Piece, joints_near
 
 REACH = LONGEST
 """How far a parameter is looked at on both sides, in parts of the piece's size, or in rad."""
@@ -278,7 +278,8 @@ class Design:
         if one.piece is not None:
             words = Furniture(one.piece).test().words
         else:
-            words = self.furniture.test(one.t * one.direction).words
+            gamma = one.t * one.direction
+            words = words_at(self.furniture, self.furniture.test(gamma), gamma)
             self.furniture.test()
         return replace(one, rest=shorten("; ".join(words), REST, placeholder=" ..."))
 
@@ -304,7 +305,22 @@ class Design:
         long, wide = (amounts.amount(float(size), "m") for size in plank.size[:2])
         place = ", ".join(f"{1e3 * x:.0f}" for x in plank.centre)
         words = f"a plank of {long} by {wide} between {first} and {other}, its middle at ({place}) mm"
+        words += f", its length {amounts.along(plank.axes[:, 0])}, its width {amounts.along(plank.axes[:, 1])}"
+        if len({round(float(one.size[2]), 9) for one in self.piece.planks}) > 1:
+            words += f", {amounts.amount(float(plank.size[2]), 'm')} thick"
+        if len({one.wood for one in self.piece.planks}) > 1:
+            words += f", of {plank.wood}"
+        third = self.piece.planks[board.third]
+        if joints_near((third, plank), self.piece.reach):
+            # Drawn there by hand it would be.
+            words += f", not joined to {third.name} beside it"
         return Idea(words, None, 1.0, (0.0, 1.0), board.verdict.valid, board.piece, name="a support plank")
+
+
+def words_at(furniture: Furniture, verdict: Verdict, gamma: np.ndarray) -> tuple[str, ...]:
+    """What is wrong at design parameters (n, 8), with distances as they are there."""
+    moved = gamma.any() and verdict.flaws & (LOST | APART)
+    return (replace(verdict, piece=furniture.moved(gamma)) if moved else verdict).words
 
 
 def _verb(parameter: str) -> str:

@@ -17,7 +17,7 @@ from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 from restshape.guidance.boards import Boards
-from restshape.guidance.design import Design, Idea, Ideas, Way
+from restshape.guidance.design import Design, Idea, Ideas, Way, words_at
 from restshape.physics.furniture import LOST, Forces, Furniture, Verdict
 from restshape.physics.plank_bending import plank_bending
 from restshape.physics.plank_quantities import Observed, plank_quantities, require_places
@@ -191,7 +191,7 @@ class FurnitureAnalysis:
     def row(self) -> dict[str, Any]:
         """The columns that only furniture has, and its verdict."""
         found, low, high = self._ranges()
-        words = self.verdict.words
+        words = words_at(self.design.furniture, self.verdict, self.gamma)
         return {
             "verdict": "holds" if self.verdict.valid else "fails",
             "broken": "; ".join(words),

@@ -10,10 +10,12 @@ import numpy as np
 
 from restshape.application import Application
 from restshape.errors import UserError
+from restshape.guidance.amounts import amount
 from restshape.guidance.boards import MovingBoards
 from restshape.guidance.design import Design, Guidance, Idea, Way
 from restshape.guidance.plank_changes import CHANGES, plank_number
 from restshape.guidance.plank_frame import Hold, PlankFrame, State
+from restshape.physics.plank_words import LENGTH
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
@@ -26,8 +28,8 @@ from restshape.shape.planks import FREEDOMS, Piece, Plank
 from restshape.shape.script_session import ScriptSession, Step
 from restshape.shape.sweep import sweep
 
-NO_LENGTH = 2
-"""Number of the fault of a plank that has no length left."""
+TO_A_POINT = "a plank is dragged to a point: use 'to', or press a parameter of it"
+BY_A_NUMBER = "a parameter is dragged by a number: use 'by', or press the plank without a parameter"
 
 STRAIGHT = 9
 """Decimals of the direction of a hand that count."""
@@ -124,8 +126,7 @@ class PlankSession(ScriptSession):
         if hold is None:
             return None, "nothing is held"
         if (by is None) != (hold.number is None):
-            wrong = "a parameter is dragged by a number" if hold.number is not None else "a plank is dragged to a point"
-            return None, wrong
+            return None, TO_A_POINT if hold.number is None else BY_A_NUMBER
         if by is None:
             return None, ""
         name = FREEDOMS[hold.number]
@@ -171,8 +172,11 @@ class PlankSession(ScriptSession):
             self.way, self.part = way, t
             return Step("none", note=note)
         raw = self.design.furniture.kernel.shape(gamma)
-        if raw["fault"] == NO_LENGTH or raw["size"].min() <= 0.0:
-            return Step("none", "a plank would have no length left")
+        least = self.design.furniture.compliance.least_overlap
+        if raw["fault"] == LENGTH or raw["size"].min() <= 0.0:
+            short = np.flatnonzero(~(raw["size"][:, :2].min(axis=1) >= least))
+            names = " and ".join(self.design.piece.planks[k].name for k in short)
+            return Step("none", f"{names} would have no length left: a plank keeps {amount(least, 'm')} at least")
         self.way, self.part, self.gamma = way, t, gamma
         return Step("move", note=note)
 

@@ -1,4 +1,4 @@
-"""Bodies that come through cloth between its nodes, with which alone it touches them."""
+"""Cloth in bodies: nodes below a surface, and bodies that come through between nodes, which alone touch them."""
 
 from collections.abc import Sequence
 
@@ -23,6 +23,11 @@ def size_of(body: Body) -> float:
             return min(form.half)
         case _:
             return np.inf
+
+
+def depths(kernels: Sequence[_kernels.Body], x: np.ndarray) -> list[float]:
+    """How far [m] the deepest of the nodes x (n, 3) [m] is below the surface of each body; 0 where none is."""
+    return [max(0.0, -float(kernel.distance(x)[0].min())) for kernel in kernels]
 
 
 def piercing(bodies: Sequence[Body], kernels: Sequence[_kernels.Body], x: np.ndarray) -> list[bool]:

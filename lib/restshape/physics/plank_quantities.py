@@ -7,9 +7,11 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.physics.furniture import Forces, Geometry
+from restshape.physics.plank_words import beyond_reach
 from restshape.physics.quantities import TAKES
 from restshape.scene.model import Quantity
 from restshape.scene.plank_quantities import ENDS, place_of
+from restshape.shape.plank_gaps import gap_at
 from restshape.shape.planks import Piece
 
 AXES = "xyz"
@@ -57,7 +59,19 @@ def require_places(quantities: Mapping[str, Quantity], piece: Piece) -> None:
         ends = [(joint.i, joint.side) for joint in piece.joints] if quantity.use else []
         ends += [] if quantity.use else [(foot.plank, foot.side) for foot in piece.feet]
         there = ", ".join(f"{piece.planks[plank].name} {ENDS[side]}" for plank, side in ends) or "none"
-        raise UserError(f"there is no {what} at {quantity.at!r}", f"quantities.{name}.at", f"there are: {there}")
+        far = _too_far(quantity, piece) if quantity.use else ""
+        do = f"there are: {there}" + f"; {far}" * bool(far)
+        raise UserError(f"there is no {what} at {quantity.at!r}", f"quantities.{name}.at", do)
+
+
+def _too_far(quantity: Quantity, piece: Piece) -> str:
+    """How far a plank, or an end of it, is from what a joint could hold it to; empty where joints reach it."""
+    plank, end = place_of(quantity)
+    number = next((k for k, one in enumerate(piece.planks) if one.name == plank), None)
+    if number is None or end in ENDS[4:]:
+        # Faces take ends, and are joined by no end of their own.
+        return ""
+    return beyond_reach(piece, gap_at(piece, number, ENDS.index(end) if end else None))
 
 
 def joints_at(quantity: Quantity, piece: Piece) -> list[int]:

@@ -7,9 +7,18 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil
 
-from restshape.shape.planks import Piece, parts_of
+import numpy as np
+
+from restshape.shape.plank_gaps import Gap, gap_between_parts, gap_of
+from restshape.shape.planks import SIDES, Piece, parts_of
 
 USES = re.compile(r" at \S+ of its (?:shear )?strength")
+
+GAPS = re.compile(r" \([^()]* is (\S+) mm from [^()]*, beyond the reach of \S+ mm of joints\)")
+"""How far two parts of a piece are from each other."""
+
+DISTANCES = re.compile(r", (\S+) mm from it")
+"""How far a plank is from the one that a joint should hold it to."""
 
 SHOWN = 3
 """Names of one kind that are told; of more it is told how many there are."""
@@ -25,6 +34,9 @@ FAULTS = {
     FOOT: "{plank} does not stand flat on {other}",
     BEHIND: "{plank} comes to {other} from behind",
 }
+
+FAR_SLANT = "{plank} does not point at {other}"
+"""What is said of a slant where the two planks are farther from each other than joints reach."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +67,12 @@ def joint_name(piece: Piece, joint: int) -> str:
 
 def lost(piece: Piece, found: Findings) -> str:
     """Joints and feet that are lost, and how."""
-    told: dict[object, str] = {}
+    told: dict[tuple[str, int], str] = {}
     for fault, where in found.faults:
         key, plank, other = _place(piece, fault, where)
         # An end that cannot be closed is not flush either.
-        told.setdefault(key, FAULTS[fault].format(plank=piece.planks[plank].name, other=other))
+        if key not in told:
+            told[key] = _fault(piece, fault, key).format(plank=piece.planks[plank].name, other=other)
     return f"lost: {_listed(told.values())}" if told else "a joint is lost"
 
 
@@ -71,9 +84,19 @@ def overlapping(piece: Piece, found: Findings) -> str:
 
 
 def apart(piece: Piece) -> str:
-    """The parts that no joint connects."""
+    """The parts that no joint connects, and how far two of them are from each other where no joint could reach."""
     parts = parts_of(piece)
-    return f"in {_count(len(parts))} parts: {_listed(_part(piece, part) for part in parts)}"
+    gap = beyond_reach(piece, gap_between_parts(piece))
+    return f"in {_count(len(parts))} parts: {_listed(_part(piece, part) for part in parts)}" + f" ({gap})" * bool(gap)
+
+
+def beyond_reach(piece: Piece, gap: Gap | None) -> str:
+    """How far an end is from a plank, farther than joints reach; empty where it is not, or where there is no gap."""
+    if gap is None or gap.size <= piece.reach:
+        return ""
+    far, reach = _two_lengths(gap.size, piece.reach)
+    end = f"{piece.planks[gap.i].name} {SIDES[gap.side]}"
+    return f"{end} is {far} mm from {piece.planks[gap.j].name}, beyond the reach of {reach} mm of joints"
 
 
 def falls(piece: Piece, found: Findings) -> str:
@@ -106,8 +129,9 @@ def unbalanced(piece: Piece, found: Findings) -> str:
 
 
 def without_uses(words: str) -> str:
-    """What is wrong, without how much of its strength each joint bears, which changes from frame to frame."""
-    return USES.sub("", words)
+    """What is wrong, without how much of its strength each joint bears and how far planks are from each other, which
+    change from frame to frame."""
+    return DISTANCES.sub("", GAPS.sub("", USES.sub("", words)))
 
 
 def held_by_springs(piece: Piece, cases: Sequence[int]) -> str:
@@ -118,7 +142,41 @@ def held_by_springs(piece: Piece, cases: Sequence[int]) -> str:
     return f"forces under {told} are of feet that springs hold: with feet that only push no equilibrium was found"
 
 
-def _place(piece: Piece, fault: int, where: int) -> tuple[object, int, str]:
+def uncounted(piece: Piece, bent: Sequence[int], twisted: Sequence[int]) -> str:
+    """Joints with moments that the verdict does not count, more than their fasteners bear; empty without any."""
+    told = [
+        f"{how} {_listed(joint_name(piece, k) for k in joints)}"
+        for how, joints in (("bends joint", bent), ("twists joint", twisted))
+        if joints
+    ]
+    return f"not in the verdict: what {' and '.join(told)} is more than the fasteners bear" if told else ""
+
+
+def _fault(piece: Piece, fault: int, key: tuple[str, int]) -> str:
+    """What is said of a fault, with how far the two planks of a joint are from each other if joints do not reach."""
+    what, number = key
+    if what != "joint":
+        return FAULTS[fault]
+    joint = piece.joints[number]
+    size = gap_of(piece, joint.i, joint.side, joint.j).size
+    if size <= piece.reach:
+        return FAULTS[fault]
+    said = FAR_SLANT if fault == SLANT else FAULTS[fault]
+    return f"{said}, {_two_lengths(size, piece.reach)[0]} mm from it"
+
+
+def _two_lengths(one: float, other: float) -> tuple[str, str]:
+    """Two lengths [m] in mm, with as many digits as tell them apart."""
+    texts = [tuple(_digits(1e3 * length, n) for length in (one, other)) for n in (4, 8, 17)]
+    return next((pair for pair in texts if pair[0] != pair[1]), texts[-1])
+
+
+def _digits(value: float, count: int) -> str:
+    """A number with so many digits, without a power of ten."""
+    return np.format_float_positional(value, count, unique=False, fractional=False, trim="-")
+
+
+def _place(piece: Piece, fault: int, where: int) -> tuple[tuple[str, int], int, str]:
     """What has a fault (a joint, a foot or a plank), the plank, and what that is held by."""
     if fault == LENGTH:
         return ("plank", where), where, ""

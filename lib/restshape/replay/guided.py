@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
-from restshape.physics.plank_words import without_uses
+from restshape.physics.plank_words import DISTANCES, GAPS, without_uses
 from restshape.replay.verdict import HOLDS
 from restshape.scene.units import quantity
 
@@ -73,7 +73,7 @@ def runs(rows: Iterable[Row]) -> list[tuple[Row, Row, str]]:
 
 
 def without_amounts(words: str) -> str:
-    """What is wrong, without uses of strength and values of quantities, which change from frame to frame."""
+    """What is wrong, without uses of strength, distances and values of quantities, which change from frame to frame."""
     return VALUE.sub("", without_uses(words))
 
 
@@ -85,10 +85,29 @@ def at_worst(told: Sequence[str]) -> str:
     """
     if len(set(told)) == 1:
         return told[0]
+    told = _at_farthest(told)
     uses = iter([max(same, key=lambda use: float(use[1])) for same in zip(*map(USE.finditer, told))])
     values = iter([_farthest(same) for same in zip(*map(VALUE.finditer, told))])
     words = USE.sub(lambda _: " at up to " + next(uses)[0].removeprefix(" at "), told[0])
     return VALUE.sub(lambda _: next(values), words)
+
+
+def _at_farthest(told: Sequence[str]) -> list[str]:
+    """What is wrong in frames that differ in amounts alone; the first tells the largest distances of all."""
+    gaps = [gap for words in told for gap in GAPS.finditer(words)]
+    ways = [DISTANCES.findall(words) for words in told]
+    words = GAPS.sub("", told[0])
+    if gaps:
+        # After the parts, of which it is told first; it may be in some of the frames only.
+        most = max(gaps, key=lambda gap: float(gap[1]))[0]
+        same = len({gap[0] for gap in gaps}) == 1
+        parts, *others = words.split("; ")
+        words = "; ".join([parts + (most if same else most.replace(" is ", " is up to ")), *others])
+    # Without them where only some of the frames have them.
+    ways = ways if all(len(far) == len(ways[0]) for far in ways) else []
+    farthest = iter([max(far, key=float) for far in zip(*ways)])
+    words = DISTANCES.sub(lambda _: f", up to {next(farthest)} mm from it" if ways else "", words)
+    return [words, *told[1:]]
 
 
 def _farthest(same: Sequence[re.Match[str]]) -> str:

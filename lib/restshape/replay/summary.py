@@ -28,6 +28,25 @@ def spread(rows: list[dict[str, Any]], column: str, predicted: bool) -> dict[str
     return {"p50": float(np.median(values)), "max": max(values)} if values else {"p50": None, "max": None}
 
 
+def rest(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """How many frames are at rest, how many of these where a stable equilibrium is proven, how many are not, and the
+    largest residual; nothing of what does not come to rest. Frames that were not analysed, or refused, do not count.
+
+    Args:
+        rows: of all frames.
+    """
+    judged = [row for row in rows if row.get("at_rest", -1) >= 0 and not row["refused"]]
+    if not judged:
+        return {}
+    rests = [row for row in judged if row["at_rest"]]
+    return {
+        "at_rest": len(rests),
+        "stable": sum(row["stable"] == 1 for row in rests),
+        "not_at_rest": len(judged) - len(rests),
+        "residual": known(max(row["residual"] for row in judged)),
+    }
+
+
 def summarise(rows: list[dict[str, Any]], policy: str, ranks: int, estimated: str = "") -> dict[str, Any]:
     """Counts, times and quantities of a replay from its rows; times leave out the first frame, made from nothing.
 
@@ -77,6 +96,7 @@ def summarise(rows: list[dict[str, Any]], policy: str, ranks: int, estimated: st
         "quantities": {
             key[2:]: [known(row[key]) for row in rows] for key in (rows[0] if rows else {}) if key.startswith("q_")
         },
+        **({"rest": rested} if (rested := rest(rows)) else {}),
         **({"guidance": guidance(rows)} if rows and is_guided(rows[0]) else {}),
         "rows": rows,
     }

@@ -32,7 +32,7 @@ WIDTH, ALONE = 9.5, 5.5
 """Width of a sheet, and of one with a single frame [inch]."""
 ACROSS = 3
 """Most frames side by side."""
-LEFT, RIGHT, BELOW, ABOVE = 0.25, 0.13, 0.1, 0.02
+LEFT, RIGHT, BELOW, ABOVE = 0.25, 0.13, 0.17, 0.02
 """Room for numbers around the box, over its width in the picture."""
 BAR, TITLE, CAPTION, UNDER, NUMBERS, BETWEEN = 0.85, 0.45, 0.42, 0.5, 0.68, 0.3
 """Room for the colour bar, above all, above and below each frame, and before and after the view from above [inch]."""

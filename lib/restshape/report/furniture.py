@@ -11,24 +11,23 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Colormap, Normalize, to_rgb
+from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.patheffects import Normal, Stroke
 
 from restshape.guidance.ranges import Ranges
 from restshape.physics.furniture import LOST, Forces, Furniture
 from restshape.report.labels import Labels
-from restshape.report.raster import FINER, Camera, Hits, hits
+from restshape.report.piece_paint import Window, draw_edges, paint_planks
+from restshape.report.raster import Camera
 from restshape.report.space_axes import draw_box
 from restshape.report.style import BODY, COLOURS, INK, REFUSED, length_unit
-from restshape.shape.planks import Piece
+from restshape.shape.planks import Piece, Plank
 
 AZIMUTH, ELEVATION, FAR = np.radians(-62.0), np.radians(18.0), 6.0
 """Where the camera is, and its distance in sizes of the piece."""
 COLUMNS = 600
 """Pixels across a picture of a piece."""
-SHADES = (0.62, 0.38)
-"""Light on a face that is seen from the side, and what is added to it facing the light."""
-LIGHT = np.array([0.35, -0.55, 0.76])
 FOOT, LOAD, MOVED = "#0072b2", INK, "#d55e00"
 NAMES, NAMED_AT = "#444444", 0.22
 """Colour of the names of planks, and where on their lengths they are."""
@@ -38,8 +37,16 @@ ROOM = (0.3, 0.14, 0.2, 0.2)
 """Left, right, below and above the box, in parts of its width in the picture: for numbers and arrows."""
 ROUNDED = 1e-5
 """Part of the way that was looked at by which ends of a range may be rounded."""
-ARROW = 0.12
-"""The longest arrow of a force, in parts of the piece's size."""
+ARROW, SHORTEST = 0.12, 0.3
+"""The longest arrow of a force, in parts of the piece's size, and the shortest in parts of that."""
+BELOW = 0.9
+"""Part of the room under another plank that the arrow of a load on the one below has at most."""
+WAY = 0.1
+"""The shortest arrow of a way, in parts of the piece's size."""
+LEAST = 1e-4
+"""The shortest way that has one, in parts of the piece's size."""
+NUDGE = 8.0
+"""How far numbers along a side are moved at most where something is drawn over them [points]."""
 
 
 @dataclass(frozen=True)
@@ -98,10 +105,23 @@ class PieceView:
         flat = self.camera.project(np.atleast_2d(places))[0]
         return flat if np.ndim(places) > 1 else flat[0]
 
-    def arrow(self, start: np.ndarray, end: np.ndarray, colour: str, width: float = 1.6, both: bool = False) -> None:
+    def arrow(self, start: np.ndarray, end: np.ndarray, colour: str) -> None:
         """An arrow from a place to another one."""
+        self._arrow(self.at(np.array([start, end])), arrowstyle="-|>", color=colour, lw=1.6, mutation_scale=9)
+
+    def way(self, start: np.ndarray, end: np.ndarray, colour: str, before: bool) -> None:
+        """An arrow of a way from a place to another one, long enough to be seen; it is made longer beyond its end, or
+        before its start."""
         ends = self.at(np.array([start, end]))
-        style = {"arrowstyle": "<|-|>" if both else "-|>", "color": colour, "lw": width, "mutation_scale": 9}
+        along = ends[1] - ends[0]
+        length = float(np.linalg.norm(along))
+        if length < WAY * self.size:
+            along = along * (WAY * self.size / length) if length > 0.0 else np.array([0.0, WAY * self.size])
+            ends = np.array([ends[1] - along, ends[1]] if before else [ends[0], ends[0] + along])
+        halo = [Stroke(linewidth=4.0, foreground="white"), Normal()]
+        self._arrow(ends, arrowstyle="-|>", color=colour, lw=2.0, mutation_scale=10, path_effects=halo)
+
+    def _arrow(self, ends: np.ndarray, **style: Any) -> None:
         style |= {"shrinkA": 0, "shrinkB": 0}
         self.axes.annotate("", ends[1], ends[0], arrowprops=style, zorder=8, annotation_clip=False)
         self.reach.append(ends)
@@ -173,19 +193,20 @@ def draw_piece(
     window = _window(camera, low, high)
     factor, unit = length_unit(view.size)
     axes.set_axis_off()
-    draw_box(axes, camera, low, high, factor, unit)
-    seen = _draw_planks(view, piece, window, BODY, 1.0)
-    _draw_edges(view, piece, seen, window, INK, 0.7)
+    sides = draw_box(axes, camera, low, high, factor, unit, _points(axes, window))
+    near = paint_planks(axes, camera, piece.planks, window, columns, BODY, 1.0)
+    draw_edges(axes, camera, piece.planks, near, window, view.size, INK)
     if end:
-        changed = _changed(piece, end)
-        _draw_planks(view, end, window, MOVED, GHOST, changed)
-        _draw_moves(view, piece, end, slide.direction)
+        changed = [plank for plank, other in zip(end.planks, _changed(piece, end)) if other]
+        paint_planks(axes, camera, changed, window, columns, MOVED, GHOST)
     if whole:
         # Where a joint is lost, there are no forces.
         forces = furniture.forces(case)
         _draw_joints(view, furniture, forces)
         _draw_feet(view, furniture, forces, numbers)
     _draw_loads(view, furniture, case, numbers)
+    if end:
+        _draw_moves(view, piece, end, slide.direction)
     if slide and slide.ranges is not None:
         _draw_range(view, furniture, slide, slide.ranges)
     for plank in piece.planks:
@@ -193,6 +214,9 @@ def draw_piece(
             # Beside the middle, where loads often are.
             place = plank.centre + NAMED_AT * plank.size[0] * plank.axes[:, 0]
             view.words(place, plank.name, NAMES, 0.0, 0.0, style="italic", fontsize=6.5)
+    for number in sides:
+        number.set_zorder(9)
+        view.labels.add(number, NUDGE)
     _frame(view, window)
     if title:
         axes.set_title(title, fontsize=8.5, loc="left")
@@ -216,7 +240,14 @@ def slenderness(low: np.ndarray, high: np.ndarray) -> float:
     return (top - bottom + (ROOM[2] + 0.09) * wide) / (right - left + (ROOM[0] + ROOM[1]) * wide)
 
 
-def _window(camera: Camera, low: np.ndarray, high: np.ndarray) -> tuple[float, float, float, float]:
+def _points(axes: Axes, window: Window) -> float:
+    """How many points a metre has in the picture, about: it is not laid out yet."""
+    left, right, bottom, top = window
+    wide = max(right - left, 0.6 * (top - bottom))
+    return 72.0 / axes.figure.dpi * axes.bbox.width / (right - left + (ROOM[0] + ROOM[1]) * wide)
+
+
+def _window(camera: Camera, low: np.ndarray, high: np.ndarray) -> Window:
     ends = np.array([low, high])
     corners = np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     flat = camera.project(corners)[0]
@@ -224,7 +255,7 @@ def _window(camera: Camera, low: np.ndarray, high: np.ndarray) -> tuple[float, f
     return float(left), float(right), float(bottom), float(top)
 
 
-def _frame(view: PieceView, window: tuple[float, float, float, float]) -> None:
+def _frame(view: PieceView, window: Window) -> None:
     """Give the axes limits that hold the box with its numbers, and all arrows."""
     left, right, bottom, top = window
     wide = max(right - left, 0.6 * (top - bottom))
@@ -234,64 +265,6 @@ def _frame(view: PieceView, window: tuple[float, float, float, float]) -> None:
     view.axes.set_xlim(min(left - room[0], low_x - 0.05 * wide), max(right + room[1], high_x + 0.05 * wide))
     view.axes.set_ylim(min(bottom - room[2], low_y - 0.09 * wide), max(top + 0.03 * wide, high_y + 0.09 * wide))
     view.axes.set_aspect("equal")
-
-
-FACES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
-"""Corners of a plank's six sides, as `Plank.corners` counts them."""
-EDGES = np.array([[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]])
-
-
-def _draw_planks(
-    view: PieceView,
-    piece: Piece,
-    window: tuple[float, float, float, float],
-    colour: str,
-    opacity: float,
-    chosen: np.ndarray | None = None,
-) -> Hits:
-    """Paint planks, or those chosen; what is nearest hides the rest."""
-    numbers = range(len(piece.planks)) if chosen is None else np.flatnonzero(chosen)
-    places = np.concatenate([np.zeros((0, 3)), *(piece.planks[k].corners() for k in numbers)])
-    quads = np.concatenate([np.zeros((0, 4), dtype=int), *(FACES + 8 * k for k in range(len(numbers)))])
-    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    found = hits(view.camera, places, triangles, window, FINER * view.columns)
-    a, b, c = (places[triangles[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    light = SHADES[0] + SHADES[1] * np.abs(normals @ LIGHT)
-    image = np.zeros((*found.triangle.shape, 4))
-    there = found.there
-    image[there, :3] = np.clip(light[found.triangle[there]][:, None] * np.array(to_rgb(colour)), 0.0, 1.0)
-    image[there, 3] = opacity
-    left, right, bottom, top = window
-    view.axes.imshow(image, extent=(left, right, bottom, top), origin="lower", zorder=2 if opacity == 1.0 else 4)
-    return found
-
-
-def _draw_edges(
-    view: PieceView,
-    piece: Piece,
-    seen: Hits,
-    window: tuple[float, float, float, float],
-    colour: str,
-    width: float,
-) -> None:
-    """Draw the edges of planks where nothing hides them."""
-    steps = np.linspace(0.0, 1.0, 121)[:, None]
-    left, right, bottom, top = window
-    rows, columns = seen.near.shape
-    segments = []
-    for plank in piece.planks:
-        corners = plank.corners()
-        for start, end in corners[EDGES]:
-            flat, near = view.camera.project(start + steps * (end - start))
-            column = np.clip(((flat[:, 0] - left) / (right - left) * columns).astype(int), 1, columns - 2)
-            row = np.clip(((flat[:, 1] - bottom) / (top - bottom) * rows).astype(int), 1, rows - 2)
-            # An edge is beside its faces: the farthest of the pixels around tells what hides it.
-            around = np.min([seen.near[row + i, column + j] for i in (-1, 0, 1) for j in (-1, 0, 1)], axis=0)
-            shown = near >= around - 0.004 * view.size
-            segments += [flat[k : k + 2] for k in range(len(flat) - 1) if shown[k] and shown[k + 1]]
-    view.axes.add_collection(LineCollection(segments, colors=colour, linewidths=width, zorder=3), autolim=False)
 
 
 def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
@@ -343,14 +316,33 @@ def _draw_loads(view: PieceView, furniture: Furniture, case: int, numbers: bool)
         k = load.plank
         at = geometry.centre[k] + geometry.axes[k] @ (np.array(load.place) * geometry.size[k])
         size = float(np.linalg.norm(force))
-        tail = at - max(ARROW * size / largest, 0.3 * ARROW) * view.size * force / size
+        length = max(ARROW * size / largest, SHORTEST * ARROW) * view.size
+        others = [plank for i, plank in enumerate(piece.planks) if i != k]
+        room = BELOW * _free_way(others, at, -force / size)
+        # Through what lies above, it would seem to be a load of that, and so would words there.
+        tail = at - min(length, max(room, 0.5 * SHORTEST * ARROW * view.size)) * force / size
         view.arrow(tail, at, LOAD)
         weight = g > 0.0 and np.allclose(force / size, np.array(piece.gravity) / g)
         if not weight:
             # One across the view has next to no arrow.
             view.axes.plot(*view.at(at)[None].T, "o", ms=3.0, color=LOAD, zorder=8)
         if numbers:
-            view.words(tail, f"{size / g:.3g} kg" if weight else vector_words(force), LOAD, 2.0)
+            text = f"{size / g:.3g} kg" if weight else vector_words(force)
+            place, up, aside = (0.5 * (tail + at), 0.0, 5.0) if weight and np.isfinite(room) else (tail, 2.0, 0.0)
+            view.words(place, text, LOAD, up, aside)
+
+
+def _free_way(planks: Sequence[Plank], start: np.ndarray, along: np.ndarray) -> float:
+    """How far it is from a place (3,) along a direction (3,) to the first of some planks; infinite if there is none."""
+    nearest = np.inf
+    for plank in planks:
+        place, way = (start - plank.centre) @ plank.axes, along @ plank.axes
+        way = np.where(np.abs(way) < 1e-12, 1e-12, way)
+        ends = np.sort(np.stack([(sign * plank.size / 2.0 - place) / way for sign in (-1.0, 1.0)]), axis=0)
+        first, last = float(ends[0].max()), float(ends[1].min())
+        if first <= last and last > 0.0:
+            nearest = min(nearest, max(first, 0.0))
+    return nearest
 
 
 def vector_words(force: np.ndarray) -> str:
@@ -375,7 +367,7 @@ def _changed(piece: Piece, end: Piece) -> np.ndarray:
     """Which planks (n,) an edit moves, lengthens or adds."""
     moved = [np.abs(a.corners() - b.corners()).max() for a, b in zip(piece.planks, end.planks)]
     added = [np.inf] * (len(end.planks) - len(piece.planks))
-    return np.array([*moved, *added]) > 1e-4 * piece.size
+    return np.array([*moved, *added]) > LEAST * piece.size
 
 
 def _draw_moves(view: PieceView, piece: Piece, end: Piece, direction: np.ndarray) -> None:
@@ -390,10 +382,11 @@ def _draw_moves(view: PieceView, piece: Piece, end: Piece, direction: np.ndarray
         starts, ends = (np.array([plank.end(side) for side in range(4)]) for plank in (before, after))
         far = np.linalg.norm(ends - starts, axis=1)
         side = int(np.argmax(far))
-        grows = float(np.dot(ends[side] - starts[side], ends[side ^ 1] - starts[side ^ 1])) < 0.0
-        for one in (side, side ^ 1) if grows and not direction[k, :6].any() else (side,):
-            if far[one] > 0.01 * view.size:
-                view.arrow(starts[one], ends[one], MOVED, 2.0)
+        apart = float(np.dot(ends[side] - starts[side], ends[side ^ 1] - starts[side ^ 1])) < 0.0
+        shrinks = float(np.dot(ends[side] - starts[side], starts[side] - before.centre)) < 0.0
+        for one in (side, side ^ 1) if apart and not direction[k, :6].any() else (side,):
+            if far[one] > LEAST * view.size:
+                view.way(starts[one], ends[one], MOVED, shrinks)
 
 
 def _draw_range(view: PieceView, furniture: Furniture, slide: Slide, ranges: Ranges) -> None:

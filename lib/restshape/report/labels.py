@@ -33,13 +33,13 @@ class Labels(Artist):
 
     def __init__(self, axes: Axes) -> None:
         super().__init__()
-        self._words: list[tuple[Annotation, np.ndarray]] = []
+        self._words: list[tuple[Annotation, np.ndarray, float]] = []
         self._lines: list[np.ndarray] = []
         axes.add_artist(self)
 
-    def add(self, word: Annotation) -> None:
-        """Keep a word, whose offset is in points, clear of all others."""
-        self._words.append((word, np.array(word.xyann, dtype=float)))
+    def add(self, word: Annotation, most: float = np.inf) -> None:
+        """Keep a word, whose offset is in points, clear of all others; it is moved at most so far [points]."""
+        self._words.append((word, np.array(word.xyann, dtype=float), most))
 
     def spare(self, line: np.ndarray) -> None:
         """Keep words off a line (2, 2) in data coordinates."""
@@ -54,9 +54,10 @@ class Labels(Artist):
         pixels = renderer.points_to_pixels(1.0)
         angles = 2.0 * np.pi * np.arange(AROUND) / AROUND
         ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        moves = np.concatenate([np.zeros((1, 2)), *(far * ring for far in AWAY)])
+        moves = np.concatenate([np.zeros((1, 2)), *(away * ring for away in AWAY)])
         taken = np.zeros((0, 4))
-        for word, offset in self._words:
+        far = np.linalg.norm(moves, axis=1)
+        for word, offset, most in self._words:
             word.xyann = tuple(offset)
             # Of the words alone: the line to their place is none of them.
             word.update_positions(renderer)
@@ -64,7 +65,7 @@ class Labels(Artist):
             boxes = box + np.tile(pixels * moves, 2)
             height = box[3] - box[1]
             cost = _covered(boxes, taken) + BLOCKED * _covered(boxes, blocks)
-            cost += PATH * height * pixels * np.linalg.norm(moves, axis=1)
+            cost += np.where(far <= most, PATH * height * pixels * far, np.inf)
             best = int(np.argmin(cost))
             word.xyann = tuple(offset + moves[best])
             if word.arrow_patch is not None:

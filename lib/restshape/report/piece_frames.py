@@ -19,16 +19,14 @@ from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.replay.verdict import HOLDS
 from restshape.report.frames import scene_name
-from restshape.report.furniture import Slide, add_use_bar, bounds, draw_piece, in_one_view, slenderness
-from restshape.report.style import INK, REFUSED, new_figure
+from restshape.report.furniture import Slide, bounds, draw_piece, slenderness
+from restshape.report.piece_sheet import ACROSS, COLUMNS, EACH, finish_sheet, width_of
+from restshape.report.piece_verdicts import only_limits, verdict_colour
+from restshape.report.style import new_figure
 from restshape.report.tables import column, refused, rows_of
 from restshape.scene.load import recorded_scene
 from restshape.scene.script import Script, read_script
 
-ACROSS, EACH, BAR = 3, 3.35, 0.75
-"""Most pictures side by side, and width of each and of the colour bar [inch]."""
-HEAD, TITLE = 0.7, 0.66
-"""Room above all, and above each picture for its title [inch]."""
 LETTERS, LINES = 46, 3
 """Room in a title: letters a line, and lines for what is wrong."""
 MOST_LINES = LINES + 3
@@ -37,11 +35,12 @@ FEW = 10
 """Planks up to which forces are written beside their arrows."""
 SAME = 1e-6
 """How far corners of a piece that is made again may be from those of the recording, in parts of its size."""
-MEANING = (
-    "joints in colour; blue: forces of feet, black: loads. Thick line with ends: the valid range of what is under the "
-    "hand, black where the piece is valid, red where not; circle: the piece as it is. Planks are named where they are "
-    "seen first"
+MEANING = "joints in colour; blue: forces of feet, black: loads. Planks are named where they are seen first"
+RANGES = (
+    "Thin dashed line: the way of what is under the hand, as far as it was looked at; thick line with ends: its valid "
+    "range, without one nothing of it is valid. Black where the piece holds, red where not; circle: the piece as it is"
 )
+LIMITS = "Purple heading: the piece holds, but a quantity is beyond its limit; ranges are of the piece alone"
 
 
 def badness(recording: Recording) -> np.ndarray:
@@ -124,18 +123,33 @@ def worst_case(furniture: Furniture) -> int:
     return int(np.argmax(missing)) if missing.max() > 1e-6 else int(np.argmax(uses))
 
 
-def caption(recording: Recording, i: int, case: str = "") -> tuple[str, bool]:
-    """What a frame is, in lines, and whether the piece holds."""
+def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
+    """What a frame is, in lines, and their colour, which tells whether it holds."""
     table = recording.table
     lines = [f"frame {i}, t = {recording.times[i]:.2f} s: {table['do'][i]} (line {table['line'][i]})"]
     if name := str(table["parameter"][i]):
         factor, unit = UNITS[unit_of(name)]
         far = f"{factor * float(table['at'][i]):+.4g} {unit}".replace("-", "\N{MINUS SIGN}")
         lines += wrap(f"{name} {far}", LETTERS, max_lines=1, placeholder=" …")
-    holds = table["verdict"][i] == HOLDS
-    words = "holds" if holds else str(table["broken"][i]) or "not judged"
+    verdict, broken = str(table["verdict"][i]), str(table["broken"][i])
+    words = "holds" if verdict == HOLDS else broken or "not judged"
+    words = f"holds, but {words}" if only_limits(verdict, broken) else words
     lines += wrap(words, LETTERS, max_lines=LINES, placeholder=" …")
-    return "\n".join(lines + ([f"loads: the weights, and the push {case}"] if case else [])), holds
+    words = "\n".join(lines + ([f"loads: the weights, and the push {case}"] if case else []))
+    return words, verdict_colour(verdict, broken)
+
+
+def meaning(recording: Recording, chosen: Sequence[int], ranges: bool) -> str:
+    """What colours and lines in pictures of these frames stand for.
+
+    Args:
+        recording: of furniture.
+        chosen: frames that are shown.
+        ranges: some of them have a range.
+    """
+    table = recording.table
+    limits = any(only_limits(str(table["verdict"][i]), str(table["broken"][i])) for i in chosen)
+    return ". ".join([MEANING, *([RANGES] if ranges else []), *([LIMITS] if limits else [])])
 
 
 def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> None:
@@ -151,7 +165,7 @@ def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> N
     box = bounds(*(furniture.piece for furniture, _, _ in made))
     across = min(ACROSS, len(frames))
     down = ceil(len(frames) / across)
-    figure = new_figure(max(EACH * across + BAR, 6.0), HEAD + (TITLE + EACH * slenderness(*box)) * down)
+    figure = new_figure(width_of(across), EACH * (1.0 + slenderness(*box)) * down)
     panels = figure.subplots(down, across, squeeze=False).ravel()
     named: set[str] = set()
     for axes, frame, (furniture, slide, case) in zip(panels, frames, made):
@@ -160,15 +174,11 @@ def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> N
         fresh = {plank.name for plank in furniture.piece.planks if few} - named
         named |= fresh
         push = furniture.piece.pushes[case - 1].name if case else ""
-        words, holds = caption(recording, frame.index, push)
-        draw_piece(axes, furniture, words, slide, case, few, box, names=fresh)
-        axes.set_title(words, fontsize=8.5, loc="left", color=INK if holds else REFUSED)
-    in_one_view(panels[: len(frames)])
-    for axes in panels[len(frames) :]:
-        axes.set_visible(False)
-    add_use_bar(figure, panels)
+        words, colour = caption(recording, frame.index, push)
+        draw_piece(axes, furniture, words, slide, case, few, box, COLUMNS, fresh)
+        axes.set_title(words, fontsize=8.5, loc="left", color=colour)
     name = shorten(scene_name(recording), 80, placeholder=" …")
-    meaning = "\n".join(wrap(MEANING, int(14 * figure.get_figwidth())))
-    figure.suptitle(f"{name}\n{meaning}", x=0.01, ha="left", color=INK, fontsize=9)
-    figure.get_layout_engine().set(h_pad=0.08, w_pad=0.06)
+    told = meaning(recording, chosen, any(slide for _, slide, _ in made))
+    lines = wrap(told, int(14 * figure.get_figwidth()))
+    finish_sheet(figure, panels, len(frames), across, "\n".join([name, *lines]))
     figure.savefig(path)

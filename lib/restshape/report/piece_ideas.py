@@ -13,14 +13,17 @@ from restshape.guidance.plank_session import PlankFrame
 from restshape.replay import guided
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
-from restshape.report.furniture import Slide, add_use_bar, bounds, draw_piece, in_one_view, slenderness
-from restshape.report.piece_frames import ACROSS, BAR, EACH, FEW, HEAD, LETTERS, TITLE, caption, pieces, shown_piece
-from restshape.report.style import INK, REFUSED, new_figure
+from restshape.report.furniture import Slide, bounds, draw_piece, slenderness
+from restshape.report.piece_frames import FEW, LETTERS, caption, pieces, shown_piece
+from restshape.report.piece_sheet import ACROSS, COLUMNS, EACH, finish_sheet, width_of
+from restshape.report.style import REFUSED, new_figure
 from restshape.report.tables import rows_of
 
 LINES = 4
 """Lines of a title for what a suggestion does."""
-MEANING = "orange: what a suggestion moves, lengthens or adds, where it is shown; arrows: its way there"
+MEANING = (
+    "orange: what a suggestion moves, lengthens or adds, where it is shown; arrows: which way, short ones drawn longer"
+)
 
 
 def searches(recording: Recording) -> np.ndarray:
@@ -45,23 +48,18 @@ def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
     box = bounds(furniture.moved(), *ends)
     across, count = min(ACROSS, 1 + len(ideas)), 1 + len(ideas)
     down = ceil(count / across)
-    figure = new_figure(EACH * across + BAR, HEAD + (TITLE + EACH * slenderness(*box)) * down)
+    figure = new_figure(width_of(across), EACH * (1.0 + slenderness(*box)) * down)
     panels = figure.subplots(down, across, squeeze=False).ravel()
     push = furniture.piece.pushes[case - 1].name if case else ""
     words, _ = caption(recording, i, push)
     few = len(furniture.piece.planks) <= FEW
     names = [plank.name for plank in furniture.piece.planks if few]
-    draw_piece(panels[0], furniture, words, None, case, few, box, names=names)
+    draw_piece(panels[0], furniture, words, None, case, few, box, COLUMNS, names)
     panels[0].set_title(words, fontsize=8.5, loc="left", color=REFUSED)
     for number, (axes, idea, slide) in enumerate(zip(panels[1:], ideas, slides), 1):
-        draw_piece(axes, furniture, _title(number, idea), slide, case, False, box)
-    in_one_view(panels[:count])
-    for axes in panels[count:]:
-        axes.set_visible(False)
-    add_use_bar(figure, panels)
+        draw_piece(axes, furniture, _title(number, idea), slide, case, False, box, COLUMNS)
     name = shorten(scene_name(recording), 80, placeholder=" …")
-    figure.suptitle(f"{name}: suggestions in frame {i}\n{MEANING}", x=0.01, ha="left", color=INK, fontsize=9)
-    figure.get_layout_engine().set(h_pad=0.08, w_pad=0.06)
+    finish_sheet(figure, panels, count, across, f"{name}: suggestions in frame {i}\n{MEANING}")
     figure.savefig(path)
 
 

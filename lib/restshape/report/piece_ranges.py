@@ -16,8 +16,8 @@ from matplotlib.patches import Patch
 from restshape.guidance.amounts import UNITS
 from restshape.replay.guided import found, intervals, unit_of
 from restshape.replay.recording import Recording
-from restshape.replay.verdict import HOLDS
 from restshape.report.frames import scene_name
+from restshape.report.piece_verdicts import BEYOND, only_limits, verdict_colour
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 from restshape.report.tables import column, rows_of
 
@@ -47,7 +47,8 @@ def draw_guidance(recording: Recording, path: Path) -> None:
     panels[-1].xaxis.get_major_locator().set_params(integer=True)
     name = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{name}: what holds, and how far edits may go", x=0.01, ha="left", color=INK)
-    _legend(figure, bool(units), any(row["suggestions"] for row in rows))
+    limits = any(only_limits(row["verdict"], row["broken"]) for row in rows)
+    _legend(figure, bool(units), any(row["suggestions"] for row in rows), limits)
     figure.align_ylabels()
     figure.savefig(path)
 
@@ -69,8 +70,14 @@ def _label(held: list[dict[str, Any]]) -> str:
     return shorten(names.pop() if len(names) == 1 else _undirected(held[0]["parameter"]), 48, placeholder=" …")
 
 
-def _colours(rows: list[dict[str, Any]]) -> list[str]:
-    return [INK if row["verdict"] == HOLDS else REFUSED if row["verdict"] else FAINT for row in rows]
+def _draw_dots(axes: Axes, frames: np.ndarray, values: np.ndarray, rows: list[dict[str, Any]], size: float) -> None:
+    """A dot a frame, which tells by its colour whether the piece holds; diamonds where quantities alone do not."""
+    limits = np.array([only_limits(row["verdict"], row["broken"]) for row in rows])
+    colours = np.array([verdict_colour(row["verdict"], row["broken"]) for row in rows])
+    for mark, chosen, part in (("o", ~limits, 1.0), ("D", limits, 1.3)):
+        axes.scatter(
+            frames[chosen], values[chosen], c=colours[chosen], marker=mark, s=part * size, zorder=3, linewidths=0
+        )
 
 
 def _draw_numbers(axes: Axes, recording: Recording, name: str, label: str, limit: float) -> None:
@@ -78,7 +85,7 @@ def _draw_numbers(axes: Axes, recording: Recording, name: str, label: str, limit
     values, frames = column(recording, name), np.arange(recording.n)
     rows = rows_of(recording)
     axes.plot(frames, values, color=FAINT, linewidth=0.8, zorder=1)
-    axes.scatter(frames, values, c=_colours(rows), s=12, zorder=3, linewidths=0)
+    _draw_dots(axes, frames, values, rows, 12.0)
     axes.axhline(limit, color=LIMIT, linewidth=1.0, linestyle="--", zorder=2)
     shown = np.append(values[np.isfinite(values)], limit)
     room = 0.1 * max(float(np.ptp(shown)), 1e-12)
@@ -99,7 +106,7 @@ def _draw_parameters(axes: Axes, holds: list[list[dict[str, Any]]], unit: str) -
             for low, high in factor * np.array(intervals(row["ranges"])).reshape(-1, 2):
                 axes.fill_between(row["index"] + np.array([-0.5, 0.5]), low, high, color=BAND, linewidth=0, zorder=1)
         axes.plot(frames, way, color=FAINT, linewidth=0.8, zorder=2)
-        axes.scatter(frames, way, c=_colours(held), s=14, zorder=3, linewidths=0)
+        _draw_dots(axes, frames, way, held, 14.0)
         axes.annotate(
             _label(held),
             (frames[0], top),
@@ -131,13 +138,25 @@ def _mark_searches(panels: list[Axes], rows: list[dict[str, Any]]) -> None:
             )
 
 
-def _legend(figure: Figure, ranges: bool, suggested: bool) -> None:
+def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool) -> None:
     dot = {"linestyle": "none", "marker": "o", "markersize": 4}
     marks = [
         Line2D([], [], color=INK, label="the piece holds", **dot),
         Line2D([], [], color=REFUSED, label="it does not", **dot),
-        Line2D([], [], color=LIMIT, linestyle="--", linewidth=1.0, label="limit: use below 1, margin above 0"),
     ]
-    marks += [Patch(facecolor=BAND, label="valid range of what is under the hand")] if ranges else []
+    if limits:
+        words = "it holds, but a quantity is beyond its limit"
+        marks.append(Line2D([], [], color=BEYOND, label=words, **dot | {"marker": "D"}))
+    marks.append(Line2D([], [], color=LIMIT, linestyle="--", linewidth=1.0, label="limit: use below 1, margin above 0"))
+    marks += (
+        [
+            Patch(
+                facecolor=BAND,
+                label="valid range of what is under the hand" + (", of the piece alone" if limits else ""),
+            )
+        ]
+        if ranges
+        else []
+    )
     marks += [Line2D([], [], color="#d55e00", linestyle=":", label="suggestions, how many")] if suggested else []
-    figure.legend(handles=marks, loc="outside lower center", ncols=len(marks), fontsize=8)
+    figure.legend(handles=marks, loc="outside lower center", ncols=3 if limits else len(marks), fontsize=8)

@@ -4,10 +4,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, ScalarFormatter
+
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 
 Rows = Sequence[Mapping[str, Any]]
 FULL, BARE = "#0072b2", "#d55e00"
+ABOVE = 0.35
+"""Room above points for the legend, in parts of how far they spread."""
 
 
 def draw_plank_precision(
@@ -48,7 +52,27 @@ def _ranges(axes: Any, rows: Rows, usual: int) -> None:
             _number(axes, (row["ms"], 100.0 * row["worst"]), row["samples"], k, row["samples"] == usual)
     axes.set(xscale="log", yscale="log", xlabel="time of a range, median [ms]", ylabel="wrongly told, worst way [%]")
     axes.margins(0.18)
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high * (high / low) ** ABOVE)
+    for axis in (axes.xaxis, axes.yaxis):
+        _plain_ticks(axis)
     axes.legend(fontsize=8, loc="upper right")
+
+
+def _plain_ticks(axis: Any) -> None:
+    """Give a logarithmic axis over less than two decades round numbers, as people write them."""
+    low, high = axis.get_view_interval()
+    if high / low >= 100.0:
+        return
+    if high / low >= 10.0:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(lambda value, _: f"{value:g}")
+    else:
+        axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+        numbers = ScalarFormatter(useOffset=False, useMathText=True)
+        numbers.set_powerlimits((-3, 4))
+        axis.set_major_formatter(numbers)
+    axis.set_minor_locator(NullLocator())
 
 
 def _nothing(axes: Any, words: str) -> None:
@@ -93,6 +117,7 @@ def _searches(axes: Any, rows: Rows) -> None:
     axes.set(xscale="log", xlabel="time of a search [ms]", ylabel="suggestions found")
     axes.set_ylim(0.0, 1.15 * max(row["all"] for row in rows))
     axes.margins(x=0.3)
+    _plain_ticks(axes.xaxis)
     axes.legend(fontsize=8, loc="lower right")
 
 

@@ -122,6 +122,67 @@ def hits(
     )
 
 
+def nearest_faces(
+    camera: Camera,
+    places: np.ndarray,
+    faces: np.ndarray,
+    window: tuple[float, float, float, float],
+    columns: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which of some flat convex faces is nearest in each pixel, and how near: for few and large ones, one by one.
+
+    Args:
+        camera: looks at them.
+        places: (n, 3) [m].
+        faces: (m, k) corners, in order around each.
+        window: left, right, bottom, top of the picture, as `Camera.project` has them [m].
+        columns: pixels across; pixels are square.
+
+    Returns:
+        (rows, columns) int32 face seen there, -1: none; and (rows, columns) nearness [m], -inf where there is none. The
+        first row is the lowest.
+    """
+    left, right, bottom, top = window
+    scale = columns / (right - left)
+    rows = max(1, round((top - bottom) * scale))
+    flat, near = camera.project(places)
+    flat = (flat - (left, bottom)) * scale
+    face = np.full((rows, columns), -1, dtype=np.int32)
+    nearest = np.full((rows, columns), -np.inf)
+    for k in np.flatnonzero(camera.faces(places)[faces].all(axis=1)):
+        corners = flat[faces[k]]
+        low = np.clip(np.floor(corners.min(axis=0)), 0, (columns, rows)).astype(int)
+        high = np.clip(np.ceil(corners.max(axis=0)), 0, (columns, rows)).astype(int)
+        x, y = (np.arange(low[i], high[i]) + 0.5 for i in (0, 1))
+        first, last = _spans(corners, y)
+        # Nearness is linear across the picture of a flat face.
+        plane = np.linalg.lstsq(np.column_stack([corners, np.ones(len(corners))]), near[faces[k]], rcond=None)[0]
+        depth = plane[0] * x + (plane[1] * y + plane[2])[:, None]
+        part = (slice(low[1], high[1]), slice(low[0], high[0]))
+        seen = (x >= first[:, None]) & (x <= last[:, None]) & (depth > nearest[part])
+        face[part][seen] = k
+        nearest[part][seen] = depth[seen]
+    return face, nearest
+
+
+def _spans(corners: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where a convex face with corners (k, 2) begins and ends across each of the rows y (n,); nowhere: empty spans."""
+    sides = np.roll(corners, -1, axis=0) - corners
+    turn = _cross(corners, np.roll(corners, -1, axis=0)).sum()
+    first, last = np.full(len(y), -np.inf), np.full(len(y), np.inf)
+    if abs(turn) < 1e-9:
+        return last, first
+    for corner, side in zip(corners, np.sign(turn) * sides):
+        above = y - corner[1]
+        if side[1] == 0.0:
+            first[side[0] * above < 0.0] = np.inf
+        elif side[1] > 0.0:
+            last = np.minimum(last, corner[0] + above * side[0] / side[1])
+        else:
+            first = np.maximum(first, corner[0] + above * side[0] / side[1])
+    return first, last
+
+
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 

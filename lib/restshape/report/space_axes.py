@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.text import Annotation
 from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
 
@@ -16,26 +19,29 @@ MOST = 4
 """Numbers along the side that is longest in the picture."""
 SHORT = 0.3
 """Length in the picture, over that of the longest side, below which a side has two numbers."""
-SMALL = 7
-"""Size of numbers [points]."""
+SMALL, CLEAR = 7, 2.0
+"""Size of numbers, and what is left free between them at least [points]."""
 OFFSET, LYING, BESIDE = 4.0, 19.0, 7.0
 """Distances of numbers and of the name of a lying side from that side, and of the name of a steep one from numbers
 [points]."""
 
 
-def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, factor: float, unit: str) -> None:
-    """Draw the walls and sides of a box; the camera looks from above, from -y and +x.
+def draw_box(
+    axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, factor: float, unit: str, points: float = np.inf
+) -> list[Annotation]:
+    """Draw the walls and sides of a box, whose numbers it returns; the camera looks from above, from -y and +x.
 
     Args:
         axes: of a picture whose coordinates are those of the camera.
         camera: looks at the box.
         low, high: (3,) corners of the box [m].
         factor, unit: of lengths in numbers.
+        points: that a metre has in the picture, about: where numbers would touch there are but two along a side.
     """
     middle = camera.project(0.5 * (low + high)[None])[0][0]
     fixed = {0: (None, low[1], low[2]), 1: (high[0], None, low[2]), 2: (low[0], low[1], None)}
-    ends = [np.array([[e[j] if f is None else f for j, f in enumerate(fixed[k])] for e in (low, high)]) for k in fixed]
-    lengths = np.array([np.linalg.norm(np.diff(camera.project(end)[0], axis=0)) for end in ends])
+    sides = [np.array([[e[j] if f is None else f for j, f in enumerate(fixed[k])] for e in (low, high)]) for k in fixed]
+    lengths = np.array([np.linalg.norm(np.diff(camera.project(side)[0], axis=0)) for side in sides])
     numbers = np.maximum(2, np.round(MOST * lengths / lengths.max())).astype(int)
     places = [marks(low[k], high[k], factor, int(numbers[k])) for k in range(3)]
     # On a short side three numbers would run into each other.
@@ -49,8 +55,29 @@ def draw_box(axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, fact
                 ends[:, wall], ends[:, along], ends[:, across] = bound[wall], mark, (low[across], high[across])
                 walls.append(camera.project(ends)[0])
     axes.add_collection(LineCollection(walls, colors=GRID, linewidths=0.6, zorder=0), autolim=False)
+    numbers = []
     for k, name in enumerate("xyz"):
-        _side(axes, camera, fixed[k], (low[k], high[k]), places[k], factor, f"{name} [{unit}]", middle)
+        at, way = places[k], np.abs(np.diff(camera.project(sides[k])[0], axis=0)[0]) / (high[k] - low[k])
+        if np.isfinite(points) and _touch(points * np.diff(at)[:, None] * way, _texts(at, factor)):
+            at = at[[0, -1]]
+        numbers += _side(axes, camera, fixed[k], (low[k], high[k]), at, factor, f"{name} [{unit}]", middle)
+    return numbers
+
+
+def _touch(steps: np.ndarray, texts: list[str]) -> bool:
+    """Whether numbers that are so far across and up from each other (n - 1, 2) [points] would touch."""
+    wide = np.array([_width(text) for text in texts])
+    return bool(np.any((steps[:, 0] < 0.5 * (wide[1:] + wide[:-1]) + CLEAR) & (steps[:, 1] < SMALL + CLEAR)))
+
+
+def _texts(marks: np.ndarray, factor: float) -> list[str]:
+    return [f"{mark * factor:g}".replace("-", "\N{MINUS SIGN}") for mark in marks]
+
+
+@cache
+def _width(number: str) -> float:
+    """How wide a number along a side is [points]."""
+    return float(TextPath((0, 0), number, size=SMALL).get_extents().width)
 
 
 def few_ticks(most: int) -> MaxNLocator:
@@ -74,8 +101,8 @@ def marks(low: float, high: float, factor: float, most: int) -> np.ndarray:
     return places
 
 
-def _side(axes, camera, fixed, ends, numbered, factor, label, middle) -> None:
-    """Draw one side with its numbers and its name, outside of the box."""
+def _side(axes, camera, fixed, ends, numbered, factor, label, middle) -> list[Annotation]:
+    """Draw one side with its numbers, which it returns, and its name, outside of the box."""
 
     def at(values) -> np.ndarray:
         places = np.array([[value if fixed[j] is None else fixed[j] for j in range(3)] for value in values])
@@ -93,14 +120,15 @@ def _side(axes, camera, fixed, ends, numbered, factor, label, middle) -> None:
         "annotation_clip": False,
         "color": "#444444",
     }
-    numbers = [f"{mark * factor:g}".replace("-", "\N{MINUS SIGN}") for mark in numbered]
-    for number, place in zip(numbers, at(numbered)):
-        axes.annotate(number, place, xytext=OFFSET * out, fontsize=SMALL, **where)
+    numbers = _texts(numbered, factor)
+    look = {"fontsize": SMALL, **where}
+    shown = [axes.annotate(number, place, xytext=OFFSET * out, **look) for number, place in zip(numbers, at(numbered))]
     away, turned = LYING, {}
     if abs(out[0]) > 0.4:
         # Numbers and name of a steep side are side by side.
-        wide = max(TextPath((0, 0), number, size=SMALL).get_extents().width for number in numbers)
+        wide = max(map(_width, numbers))
         away = OFFSET + wide * abs(out[0]) + SMALL * abs(out[1]) + BESIDE
         angle = np.rad2deg(np.arctan2(along[1], along[0]))
         turned = {"rotation": angle, "ha": "center", "va": "center"}
     axes.annotate(label, line.mean(axis=0), xytext=away * out, fontsize=8, **where | turned)
+    return shown

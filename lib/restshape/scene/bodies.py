@@ -15,6 +15,8 @@ Direction = tuple[value_of("number"), value_of("number"), value_of("number")]
 Angles = tuple[value_of("angle"), value_of("angle"), value_of("angle")]
 Size = value_of("length")
 ORIGIN = (0.0, 0.0, 0.0)
+POINTS = {"sphere": ("center",), "plane": ("point",), "box": ("center",), "capsule": ("start", "end")}
+"""Keys that are places, by kind of body."""
 
 
 class Sphere(Strict):

@@ -1,7 +1,7 @@
 """Formulas in a scene: read from text, evaluated on arrays, with nothing but arithmetic in them."""
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from typing import Any
 
@@ -76,11 +76,11 @@ class Expression:
     def __hash__(self) -> int:
         return hash(self.text)
 
-    def unknown(self, parameters: dict[str, float]) -> str | None:
+    def unknown(self, parameters: dict[str, float], coordinates: Sequence[str] = COORDINATES) -> str | None:
         """What the formula names although it is neither a coordinate nor a parameter, with a suggestion; or None."""
-        known = [*COORDINATES, *CONSTANTS, *parameters]
+        known = [*coordinates, *CONSTANTS, *parameters]
         for name in sorted(self.names.difference(known)):
-            near = get_close_matches(name, [*known, *FUNCTIONS], n=1)
+            near = get_close_matches(name, known, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"known names: {', '.join(known)}"
             return f"the formula {self.text!r} names {name!r}, which is not in [parameters]: {hint}"
         return None

@@ -105,8 +105,8 @@ def _check_number(scene: Scene, source: Source, key: Key, value: Any) -> None:
         if value.names.intersection(COORDINATES):
             what = "a plank has no coordinates of its own: this formula cannot name x or y"
             raise source.error(key, what, "use [parameters] only")
-        if unknown := value.unknown(scene.parameters):
-            what, _, do = unknown.rpartition(": ")
+        if unknown := value.unknown(scene.parameters, ()):
+            what, _, do = unknown.partition(": ")
             raise source.error(key, what, do)
     try:
         found = number(value, scene.parameters)

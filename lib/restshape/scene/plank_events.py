@@ -60,6 +60,16 @@ Amount = Annotated[
 ]
 
 
+def _read_target(raw: Any) -> Any:
+    """A point to drag to; a number is what parameters are dragged by."""
+    if isinstance(raw, (int, float, str)) and not isinstance(raw, bool):
+        raise UnitError(f"a plank is dragged to a point [x, y, z], not {raw!r}: use 'by' for a held parameter")
+    return raw
+
+
+Target = Annotated[Place, BeforeValidator(_read_target)]
+
+
 def far_turn(angle: float) -> str:
     """What is wrong with a turn by an angle [rad]; empty if nothing is."""
     return (
@@ -89,8 +99,8 @@ class PlankDrag(EventLine):
     """
 
     do: Literal["drag"]
-    to: Place | None = None
-    path: Annotated[list[Place], Field(min_length=1)] | None = None
+    to: Target | None = None
+    path: Annotated[list[Target], Field(min_length=1)] | None = None
     by: Amount | None = None
     frames: Frames | None = None
 

@@ -1,5 +1,6 @@
 """Validation errors of pydantic, told in plain words."""
 
+import json
 from collections.abc import Sequence
 from typing import Annotated, Any, Union, get_args, get_origin
 
@@ -8,6 +9,7 @@ from pydantic_core import ErrorDetails
 
 from restshape.errors import UserError
 from restshape.scene.source import Source, suggestion
+from restshape.scene.units import reads_as_quantity
 
 MOST_TOLD = 4
 
@@ -40,6 +42,8 @@ def _told(details: ErrorDetails, source: Source, root: type[BaseModel], prefix: 
         *prefix,
         *(part for part in location if not (isinstance(part, str) and part.startswith("<")) and part != "[key]"),
     ]
+    if _lacks_an_entry(details):
+        key = key[:-1]
     what, do = plain(details)
     match details["type"]:
         case "extra_forbidden":
@@ -85,7 +89,8 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
     match kind:
         case "missing" if isinstance(details["loc"][-1], int):
             count = context["count"]
-            return f"{AXES.get(count, f'{count} entries')} are wanted here, and there are fewer", ""
+            what = f"{AXES.get(count, f'{count} entries')} are wanted here, and there are fewer"
+            return what, _of_length(given, count)
         case "missing":
             return f"the key {str(details['loc'][-1])!r} is missing", "add it"
         case "value_error":
@@ -109,7 +114,8 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
         case "too_short" | "too_long":
             limit = context.get("min_length", context.get("max_length"))
             bound = "at least" if kind == "too_short" else "at most"
-            return f"{bound} {limit} entries are wanted here, but there are {context['actual_length']}", ""
+            what = f"{bound} {limit} entries are wanted here, but there are {context['actual_length']}"
+            return what, _of_length(given, limit)
         case "dict_type" | "model_type":
             return f"a table of keys is wanted here, {shown}", ""
         case "list_type" | "tuple_type":
@@ -119,6 +125,21 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
         case "float_type" | "float_parsing" | "int_type" | "int_parsing" | "int_from_float":
             return f"a {'whole ' * kind.startswith('int')}number is wanted here, {shown}", ""
     return f"{details['msg']}, {shown}", ""
+
+
+def _of_length(given: Any, count: int) -> str:
+    """What to write in place of a list of numbers that is too short or too long; empty where it holds other things."""
+    if not isinstance(given, list | tuple) or not given or not all(_is_quantity(one) for one in given):
+        return ""
+    entries = [*given[:count], *[given[-1]] * (count - len(given))]
+    return f"write {count}, as in {json.dumps(entries, ensure_ascii=False)}"
+
+
+def _is_quantity(value: Any) -> bool:
+    """Whether it is a number, or text that reads as one."""
+    if isinstance(value, str):
+        return reads_as_quantity(value)
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _shown(given: Any) -> str:

@@ -1,6 +1,7 @@
 """Edit scripts: what a hand did to a shape, one event a line, in edit time."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn, Self, get_args
@@ -9,6 +10,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from restshape.application import application
 from restshape.errors import UserError
+from restshape.scene.bodies import POINTS, Body
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
 from restshape.scene.plank_events import PLANK_EVENTS
@@ -244,7 +246,8 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
     if not lines:
         raise UserError("the edit script is empty", path.name, _first_line())
     planks = scene is not None and application(scene.app).planks
-    reader = _Reader(path, text.endswith("\n"), lines[-1][0], PLANK_EVENTS if planks else EVENTS)
+    bodies = scene.bodies if scene is not None else {}
+    reader = _Reader(path, text.endswith("\n"), lines[-1][0], PLANK_EVENTS if planks else EVENTS, bodies)
     header = reader.header(*lines[0])
     _check_analysis(header, scene, path, lines[0][0])
     try:
@@ -298,6 +301,7 @@ class _Reader:
     whole: bool
     last: int
     known: dict[str, type[EventLine]]
+    bodies: Mapping[str, Body]
     events: list[Event] = field(default_factory=list)
     torn: str | None = None
     error: UserError | None = None
@@ -356,13 +360,25 @@ class _Reader:
         try:
             event = self.known[do].model_validate(table | {"line": number}, context={"scale": self.scale})
         except ValidationError as error:
-            raise self.told(error, number, self.known[do]) from error
+            found = self.told(error, number, self.known[do])
+            if lifted := self.lifts(table, error):
+                found = UserError(found.what, found.where, lifted)
+            raise found from error
         self.check_order(event, number)
         self.events.append(event)
 
     def told(self, error: ValidationError, number: int, model: type[Strict]) -> UserError:
         """The error that names file, line and key."""
         return user_error(error, Source(Path(f"{self.path.name}: line {number}")), model)
+
+    def lifts(self, table: dict[str, Any], error: ValidationError) -> str:
+        """What to do where an event would take a body to a place in space; empty where it is not that."""
+        name = str(table.get("on", self.held))
+        body = self.bodies.get(name)
+        if body is None or not any(found["type"] == "too_long" for found in error.errors()):
+            return ""
+        keys = [f"bodies.{name}.{body.kind}.{key}.2" for key in POINTS[body.kind]]
+        return f'leave out z: hands move bodies in x and y; "do": "set" of {" and of ".join(keys)} lifts this one'
 
     def check_order(self, event: Event, number: int) -> None:
         """Refuses time that runs backwards, and a hand that drags what it does not hold."""

@@ -27,6 +27,9 @@ DIMENSIONS: dict[str, Powers] = {
     "temperature": (0, 0, 0, 1, 0),
 }
 
+MASS_BY_AREA: Powers = (-2, 1, 0, 0, 0)
+"""What sheets are sold by, and is taken for their density."""
+
 EXAMPLES = {
     "number": "0.3",
     "length": '"12 mm"',
@@ -127,7 +130,16 @@ def spelled(powers: Powers) -> str:
     named = [name for name, own in DIMENSIONS.items() if own == powers]
     if named:
         return named[0]
-    return " ".join(f"{base}^{p}" for base, p in zip(("m", "kg", "s", "K", "rad"), powers) if p)
+    return f"quantity in {in_units(powers)}"
+
+
+def in_units(powers: Powers) -> str:
+    """The SI unit of a dimension given by its powers, as `unit` reads it, such as ``kg/m^2``."""
+    named = [(base, p) for base, p in zip(("kg", "m", "s", "K", "rad"), (powers[1], powers[0], *powers[2:])) if p]
+    above, below = (
+        [base if abs(p) == 1 else f"{base}^{abs(p)}" for base, p in named if p * sign > 0] for sign in (1, -1)
+    )
+    return "/".join([" ".join(above) or "1", *below])
 
 
 def article(noun: str) -> str:
@@ -156,6 +168,12 @@ def quantity(value: float | int | str, dimension: str | None) -> float:
         if match[2]:
             factor, powers = unit(match[2])
             if dimension is not None and powers != DIMENSIONS[dimension]:
+                if dimension == "density" and powers == MASS_BY_AREA:
+                    by_area = float(match[1]) * factor
+                    example = (
+                        "divide it by the thickness, for rho times thickness is the mass by area: "
+                        f'{value} that are 0.4 mm thick have rho = "{by_area / 4e-4:.6g} kg/m^3"'
+                    )
                 raise UnitError(
                     f"{value!r} is {article(spelled(powers))}, but {article(dimension)} is wanted: {example}"
                 )

@@ -8,16 +8,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.scene.bodies import settled
+from restshape.scene.bodies import POINTS, settled
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 
 if TYPE_CHECKING:
     from restshape.shape.gesture import Gesture
     from restshape.shape.outline import Outline
-
-POINTS = {"sphere": ("center",), "plane": ("point",), "box": ("center",), "capsule": ("start", "end")}
-"""Keys that are places, by kind of body."""
 
 SIZES = {"sphere": ("radius",), "plane": (), "box": ("half", "radius"), "capsule": ("radius",)}
 """Keys that are sizes, by kind of body."""

@@ -4,10 +4,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from restshape.errors import UserError
-from restshape.shape.planks import Foot, Load, Piece, Plank, feet_near, joints_near
-
-NEAR = 0.015
-"""How near an end must be to a face to be joined to it [m]."""
+from restshape.shape.planks import NEAR, Foot, Load, Piece, Plank, feet_near, joints_near
 
 
 def added(piece: Piece, plank: Plank, near: float = NEAR, fastener: str = "nail-thesis") -> Piece:

@@ -48,6 +48,7 @@ def piece_of(scene: Scene) -> Piece:
         g,
         scene.fastener.spacing,
         scene.title or scene.path.stem,
+        scene.joints.reach,
     )
 
 
@@ -80,6 +81,7 @@ def restated(piece: Piece, before: Scene, after: Scene) -> Piece:
         pushes=_pushes(piece, old, new),
         gravity=new.gravity,
         spacing=new.spacing,
+        reach=new.reach,
     )
 
 
@@ -116,7 +118,7 @@ def _plank(name: str, spec: PlankSpec, scene: Scene) -> Plank:
         try:
             return Plank.between(name, *lines, thickness, wood=wood)
         except UserError as error:
-            raise UserError(error.what, f"planks.{name}", "draw its width across its middle line") from error
+            raise UserError(error.what, f"planks.{name}", error.do) from error
     x, y, z = numbers(spec.turn)
     axes = _turn(2, z) @ _turn(1, y) @ _turn(0, x)
     return Plank(name, np.array(numbers(spec.center)), axes, np.array([*numbers(spec.size), thickness]), wood)

@@ -39,14 +39,14 @@ class Plank:
         """A plank whose middle line runs from `start` to `end`, with the width as a vector (3,) across it [m].
 
         Raises:
-            UserError: the width is parallel to the line, or one of them has no length.
+            UserError: the width lies along the line, or one of them has no length.
         """
         start, end, width = (np.array(v, dtype=float) for v in (start, end, width))
         along, length = end - start, float(np.linalg.norm(end - start))
         across = width - along * (along @ width) / max(length * length, 1e-300)
         size = float(np.linalg.norm(across))
         if length == 0.0 or size <= 1e-9 * length:
-            raise UserError("the two lines of a plank must have lengths and differ in direction", name)
+            raise UserError(*_no_plank(length, float(np.linalg.norm(width)), name))
         x, y = along / length, across / size
         return cls(
             name, (start + end) / 2, np.stack([x, y, np.cross(x, y)], 1), np.array([length, size, thickness]), **more
@@ -61,6 +61,15 @@ class Plank:
         """Its eight corners (8, 3) [m]."""
         signs = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
         return self.centre + (signs * self.size) @ self.axes.T
+
+
+def _no_plank(length: float, width: float, name: str) -> tuple[str, str, str]:
+    """What is wrong with two lines that make no plank, of which, and what to do; their lengths are in metres."""
+    if length == 0.0:
+        return "its middle line has no length: it ends where it begins", name, "let it go from one point to another one"
+    if width <= 1e-9 * length:
+        return "its width has no length", name, "draw a width across its middle line, as long as the plank is wide"
+    return "its width lies along its middle line", name, "draw its width across its middle line"
 
 
 @dataclass(frozen=True)
@@ -104,6 +113,9 @@ class Load:
 
 GRAVITY = (0.0, 0.0, -9.80665)
 
+NEAR = 0.015
+"""How near an end must be to a face to be joined to it [m]."""
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -116,6 +128,7 @@ class Piece:
         pushes: loads of a case each, beside the weights.
         gravity: (3,) [m/s^2].
         spacing: of fasteners along a joint [m].
+        reach: how near ends are to faces that they are joined to [m].
     """
 
     planks: tuple[Plank, ...]
@@ -127,6 +140,7 @@ class Piece:
     gravity: tuple[float, float, float] = GRAVITY
     spacing: float = 0.02
     name: str = field(default="", compare=False)
+    reach: float = NEAR
 
     @property
     def size(self) -> float:
