@@ -4,7 +4,7 @@ import math
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -54,7 +54,14 @@ def run_case(name: str, case: Case, trial: Trial) -> Row:
         found += case.run(trial)
     except (UserError, ReplayProblem) as problem:
         found.append(Statement("nothing refused as a whole", str(problem), False))
+    # Folders of trials are gone when a row is read, and differ from run to run.
+    found = [replace(one, value=_without(trial.folder, one.value)) for one in found]
     return {**row, **told(found), "seconds": time.perf_counter() - start}
+
+
+def _without(folder: Path, value: float | str) -> float | str:
+    """A value whose words name files by their places in a folder."""
+    return value.replace(f"{folder}/", "") if isinstance(value, str) else value
 
 
 def not_begun(name: str, policy: str, seconds: float) -> Row:
