@@ -2,6 +2,7 @@
 .PHONY: setup demo test results lint format clean
 
 restshape := .venv/bin/restshape
+kernels := $(shell find lib/kernels apps/*/kernels -name '*.?pp')
 plate := apps/solid/scenes/plate.toml
 plate_edits := apps/solid/edits/plate.jsonl
 cantilever := apps/cantilever/scenes/cantilever.toml
@@ -76,14 +77,14 @@ lint:
 	@scripts/setup.sh develop
 	.venv/bin/python -m ruff check
 	.venv/bin/python -m ruff format --check
-	.venv/bin/clang-format --dry-run -Werror lib/kernels/*.?pp
+	.venv/bin/clang-format --dry-run -Werror $(kernels)
 
 format:
 	@scripts/setup.sh develop
 	.venv/bin/python -m ruff check --fix
 	.venv/bin/python -m ruff format
-	.venv/bin/clang-format -i lib/kernels/*.?pp
+	.venv/bin/clang-format -i $(kernels)
 
 clean: # keeps .venv
-	rm -rf build .pytest_cache .ruff_cache .hypothesis lib/restshape/_kernels.*.so results/*.vtkhdf
+	rm -rf build .pytest_cache .ruff_cache .hypothesis lib/restshape/_kernels.*.so apps/*/_kernels.*.so results/*.vtkhdf
 	find lib apps tests -name __pycache__ -type d -exec rm -rf {} +

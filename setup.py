@@ -128,10 +128,11 @@ def compile_flags() -> list[str]:
 
 
 def system_headers(cgal: str | None) -> list[str]:
-    """Options for headers of others, in which the compiler finds nothing to warn of."""
+    """Options for the headers of others, which the compiler shall not warn of."""
     # The default folder must not come before those of the compiler itself.
     folders = [eigen_folder(), *([cgal] if cgal not in (None, "/usr/include") else [])]
-    return [word for folder in folders for word in ("-isystem", folder)]
+    options = [word for folder in folders for word in ("-isystem", folder)]
+    return [*options, "-include", str(KERNELS / "intrinsics.hpp")]
 
 
 def kernels_extension() -> Pybind11Extension:

@@ -1,12 +1,13 @@
-// Bindings of furniture: a piece of planks, its tests, its equilibrium and its derivatives.
+// The extension module restshape_apps.furniture._kernels: a piece of planks, its tests, its equilibrium and its
+// derivatives.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include <memory>
 
-#include "planks_derivative.hpp"
-#include "planks_mixed.hpp"
+#include "derivative.hpp"
+#include "mixed.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;
@@ -211,7 +212,8 @@ void bind_mixed(py::class_<Furniture>& c) {
 
 }  // namespace
 
-void bind_planks(py::module_& m) {
+PYBIND11_MODULE(_kernels, m) {
+    m.doc() = "Compiled kernels of furniture: pieces of planks.";
     py::class_<Furniture> c(m, "Furniture");
     c.def(py::init(&furniture), "centre"_a, "axes"_a, "size"_a, "density"_a, "joints"_a, "strength"_a, "feet"_a,
           "planes"_a, "loaded"_a, "places"_a, "cases"_a, "gravity"_a, "settings"_a)

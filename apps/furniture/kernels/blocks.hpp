@@ -1,11 +1,8 @@
 // A sparse matrix of 6 x 6 blocks, one row a plank, with its LU factors in an order of least degree.
 #pragma once
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-variable"
 #include <Eigen/Core>
 #include <Eigen/LU>
-#pragma GCC diagnostic pop
 #include <utility>
 #include <vector>
 

@@ -1,7 +1,7 @@
 // Derivatives with respect to the design: A dx = db - dA x for all modes with one factor, and what follows from them.
 #pragma once
 
-#include "planks_verdict.hpp"
+#include "verdict.hpp"
 
 namespace restshape::planks {
 

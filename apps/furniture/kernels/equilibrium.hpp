@@ -1,15 +1,12 @@
 // Equilibrium of a piece on its springs, with the joint forces eliminated: h = d / eps.
 #pragma once
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-variable"
 #include <Eigen/Eigenvalues>
-#pragma GCC diagnostic pop
 #include <limits>
 #include <numeric>
 
-#include "planks_blocks.hpp"
-#include "planks_forces.hpp"
+#include "blocks.hpp"
+#include "forces.hpp"
 
 namespace restshape::planks {
 

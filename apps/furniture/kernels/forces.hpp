@@ -1,7 +1,7 @@
 // What joints and contacts do to their planks: gradients of the energy of docs/theory.md, section 11.
 #pragma once
 
-#include "planks_piece.hpp"
+#include "piece.hpp"
 
 namespace restshape::planks {
 

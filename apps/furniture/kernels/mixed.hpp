@@ -3,7 +3,7 @@
 
 #include <tuple>
 
-#include "planks_verdict.hpp"
+#include "verdict.hpp"
 
 namespace restshape::planks {
 

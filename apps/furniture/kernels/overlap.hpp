@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "planks_piece.hpp"
+#include "piece.hpp"
 
 namespace restshape::planks {
 

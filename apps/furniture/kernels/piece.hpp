@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "planks_vector.hpp"
+#include "vector.hpp"
 
 namespace restshape::planks {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "planks_equilibrium.hpp"
+#include "equilibrium.hpp"
 
 namespace restshape::planks {
 
@@ -121,14 +121,14 @@ class StabilityRows {
     std::vector<Force> loads(const Part& part) const {
         std::vector<Force> forces;
         for (int i : part.planks) {
-            forces.push_back({S.centre[i], {}});
-            for (int a = 0; a < 3; ++a) forces.back().force[a] = S.mass[i] * P.gravity[a];
+            const T& mass = S.mass[i];
+            forces.push_back({S.centre[i], {mass * P.gravity[0], mass * P.gravity[1], mass * P.gravity[2]}});
         }
         for (size_t k = 0; k < P.loads.size(); ++k) {
             const int i = P.loads[k].plank;
             if (std::find(part.planks.begin(), part.planks.end(), i) == part.planks.end()) continue;
-            forces.push_back({S.centre[i] + S.load_arms[k], {}});
-            for (int a = 0; a < 3; ++a) forces.back().force[a] = T(P.cases[case_][k][a]);
+            const auto& load = P.cases[case_][k];
+            forces.push_back({S.centre[i] + S.load_arms[k], {T(load[0]), T(load[1]), T(load[2])}});
         }
         return forces;
     }

@@ -1,14 +1,11 @@
 // Whether contacts with Coulomb friction can balance a load: a load's nearest point in the cone of what they can give.
 #pragma once
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-variable"
 #include <Eigen/Core>
 #include <Eigen/QR>
-#pragma GCC diagnostic pop
 #include <vector>
 
-#include "planks_piece.hpp"
+#include "piece.hpp"
 
 namespace restshape::planks {
 

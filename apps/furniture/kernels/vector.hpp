@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "dual.hpp"
+#include "fem/dual.hpp"
 
 namespace restshape::planks {
 

@@ -4,9 +4,9 @@
 #include <limits>
 #include <memory>
 
-#include "planks_overlap.hpp"
-#include "planks_rows.hpp"
-#include "planks_support.hpp"
+#include "overlap.hpp"
+#include "rows.hpp"
+#include "support.hpp"
 
 namespace restshape::planks {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "contact.hpp"
+#include "cloth/contact.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;

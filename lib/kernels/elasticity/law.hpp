@@ -1,7 +1,7 @@
 // Laws of solids: a strain E of the displacement gradient H = du/dX, Hooke's stress S of it, and what S means.
 #pragma once
 
-#include "shapes.hpp"
+#include "fem/shapes.hpp"
 
 namespace restshape {
 

@@ -2,8 +2,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include "calls.hpp"
-#include "operator.hpp"
+#include "fem/calls.hpp"
+#include "fem/operator.hpp"
 
 namespace py = pybind11;
 

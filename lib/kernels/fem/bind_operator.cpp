@@ -6,7 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "operator.hpp"
+#include "fem/operator.hpp"
 
 namespace py = pybind11;
 using restshape::Block;
@@ -23,19 +23,32 @@ void require(bool holds, const std::string& message) {
     if (!holds) throw std::invalid_argument(message);
 }
 
+using HeldCells = py::array_t<int32_t, py::array::c_style>;
+
+HeldCells held(py::handle item) {
+    // A converted copy would not see the flips of the mesh.
+    require(py::isinstance<HeldCells>(item), "cells must be C-contiguous int32 arrays: they are held, not copied");
+    auto cells = py::reinterpret_borrow<HeldCells>(item);
+    require(cells.ndim() == 2, "cells must have the shape (ne, nodes)");
+    return cells;
+}
+
 void set_topology(Operator& op, const py::list& arrays) {
     std::vector<Block> blocks;
     for (py::handle item : arrays) {
-        // A converted copy would not see the flips of the mesh.
-        require(py::isinstance<py::array_t<int32_t, py::array::c_style>>(item),
-                "cells must be C-contiguous int32 arrays: they are held, not copied");
-        auto cells = py::reinterpret_borrow<py::array_t<int32_t, py::array::c_style>>(item);
-        require(cells.ndim() == 2, "cells must have the shape (ne, nodes)");
+        const bool pair = py::isinstance<py::tuple>(item);
+        require(!pair || py::len(item) == 2, "a block is an array of cells, or a tuple (geometry, dofs)");
+        const auto given = pair ? py::reinterpret_borrow<py::tuple>(item) : py::make_tuple(item, item);
+        auto arrays = std::make_shared<std::pair<HeldCells, HeldCells>>(held(given[0]), held(given[1]));
+        const auto& [geometry, dofs] = *arrays;
+        require(geometry.shape(0) == dofs.shape(0), "geometry and dofs must have a row for each element");
         Block b;
-        b.cells = cells.data();
-        b.count = static_cast<int>(cells.shape(0));
-        b.nodes = static_cast<int>(cells.shape(1));
-        b.owner = std::make_shared<py::array>(std::move(cells));
+        b.geometry = geometry.data();
+        b.dofs = dofs.data();
+        b.count = static_cast<int>(dofs.shape(0));
+        b.nodes = static_cast<int>(geometry.shape(1));
+        b.dof_nodes = static_cast<int>(dofs.shape(1));
+        b.owner = std::move(arrays);
         blocks.push_back(std::move(b));
     }
     op.set_topology(std::move(blocks));
@@ -54,7 +67,7 @@ void set_constraints(Operator& op, const py::array_t<uint8_t, py::array::c_style
 
 // A term as Python gives it: its arrays stay alive through the tuple.
 restshape::Term term_of(const Operator& op, const Block& b, const Element& e, const Doubles& x, const Doubles& params,
-                        double coef, double residual_coef) {
+                        double coef, double residual_coef, const Doubles& coefficients, py::ssize_t rows) {
     const py::ssize_t n = op.nodes(), np = static_cast<py::ssize_t>(e.parameters.size());
     require(x.size() == n * e.fields,
             e.name + " needs x of shape (" + std::to_string(n) + ", " + std::to_string(e.fields) + ")");
@@ -62,24 +75,33 @@ restshape::Term term_of(const Operator& op, const Block& b, const Element& e, co
     require(each || (params.ndim() == 1 && params.size() == np),
             e.name + " needs params of shape (" + std::to_string(np) + ",) or (" + std::to_string(b.count) + ", " +
                 std::to_string(np) + ")");
-    return {&e, x.data(), params.data(), each ? static_cast<int>(np) : 0, coef, residual_coef};
+    require(coefficients.size() == (e.coefficients.empty() ? 0 : rows * e.coefficient_count()),
+            e.name + " needs coefficients of shape (" + std::to_string(rows) + ", " +
+                std::to_string(e.coefficient_count()) + ")");
+    const double* w = e.coefficients.empty() ? nullptr : coefficients.data();
+    return {&e, x.data(), w, params.data(), each ? static_cast<int>(np) : 0, coef, residual_coef};
 }
 
 void add(Operator& op, int block, const Doubles& X, const py::list& parts, std::optional<Output> rhs) {
     const Block& b = op.block(block);
     restshape::Terms terms{X.data(), rhs ? rhs->mutable_data() : nullptr, {}};
-    std::vector<Doubles> held;  // converted copies live until the loop is done
+    std::vector<Doubles> converted;  // copies live until the loop is done
     for (py::handle part : parts) {
         const auto given = py::cast<py::tuple>(part);
-        require(given.size() == 4 || given.size() == 5, "a term is (element, x, params, coef[, residual_coef])");
+        require(given.size() >= 4 && given.size() <= 6,
+                "a term is (element, x, params, coef[, residual_coef[, coefficients]])");
         const auto& e = given[0].cast<const Element&>();
-        require(X.size() == static_cast<py::ssize_t>(op.nodes()) * e.dim,
-                e.name + " needs X of shape (" + std::to_string(op.nodes()) + ", " + std::to_string(e.dim) + ")");
-        held.push_back(given[1].cast<Doubles>());
-        held.push_back(given[2].cast<Doubles>());
-        const double coef = given[3].cast<double>();
-        terms.list.push_back(term_of(op, b, e, held[held.size() - 2], held.back(), coef,
-                                     given.size() == 5 ? given[4].cast<double>() : coef));
+        const py::ssize_t rows = b.geometry == b.dofs ? op.nodes() : X.size() / e.dim;
+        require(X.size() == rows * e.dim && rows >= b.geometry_end,
+                e.name + " needs X of shape (" + std::to_string(std::max<py::ssize_t>(rows, b.geometry_end)) + ", " +
+                    std::to_string(e.dim) + ")");
+        converted.push_back(given[1].cast<Doubles>());
+        converted.push_back(given[2].cast<Doubles>());
+        const bool has_coefficients = given.size() == 6 && !given[5].is_none();
+        converted.push_back(has_coefficients ? given[5].cast<Doubles>() : Doubles(0));
+        const Doubles* arrays = converted.data() + converted.size() - 3;
+        const double coef = given[3].cast<double>(), residual_coef = given.size() > 4 ? given[4].cast<double>() : coef;
+        terms.list.push_back(term_of(op, b, e, arrays[0], arrays[1], coef, residual_coef, arrays[2], rows));
     }
     require(!rhs || (rhs->size() == static_cast<py::ssize_t>(op.nodes()) * op.fields() && rhs->writeable()),
             "rhs must be a writeable array of " + std::to_string(op.nodes() * op.fields()) + " numbers");
@@ -122,7 +144,9 @@ void bind_operator(py::module_& m) {
         .def(py::init(&Operator::create), py::arg("world"), py::arg("fields"), py::arg("node_offsets"),
              py::arg("rank") = 0, py::arg("backend") = "csr")
         .def("set_topology", &set_topology, py::arg("blocks"),
-             "Sets a new pattern from a list of int32 (ne, nodes) cell arrays, which are held and may change in place.")
+             "Sets a new pattern from a list of blocks: int32 (ne, nodes) cells, or a tuple of (ne, nodes) geometry, "
+             "whose X and coefficients elements read, and (ne, dof_nodes) dofs, whose unknowns they read. The arrays "
+             "are held and may change in place.")
         .def("patch", &patch, py::arg("block"), py::arg("changed_cells"),
              "Takes in the cells that changed in place. csr: adds only the pairs that are new; old ones stay as zeros "
              "until the next set_topology, and the matrix is another one only if there were new pairs.")
@@ -134,7 +158,9 @@ void bind_operator(py::module_& m) {
              "Notes the values added since begin, of terms that stay, until the topology, a patch or the constraints "
              "change.")
         .def("add", &add, py::arg("block"), py::arg("X"), py::arg("terms"), py::arg("rhs").noconvert() = py::none(),
-             "For each term (element, x, params, coef[, residual_coef]) of a list, adds coef * tangent to the matrix "
+             "For each term (element, x, params, coef[, residual_coef[, coefficients]]) of a list, adds coef * tangent "
+             "to the "
+             "matrix "
              "and subtracts residual_coef * residual (coef unless given) from own rows of rhs (n*fields,); all terms "
              "of a cell are scattered together. Constrained rows and columns are left out, their diagonal gets the "
              "sum of |coef * K_ii|, their rhs nothing.")

@@ -1,12 +1,7 @@
 // Forward-mode dual numbers: a value and its derivatives in N directions, one SIMD lane a direction.
 #pragma once
 
-// Eigen 3.4's AVX-512 header warns under -Wall.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-variable"
 #include <Eigen/Core>
-#pragma GCC diagnostic pop
-
 #include <cmath>
 #include <type_traits>
 

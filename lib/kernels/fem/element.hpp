@@ -4,71 +4,129 @@
 #include <string>
 #include <vector>
 
-#include "calls.hpp"
-#include "dual.hpp"
+#include "fem/calls.hpp"
+#include "fem/dual.hpp"
 
 namespace restshape {
 
-// Arrays of one element: X (nodes, dim), x and r (nodes, fields), p (parameters).
-struct Element {
+// Unknowns of one kind of an element with several: on the first of its nodes, so many components on each.
+struct Field {
     std::string name;
-    int nodes, dim, fields;
+    int nodes, components;
+};
+
+// Arrays of one element: X (nodes, dim), w (nodes, coefficients), x and r (dof_nodes, fields), p (parameters).
+//
+// Unknowns lie on the element's own nodes, `fields` on each. Of an element with a layout they are single numbers
+// (fields is 1), field after field, in a field node after node.
+struct Element {
+    std::string name, family, shape;  // the name is the other two, joined, unless another is given
+    int nodes, dim, dof_nodes, fields;
     int tangent_stride;  // doubles between rows of K
     bool symmetric;      // of the tangent
     int stress_components;
-    std::vector<std::string> parameters;
+    std::vector<std::string> parameters, coefficients;
+    std::vector<Field> layout;  // empty where every node has the same unknowns
 
-    using Residual = void (*)(const double* X, const double* x, const double* p, double* r);
-    using Tangent = void (*)(const double* X, const double* x, const double* p, double* r, double* K);
-    using Design = void (*)(const double* X, const double* dX, const double* x, const double* dx, const double* p,
-                            double* r);
-    using Energy = double (*)(const double* X, const double* x, const double* p);
-    using Stress = void (*)(const double* X, const double* x, const double* p, const double* xi, double* s);
+    using Residual = void (*)(const double* X, const double* x, const double* w, const double* p, double* r);
+    using Tangent = void (*)(const double* X, const double* x, const double* w, const double* p, double* r, double* K);
+    using Design = void (*)(const double* X, const double* dX, const double* x, const double* dx, const double* w,
+                            const double* dw, const double* p, double* r);
+    using Energy = double (*)(const double* X, const double* x, const double* w, const double* p);
+    using Stress = void (*)(const double* X, const double* x, const double* w, const double* p, const double* xi,
+                            double* s);
 
     Residual residual;
     Tangent residual_tangent;  // residual and dr/dx in one pass; null where the residual does not depend on x
-    Design design;             // dr/dX . dX + dr/dx . dx; without the second where dx is null
+    Design design;             // dr/dX . dX + dr/dw . dw + dr/dx . dx; without those whose direction is null
     Energy energy;             // null where there is none
     Stress stress;             // at reference coordinates xi; null where there is none
 
     Tally* tally = nullptr;  // of the registered element of this name
 
-    int unknowns() const { return nodes * fields; }
+    int unknowns() const { return dof_nodes * fields; }
+    int coefficient_count() const { return static_cast<int>(coefficients.size()); }
 };
 
-constexpr int max_unknowns = 64, max_coordinates = 64, max_tangent = max_unknowns * max_unknowns;
+// Rows of an array (n, columns) at the nodes of a cell.
+inline void gather(const int32_t* cell, int nodes, int columns, const double* from, double* to) {
+    for (int i = 0; i < nodes; ++i)
+        for (int a = 0; a < columns; ++a) to[i * columns + a] = from[static_cast<size_t>(cell[i]) * columns + a];
+}
+
+constexpr int max_unknowns = 64, max_coordinates = 64, max_coefficients = 64, max_tangent = max_unknowns * max_unknowns;
 
 const std::vector<Element>& elements();           // all that are registered
 const Element& element(const std::string& name);  // throws std::invalid_argument with the names that exist
 
 namespace detail {
 
+// What an element type says only where it is not the plain case.
+template <class E, class = void>
+struct Unknowns {
+    static constexpr int nodes = E::nodes;
+    static std::vector<Field> layout() { return {}; }
+};
+template <class E>
+struct Unknowns<E, std::void_t<decltype(E::dof_nodes)>> {
+    static constexpr int nodes = E::dof_nodes;
+    static std::vector<Field> layout() { return E::layout(); }
+};
+template <class E, class = void>
+struct Coefficients {
+    static constexpr int count = 0;
+    static std::vector<std::string> names() { return {}; }
+};
+template <class E>
+struct Coefficients<E, std::void_t<decltype(E::coefficient_count)>> {
+    static constexpr int count = E::coefficient_count;
+    static std::vector<std::string> names() { return E::coefficients(); }
+};
+
 // Flat: with many elements in one file the compiler would stop inlining the arithmetic of duals.
 template <class E>
-[[gnu::flatten]] void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
-    constexpr int n = E::nodes * E::fields;
+[[gnu::flatten]] void tangent(const double* X, const double* x, const double* w, const double* p, double* r,
+                              double* K) {
+    constexpr int n = Unknowns<E>::nodes * E::fields;
     using D = Dual<n>;
     D xd[n], rd[n];
     for (int k = 0; k < n; ++k) xd[k] = D::seed(x[k], k);
-    E::residual(X, xd, p, rd);
+    E::residual(X, xd, w, p, rd);
     for (int k = 0; k < n; ++k) {
         r[k] = rd[k].v;
         Eigen::Map<typename D::Lanes>(K + k * D::lanes) = rd[k].d;
     }
 }
 
+// Coefficients with their derivatives along one direction; none where the element has none.
+template <int Count>
+struct DualCoefficients {
+    Dual<1> at[Count];
+    DualCoefficients(const double* w, const double* dw) {
+        for (int k = 0; k < Count; ++k) at[k] = Dual<1>(w[k], Dual<1>::Lanes::Constant(dw ? dw[k] : 0.0));
+    }
+    const Dual<1>* data() const { return at; }
+};
+template <>
+struct DualCoefficients<0> {
+    DualCoefficients(const double*, const double*) {}
+    const Dual<1>* data() const { return nullptr; }
+};
+
 template <class E>
-void design(const double* X, const double* dX, const double* x, const double* dx, const double* p, double* r) {
-    constexpr int n = E::nodes * E::fields, m = E::nodes * E::dim;
+void design(const double* X, const double* dX, const double* x, const double* dx, const double* w, const double* dw,
+            const double* p, double* r) {
+    constexpr int n = Unknowns<E>::nodes * E::fields, m = E::nodes * E::dim;
     using D = Dual<1>;
+    const DualCoefficients<E::nodes * Coefficients<E>::count> wd(w, dw);
     D Xd[m], rd[n];
     for (int k = 0; k < m; ++k) Xd[k] = D(X[k], D::Lanes::Constant(dX[k]));
     if (dx) {
         D xd[n];
         for (int k = 0; k < n; ++k) xd[k] = D(x[k], D::Lanes::Constant(dx[k]));
-        E::residual(Xd, xd, p, rd);
+        E::residual(Xd, xd, wd.data(), p, rd);
     } else {
-        E::residual(Xd, x, p, rd);
+        E::residual(Xd, x, wd.data(), p, rd);
     }
     for (int k = 0; k < n; ++k) r[k] = rd[k].d[0];
 }
@@ -86,23 +144,33 @@ struct TangentOf<E, std::void_t<decltype(&E::tangent)>> {
 }  // namespace detail
 
 // An element type E has nodes, dim, fields, symmetric, has_tangent, stress_components, parameters() and
-//   template <class SX, class Sx, class R> static void residual(const SX* X, const Sx* x, const double* p, R* r)
-//   template <class SX, class Sx> static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p)
-//   static void stress(const double* X, const double* x, const double* p, const double* xi, double* s)
+//   template <class SX, class Sx, class R>
+//   static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r)
+//   template <class SX, class Sx>
+//   static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p)
+//   static void stress(const double* X, const double* x, const double* w, const double* p, const double* xi, double* s)
 // the energy if it is symmetric, the stress if it has components of it; and may have a tangent of its own where that is
-// faster than dual numbers of all unknowns.
+// faster than dual numbers of all unknowns. With nodal coefficients w it has coefficient_count and coefficients(), with
+// fields on different nodes dof_nodes and layout().
 template <class E>
-Element element_of(const char* name) {
-    constexpr int n = E::nodes * E::fields;
-    static_assert(n <= max_unknowns && E::nodes * E::dim <= max_coordinates, "raise the limits of the element loop");
-    Element e{name,
+Element element_of(const std::string& family, const std::string& shape, const std::string& name = "") {
+    constexpr int n = detail::Unknowns<E>::nodes * E::fields, coefficients = detail::Coefficients<E>::count;
+    static_assert(
+        n <= max_unknowns && E::nodes * E::dim <= max_coordinates && E::nodes * coefficients <= max_coefficients,
+        "raise the limits of the element loop");
+    Element e{name.empty() ? family + "_" + shape : name,
+              family,
+              shape,
               E::nodes,
               E::dim,
+              detail::Unknowns<E>::nodes,
               E::fields,
               Dual<n>::lanes,
               E::symmetric,
               E::stress_components,
               E::parameters(),
+              detail::Coefficients<E>::names(),
+              detail::Unknowns<E>::layout(),
               E::template residual<double, double, double>,
               nullptr,
               detail::design<E>,

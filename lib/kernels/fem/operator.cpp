@@ -1,5 +1,6 @@
-#include "operator.hpp"
+#include "fem/operator.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -109,10 +110,14 @@ void Operator::check_cells(const Block& b, const int32_t* list, int count) const
     for (int k = 0; k < count; ++k) {
         const int e = list ? list[k] : k;
         if (e < 0 || e >= b.count) throw std::invalid_argument("cell " + std::to_string(e) + " does not exist");
-        for (int i = 0; i < b.nodes; ++i)
-            if (b.cell(e)[i] < 0 || b.cell(e)[i] >= nodes())
-                throw std::invalid_argument("cell " + std::to_string(e) + " names node " +
-                                            std::to_string(b.cell(e)[i]) + ", which does not exist");
+        const auto require = [e](int32_t node, bool exists) {
+            if (!exists)
+                throw std::invalid_argument("cell " + std::to_string(e) + " names node " + std::to_string(node) +
+                                            ", which does not exist");
+        };
+        for (int i = 0; i < b.dof_nodes; ++i)
+            require(b.dofs_of(e)[i], b.dofs_of(e)[i] >= 0 && b.dofs_of(e)[i] < nodes());
+        for (int i = 0; i < b.nodes; ++i) require(b.nodes_of(e)[i], b.nodes_of(e)[i] >= 0);
     }
 }
 
@@ -123,6 +128,7 @@ void Operator::set_topology(std::vector<Block> blocks) {
     stop_filling();
     kept_.clear();
     blocks_ = std::move(blocks);
+    for (Block& b : blocks_) find_geometry_end(b, nullptr, b.count);
     flagged_.resize(blocks_.size());
     for (int k = 0; k < block_count(); ++k) flag_constrained(k, nullptr, blocks_[k].count);
     new_pattern();
@@ -134,8 +140,16 @@ void Operator::patch(int k, const int32_t* changed, int count) {
     release_retired();
     stop_filling();
     kept_.clear();
+    find_geometry_end(blocks_[k], changed, count);
     flag_constrained(k, changed, count);
     patch_pattern(k, changed, count);
+}
+
+void Operator::find_geometry_end(Block& b, const int32_t* list, int count) {
+    for (int k = 0; k < count; ++k) {
+        const int32_t* cell = b.nodes_of(list ? list[k] : k);
+        for (int i = 0; i < b.nodes; ++i) b.geometry_end = std::max(b.geometry_end, cell[i] + 1);
+    }
 }
 
 void Operator::set_constraints(const uint8_t* mask) {
@@ -154,8 +168,8 @@ void Operator::flag_constrained(int k, const int32_t* list, int count) {
     for (int m = 0; m < count; ++m) {
         const int e = list ? list[m] : m;
         uint8_t any = 0;
-        for (int i = 0; i < b.nodes; ++i)
-            for (int a = 0; a < fields_; ++a) any |= mask_[static_cast<size_t>(b.cell(e)[i]) * fields_ + a];
+        for (int i = 0; i < b.dof_nodes; ++i)
+            for (int a = 0; a < fields_; ++a) any |= mask_[static_cast<size_t>(b.dofs_of(e)[i]) * fields_ + a];
         flagged_[k][e] = any;
     }
 }
@@ -189,10 +203,14 @@ void Operator::add(int k, const Terms& terms) {
     if (terms.list.empty()) throw std::invalid_argument("a sum needs a term");
     for (const Term& term : terms.list) {
         const Element& e = *term.element;
-        if (e.fields != fields_ || e.nodes != block(k).nodes || e.dim != terms.list.front().element->dim)
+        const Block& b = block(k);
+        if (e.fields != fields_ || e.nodes != b.nodes || e.dof_nodes != b.dof_nodes ||
+            e.dim != terms.list.front().element->dim)
             throw std::invalid_argument(e.name + " has " + std::to_string(e.nodes) + " nodes and " +
-                                        std::to_string(e.fields) + " fields; block " + std::to_string(k) + " has " +
-                                        std::to_string(block(k).nodes) + ", the operator " + std::to_string(fields_));
+                                        std::to_string(e.fields) + " fields on " + std::to_string(e.dof_nodes) +
+                                        "; block " + std::to_string(k) + " has " + std::to_string(b.nodes) +
+                                        " nodes and dofs on " + std::to_string(b.dof_nodes) + ", the operator " +
+                                        std::to_string(fields_) + " fields");
     }
     for (const Term& term : terms.list)
         term.element->tally->add(term.element->residual_tangent ? Purpose::tangent : Purpose::residual, block(k).count);
@@ -213,10 +231,10 @@ void Operator::stop_filling() {
     filling_ = false;
 }
 
-void Operator::constrain(const Element& element, const int32_t* cell, double coef, double* r, double* K) {
+void Operator::constrain(const Element& element, const int32_t* dofs, double coef, double* r, double* K) {
     const int n = element.unknowns(), stride = element.tangent_stride;
     for (int i = 0; i < n; ++i) {
-        const size_t dof = static_cast<size_t>(cell[i / fields_]) * fields_ + i % fields_;
+        const size_t dof = static_cast<size_t>(dofs[i / fields_]) * fields_ + i % fields_;
         if (!mask_[dof]) continue;
         r[i] = 0.0;
         if (!element.residual_tangent) continue;

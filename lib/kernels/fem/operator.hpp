@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "element.hpp"
-#include "pattern.hpp"
+#include "fem/element.hpp"
+#include "fem/pattern.hpp"
 
 namespace restshape {
 
@@ -21,8 +21,8 @@ void check(PetscErrorCode code, const char* call);
 // One element of a sum: matrix += coef * tangent, rhs -= residual_coef * residual.
 struct Term {
     const Element* element;
-    const double *x, *parameters;
-    int parameter_stride;  // 0: the same for all elements
+    const double *x, *coefficients, *parameters;  // coefficients are null where the element has none
+    int parameter_stride;                         // 0: the same for all elements
     double coef, residual_coef;
 };
 
@@ -79,7 +79,7 @@ class Operator {
     bool owned(int32_t node) const { return node >= node_offsets_[rank_] && node < node_offsets_[rank_ + 1]; }
     int own_nodes() const { return node_offsets_[rank_ + 1] - node_offsets_[rank_]; }
 
-    // Calls scatter(k, e, cell, K) with the constrained sum of the tangents of each cell e = list[k] (all if null).
+    // Calls scatter(k, e, dofs, K) with the constrained sum of the tangents of each cell e = list[k] (all if null).
     template <class Sizes, class Scatter>
     void element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count, Scatter scatter);
 
@@ -90,16 +90,17 @@ class Operator {
 
  private:
     void check_cells(const Block& block, const int32_t* list, int count) const;
+    static void find_geometry_end(Block& block, const int32_t* list, int count);
     void flag_constrained(int block, const int32_t* list, int count);
-    void subtract(const int32_t* cell, int nodes, int fields, double coef, const double* r, double* rhs) const {
-        for (int i = 0; i < nodes; ++i)
-            if (owned(cell[i]))
+    void subtract(const int32_t* dofs, int dof_nodes, int fields, double coef, const double* r, double* rhs) const {
+        for (int i = 0; i < dof_nodes; ++i)
+            if (owned(dofs[i]))
                 for (int a = 0; a < fields; ++a)
-                    rhs[static_cast<size_t>(cell[i]) * fields + a] -= coef * r[i * fields + a];
+                    rhs[static_cast<size_t>(dofs[i]) * fields + a] -= coef * r[i * fields + a];
     }
     void release_retired();
     void stop_filling();
-    void constrain(const Element& element, const int32_t* cell, double coef, double* r, double* K);
+    void constrain(const Element& element, const int32_t* dofs, double coef, double* r, double* K);
 
     Mat mat_ = nullptr;
     std::vector<Mat> retired_;
@@ -116,20 +117,21 @@ class Operator {
 template <int Nodes, int Dim, int Fields>
 struct Sizes {
     static constexpr int fixed_fields = Fields ? Fields : Eigen::Dynamic;
-    int nodes_, dim_, fields_;
+    int nodes_, dim_, dof_nodes_, fields_;
 
-    explicit Sizes(const Element& e) : nodes_(e.nodes), dim_(e.dim), fields_(e.fields) {}
+    explicit Sizes(const Element& e) : nodes_(e.nodes), dim_(e.dim), dof_nodes_(e.dof_nodes), fields_(e.fields) {}
     int nodes() const { return Nodes ? Nodes : nodes_; }
+    int dof_nodes() const { return Nodes ? Nodes : dof_nodes_; }
     int dim() const { return Dim ? Dim : dim_; }
     int fields() const { return Fields ? Fields : fields_; }
-    int stride() const { return padded_lanes(nodes() * fields()); }  // of an element's tangent
+    int stride() const { return padded_lanes(dof_nodes() * fields()); }  // of an element's tangent
 };
 
 // Runs the same loop with its inner counts unrolled for the commonest sizes.
 template <class Run>
 void with_sizes(const Element& e, Run run) {
     const auto is = [&e](int nodes, int dim, int fields) {
-        return e.nodes == nodes && e.dim == dim && e.fields == fields;
+        return e.nodes == nodes && e.dof_nodes == nodes && e.dim == dim && e.fields == fields;
     };
     if (is(1, 2, 3)) return run(Sizes<1, 2, 3>(e));
     if (is(3, 2, 2)) return run(Sizes<3, 2, 2>(e));
@@ -150,31 +152,37 @@ std::unique_ptr<Operator> make_bcsr_operator(bool world, int fields, std::vector
 // PETSc's COO assembly, any number of ranks.
 std::unique_ptr<Operator> make_coo_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
 
+// GCC does not see that `sum` is read only where it has been filled.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+
 template <class Sizes, class Scatter>
 void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count,
                             Scatter scatter) {
     alignas(64) double X[max_coordinates], x[max_unknowns], r[max_unknowns], K[max_tangent], sum[max_tangent];
+    alignas(64) double w[max_coefficients];
     const Block& b = blocks_[block];
     const uint8_t* flagged = flagged_[block].data();
-    const int nodes = sizes.nodes(), dim = sizes.dim(), fields = sizes.fields();
-    const int entries = nodes * fields * sizes.stride();
+    const int nodes = sizes.nodes(), dim = sizes.dim(), dof_nodes = sizes.dof_nodes(), fields = sizes.fields();
+    const int entries = dof_nodes * fields * sizes.stride();
     for (int k = 0; k < count; ++k) {
         const int e = list ? list[k] : k;
-        const int32_t* cell = b.cell(e);
+        const int32_t *cell = b.nodes_of(e), *dofs = b.dofs_of(e);
         for (int i = 0; i < nodes; ++i)
             for (int a = 0; a < dim; ++a) X[i * dim + a] = terms.X[static_cast<size_t>(cell[i]) * dim + a];
         bool filled = false;
         for (const Term& t : terms.list) {
-            for (int i = 0; i < nodes; ++i)
-                for (int a = 0; a < fields; ++a) x[i * fields + a] = t.x[static_cast<size_t>(cell[i]) * fields + a];
+            for (int i = 0; i < dof_nodes; ++i)
+                for (int a = 0; a < fields; ++a) x[i * fields + a] = t.x[static_cast<size_t>(dofs[i]) * fields + a];
+            if (t.coefficients) gather(cell, nodes, t.element->coefficient_count(), t.coefficients, w);
             const double* p = t.parameters + static_cast<size_t>(e) * t.parameter_stride;
             const bool tangent = t.element->residual_tangent != nullptr;
             if (tangent)
-                t.element->residual_tangent(X, x, p, r, K);
+                t.element->residual_tangent(X, x, w, p, r, K);
             else
-                t.element->residual(X, x, p, r);
-            if (flagged[e]) constrain(*t.element, cell, t.coef, r, K);
-            if (terms.rhs) subtract(cell, nodes, fields, t.residual_coef, r, terms.rhs);
+                t.element->residual(X, x, w, p, r);
+            if (flagged[e]) constrain(*t.element, dofs, t.coef, r, K);
+            if (terms.rhs) subtract(dofs, dof_nodes, fields, t.residual_coef, r, terms.rhs);
             if (!tangent) continue;
             if (filled)
                 for (int q = 0; q < entries; ++q) sum[q] += t.coef * K[q];
@@ -182,8 +190,10 @@ void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const in
                 for (int q = 0; q < entries; ++q) sum[q] = t.coef * K[q];
             filled = true;
         }
-        if (filled) scatter(k, e, cell, sum);
+        if (filled) scatter(k, e, dofs, sum);
     }
 }
+
+#pragma GCC diagnostic pop
 
 }  // namespace restshape

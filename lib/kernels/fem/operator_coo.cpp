@@ -1,7 +1,7 @@
 // The operator of any number of ranks: PETSc's COO assembly of the elements that touch own nodes.
 #include <algorithm>
 
-#include "operator.hpp"
+#include "fem/operator.hpp"
 
 namespace restshape {
 
@@ -24,10 +24,10 @@ class CooOperator final : public Operator {
         for (size_t k = 0; k < blocks_.size(); ++k) {
             const Block& b = blocks_[k];
             for (int e = 0; e < b.count; ++e)
-                if (std::any_of(b.cell(e), b.cell(e) + b.nodes, [this](int32_t i) { return owned(i); }))
+                if (std::any_of(b.dofs_of(e), b.dofs_of(e) + b.dof_nodes, [this](int32_t i) { return owned(i); }))
                     touching_[k].push_back(e);
             first_[k] = entries;
-            entries += touching_[k].size() * b.nodes * b.nodes * fields_ * fields_;
+            entries += touching_[k].size() * b.dof_nodes * b.dof_nodes * fields_ * fields_;
         }
         diagonal_first_ = entries;
         value_.assign(entries + static_cast<size_t>(own_nodes()) * fields_, 0.0);
@@ -44,7 +44,7 @@ class CooOperator final : public Operator {
         with_sizes(*terms.list.front().element, [&](auto sizes) {
             element_loop(sizes, block, terms, list.data(), static_cast<int>(list.size()),
                          [=](int k, int, const int32_t*, const double* K) {
-                             const int n = sizes.nodes() * sizes.fields(), stride = sizes.stride();
+                             const int n = sizes.dof_nodes() * sizes.fields(), stride = sizes.stride();
                              double* v = value + static_cast<size_t>(k) * n * n;
                              for (int i = 0; i < n; ++i)
                                  for (int j = 0; j < n; ++j) v[i * n + j] += K[i * stride + j];
@@ -64,7 +64,7 @@ class CooOperator final : public Operator {
         rows.reserve(value_.size());
         columns.reserve(value_.size());
         for (size_t k = 0; k < blocks_.size(); ++k)
-            for (int32_t e : touching_[k]) append(blocks_[k].cell(e), blocks_[k].nodes, rows, columns);
+            for (int32_t e : touching_[k]) append(blocks_[k].dofs_of(e), blocks_[k].dof_nodes, rows, columns);
         // Every diagonal entry exists, also where no element is.
         for (int i = node_offsets_[rank_] * fields_; i < node_offsets_[rank_ + 1] * fields_; ++i) {
             rows.push_back(i);

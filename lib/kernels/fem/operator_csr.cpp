@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "operator.hpp"
+#include "fem/operator.hpp"
 
 namespace restshape {
 
@@ -80,7 +80,7 @@ class CsrOperator final : public Operator {
         double* value = arrays_->value.data();
         const Block& b = blocks_[block];
         element_loop(sizes, block, terms, nullptr, b.count, [=, &b](int, int e, const int32_t* cell, const double* K) {
-            const int count = sizes.nodes(), fields = sizes.fields(), stride = sizes.stride();
+            const int count = sizes.dof_nodes(), fields = sizes.fields(), stride = sizes.stride();
             // Of nodes that touch nothing the memory need not be either.
             if (count == 1 && std::all_of(K, K + stride * fields, [](double entry) { return entry == 0.0; })) return;
             const uint16_t* offset = b.offsets(e);

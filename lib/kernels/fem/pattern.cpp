@@ -1,4 +1,4 @@
-#include "pattern.hpp"
+#include "fem/pattern.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -15,7 +15,7 @@ int NodeGraph::place(int node, int neighbour) const {
 }
 
 void NodeGraph::build(int nodes, std::vector<Block>& blocks) {
-    for (Block& b : blocks) b.offset.resize(static_cast<size_t>(b.count) * b.nodes * b.nodes);
+    for (Block& b : blocks) b.offset.resize(static_cast<size_t>(b.count) * b.dof_nodes * b.dof_nodes);
     collect_incidence(nodes, blocks);
     start.assign(1, 0);
     start.reserve(nodes + 1);
@@ -27,9 +27,9 @@ void NodeGraph::build(int nodes, std::vector<Block>& blocks) {
         append_row(i, blocks);
         for (int s = first_[i]; s < first_[i + 1]; ++s) {
             Block& b = blocks[incident_[s].block];
-            const int32_t* cell = b.cell(incident_[s].slot / b.nodes);
-            uint16_t* offset = b.offset.data() + static_cast<size_t>(incident_[s].slot) * b.nodes;
-            for (int j = 0; j < b.nodes; ++j) offset[j] = static_cast<uint16_t>(place_in_row_[cell[j]]);
+            const int32_t* cell = b.dofs_of(incident_[s].slot / b.dof_nodes);
+            uint16_t* offset = b.offset.data() + static_cast<size_t>(incident_[s].slot) * b.dof_nodes;
+            for (int j = 0; j < b.dof_nodes; ++j) offset[j] = static_cast<uint16_t>(place_in_row_[cell[j]]);
         }
     }
     has_grown_.assign(nodes, 0);
@@ -38,16 +38,16 @@ void NodeGraph::build(int nodes, std::vector<Block>& blocks) {
 void NodeGraph::collect_incidence(int nodes, const std::vector<Block>& blocks) {
     first_.assign(nodes + 1, 0);
     for (const Block& b : blocks) {
-        const size_t slots = static_cast<size_t>(b.count) * b.nodes;
-        for (size_t s = 0; s < slots; ++s) ++first_[b.cells[s] + 1];
+        const size_t slots = static_cast<size_t>(b.count) * b.dof_nodes;
+        for (size_t s = 0; s < slots; ++s) ++first_[b.dofs[s] + 1];
     }
     for (int i = 0; i < nodes; ++i) first_[i + 1] += first_[i];
     incident_.resize(first_[nodes]);
     next_.assign(first_.begin(), first_.end() - 1);
     for (size_t k = 0; k < blocks.size(); ++k) {
-        const size_t slots = static_cast<size_t>(blocks[k].count) * blocks[k].nodes;
+        const size_t slots = static_cast<size_t>(blocks[k].count) * blocks[k].dof_nodes;
         for (size_t s = 0; s < slots; ++s)
-            incident_[next_[blocks[k].cells[s]]++] = {static_cast<int32_t>(k), static_cast<int32_t>(s)};
+            incident_[next_[blocks[k].dofs[s]]++] = {static_cast<int32_t>(k), static_cast<int32_t>(s)};
     }
 }
 
@@ -57,8 +57,8 @@ void NodeGraph::append_row(int node, const std::vector<Block>& blocks) {
     adjacent.push_back(node);
     for (int s = first_[node]; s < first_[node + 1]; ++s) {
         const Block& b = blocks[incident_[s].block];
-        const int32_t* cell = b.cell(incident_[s].slot / b.nodes);
-        for (int j = 0; j < b.nodes; ++j)
+        const int32_t* cell = b.dofs_of(incident_[s].slot / b.dof_nodes);
+        for (int j = 0; j < b.dof_nodes; ++j)
             if (seen_[cell[j]] != node) {
                 seen_[cell[j]] = node;
                 adjacent.push_back(cell[j]);
@@ -85,9 +85,9 @@ const std::vector<int32_t>& NodeGraph::patch(std::vector<Block>& blocks, int blo
         for (int32_t node : grown_) has_grown_[node] = 1;
         for (Block& b : blocks)
             for (int e = 0; e < b.count; ++e) {
-                const int32_t* cell = b.cell(e);
+                const int32_t* cell = b.dofs_of(e);
                 uint8_t any = 0;
-                for (int i = 0; i < b.nodes; ++i) any |= has_grown_[cell[i]];
+                for (int i = 0; i < b.dof_nodes; ++i) any |= has_grown_[cell[i]];
                 if (any) mend_offsets(b, e, false);
             }
         for (int32_t node : grown_) has_grown_[node] = 0;
@@ -99,9 +99,9 @@ const std::vector<int32_t>& NodeGraph::patch(std::vector<Block>& blocks, int blo
 void NodeGraph::collect_missing(const Block& block, const int32_t* changed, int count) {
     missing_.clear();
     for (int k = 0; k < count; ++k) {
-        const int32_t* cell = block.cell(changed[k]);
-        for (int i = 0; i < block.nodes; ++i)
-            for (int j = 0; j < block.nodes; ++j)
+        const int32_t* cell = block.dofs_of(changed[k]);
+        for (int i = 0; i < block.dof_nodes; ++i)
+            for (int j = 0; j < block.dof_nodes; ++j)
                 if (place(cell[i], cell[j]) < 0)
                     missing_.push_back((static_cast<uint64_t>(cell[i]) << 32) + static_cast<uint32_t>(cell[j]));
     }
@@ -134,14 +134,14 @@ void NodeGraph::merge_missing(std::vector<int32_t>& old_start) {
 }
 
 void NodeGraph::mend_offsets(Block& block, int e, bool all_rows) {
-    const int32_t* cell = block.cell(e);
+    const int32_t* cell = block.dofs_of(e);
     uint16_t* offset = block.offsets(e);
-    for (int i = 0; i < block.nodes; ++i) {
+    for (int i = 0; i < block.dof_nodes; ++i) {
         if (!all_rows && !has_grown_[cell[i]]) continue;
-        for (int j = 0; j < block.nodes; ++j) {
+        for (int j = 0; j < block.dof_nodes; ++j) {
             const int k = place(cell[i], cell[j]);
             if (k < 0) throw std::runtime_error("cell " + std::to_string(e) + " changed, but no patch has named it");
-            offset[i * block.nodes + j] = static_cast<uint16_t>(k);
+            offset[i * block.dof_nodes + j] = static_cast<uint16_t>(k);
         }
     }
 }

@@ -8,16 +8,20 @@
 
 namespace restshape {
 
-// Elements of one kind. The connectivity belongs to the mesh, which changes it in place when edges flip.
+// Elements of one kind. Their arrays belong to the mesh, which changes them in place when edges flip.
 struct Block {
-    const int32_t* cells;
-    int count, nodes;
-    std::shared_ptr<void> owner;   // keeps `cells` alive
-    std::vector<uint16_t> offset;  // (count, nodes, nodes): place of node j in the row of node i
+    const int32_t* geometry;  // (count, nodes): nodes whose material coordinates and coefficients an element reads
+    const int32_t* dofs;      // (count, dof_nodes): nodes whose unknowns it reads; the same array but for seams,
+                              // periodicity and fields on different nodes
+    int count, nodes, dof_nodes;
+    std::shared_ptr<void> owner;   // keeps the arrays alive
+    int32_t geometry_end = 0;      // above all of `geometry`
+    std::vector<uint16_t> offset;  // (count, dof_nodes, dof_nodes): place of node j in the row of node i
 
-    const int32_t* cell(int e) const { return cells + static_cast<size_t>(e) * nodes; }
-    uint16_t* offsets(int e) { return offset.data() + static_cast<size_t>(e) * nodes * nodes; }
-    const uint16_t* offsets(int e) const { return offset.data() + static_cast<size_t>(e) * nodes * nodes; }
+    const int32_t* nodes_of(int e) const { return geometry + static_cast<size_t>(e) * nodes; }
+    const int32_t* dofs_of(int e) const { return dofs + static_cast<size_t>(e) * dof_nodes; }
+    uint16_t* offsets(int e) { return offset.data() + static_cast<size_t>(e) * dof_nodes * dof_nodes; }
+    const uint16_t* offsets(int e) const { return offset.data() + static_cast<size_t>(e) * dof_nodes * dof_nodes; }
 };
 
 // Neighbours of each node, itself included, sorted: row i is adjacent[start[i]:start[i + 1]].
@@ -39,7 +43,7 @@ class NodeGraph {
 
  private:
     struct Incidence {
-        int32_t block, slot;  // slot = element * nodes + local node
+        int32_t block, slot;  // slot = element * dof_nodes + local node
     };
 
     void collect_incidence(int nodes, const std::vector<Block>& blocks);

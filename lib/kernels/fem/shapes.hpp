@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "dual.hpp"
+#include "fem/dual.hpp"
 
 namespace restshape {
 

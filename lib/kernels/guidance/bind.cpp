@@ -3,7 +3,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include "force_space.hpp"
+#include "guidance/force_space.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;

@@ -7,12 +7,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "mesh_harmonic.hpp"
-#include "mesh_location.hpp"
-#include "mesh_mean_value.hpp"
-#include "mesh_quality.hpp"
-#include "mesh_smoothing.hpp"
-#include "mesh_triangulation.hpp"
+#include "mesh/harmonic.hpp"
+#include "mesh/location.hpp"
+#include "mesh/mean_value.hpp"
+#include "mesh/quality.hpp"
+#include "mesh/smoothing.hpp"
+#include "mesh/triangulation.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "mesh_boundary.hpp"
+#include "mesh/boundary.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;

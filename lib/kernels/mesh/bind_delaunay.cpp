@@ -11,7 +11,7 @@
 #include <string>
 
 #if RESTSHAPE_CGAL
-#include "mesher_cgal.hpp"
+#include "mesh/delaunay.hpp"
 #endif
 
 namespace py = pybind11;

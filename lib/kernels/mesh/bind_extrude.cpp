@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "mesh_extrude.hpp"
+#include "mesh/extrude.hpp"
 
 namespace py = pybind11;
 

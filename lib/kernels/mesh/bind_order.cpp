@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "mesh_fresh.hpp"
-#include "mesh_order.hpp"
+#include "mesh/order.hpp"
+#include "mesh/relaxation.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;

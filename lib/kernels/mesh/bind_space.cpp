@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "mesh_space.hpp"
+#include "mesh/space.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;

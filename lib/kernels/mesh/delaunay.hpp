@@ -24,7 +24,7 @@
 #include <utility>
 #include <vector>
 
-#include "mesher_size.hpp"
+#include "mesh/size.hpp"
 
 namespace restshape {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "shapes.hpp"
+#include "fem/shapes.hpp"
 
 namespace restshape {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "mesh_curved.hpp"
-#include "mesh_location.hpp"
-#include "shapes.hpp"
+#include "fem/shapes.hpp"
+#include "mesh/curved.hpp"
+#include "mesh/location.hpp"
 
 namespace restshape {
 

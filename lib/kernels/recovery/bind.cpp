@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "field_estimate.hpp"
-#include "field_recovery_space.hpp"
+#include "recovery/estimate.hpp"
+#include "recovery/space.hpp"
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;

@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "calls.hpp"
-#include "field_recovery.hpp"
-#include "mesh_curved.hpp"
+#include "fem/calls.hpp"
+#include "mesh/curved.hpp"
+#include "recovery/patch.hpp"
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;

@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "calls.hpp"
-#include "field_recovery_quadratic.hpp"
-#include "mesh_curved.hpp"
+#include "fem/calls.hpp"
+#include "mesh/curved.hpp"
+#include "recovery/quadratic.hpp"
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "shapes.hpp"
+#include "fem/shapes.hpp"
 
 namespace restshape {
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "shapes.hpp"
+#include "fem/shapes.hpp"
 
 namespace restshape {
 

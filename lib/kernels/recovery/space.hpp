@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "shapes.hpp"
+#include "fem/shapes.hpp"
 
 namespace restshape {
 

@@ -3,7 +3,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include "outline_check.hpp"
+#include "shape/outline_check.hpp"
 
 namespace py = pybind11;
 using namespace restshape::outline;

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "curve_distance.hpp"
+#include "shape/curve_distance.hpp"
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "outline_round.hpp"
+#include "shape/outline_round.hpp"
 
 namespace restshape::outline {
 

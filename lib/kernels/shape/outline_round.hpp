@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "outline_point.hpp"
+#include "shape/outline_point.hpp"
 
 namespace restshape::outline {
 
