@@ -21,7 +21,7 @@ struct QuadraticElement {
     static constexpr int stress_components = 0;
 
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         SX B[nodes][forms], W[forms][forms];
         E::prepare(X, p, B, W);
         for (int a = 0; a < 3; ++a) {
@@ -39,7 +39,7 @@ struct QuadraticElement {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;
         SX B[nodes][forms], W[forms][forms];
         E::prepare(X, p, B, W);
@@ -53,10 +53,10 @@ struct QuadraticElement {
         return total;
     }
 
-    static void tangent(const double* X, const double* x, const double* w, const double* p, double* r, double* K) {
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         constexpr int n = 3 * nodes, stride = Dual<n>::lanes;
         double B[nodes][forms], W[forms][forms];
-        residual(X, x, w, p, r);
+        residual(X, x, p, r);
         E::prepare(X, p, B, W);
         for (int k = 0; k < n * stride; ++k) K[k] = 0.0;
         for (int i = 0; i < nodes; ++i) {

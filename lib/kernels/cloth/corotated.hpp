@@ -11,7 +11,7 @@ namespace restshape {
 
 struct CorotatedMembraneElement : MembraneParts {
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         SX G[3][2];
         R F[3][2], U[3], S[3], P[3][2];
         const SX area = gradients(X, G);
@@ -24,7 +24,7 @@ struct CorotatedMembraneElement : MembraneParts {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;
         SX G[3][2];
         R F[3][2], U[3], T[3];
@@ -38,7 +38,7 @@ struct CorotatedMembraneElement : MembraneParts {
     }
 
     // Second Piola-Kirchhoff tensions xx, yy, xy [N/m].
-    static void stress(const double* X, const double* x, const double* w, const double* p, const double*, double* s) {
+    static void stress(const double* X, const double* x, const double* p, const double*, double* s) {
         double G[3][2], F[3][2], U[3], S[3];
         gradients(X, G);
         deformation(G, x, F);

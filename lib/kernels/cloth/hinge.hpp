@@ -22,7 +22,7 @@ struct NonlinearHingeElement {
     static std::vector<std::string> parameters() { return {"k"}; }
 
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         Sx gradient[12];
         const Sx theta = angle(x, gradient);
         const R moment = theta * stiffness(X, p);
@@ -30,7 +30,7 @@ struct NonlinearHingeElement {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         Sx gradient[12];
         const Sx theta = angle(x, gradient);
         return theta * theta * (0.5 * stiffness(X, p));

@@ -86,7 +86,7 @@ struct MembraneParts {
 template <bool Stabilised>
 struct MembraneElement : MembraneParts {
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         SX G[3][2];
         R F[3][2], E[3], S[3], P[3][2];
         const SX area = gradients(X, G);
@@ -99,7 +99,7 @@ struct MembraneElement : MembraneParts {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;
         SX G[3][2];
         R F[3][2], E[3], S[3];
@@ -111,7 +111,7 @@ struct MembraneElement : MembraneParts {
     }
 
     // By hand: duals of nine directions would take sixteen lanes.
-    static void tangent(const double* X, const double* x, const double* w, const double* p, double* r, double* K) {
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         constexpr int stride = Dual<9>::lanes;
         double G[3][2], F[3][2], E[3], S[3], P[3][2], B[9][3], CB[9][3];
         const double area = gradients(X, G);
@@ -145,7 +145,7 @@ struct MembraneElement : MembraneParts {
     }
 
     // Second Piola-Kirchhoff tensions xx, yy, xy [N/m].
-    static void stress(const double* X, const double* x, const double* w, const double* p, const double*, double* s) {
+    static void stress(const double* X, const double* x, const double* p, const double*, double* s) {
         double G[3][2], F[3][2], E[3], S[3];
         gradients(X, G);
         deformation(G, x, F);

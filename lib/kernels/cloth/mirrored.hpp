@@ -22,12 +22,12 @@ struct MirroredElement {
     static std::vector<std::string> parameters() { return {"k", "tx", "ty", "tz"}; }
 
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         SX wide[8];
         Sx places[12];
         R forces[12];
         with_image(X, x, p + 1, wide, places);
-        Whole::residual(wide, places, w, p, forces);
+        Whole::residual(wide, places, p, forces);
         // Forces on the image act on nodes 0 and 2.
         const R along = (forces[9] * p[1] + forces[10] * p[2] + forces[11] * p[3]) * 2.0;
         for (int a = 0; a < 3; ++a) {
@@ -39,11 +39,11 @@ struct MirroredElement {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         SX wide[8];
         Sx places[12];
         with_image(X, x, p + 1, wide, places);
-        return 0.5 * Whole::energy(wide, places, w, p);
+        return 0.5 * Whole::energy(wide, places, p);
     }
 
  private:

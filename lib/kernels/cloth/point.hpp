@@ -20,7 +20,7 @@ struct PointPotentialElement {
     }
 
     template <class SX, class Sx, class R>
-    static void residual(const SX*, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX*, const Sx* x, const double* p, R* r) {
         const Sx u[3] = {x[0] - p[0], x[1] - p[1], x[2] - p[2]};
         r[0] = R(u[0] * p[6] + u[1] * p[11] + u[2] * p[10] + p[3]);
         r[1] = R(u[0] * p[11] + u[1] * p[7] + u[2] * p[9] + p[4]);
@@ -28,9 +28,9 @@ struct PointPotentialElement {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         Sx r[3], total(0.0);
-        residual(X, x, w, p, r);
+        residual(X, x, p, r);
         for (int a = 0; a < 3; ++a) total += (x[a] - p[a]) * (0.5 * (r[a] + p[3 + a]));
         return Common<SX, Sx>(1.0) * total;
     }

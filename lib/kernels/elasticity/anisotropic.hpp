@@ -27,7 +27,7 @@ struct AnisotropicElement : SolidParts<Shape> {
     }
 
     template <class SX, class Sx, class R>
-    [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         for (int q = 0; q < Shape::points; ++q) {
             SX G[nodes][dim];
             const SX volume = Shape::gradients(q, X, G) * thickness(p);
@@ -40,8 +40,7 @@ struct AnisotropicElement : SolidParts<Shape> {
         }
     }
 
-    [[gnu::flatten]] static void tangent(const double* X, const double* x, const double* w, const double* p, double* r,
-                                         double* K) {
+    [[gnu::flatten]] static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         for (int q = 0; q < Shape::points; ++q) {
             double G[nodes][dim], H[dim][dim], s[strains];
             const double volume = Shape::gradients(q, X, G) * thickness(p);
@@ -59,7 +58,7 @@ struct AnisotropicElement : SolidParts<Shape> {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;
         R total(0.0);
         for (int q = 0; q < Shape::points; ++q) {
@@ -77,8 +76,7 @@ struct AnisotropicElement : SolidParts<Shape> {
     }
 
     // At reference coordinates xi; normal to the plane of a flat one it is 0.
-    static void stress(const double* X, const double* x, const double* w, const double* p, const double* xi,
-                       double* out) {
+    static void stress(const double* X, const double* x, const double* p, const double* xi, double* out) {
         double G[nodes][dim], H[dim][dim], s[strains];
         Shape::gradients_at(xi, X, G);
         Parts::displacement_gradient(G, x, H);

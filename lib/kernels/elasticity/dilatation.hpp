@@ -17,7 +17,7 @@ struct DilatationElement : SolidParts<Shape> {
     using Parts::nodes;
 
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         SX whole;
         const R volumetric = mean(X, x, whole) * p[0];
         for (int q = 0; q < Shape::points; ++q) {
@@ -32,7 +32,7 @@ struct DilatationElement : SolidParts<Shape> {
         }
     }
 
-    static void tangent(const double* X, const double* x, const double* w, const double* p, double* r, double* K) {
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         double whole;
         const double volumetric = mean(X, x, whole) * p[0];
         Row change = Row::Zero();  // of the integral of the dilatation, by the unknowns
@@ -57,7 +57,7 @@ struct DilatationElement : SolidParts<Shape> {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;
         SX whole;
         const R dilatation = mean(X, x, whole);
@@ -74,8 +74,7 @@ struct DilatationElement : SolidParts<Shape> {
         return total;
     }
 
-    static void stress(const double* X, const double* x, const double* w, const double* p, const double* xi,
-                       double* s) {
+    static void stress(const double* X, const double* x, const double* p, const double* xi, double* s) {
         double G[nodes][dim], H[dim][dim], E[dim][dim], whole;
         Shape::gradients_at(xi, X, G);
         Parts::displacement_gradient(G, x, H);

@@ -28,7 +28,7 @@ struct GeometricElement : SolidParts<Shape> {
     }
 
     template <class SX, class Sx, class R>
-    [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         const SX mean = mean_dilatation(X, p);
         for (int k = 0; k < unknowns; ++k) r[k] = R(0.0);
         for (int q = 0; q < Shape::points; ++q) {
@@ -45,10 +45,9 @@ struct GeometricElement : SolidParts<Shape> {
         }
     }
 
-    [[gnu::flatten]] static void tangent(const double* X, const double* x, const double* w, const double* p, double* r,
-                                         double* K) {
+    [[gnu::flatten]] static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         constexpr int stride = Dual<unknowns>::lanes;
-        residual(X, x, w, p, r);
+        residual(X, x, p, r);
         for (int k = 0; k < unknowns * stride; ++k) K[k] = 0.0;
         const double mean = mean_dilatation(X, p);
         for (int q = 0; q < Shape::points; ++q) {
@@ -67,7 +66,7 @@ struct GeometricElement : SolidParts<Shape> {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;
         R total(0.0);
         const SX mean = mean_dilatation(X, p);

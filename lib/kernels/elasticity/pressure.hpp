@@ -21,7 +21,7 @@ struct PressureElement {
     static std::vector<std::string> parameters() { return {"p0", "p1", "thickness"}; }
 
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         R place[nodes * 2];
         for (int k = 0; k < nodes * 2; ++k) place[k] = x[k] + X[k];
         for (int k = 0; k < nodes * fields; ++k) r[k] = R(0.0);

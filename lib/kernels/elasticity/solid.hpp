@@ -135,7 +135,7 @@ struct SolidElement : SolidParts<Shape> {
 
     // Flat, like the tangent: with many elements in one file the compiler would stop inlining, at half the speed.
     template <class SX, class Sx, class R>
-    [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         for (int q = 0; q < Shape::points; ++q) {
             SX G[nodes][dim];
             const SX volume = Shape::gradients(q, X, G) * Parts::thickness(p);
@@ -147,8 +147,7 @@ struct SolidElement : SolidParts<Shape> {
     }
 
     // Dual numbers carry the law's derivatives in H only: as many lanes as H has components, not as there are unknowns.
-    [[gnu::flatten]] static void tangent(const double* X, const double* x, const double* w, const double* p, double* r,
-                                         double* K) {
+    [[gnu::flatten]] static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         for (int q = 0; q < Shape::points; ++q) {
             double G[nodes][dim], H[dim][dim];
             const double volume = Shape::gradients(q, X, G) * Parts::thickness(p);
@@ -161,7 +160,7 @@ struct SolidElement : SolidParts<Shape> {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;
         R total(0.0);
         for (int q = 0; q < Shape::points; ++q) {
@@ -178,8 +177,7 @@ struct SolidElement : SolidParts<Shape> {
     }
 
     // Cauchy stress at reference coordinates xi.
-    static void stress(const double* X, const double* x, const double* w, const double* p, const double* xi,
-                       double* s) {
+    static void stress(const double* X, const double* x, const double* p, const double* xi, double* s) {
         double G[nodes][dim], H[dim][dim], E[dim][dim];
         Shape::gradients_at(xi, X, G);
         Parts::displacement_gradient(G, x, H);

@@ -18,7 +18,7 @@ struct TractionElement {
     static std::vector<std::string> parameters() { return {"tx0", "ty0", "tx1", "ty1", "p0", "p1", "thickness"}; }
 
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx*, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx*, const double* p, R* r) {
         for (int k = 0; k < nodes * fields; ++k) r[k] = R(0.0);
         for (int q = 0; q < Shape::points; ++q) {
             SX T[2], force[2];
@@ -35,10 +35,10 @@ struct TractionElement {
 
     // The potential of the load.
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;
         R r[nodes * fields];
-        residual(X, x, w, p, r);
+        residual(X, x, p, r);
         R total(0.0);
         for (int k = 0; k < nodes * fields; ++k) total += x[k] * r[k];
         return total;

@@ -83,6 +83,39 @@ struct Coefficients<E, std::void_t<decltype(E::coefficient_count)>> {
     static std::vector<std::string> names() { return E::coefficients(); }
 };
 
+// Elements without coefficients are not asked to take any.
+template <class E, class SX, class Sx, class R>
+[[gnu::always_inline]] inline void call_residual(const SX* X, const Sx* x, [[maybe_unused]] const SX* w,
+                                                 const double* p, R* r) {
+    if constexpr (Coefficients<E>::count > 0)
+        E::residual(X, x, w, p, r);
+    else
+        E::residual(X, x, p, r);
+}
+
+// Flat, as the elements' own functions are.
+template <class E>
+[[gnu::flatten]] void residual(const double* X, const double* x, const double* w, const double* p, double* r) {
+    call_residual<E>(X, x, w, p, r);
+}
+
+template <class E>
+double energy(const double* X, const double* x, [[maybe_unused]] const double* w, const double* p) {
+    if constexpr (Coefficients<E>::count > 0)
+        return E::energy(X, x, w, p);
+    else
+        return E::energy(X, x, p);
+}
+
+template <class E>
+void stress(const double* X, const double* x, [[maybe_unused]] const double* w, const double* p, const double* xi,
+            double* s) {
+    if constexpr (Coefficients<E>::count > 0)
+        E::stress(X, x, w, p, xi, s);
+    else
+        E::stress(X, x, p, xi, s);
+}
+
 // Flat: with many elements in one file the compiler would stop inlining the arithmetic of duals.
 template <class E>
 [[gnu::flatten]] void tangent(const double* X, const double* x, const double* w, const double* p, double* r,
@@ -91,7 +124,7 @@ template <class E>
     using D = Dual<n>;
     D xd[n], rd[n];
     for (int k = 0; k < n; ++k) xd[k] = D::seed(x[k], k);
-    E::residual(X, xd, w, p, rd);
+    call_residual<E>(X, xd, w, p, rd);
     for (int k = 0; k < n; ++k) {
         r[k] = rd[k].v;
         Eigen::Map<typename D::Lanes>(K + k * D::lanes) = rd[k].d;
@@ -124,11 +157,21 @@ void design(const double* X, const double* dX, const double* x, const double* dx
     if (dx) {
         D xd[n];
         for (int k = 0; k < n; ++k) xd[k] = D(x[k], D::Lanes::Constant(dx[k]));
-        E::residual(Xd, xd, wd.data(), p, rd);
+        call_residual<E>(Xd, xd, wd.data(), p, rd);
     } else {
-        E::residual(Xd, x, wd.data(), p, rd);
+        call_residual<E>(Xd, x, wd.data(), p, rd);
     }
     for (int k = 0; k < n; ++k) r[k] = rd[k].d[0];
+}
+
+// An element's own tangent.
+template <class E>
+[[gnu::flatten]] void own_tangent(const double* X, const double* x, [[maybe_unused]] const double* w, const double* p,
+                                  double* r, double* K) {
+    if constexpr (Coefficients<E>::count > 0)
+        E::tangent(X, x, w, p, r, K);
+    else
+        E::tangent(X, x, p, r, K);
 }
 
 template <class E, class = void>
@@ -138,20 +181,19 @@ struct TangentOf {
 template <class E>
 struct TangentOf<E, std::void_t<decltype(&E::tangent)>> {
     // Six unknowns fill one register of duals: the plain way is the faster one then.
-    static constexpr Element::Tangent value = E::nodes * E::fields <= 6 ? tangent<E> : E::tangent;
+    static constexpr Element::Tangent value = E::nodes * E::fields <= 6 ? tangent<E> : own_tangent<E>;
 };
 
 }  // namespace detail
 
 // An element type E has nodes, dim, fields, symmetric, has_tangent, stress_components, parameters() and
-//   template <class SX, class Sx, class R>
-//   static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r)
-//   template <class SX, class Sx>
-//   static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p)
-//   static void stress(const double* X, const double* x, const double* w, const double* p, const double* xi, double* s)
+//   template <class SX, class Sx, class R> static void residual(const SX* X, const Sx* x, const double* p, R* r)
+//   template <class SX, class Sx> static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p)
+//   static void stress(const double* X, const double* x, const double* p, const double* xi, double* s)
 // the energy if it is symmetric, the stress if it has components of it; and may have a tangent of its own where that is
-// faster than dual numbers of all unknowns. With nodal coefficients w it has coefficient_count and coefficients(), with
-// fields on different nodes dof_nodes and layout().
+// faster than dual numbers of all unknowns. With nodal coefficients it has coefficient_count, above 0, and
+// coefficients(), their names, and all of these take them after x: const SX* w (const double* w where X is). With
+// fields on different nodes it has dof_nodes and layout().
 template <class E>
 Element element_of(const std::string& family, const std::string& shape, const std::string& name = "") {
     constexpr int n = detail::Unknowns<E>::nodes * E::fields, coefficients = detail::Coefficients<E>::count;
@@ -171,14 +213,14 @@ Element element_of(const std::string& family, const std::string& shape, const st
               E::parameters(),
               detail::Coefficients<E>::names(),
               detail::Unknowns<E>::layout(),
-              E::template residual<double, double, double>,
+              detail::residual<E>,
               nullptr,
               detail::design<E>,
               nullptr,
               nullptr};
     if constexpr (E::has_tangent) e.residual_tangent = detail::TangentOf<E>::value;
-    if constexpr (E::symmetric) e.energy = E::template energy<double, double>;
-    if constexpr (E::stress_components > 0) e.stress = E::stress;
+    if constexpr (E::symmetric) e.energy = detail::energy<E>;
+    if constexpr (E::stress_components > 0) e.stress = detail::stress<E>;
     return e;
 }
 

@@ -10,10 +10,10 @@ namespace restshape {
 
 // x.Mx/2 of an element whose residual is M x.
 template <class Element, class SX, class Sx>
-Common<SX, Sx> inertial_energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+Common<SX, Sx> inertial_energy(const SX* X, const Sx* x, const double* p) {
     using R = Common<SX, Sx>;
     R r[Element::nodes * Element::fields];
-    Element::residual(X, x, w, p, r);
+    Element::residual(X, x, p, r);
     R total(0.0);
     for (int k = 0; k < Element::nodes * Element::fields; ++k) total += 0.5 * (x[k] * r[k]);
     return total;
@@ -31,7 +31,7 @@ struct LumpedMassElement {
     static std::vector<std::string> parameters() { return {"density"}; }
 
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         for (int k = 0; k < nodes * fields; ++k) r[k] = R(0.0);
         for (int q = 0; q < Shape::points; ++q) {
             SX G[nodes][dim];
@@ -43,8 +43,8 @@ struct LumpedMassElement {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
-        return inertial_energy<LumpedMassElement>(X, x, w, p);
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        return inertial_energy<LumpedMassElement>(X, x, p);
     }
 };
 
@@ -59,7 +59,7 @@ struct MassElement {
     static std::vector<std::string> parameters() { return {"density"}; }
 
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         for (int k = 0; k < nodes * fields; ++k) r[k] = R(0.0);
         for (int q = 0; q < Shape::points; ++q) {
             const SX mass = Shape::volume(q, X) * p[0];
@@ -74,7 +74,7 @@ struct MassElement {
     }
 
     // One block of the tangent holds for each component.
-    static void tangent(const double* X, const double* x, const double* w, const double* p, double* r, double* K) {
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         constexpr int n = nodes * fields, stride = Dual<n>::lanes;
         double M[nodes][nodes] = {};
         for (int q = 0; q < Shape::points; ++q) {
@@ -95,8 +95,8 @@ struct MassElement {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
-        return inertial_energy<MassElement>(X, x, w, p);
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        return inertial_energy<MassElement>(X, x, p);
     }
 };
 
@@ -112,7 +112,7 @@ struct SimplexMassElement {
     static std::vector<std::string> parameters() { return {"density"}; }
 
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         SX G[nodes][dim];
         const SX share = Shape::gradients(0, X, G) * (p[0] / ((dim + 1) * (dim + 2)));
         for (int a = 0; a < fields; ++a) {
@@ -123,8 +123,8 @@ struct SimplexMassElement {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
-        return inertial_energy<SimplexMassElement>(X, x, w, p);
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        return inertial_energy<SimplexMassElement>(X, x, p);
     }
 };
 
@@ -140,7 +140,7 @@ struct ScaledMassElement {
     static std::vector<std::string> parameters() { return {"density"}; }
 
     template <class SX, class Sx, class R>
-    static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         SX diagonal[nodes];
         masses(X, p[0], diagonal);
         for (int i = 0; i < nodes; ++i)
@@ -148,8 +148,8 @@ struct ScaledMassElement {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
-        return inertial_energy<ScaledMassElement>(X, x, w, p);
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        return inertial_energy<ScaledMassElement>(X, x, p);
     }
 
  private:

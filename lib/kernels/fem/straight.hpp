@@ -22,8 +22,8 @@ inline bool has_straight_sides(const double* X) {
 // An element of curved cells whose tangent is that of another one where the cell is straight.
 template <class Curved, class Straight>
 struct EitherElement : Curved {
-    static void tangent(const double* X, const double* x, const double* w, const double* p, double* r, double* K) {
-        has_straight_sides(X) ? Straight::tangent(X, x, w, p, r, K) : Curved::tangent(X, x, w, p, r, K);
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
+        has_straight_sides(X) ? Straight::tangent(X, x, p, r, K) : Curved::tangent(X, x, p, r, K);
     }
 };
 
@@ -32,7 +32,7 @@ template <class Shape, int Fields>
 struct StraightMassElement {
     static constexpr int nodes = Shape::nodes, fields = Fields;
 
-    static void tangent(const double* X, const double* x, const double* w, const double* p, double* r, double* K) {
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         constexpr int n = nodes * fields, stride = Dual<n>::lanes;
         double J[3][3], C[3][3];
         for (int a = 0; a < 3; ++a)

@@ -160,7 +160,7 @@ struct PlateElement : PlateParts {
     static constexpr int stress_components = 4;
 
     template <class SX, class Sx, class R>
-    [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         Geometry<SX> g;
         prepare(X, p, g);
         R c[3];
@@ -180,7 +180,7 @@ struct PlateElement : PlateParts {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;
         Geometry<SX> g;
         prepare(X, p, g);
@@ -207,8 +207,7 @@ struct PlateElement : PlateParts {
     }
 
     // Moments xx yy xy a unit of length [N], and 0, at reference coordinates xi, the third of which is not looked at.
-    static void stress(const double* X, const double* x, const double* w, const double* p, const double* xi,
-                       double* s) {
+    static void stress(const double* X, const double* x, const double* p, const double* xi, double* s) {
         Geometry<double> g;
         prepare(X, p, g);
         double c[3], kappa[3], m[3];
@@ -390,7 +389,7 @@ struct PlateMassElement : PlateParts {
     using Rule = TriRule12;  // exact where the thickness is constant: the square of a cubic
 
     template <class SX, class Sx, class R>
-    [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
+    [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const double* p, R* r) {
         Geometry<SX> g;
         prepare(X, p, g);
         R c[3];
@@ -412,8 +411,8 @@ struct PlateMassElement : PlateParts {
     }
 
     template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const SX* w, const double* p) {
-        return inertial_energy<PlateMassElement>(X, x, w, p);
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        return inertial_energy<PlateMassElement>(X, x, p);
     }
 
  private:

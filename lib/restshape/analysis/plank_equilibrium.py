@@ -3,7 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape import _kernels
+from restshape_apps.furniture import _kernels
 from restshape.errors import ReplayProblem
 from restshape.physics.furniture import Forces, Furniture
 

@@ -4,7 +4,7 @@ from dataclasses import astuple, dataclass, field
 
 import numpy as np
 
-from restshape import _kernels
+from restshape_apps.furniture import _kernels
 from restshape.errors import UserError
 from restshape.physics import plank_words
 from restshape.physics.fasteners import fastener, wood
