@@ -176,7 +176,7 @@ py::array_t<double> energy(const Element& e, const Doubles& X, const Doubles& x,
                            const Doubles& params, const std::optional<Doubles>& coefficients,
                            const std::optional<Cells>& dofs) {
     Loop loop(e, X, x, cells, params, {coefficients, dofs});
-    require(e.energy != nullptr, e.name + " has no energy");
+    require(e.has_energy(), e.name + " has no energy");
     e.tally->add(Purpose::energy, loop.count);
     py::array_t<double> out(loop.count);
     for (py::ssize_t k = 0; k < loop.count; ++k) {
@@ -190,7 +190,7 @@ void stress(const Element& e, const Doubles& X, const Doubles& x, const Cells& c
             const std::optional<Doubles>& points, const std::optional<Doubles>& coefficients,
             const std::optional<Cells>& dofs) {
     Loop loop(e, X, x, cells, params, {coefficients, dofs});
-    require(e.stress != nullptr, e.name + " has no stress");
+    require(e.stress_components > 0, e.name + " has no stress");
     const double centre[3] = {1.0 / (e.dim + 1), 1.0 / (e.dim + 1), 1.0 / (e.dim + 1)};
     require(!points || (points->ndim() == 2 && points->shape(1) == e.dim),
             e.name + " needs points of shape (m, " + std::to_string(e.dim) + ")");
@@ -217,7 +217,7 @@ py::array_t<double> tangent_block(const Element& e, const Doubles& X, const Doub
             e.name + " needs coefficients of shape " + shape_text(e.nodes, c));
     py::array_t<double> out({n, n});
     std::fill(out.mutable_data(), out.mutable_data() + n * n, 0.0);
-    if (!e.residual_tangent) return out;
+    if (!e.has_tangent()) return out;
     alignas(64) double r[restshape::max_unknowns], K[restshape::max_tangent];
     e.residual_tangent(X.data(), x.data(), coefficients ? coefficients->data() : nullptr, params.data(), r, K);
     for (int i = 0; i < n; ++i)
@@ -268,7 +268,7 @@ void bind_elements(py::module_& m) {
                                "nodes have the same unknowns.")
         .def_readonly("symmetric", &Element::symmetric, "Whether the tangent is symmetric.")
         .def_readonly("stress_components", &Element::stress_components, "Columns of `stress`; 0 where there is none.")
-        .def_property_readonly("has_tangent", [](const Element& e) { return e.residual_tangent != nullptr; })
+        .def_property_readonly("has_tangent", [](const Element& e) { return e.has_tangent(); })
         .def_property_readonly("parameters", [](const Element& e) { return py::tuple(py::cast(e.parameters)); })
         .def_property_readonly(
             "coefficients", [](const Element& e) { return py::tuple(py::cast(e.coefficients)); },

@@ -28,19 +28,41 @@ struct Element {
     std::vector<std::string> parameters, coefficients;
     std::vector<Field> layout;  // empty where every node has the same unknowns
 
-    using Residual = void (*)(const double* X, const double* x, const double* w, const double* p, double* r);
-    using Tangent = void (*)(const double* X, const double* x, const double* w, const double* p, double* r, double* K);
+    // Those of the element type, which take w where there are coefficients: none is called through another.
+    template <class... W>
+    struct Functions {
+        void (*residual)(const double* X, const double* x, W... w, const double* p, double* r) = nullptr;
+        void (*tangent)(const double* X, const double* x, W... w, const double* p, double* r, double* K) = nullptr;
+        double (*energy)(const double* X, const double* x, W... w, const double* p) = nullptr;
+        void (*stress)(const double* X, const double* x, W... w, const double* p, const double* xi,
+                       double* s) = nullptr;
+    };
     using Design = void (*)(const double* X, const double* dX, const double* x, const double* dx, const double* w,
                             const double* dw, const double* p, double* r);
-    using Energy = double (*)(const double* X, const double* x, const double* w, const double* p);
-    using Stress = void (*)(const double* X, const double* x, const double* w, const double* p, const double* xi,
-                            double* s);
 
-    Residual residual;
-    Tangent residual_tangent;  // residual and dr/dx in one pass; null where the residual does not depend on x
-    Design design;             // dr/dX . dX + dr/dw . dw + dr/dx . dx; without those whose direction is null
-    Energy energy;             // null where there is none
-    Stress stress;             // at reference coordinates xi; null where there is none
+    Functions<> plain;
+    Functions<const double*> with_coefficients;
+    Design design;  // dr/dX . dX + dr/dw . dw + dr/dx . dx; without those whose direction is null
+
+    bool has_coefficients() const { return with_coefficients.residual != nullptr; }
+    bool has_tangent() const { return plain.tangent || with_coefficients.tangent; }  // whether r depends on x
+    bool has_energy() const { return plain.energy || with_coefficients.energy; }
+
+    void residual(const double* X, const double* x, const double* w, const double* p, double* r) const {
+        has_coefficients() ? with_coefficients.residual(X, x, w, p, r) : plain.residual(X, x, p, r);
+    }
+    // Residual and dr/dx in one pass.
+    void residual_tangent(const double* X, const double* x, const double* w, const double* p, double* r,
+                          double* K) const {
+        has_coefficients() ? with_coefficients.tangent(X, x, w, p, r, K) : plain.tangent(X, x, p, r, K);
+    }
+    double energy(const double* X, const double* x, const double* w, const double* p) const {
+        return has_coefficients() ? with_coefficients.energy(X, x, w, p) : plain.energy(X, x, p);
+    }
+    // At reference coordinates xi.
+    void stress(const double* X, const double* x, const double* w, const double* p, const double* xi, double* s) const {
+        has_coefficients() ? with_coefficients.stress(X, x, w, p, xi, s) : plain.stress(X, x, p, xi, s);
+    }
 
     Tally* tally = nullptr;  // of the registered element of this name
 
@@ -83,48 +105,14 @@ struct Coefficients<E, std::void_t<decltype(E::coefficient_count)>> {
     static std::vector<std::string> names() { return E::coefficients(); }
 };
 
-// Elements without coefficients are not asked to take any.
-template <class E, class SX, class Sx, class R>
-[[gnu::always_inline]] inline void call_residual(const SX* X, const Sx* x, [[maybe_unused]] const SX* w,
-                                                 const double* p, R* r) {
-    if constexpr (Coefficients<E>::count > 0)
-        E::residual(X, x, w, p, r);
-    else
-        E::residual(X, x, p, r);
-}
-
-// Flat, as the elements' own functions are.
-template <class E>
-[[gnu::flatten]] void residual(const double* X, const double* x, const double* w, const double* p, double* r) {
-    call_residual<E>(X, x, w, p, r);
-}
-
-template <class E>
-double energy(const double* X, const double* x, [[maybe_unused]] const double* w, const double* p) {
-    if constexpr (Coefficients<E>::count > 0)
-        return E::energy(X, x, w, p);
-    else
-        return E::energy(X, x, p);
-}
-
-template <class E>
-void stress(const double* X, const double* x, [[maybe_unused]] const double* w, const double* p, const double* xi,
-            double* s) {
-    if constexpr (Coefficients<E>::count > 0)
-        E::stress(X, x, w, p, xi, s);
-    else
-        E::stress(X, x, p, xi, s);
-}
-
 // Flat: with many elements in one file the compiler would stop inlining the arithmetic of duals.
-template <class E>
-[[gnu::flatten]] void tangent(const double* X, const double* x, const double* w, const double* p, double* r,
-                              double* K) {
+template <class E, class... W>
+[[gnu::flatten]] void tangent(const double* X, const double* x, W... w, const double* p, double* r, double* K) {
     constexpr int n = Unknowns<E>::nodes * E::fields;
     using D = Dual<n>;
     D xd[n], rd[n];
     for (int k = 0; k < n; ++k) xd[k] = D::seed(x[k], k);
-    call_residual<E>(X, xd, w, p, rd);
+    E::residual(X, xd, w..., p, rd);
     for (int k = 0; k < n; ++k) {
         r[k] = rd[k].v;
         Eigen::Map<typename D::Lanes>(K + k * D::lanes) = rd[k].d;
@@ -146,6 +134,16 @@ struct DualCoefficients<0> {
     const Dual<1>* data() const { return nullptr; }
 };
 
+// Elements without coefficients are not asked to take any.
+template <class E, class Sx, class R>
+[[gnu::always_inline]] inline void dual_residual(const Dual<1>* X, const Sx* x, [[maybe_unused]] const Dual<1>* w,
+                                                 const double* p, R* r) {
+    if constexpr (Coefficients<E>::count > 0)
+        E::residual(X, x, w, p, r);
+    else
+        E::residual(X, x, p, r);
+}
+
 template <class E>
 void design(const double* X, const double* dX, const double* x, const double* dx, const double* w, const double* dw,
             const double* p, double* r) {
@@ -157,32 +155,31 @@ void design(const double* X, const double* dX, const double* x, const double* dx
     if (dx) {
         D xd[n];
         for (int k = 0; k < n; ++k) xd[k] = D(x[k], D::Lanes::Constant(dx[k]));
-        call_residual<E>(Xd, xd, wd.data(), p, rd);
+        dual_residual<E>(Xd, xd, wd.data(), p, rd);
     } else {
-        call_residual<E>(Xd, x, wd.data(), p, rd);
+        dual_residual<E>(Xd, x, wd.data(), p, rd);
     }
     for (int k = 0; k < n; ++k) r[k] = rd[k].d[0];
 }
 
-// An element's own tangent.
-template <class E>
-[[gnu::flatten]] void own_tangent(const double* X, const double* x, [[maybe_unused]] const double* w, const double* p,
-                                  double* r, double* K) {
-    if constexpr (Coefficients<E>::count > 0)
-        E::tangent(X, x, w, p, r, K);
-    else
-        E::tangent(X, x, p, r, K);
-}
-
 template <class E, class = void>
-struct TangentOf {
-    static constexpr Element::Tangent value = tangent<E>;
-};
+struct HasOwnTangent : std::false_type {};
 template <class E>
-struct TangentOf<E, std::void_t<decltype(&E::tangent)>> {
-    // Six unknowns fill one register of duals: the plain way is the faster one then.
-    static constexpr Element::Tangent value = E::nodes * E::fields <= 6 ? tangent<E> : own_tangent<E>;
-};
+struct HasOwnTangent<E, std::void_t<decltype(&E::tangent)>> : std::true_type {};
+
+template <class E, class... W>
+void set_functions(Element::Functions<W...>& f) {
+    f.residual = E::template residual<double, double, double>;
+    if constexpr (E::has_tangent) {
+        // Six unknowns fill one register of duals: the plain way is the faster one then.
+        if constexpr (HasOwnTangent<E>::value && Unknowns<E>::nodes * E::fields > 6)
+            f.tangent = E::tangent;
+        else
+            f.tangent = tangent<E, W...>;
+    }
+    if constexpr (E::symmetric) f.energy = E::template energy<double, double>;
+    if constexpr (E::stress_components > 0) f.stress = E::stress;
+}
 
 }  // namespace detail
 
@@ -213,14 +210,13 @@ Element element_of(const std::string& family, const std::string& shape, const st
               E::parameters(),
               detail::Coefficients<E>::names(),
               detail::Unknowns<E>::layout(),
-              detail::residual<E>,
-              nullptr,
-              detail::design<E>,
-              nullptr,
-              nullptr};
-    if constexpr (E::has_tangent) e.residual_tangent = detail::TangentOf<E>::value;
-    if constexpr (E::symmetric) e.energy = detail::energy<E>;
-    if constexpr (E::stress_components > 0) e.stress = detail::stress<E>;
+              {},
+              {},
+              detail::design<E>};
+    if constexpr (coefficients > 0)
+        detail::set_functions<E>(e.with_coefficients);
+    else
+        detail::set_functions<E>(e.plain);
     return e;
 }
 

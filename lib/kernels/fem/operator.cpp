@@ -213,7 +213,7 @@ void Operator::add(int k, const Terms& terms) {
                                         std::to_string(fields_) + " fields");
     }
     for (const Term& term : terms.list)
-        term.element->tally->add(term.element->residual_tangent ? Purpose::tangent : Purpose::residual, block(k).count);
+        term.element->tally->add(term.element->has_tangent() ? Purpose::tangent : Purpose::residual, block(k).count);
     assemble(k, terms);
 }
 
@@ -237,7 +237,7 @@ void Operator::constrain(const Element& element, const int32_t* dofs, double coe
         const size_t dof = static_cast<size_t>(dofs[i / fields_]) * fields_ + i % fields_;
         if (!mask_[dof]) continue;
         r[i] = 0.0;
-        if (!element.residual_tangent) continue;
+        if (!element.has_tangent()) continue;
         const double kept = std::fabs(K[i * stride + i]);
         for (int j = 0; j < n; ++j) K[i * stride + j] = K[j * stride + i] = 0.0;
         K[i * stride + i] = coef < 0 ? -kept : kept;

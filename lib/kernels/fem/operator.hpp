@@ -176,7 +176,7 @@ void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const in
                 for (int a = 0; a < fields; ++a) x[i * fields + a] = t.x[static_cast<size_t>(dofs[i]) * fields + a];
             if (t.coefficients) gather(cell, nodes, t.element->coefficient_count(), t.coefficients, w);
             const double* p = t.parameters + static_cast<size_t>(e) * t.parameter_stride;
-            const bool tangent = t.element->residual_tangent != nullptr;
+            const bool tangent = t.element->has_tangent();
             if (tangent)
                 t.element->residual_tangent(X, x, w, p, r, K);
             else
