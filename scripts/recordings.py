@@ -1,16 +1,17 @@
-"""Hashes every column and every field of recordings of all shipped scenes, and compares them with earlier ones.
+"""Hashes each column and field of the recordings of all shipped scenes, and compares them with earlier hashes.
 
 python scripts/recordings.py --write FILE                 replay all, write the hashes (json, or json.gz)
-python scripts/recordings.py --check FILE                 replay all, compare with the hashes; exit code 1 at a difference
+python scripts/recordings.py --check FILE                 replay all, compare; exit code 1 at a difference
 python scripts/recordings.py --check FILE --quick         one script of each application alone
-python scripts/recordings.py --check FILE --only solid/   those whose name holds these words; may be given several times
+python scripts/recordings.py --check FILE --only solid/   those whose name holds these words; repeatable
 python scripts/recordings.py --list                       the replays by name, with what is cut
 
-Every edit script of apps/*/edits is replayed on the scene that its header names, and every scene without a script as it
+Each edit script of apps/*/edits is replayed on the scene that its header names, and each scene without a script as it
 is, under each policy; one script of each application besides on two ranks and with predicted drags. Long scripts are
-cut to their first frames. Each replay runs in a process of its own, so that none depends on those before it. Times are
-left out: columns that begin with "ms". Columns and fields go by their old names where `restshape.replay.columns.ALIASES`
-(new name to old one) has them. --write with a selection changes these replays alone in a FILE that is there.
+cut to their first frames, slow ones replayed with fewer frames an event; --list says which. Each replay runs in a
+process of its own, so that none depends on those before it. Times are left out: columns that begin with "ms". Columns
+and fields go by their old names where `restshape.replay.columns.ALIASES` (new name to old one) has them. --write with
+a selection changes these replays alone in a FILE that is there.
 """
 
 import argparse
@@ -38,17 +39,21 @@ import h5py
 import numpy as np
 
 POLICIES = ("rebuild", "refactor", "thesis", "auto")
-FRAMES = 60
-"""Frames that a script is cut to where `CUTS` has no number of its own."""
-CUTS: dict[str, int] = {}
-"""Frames of single scripts, by application/script or application/script policy."""
-RANKS = ("bridge/bridge", "cantilever/cantilever", "couture/pins", "furniture/table", "metallophone/fish")
-RANKS += ("solid/plate", "vibration/building")
-"""Scripts that run on two ranks too."""
+MOST = 100
+"""Frames that a script is cut to where `FRAMES` has no other number."""
+MOST_RANKS = 25
+"""The same on two ranks, which are slow where others use the cores."""
+FRAMES: dict[str, int] = {"bridge": 260, "cantilever": 282, "vibration/building": 200, "solid": 189}
+FRAMES |= {"couture/pins thesis": 5, "couture/sphere-drag thesis": 3}
+THINNED: dict[str, int] = {"couture/pins": 4, "couture/sphere-drag": 4}
+"""By how much events of scripts are made shorter where each frame is slow: all are kept, in fewer frames each.
+
+Keys are an application, application/script, application/script policy, or a whole name."""
+QUICK = ("bridge/bridge", "cantilever/cantilever", "couture/cylinder", "furniture/table", "metallophone/fish")
+QUICK += ("solid/plate", "vibration/building")
+"""One script of each application: for --quick, and on two ranks too."""
 PREDICTED = ("bridge/bridge", "cantilever/cantilever", "metallophone/fish", "solid/plate")
 """Scripts that are predicted too."""
-QUICK = ("bridge/bridge", "cantilever/cantilever", "couture/pins", "furniture/table", "metallophone/fish")
-QUICK += ("solid/plate", "vibration/building")
 MAIN = "import sys; from restshape.cli.main import main; sys.exit(main())"
 PRELOADED = ("restshape.cli.main", "pydantic", "scipy.sparse.linalg", "scipy.spatial", "gmsh")
 """What every replay imports: read once, before its process forks. MPI must not be among them."""
@@ -57,6 +62,7 @@ ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_mpi_yield_when_idle": "1",
     "OMPI_MCA_btl": "^openib",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
     "OMPI_MCA_mca_base_component_show_load_errors": "0",
@@ -99,13 +105,43 @@ class Job:
         return self.script in QUICK and self.name.endswith(" auto")
 
     @property
-    def frames(self) -> tuple[int, int]:
-        """How many frames it has, and how many there are in the script."""
-        if self.edits is None:
-            return 1, 1
-        whole = 1 + sum(frame_count(event) for event in events(self.edits)[1:])
-        cut = CUTS.get(f"{self.script} {self.policy}", CUTS.get(self.script, FRAMES))
-        return min(whole, cut), whole
+    def whole(self) -> int:
+        """How many frames its script has; the first shape is one of them."""
+        return frames_of(events(self.edits)) if self.edits else 1
+
+    @property
+    def frames(self) -> int:
+        """How many of them are replayed."""
+        return frames_of(self.shortened()) if self.edits else 1
+
+    @property
+    def cut(self) -> str:
+        """What is left out."""
+        if self.frames == self.whole:
+            return f"{self.whole} frames"
+        if self.thinned > 1:
+            return f"{self.frames} of {self.whole} frames, events in 1/{self.thinned} of their frames"
+        return f"first {self.frames} of {self.whole} frames"
+
+    @property
+    def thinned(self) -> int:
+        """By how much events are made shorter."""
+        return self._among(THINNED, 1)
+
+    def _among(self, numbers: dict[str, int], otherwise: int) -> int:
+        keys = (self.name, f"{self.script} {self.policy}", self.script, self.script.split("/")[0])
+        return next((numbers[key] for key in keys if key in numbers), otherwise)
+
+    def shortened(self) -> list[dict[str, Any]]:
+        """The lines of its script, thinned and cut to its frames."""
+        header, *rest = events(self.edits)
+        kept, left = [header], (self._among(FRAMES, MOST) if self.ranks == 1 else MOST_RANKS) - 1
+        for event in rest:
+            if left <= 0:
+                break
+            kept.append(in_fewer(event, min(left, -(-frame_count(event) // self.thinned))))
+            left -= frame_count(kept[-1])
+        return kept
 
 
 def events(edits: Path) -> list[dict[str, Any]]:
@@ -113,9 +149,21 @@ def events(edits: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in edits.read_text().splitlines() if line.strip()]
 
 
+def frames_of(lines: list[dict[str, Any]]) -> int:
+    """How many frames the lines of a script have; the first shape is one of them."""
+    return 1 + sum(frame_count(event) for event in lines[1:])
+
+
 def frame_count(event: dict[str, Any]) -> int:
     """How many frames an event takes."""
-    return event.get("frames") or len(event.get("path", ".")) or 1
+    return event.get("frames") or len(event.get("path", "."))
+
+
+def in_fewer(event: dict[str, Any], frames: int) -> dict[str, Any]:
+    """The event in so many frames: it gets to its end faster, but for a path, which ends earlier."""
+    if frames == frame_count(event):
+        return event
+    return event | ({"path": event["path"][:frames]} if "path" in event else {}) | {"frames": frames}
 
 
 def all_jobs(root: Path) -> list[Job]:
@@ -129,23 +177,9 @@ def all_jobs(root: Path) -> list[Job]:
             for edits in scripts.get(scene.name, [None]):
                 jobs += [Job(scene, edits, policy) for policy in POLICIES]
                 auto = jobs[-1]
-                jobs += [Job(scene, edits, "auto", ranks=2)] * (auto.script in RANKS)
+                jobs += [Job(scene, edits, "auto", ranks=2)] * (auto.script in QUICK)
                 jobs += [Job(scene, edits, "auto", predict=True)] * (auto.script in PREDICTED)
     return jobs
-
-
-def write_cut(edits: Path, frames: int, out: Path) -> None:
-    """Write the first frames of a script; the first shape is one of them."""
-    header, *rest = events(edits)
-    kept, left = [header], frames - 1
-    for event in rest:
-        if left <= 0:
-            break
-        if frame_count(event) > left:
-            event |= {"path": event["path"][:left]} if "path" in event and "frames" not in event else {"frames": left}
-        kept.append(event)
-        left -= frame_count(event)
-    out.write_text("".join(json.dumps(event) + "\n" for event in kept))
 
 
 # ---- one replay
@@ -155,18 +189,14 @@ def words_of(job: Job, folder: Path) -> list[str]:
     """The command line of a replay that records into the folder."""
     words = ["replay", str(job.scene), "--policy", job.policy, "--out", str(folder / "recording.vtkhdf")]
     if job.edits:
-        frames, whole = job.frames
-        edits = job.edits
-        if frames < whole:
-            edits = folder / job.edits.name
-            write_cut(job.edits, frames, edits)
+        edits = folder / job.edits.name
+        edits.write_text("".join(json.dumps(event) + "\n" for event in job.shortened()))
         words += ["--edits", str(edits)]
     return words + ["--predict", "linear"] * job.predict
 
 
 def run_job(job: Job, folder: Path) -> None:
     """Replay in this process, or on ranks of their own, and leave result.json in the folder."""
-    start = time.perf_counter()
     log = os.open(folder / "log", os.O_WRONLY | os.O_CREAT)
     os.dup2(log, 1)
     os.dup2(log, 2)
@@ -184,7 +214,8 @@ def run_job(job: Job, folder: Path) -> None:
     if recording.exists():
         with h5py.File(recording) as file:
             entry |= hashes(file)
-    entry["seconds"] = round(time.perf_counter() - start, 1)
+    times = os.times()
+    entry["seconds"] = round(sum(times[:4]), 1)
     (folder / "result.json").write_text(json.dumps(entry))
 
 
@@ -237,7 +268,7 @@ def unpacked(entry: Entry) -> list[Any]:
 
 
 def arrays_of(root: h5py.Group) -> dict[str, Iterator[np.ndarray]]:
-    """Each field of a recording by name: its arrays, one a frame; the same object where a frame repeats the last one."""
+    """Each field of a recording by name: an array a frame, the same object where a frame repeats the last one."""
     steps = root["Steps"]
     n = int(steps.attrs["NSteps"])
     part = steps["PartOffsets"][:n]
@@ -274,20 +305,21 @@ def run_all(jobs: list[Job], cores: int, done: Callable[[Job, Entry], None]) -> 
             import_module(name)
     context = multiprocessing.get_context("fork")
     waiting, running = list(jobs), {}
-    while waiting or running:
-        used = sum(job.ranks for job, *_ in running.values())
-        while waiting and (not running or used + waiting[0].ranks <= cores):
-            job = waiting.pop(0)
-            folder = Path(tempfile.mkdtemp(prefix="recordings-"))
-            process = context.Process(target=run_job, args=(job, folder))
-            process.start()
-            running[process.sentinel] = (job, process, folder)
-            used += job.ranks
-        for sentinel in wait(list(running)):
-            job, process, folder = running.pop(sentinel)
-            process.join()
-            done(job, result_of(process.exitcode, folder))
-            shutil.rmtree(folder)
+    with tempfile.TemporaryDirectory(prefix="recordings-") as folders:
+        while waiting or running:
+            used = sum(job.ranks for job, *_ in running.values())
+            while waiting and (not running or used + waiting[0].ranks <= cores):
+                job = waiting.pop(0)
+                folder = Path(tempfile.mkdtemp(dir=folders))
+                process = context.Process(target=run_job, args=(job, folder), daemon=True)
+                process.start()
+                running[process.sentinel] = (job, process, folder)
+                used += job.ranks
+            for sentinel in wait(list(running)):
+                job, process, folder = running.pop(sentinel)
+                process.join()
+                done(job, result_of(process.exitcode, folder))
+                shutil.rmtree(folder)
 
 
 def result_of(code: int | None, folder: Path) -> Entry:
@@ -319,7 +351,7 @@ def differences(old: Entry, new: Entry) -> tuple[list[str], list[str]]:
 
 def difference(old: list[Any], new: list[Any]) -> str:
     """From which frame on two lists differ, in how many, and by how much."""
-    # Not numbers are equal to themselves in their text.
+    # As text, what is not a number equals itself.
     where = [i for i, (a, b) in enumerate(zip(old, new)) if json.dumps(a) != json.dumps(b)]
     if not where:
         return "the same in all frames that both have" if len(old) != len(new) else "the file's own hash is wrong"
@@ -349,10 +381,8 @@ def write(path: Path, replays: Entry) -> None:
 
 def label(job: Job, entry: Entry) -> str:
     """What is printed of a replay."""
-    frames, whole = job.frames
-    cut = f"first {frames} of {whole} frames" if frames < whole else f"{whole} frames"
     failed = f", exit {entry['exit']}: {' / '.join(entry.get('said', ()))}" if entry["exit"] else ""
-    return f"{job.name}: {cut}, {entry['seconds']} s{failed}"
+    return f"{job.name}: {job.cut}, {entry['seconds']} s of CPU{failed}"
 
 
 def write_all(path: Path, jobs: list[Job], cores: int, whole: bool) -> int:
@@ -360,8 +390,7 @@ def write_all(path: Path, jobs: list[Job], cores: int, whole: bool) -> int:
     replays = read(path) if path.exists() and not whole else {}
 
     def done(job: Job, entry: Entry) -> None:
-        frames, whole = job.frames
-        entry["cut"] = f"first {frames} of {whole} frames" if frames < whole else ""
+        entry["cut"] = job.cut
         replays[job.name] = entry
         write(path, replays)
         print(label(job, entry), flush=True)
@@ -417,7 +446,7 @@ def main() -> int:
     jobs.sort(key=lambda job: -job.ranks)
     if args.list:
         for job in jobs:
-            print("{}: {} of {} frames".format(job.name, *job.frames))
+            print(f"{job.name}: {job.cut}")
         return 0
     whole = not args.only and not args.quick
     act = write_all if args.write else check_all
