@@ -1,12 +1,14 @@
 """Libraries that would obey files of the current folder, started so that they do not."""
 
 import contextlib
+import signal
 import sys
 from collections.abc import Sequence
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from restshape.errors import UserError
 
@@ -32,6 +34,19 @@ def start_petsc(words: Sequence[str] = ()) -> None:
     except RuntimeError as error:
         where = f"-- {' '.join(words)}" if words else ""
         raise UserError("PETSc cannot start; its messages are above", where, "mend the words after --") from error
+
+
+def start_gmsh() -> Any:
+    """The gmsh package, started if need be: it reads no settings, nor does the PETSc that it brings along."""
+    import gmsh
+
+    if not gmsh.isInitialized():
+        # gmsh warns of words that are none of its own, but hands them to its PETSc.
+        gmsh.initialize(["restshape", "-v", "0", "-skip_petscrc"], readConfigFiles=False, interruptible=False)
+        gmsh.option.setNumber("General.Verbosity", 5)
+        # gmsh lets a broken pipe kill the process, and with it the message of what went wrong.
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    return gmsh
 
 
 def petsc_options() -> dict[str, str]:

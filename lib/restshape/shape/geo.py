@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +16,7 @@ from restshape.shape.geo_process import curves_apart
 from restshape.shape.geo_script import draw
 from restshape.shape.geo_words import MOST_BYTES
 from restshape.shape.soup import Curve, shape_data
+from restshape.surroundings import start_gmsh
 
 SPLINE_POINTS = 33
 """Points that stand for a curve that is neither line nor arc."""
@@ -48,13 +48,7 @@ def read_geo(path: Path, trusted: bool = False) -> dict[str, Any]:
 @contextmanager
 def gmsh_model(path: Path) -> Iterator[Any]:
     """The gmsh package, quiet, with an empty model that is removed at the end."""
-    import gmsh
-
-    ours = not gmsh.isInitialized()
-    if ours:
-        gmsh.initialize(["-noenv"], readConfigFiles=False, interruptible=False)
-        # gmsh lets a broken pipe kill the process, and with it the message of what went wrong.
-        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    gmsh = start_gmsh()
     quiet = gmsh.option.getNumber("General.Terminal")
     gmsh.model.add(f"restshape: {path.name}")
     gmsh.option.setNumber("General.Terminal", 0)
@@ -62,10 +56,7 @@ def gmsh_model(path: Path) -> Iterator[Any]:
         yield gmsh
     finally:
         gmsh.option.setNumber("General.Terminal", quiet)
-        if ours:
-            gmsh.finalize()
-        else:
-            gmsh.model.remove()
+        gmsh.model.remove()
 
 
 def opened_by_gmsh(gmsh: Any, path: Path) -> list[Curve]:
