@@ -102,6 +102,6 @@ class _Finder(MetaPathFinder):
 
 
 def ignore_files() -> None:
-    """From now on these libraries obey no file of the current folder; ones that are imported already stay as they are."""
+    """From now on these libraries obey no file of the current folder; those imported before stay as they are."""
     if not any(isinstance(finder, _Finder) for finder in sys.meta_path):
         sys.meta_path.insert(0, _Finder())

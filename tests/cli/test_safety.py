@@ -147,7 +147,8 @@ def test_files_that_scenes_name_lie_beside_them(restshape, tmp_path):
     (inside / "x.geo").write_text(SQUARE)
     (tmp_path / "scene" / "link.geo").symlink_to(elsewhere / "x.geo")
     (tmp_path / "scene" / "folder").symlink_to(elsewhere)
-    for file in ("../elsewhere/x.geo", str(elsewhere / "x.geo"), "link.geo", "folder/x.geo", "sub/../../elsewhere/x.geo"):
+    ways = ("../elsewhere/x.geo", str(elsewhere / "x.geo"), "link.geo", "folder/x.geo", "sub/../../elsewhere/x.geo")
+    for file in ways:
         write_scene(tmp_path / "scene", file)
         ended = restshape("check", scene)
         assert ended.returncode == 2

@@ -1,4 +1,4 @@
-""".geo files read statement by statement: the same outline as gmsh's own reading, and bounds on what a file asks for."""
+""".geo files read statement by statement: the same outline as gmsh reads, and bounds on what a file asks for."""
 
 import numpy as np
 import pytest

@@ -41,4 +41,5 @@ def refuse_other_files(file: h5py.File, path: Path) -> None:
 
 
 def _error(path: Path, what: str) -> UserError:
-    return UserError(f"{what}, which no recording does", str(path), "record it again; no file but the recording is read")
+    do = "record it again; no file but the recording is read"
+    return UserError(f"{what}, which no recording does", str(path), do)

@@ -39,7 +39,7 @@ def operation(script: Script) -> Entities | None:
 
 
 def _boolean(script: Script, call: str, line: int) -> Entities:
-    """``BooleanDifference{ Surface{1}; Delete; }{ Surface{2}; Delete; }``, with ``(tag) =`` before the braces or not."""
+    """``BooleanDifference{ Surface{1}; Delete; }{ Surface{2}; Delete; }``, ``(tag) =`` may come first."""
     tag = -1
     if script.cursor.takes("("):
         tag = script.numbers.tag()

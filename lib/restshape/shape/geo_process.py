@@ -40,7 +40,8 @@ def curves_apart(path: Path) -> list[Curve]:
     if "error" in told:
         raise UserError(*told["error"])
     if "curves" not in told:
-        raise UserError(f"gmsh ended with code {process.returncode} before it was done", path.name, "take Exit out of it")
+        what = f"gmsh ended with code {process.returncode} before it was done"
+        raise UserError(what, path.name, "take Exit out of it")
     return [Curve(**{**curve, "points": np.array(curve["points"])}) for curve in told["curves"]]
 
 
