@@ -168,10 +168,13 @@ def test_an_edit_names_no_file_outside(restshape, tmp_path):
     edits = tmp_path / "edits.jsonl"
     lines = [
         {"format": "restshape-edits", "version": 1, "units": "m"},
-        {"do": "set", "key": "shape.file", "value": "../secret.geo"},
+        {"t": 0.1, "do": "set", "key": "shape.file", "value": "../secret.geo"},
+        {"t": 0.2, "do": "set", "key": "mesh.file", "value": "../secret.geo"},
     ]
     edits.write_text("".join(json.dumps(line) + "\n" for line in lines))
-    assert restshape("check", scene, edits).returncode in (1, 2)
+    ended = restshape("check", scene, edits)
+    assert ended.returncode == 1 and "shape.file cannot be set" in ended.stdout
+    assert "mesh.file: the file '../secret.geo' lies outside of the scene's folder" in ended.stdout
 
 
 def test_a_mesh_file_reads_no_other(restshape, tmp_path):
