@@ -11,6 +11,7 @@ from typing import Any
 
 from restshape.bench.job import Job
 from restshape.errors import ReplayProblem, UserError
+from restshape.surroundings import start_petsc
 
 
 def pin() -> None:
@@ -86,9 +87,7 @@ def main() -> int:
         def tell(kind: str, content: Any) -> None:
             file.write(json.dumps([kind, content]) + "\n")
 
-        import petsc4py
-
-        petsc4py.init(["restshape", *job.petsc])
+        start_petsc(job.petsc)
         try:
             (measured if job.measure else regret if job.regret else play)(job, tell)
         except UserError as error:

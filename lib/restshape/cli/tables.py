@@ -6,6 +6,7 @@ from typing import Any
 
 from restshape.cli.options import add_json, check_output, open_json, print_table, write_json
 from restshape.errors import UserError
+from restshape.surroundings import start_petsc
 
 SUMMARY = "the thesis's numbers beside ours, measured now"
 HEADER = """# The thesis's numbers beside ours
@@ -32,9 +33,7 @@ def run(args: argparse.Namespace) -> int:
         check_output(args.out, "--out")
     elif not args.out.is_file():
         raise UserError("there is no such file", str(args.out), "restshape tables writes it")
-    import petsc4py
-
-    petsc4py.init(["restshape", *args.petsc])
+    start_petsc(args.petsc)
     from restshape.application import applications
     from restshape.report.tables import markdown_table, thesis_table
 

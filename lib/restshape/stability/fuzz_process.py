@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from restshape.stability.strategies import Example, examples
 from restshape.stability.watched import Telling
+from restshape.surroundings import start_petsc
 
 FAULT = "fault"
 """Folder of the last example at fault."""
@@ -84,10 +85,8 @@ def run(batch: Batch, folder: Path, tell: Callable[[str, Any], None]) -> None:
     Raises:
         BaseException: the fault, after it was told.
     """
-    import petsc4py
-
     # A crash tells its line of Python, which PETSc's own handler would not.
-    petsc4py.init(["restshape", "-no_signal_handler"])
+    start_petsc(["-no_signal_handler"])
     faulthandler.enable()
     from restshape.stability.player import play
 

@@ -1,0 +1,36 @@
+"""Which files a scene may name, and whether gmsh may run the scripts among them: what the user has said about it.
+
+It is kept in the environment, for the processes that a command starts are bound by it, too.
+"""
+
+import os
+from pathlib import Path
+
+FOLDERS = "RESTSHAPE_ALLOW_PATH"
+"""Folders, separated as those of PATH are, whose files scenes may name."""
+SCRIPTS = "RESTSHAPE_TRUST_GEO"
+"""1 where gmsh runs .geo files as the scripts that they are."""
+
+
+def allow(folder: Path) -> None:
+    """From now on scenes may name the files in this folder and below it."""
+    os.environ[FOLDERS] = os.pathsep.join(filter(None, (os.environ.get(FOLDERS), str(folder.resolve()))))
+
+
+def trust_scripts() -> None:
+    """From now on gmsh runs .geo files as scripts."""
+    os.environ[SCRIPTS] = "1"
+
+
+def scripts_trusted() -> bool:
+    """Whether gmsh may run .geo files as scripts."""
+    return os.environ.get(SCRIPTS) == "1"
+
+
+def may_name(file: Path, folder: Path) -> bool:
+    """Whether a scene in a folder may name a file: it lies there or below, or in a folder that the user allows.
+
+    Links are followed first, so what counts is where the file really lies.
+    """
+    homes = [folder.resolve(), *map(Path, filter(None, os.environ.get(FOLDERS, "").split(os.pathsep)))]
+    return any(file.resolve().is_relative_to(home) for home in homes)
