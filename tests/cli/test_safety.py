@@ -178,12 +178,23 @@ def test_an_edit_names_no_file_outside(restshape, tmp_path):
 
 
 def test_a_mesh_file_reads_no_other(restshape, tmp_path):
-    shutil.copytree(SCENES / "solid" / "scenes", tmp_path / "scenes")
-    deck = tmp_path / "scenes" / "meshes" / "bracket.inp"
+    source = SCENES / "solid" / "scenes" / "bracket.toml"
+    (tmp_path / "bracket.toml").write_text(source.read_text().replace("../../../meshes/", ""))
     (tmp_path / "secret.inp").write_text("*NODE\n")
-    deck.write_text("*INCLUDE, INPUT=secret.inp\n" + deck.read_text())
-    ended = restshape("check", tmp_path / "scenes" / "bracket.toml")
+    deck = (SCENES.parent / "meshes" / "bracket.inp").read_text()
+    (tmp_path / "bracket.inp").write_text("*INCLUDE, INPUT=secret.inp\n" + deck)
+    ended = restshape("check", tmp_path / "bracket.toml")
     assert ended.returncode == 2 and "bracket.inp (line 1): *INCLUDE" in ended.stderr
+
+
+def test_shipped_scenes_name_shipped_meshes_and_others_do_not(restshape, tmp_path):
+    source = SCENES / "solid" / "scenes" / "bracket.toml"
+    assert restshape("check", source).returncode == 0
+    deck = (SCENES.parent / "meshes" / "bracket.inp").resolve()
+    scene = tmp_path / "bracket.toml"
+    scene.write_text(source.read_text().replace("../../../meshes/bracket.inp", str(deck)))
+    ended = restshape("check", scene)
+    assert ended.returncode == 2 and "--allow-path" in ended.stderr
 
 
 def header_of(path: Path) -> dict:

@@ -12,7 +12,7 @@ from restshape.mesh.importer import read_mesh
 from restshape.scene.model import MeshSpec
 from restshape.shape.validity import problem
 
-SAMPLES = Path(__file__).parents[2] / "apps/solid/scenes/meshes"
+SAMPLES = Path(__file__).parents[2] / "meshes"
 ENDINGS = ("inp", "bdf", "msh", "vtu")
 NAMES = {
     "inp": {"clamp": "clamp", "load": "load", "bolt": "bolt", "corner": "corner", "bracket": "bracket"},

@@ -6,8 +6,11 @@ It is kept in the environment, for the processes that a command starts are bound
 import os
 from pathlib import Path
 
+from restshape.application import applications
+
 FOLDERS = "RESTSHAPE_ALLOW_PATH"
 """Folders, separated as those of PATH are, whose files scenes may name."""
+MESHES = "meshes"
 SCRIPTS = "RESTSHAPE_TRUST_GEO"
 """1 where gmsh runs .geo files as the scripts that they are."""
 
@@ -30,7 +33,15 @@ def scripts_trusted() -> bool:
 def may_name(file: Path, folder: Path) -> bool:
     """Whether a scene in a folder may name a file: it lies there or below, or in a folder that the user allows.
 
-    Links are followed first, so what counts is where the file really lies.
+    Scenes of installed applications may name the meshes that ship with them, too. Links are followed first, so what
+    counts is where the file really lies.
     """
     homes = [folder.resolve(), *map(Path, filter(None, os.environ.get(FOLDERS, "").split(os.pathsep)))]
+    homes += _shipped_meshes(folder.resolve())
     return any(file.resolve().is_relative_to(home) for home in homes)
+
+
+def _shipped_meshes(folder: Path) -> list[Path]:
+    """The folder of meshes beside the applications, where a scene's folder belongs to one of them."""
+    roots = {known.folder.resolve().parent for known in applications().values()}
+    return [root.parent / MESHES for root in roots if folder.is_relative_to(root)]

@@ -1,4 +1,4 @@
-"""Writes the sample meshes of this folder: python apps/solid/scenes/meshes/write_samples.py.
+"""Writes the sample meshes of this folder: python meshes/write_samples.py.
 
 bracket.*: an L of 3 x 2 cm with a hole, in millimetres, the same mesh in each format. The left side is clamped
 ("clamp"), the right end is loaded ("load"), and the corner of the L is of another material ("corner").
