@@ -9,15 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import tomlkit
+from restshape_studies.accuracy.front import known_error, percent
+from restshape_studies.accuracy.reference import FINER
+from restshape_studies.accuracy.sampling import sampled
+from restshape_studies.accuracy.setting import Setting
+from restshape_studies.accuracy.study import Case, Play, Study, one, referred
+from restshape_studies.bench.job import run
 from tomlkit.exceptions import TOMLKitError
 
-from restshape.accuracy.front import known_error, percent
-from restshape.accuracy.reference import FINER
-from restshape.accuracy.sampling import sampled
-from restshape.accuracy.setting import Setting
-from restshape.accuracy.study import Case, Play, Study, one, referred
 from restshape.application import application
-from restshape.bench.job import run
 from restshape.errors import UserError
 from restshape.scene.load import load_scene, parse_override
 from restshape.scene.script import load_script

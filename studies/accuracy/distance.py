@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
-from restshape.accuracy.state import Sampled, State
+from restshape_studies.accuracy.state import Sampled, State
 
 CLOSE = 0.01
 """Modes whose values differ by less than this share may mix: shapes are compared with all that such modes span."""

@@ -4,16 +4,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from restshape.accuracy.chosen import chosen_line
-from restshape.accuracy.distance import NAMES
-from restshape.accuracy.front import front_of, percent, rates, rivals, slope
-from restshape.accuracy.record import BOUNDS, PARTS
-from restshape.accuracy.reference import COARSER
-from restshape.accuracy.setting import present, shown
-from restshape.accuracy.study import Study
+from restshape_studies.accuracy.chosen import chosen_line
+from restshape_studies.accuracy.distance import NAMES
+from restshape_studies.accuracy.front import front_of, percent, rates, rivals, slope
+from restshape_studies.accuracy.record import BOUNDS, PARTS
+from restshape_studies.accuracy.reference import COARSER
+from restshape_studies.accuracy.setting import present, shown
+from restshape_studies.accuracy.study import Study
+from restshape_studies.pictures.work_precision import draw_work_precision
+
 from restshape.application import application
 from restshape.report.style import si
-from restshape.report.work_precision import draw_work_precision
 
 Row = dict[str, Any]
 Chosen = Row | None

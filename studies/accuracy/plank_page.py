@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from restshape.accuracy.front import percent
-from restshape.accuracy.page import table
-from restshape.accuracy.planks import ALL, DENSE, EXACT, PlankStudy
+from restshape_studies.accuracy.front import percent
+from restshape_studies.accuracy.page import table
+from restshape_studies.accuracy.planks import ALL, DENSE, EXACT, PlankStudy
+from restshape_studies.pictures.plank_precision import draw_plank_precision
+
 from restshape.guidance.ranges import SAMPLES
-from restshape.report.plank_precision import draw_plank_precision
 
 Lines = list[list[str]]
 

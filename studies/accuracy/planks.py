@@ -8,8 +8,8 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from restshape_studies.accuracy.study import Case
 
-from restshape.accuracy.study import Case
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.errors import UserError
 from restshape.guidance.combination_search import Limits

@@ -7,9 +7,9 @@ from statistics import median
 from typing import Any
 
 import numpy as np
+from restshape_studies.accuracy.setting import Setting
+from restshape_studies.bench.job import Outcome
 
-from restshape.accuracy.setting import Setting
-from restshape.bench.job import Outcome
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
 

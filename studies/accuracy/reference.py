@@ -6,9 +6,20 @@ from math import sqrt
 from pathlib import Path
 from typing import Any
 
-from restshape.accuracy.setting import kind_of, knobs, present, refusal, scaled, shown, times, unknowns
-from restshape.application import Application, Knob
-from restshape.bench.job import STOPPED, Job, Outcome
+from restshape_studies.accuracy.setting import (
+    kind_of,
+    present,
+    refusal,
+    scaled,
+    shown,
+    study_parameters,
+    times,
+    unknowns,
+)
+from restshape_studies.bench.job import STOPPED, Job, Outcome
+from restshape_studies.verification import StudyParameter
+
+from restshape.application import Application
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.model import CircleLoop, Scene
@@ -37,7 +48,7 @@ TOLERANCES = {
 whose frequencies are right to the square of it."""
 FEWEST = 2
 """Frames that hold an edit, at least."""
-MODULE = "restshape.accuracy.replays"
+MODULE = "restshape_studies.accuracy.replays"
 
 
 @dataclass
@@ -48,9 +59,9 @@ class Plan:
         factor: of the scene's mesh size; order: of the elements; corners: how many times as fine at corners.
         policy: "rebuild", or "refactor" for motion, which goes on from frame to frame, and cloth, whose folds do.
         tolerances: of the solver, the next where one cannot be reached.
-        turned: keys of knobs and the values that they have in it, for people.
+        turned: keys of study parameters and the values that they have in it, for people.
         overrides: ``key=value`` of all but sizes.
-        coarse: the same of the coarser reference, whose factors of knobs are COARSE_FACTOR times as large.
+        coarse: the same of the coarser reference, whose factors of study parameters are COARSE_FACTOR times as large.
     """
 
     factor: float
@@ -97,12 +108,14 @@ def planned(path: Path, given: Sequence[str], application: Application, finest: 
     scene = load_scene(path, given)
     kind = kind_of(application)
     turned, overrides, coarse = {}, (), ()
-    for knob in knobs(scene, application):
-        if knob.reference is None:
+    for parameter in study_parameters(scene, application):
+        if parameter.reference is None:
             continue
-        changed = _fine(scene, application, knob)
+        changed = _fine(scene, application, parameter)
         overrides += changed
-        coarse += (times(scene, application, knob, COARSE_FACTOR * knob.reference) if knob.factors else ()) or changed
+        coarse += (
+            times(scene, application, parameter, COARSE_FACTOR * parameter.reference) if parameter.factors else ()
+        ) or changed
         turned |= {key: _plain(value) for key, _, value in (pair.partition("=") for pair in changed)}
     whys = {}
     for order in sorted(application.orders, reverse=True):
@@ -119,14 +132,14 @@ def planned(path: Path, given: Sequence[str], application: Application, finest: 
     return Plan(factor, order, CORNERS[kind], policy, TOLERANCES[kind], turned, overrides, coarse)
 
 
-def _fine(scene: Scene, application: Application, knob: Knob) -> tuple[str, ...]:
-    """``key=value`` of a knob in the reference."""
-    if knob.factors:
-        return times(scene, application, knob, knob.reference)
-    own, value = present(scene, application, knob.key), knob.reference
+def _fine(scene: Scene, application: Application, parameter: StudyParameter) -> tuple[str, ...]:
+    """``key=value`` of a parameter in the reference."""
+    if parameter.factors:
+        return times(scene, application, parameter, parameter.reference)
+    own, value = present(scene, application, parameter.key), parameter.reference
     if isinstance(value, int | float) and own is not None:
         value = max(own, value)
-    return (f"{knob.key}={value}",)
+    return (f"{parameter.key}={value}",)
 
 
 def _plain(value: str) -> str:

@@ -1,6 +1,6 @@
 """What the processes of a study run: the replays of one point, and those of the reference.
 
-`restshape.bench.job.run` calls `measure` of this module in a process of its own.
+`restshape_studies.bench.job.run` calls `measure` of this module in a process of its own.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.accuracy.distance import Reference
+from restshape_studies.accuracy.sampling import SparseSession, changing, spread
+from restshape_studies.accuracy.state import Sampled, State, state_of
 
-from restshape.accuracy.distance import Reference
-from restshape.accuracy.sampling import SparseSession, changing, spread
-from restshape.accuracy.state import Sampled, State, state_of
 from restshape.algebra.gather import bury
 from restshape.algebra.stages import Stages
 from restshape.analysis.frame import Frame

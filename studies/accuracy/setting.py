@@ -1,4 +1,4 @@
-"""Settings of a study: which sizes, orders, policies, tolerances and knobs are tried together."""
+"""Settings of a study: which sizes, orders, policies, tolerances and study parameters are tried together."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -6,7 +6,9 @@ from math import sqrt
 from pathlib import Path
 from typing import Any
 
-from restshape.application import Application, Knob
+from restshape_studies.verification import StudyParameter, verification
+
+from restshape.application import Application
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 from restshape.scene.load import load_scene
@@ -185,45 +187,45 @@ def _variations(scene: Scene, application: Application, choice: Choice, base: Se
         if value != own:
             overrides = (f"solve.tolerance={value!r}",)
             yield replace(base, tolerance=value, varied="solve.tolerance", given=value, overrides=overrides)
-    for knob in knobs(scene, application):
-        sizes = choice.sizes or default_sizes(scene, application, base.order) if knob.grid else (1.0,)
-        for value, overrides in _turned(scene, application, knob):
+    for parameter in study_parameters(scene, application):
+        sizes = choice.sizes or default_sizes(scene, application, base.order) if parameter.grid else (1.0,)
+        for value, overrides in _turned(scene, application, parameter):
             for factor in sizes:
                 changed = (*scaled(scene, factor), *overrides)
-                yield replace(base, factor=factor, varied=knob.key, given=value, overrides=changed)
+                yield replace(base, factor=factor, varied=parameter.key, given=value, overrides=changed)
 
 
-def knobs(scene: Scene, application: Application) -> list[Knob]:
-    """The application's knobs that mean something in a scene."""
+def study_parameters(scene: Scene, application: Application) -> list[StudyParameter]:
+    """The application's parameters that mean something in a scene."""
     planned, found = plan(scene, application), []
-    for knob in application.knobs:
-        if knob.effect and not planned.on(knob.effect):
+    for parameter in verification(application.name).parameters:
+        if parameter.effect and not planned.on(parameter.effect):
             continue
-        if not knob.values or present(scene, application, knob.key) in (None, *knob.values):
-            found.append(knob)
+        if not parameter.values or present(scene, application, parameter.key) in (None, *parameter.values):
+            found.append(parameter)
     return found
 
 
-def _turned(scene: Scene, application: Application, knob: Knob) -> Iterator[tuple[Any, tuple[str, ...]]]:
-    """Each value that a knob is turned to, with its ``key=value``."""
-    own = present(scene, application, knob.key)
-    for value in knob.values:
+def _turned(scene: Scene, application: Application, parameter: StudyParameter) -> Iterator[tuple[Any, tuple[str, ...]]]:
+    """Each value that a parameter is set to, with its ``key=value``."""
+    own = present(scene, application, parameter.key)
+    for value in parameter.values:
         if value != own:
-            yield value, (f"{knob.key}={value}",)
-    for factor in knob.factors:
-        changed = times(scene, application, knob, factor)
+            yield value, (f"{parameter.key}={value}",)
+    for factor in parameter.factors:
+        changed = times(scene, application, parameter, factor)
         if changed:
             yield factor * own, changed
 
 
-def times(scene: Scene, application: Application, knob: Knob, factor: float) -> tuple[str, ...]:
-    """``key=value`` of a knob times a factor; none where what goes against it would not be a whole number."""
-    changed = (f"{knob.key}={factor * present(scene, application, knob.key)!r}",)
-    if not knob.against:
+def times(scene: Scene, application: Application, parameter: StudyParameter, factor: float) -> tuple[str, ...]:
+    """``key=value`` of a parameter times a factor; none where what goes against it would not be a whole number."""
+    changed = (f"{parameter.key}={factor * present(scene, application, parameter.key)!r}",)
+    if not parameter.against:
         return changed
-    other = present(scene, application, knob.against) / factor
+    other = present(scene, application, parameter.against) / factor
     whole = round(other)
-    return (*changed, f"{knob.against}={whole}") if whole >= 1 and abs(whole - other) < 1e-9 else ()
+    return (*changed, f"{parameter.against}={whole}") if whole >= 1 and abs(whole - other) < 1e-9 else ()
 
 
 def present(scene: Scene, application: Application, key: str) -> Any:

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-
-from restshape.accuracy.grid import Grid, Places
+from restshape_studies.accuracy.grid import Grid, Places
 
 SPECTRA = {"frequencies": "mode_", "load_factors": "buckling_mode_"}
 """Attribute of an analysis that has eigenvalues, and how the fields of their modes are named."""

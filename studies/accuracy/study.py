@@ -7,13 +7,14 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from restshape.accuracy.front import mark_pareto
-from restshape.accuracy.record import Truth, record, truth_of
-from restshape.accuracy.reference import COARSER, MODULE, Plan, planned, quicker, solve
-from restshape.accuracy.sampling import begun, sampled
-from restshape.accuracy.setting import Choice, Omission, Setting, kind_of, settings
+from restshape_studies.accuracy.front import mark_pareto
+from restshape_studies.accuracy.record import Truth, record, truth_of
+from restshape_studies.accuracy.reference import COARSER, MODULE, Plan, planned, quicker, solve
+from restshape_studies.accuracy.sampling import begun, sampled
+from restshape_studies.accuracy.setting import Choice, Omission, Setting, kind_of, settings
+from restshape_studies.bench.job import Job, Outcome, run
+
 from restshape.application import Application, application
-from restshape.bench.job import Job, Outcome, run
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene

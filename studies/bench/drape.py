@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.bench.events import EventCounts
 
 from restshape.analysis.drape import DrapeAnalysis
 from restshape.analysis.rest import Rest
-from restshape.bench.events import EventCounts
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.bench.eigensolvers import Frame, Rival, rivals
+from restshape_studies.bench.job import Row
 
 from restshape.algebra.eigen import SPARE, EigenSolver
 from restshape.algebra.pencil import Deflation, Pencil
 from restshape.algebra.stages import Stages
 from restshape.analysis.modal import ModalAnalysis
-from restshape.bench.eigensolvers import Frame, Rival, rivals
-from restshape.bench.job import Row
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request

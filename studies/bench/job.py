@@ -93,7 +93,7 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
     """
     with tempfile.TemporaryDirectory(prefix="restshape-bench-") as folder:
         told = Path(folder) / "told.jsonl"
-        command = [sys.executable, "-P", "-m", "restshape.bench.process", str(told)]
+        command = [sys.executable, "-P", "-m", "restshape_studies.bench.process", str(told)]
         process = start(
             command,
             stdin=subprocess.PIPE,

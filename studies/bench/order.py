@@ -5,9 +5,10 @@ from dataclasses import replace
 from math import inf, sqrt
 from statistics import mean, median
 
+from restshape_studies.bench.job import Job, Outcome, Row, run
+from restshape_studies.bench.prediction import Case, checked
+
 from restshape.application import application
-from restshape.bench.job import Job, Outcome, Row, run
-from restshape.bench.prediction import Case, checked
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
 from restshape.scene.load import load_scene

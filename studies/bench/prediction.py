@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.bench.job import Job, Outcome, Row, run
 
 from restshape.analysis.modal import ModalAnalysis
-from restshape.bench.job import Job, Outcome, Row, run
 from restshape.errors import UserError
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request

@@ -1,4 +1,4 @@
-"""The process of one job: ``python -m restshape.bench.process FILE`` reads it from stdin, tells rows to the file."""
+"""The process of one job: ``python -m restshape_studies.bench.process FILE`` reads it, and writes rows there."""
 
 import json
 import os
@@ -9,7 +9,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from restshape.bench.job import Job
+from restshape_studies.bench.job import Job
+
 from restshape.errors import ReplayProblem, UserError
 
 
@@ -41,8 +42,8 @@ def request(job: Job) -> Any:
 def play(job: Job, tell: Any) -> None:
     """Tell a row for each frame, as soon as it is computed."""
     from petsc4py import PETSc
+    from restshape_studies.bench.events import EventCounts
 
-    from restshape.bench.events import EventCounts
     from restshape.replay.loop import Replay
 
     asked = request(job)
@@ -66,14 +67,14 @@ def play(job: Job, tell: Any) -> None:
 
 def regret(job: Job, tell: Any) -> None:
     """Tell the regret of the schedule of refreshes."""
-    from restshape.replay.regret import measure
+    from restshape_studies.bench.regret import measure
 
     tell("regret", measure(request(job)))
 
 
 def measured(job: Job, tell: Any) -> None:
     """Tell what a module measures, one of this package where its name is not a full one."""
-    name = job.measure if "." in job.measure else f"restshape.bench.{job.measure}"
+    name = job.measure if "." in job.measure else f"restshape_studies.bench.{job.measure}"
     tell("found", import_module(name).measure(request(job), **job.details))
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from restshape.bench.job import Job, Outcome, Row, run
+from restshape_studies.bench.job import Job, Outcome, Row, run
+
 from restshape.errors import UserError
 from restshape.replay.columns import STAGES
 from restshape.replay.summary import summarise

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from restshape_studies.bench.job import Job, Outcome, Row, run
 
-from restshape.bench.job import Job, Outcome, Row, run
 from restshape.replay.summary import percentiles
 
 PLATE_UNKNOWNS, PLATE_SIZE = 1820.0, 0.052

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from restshape_studies.bench.derivative import Held
 
 from restshape.application import application
-from restshape.bench.derivative import Held
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 from restshape.policy import policy

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from statistics import mean, median
 from typing import Any
 
-from restshape.bench.job import Job, Outcome, Row, run
+from restshape_studies.bench.job import Job, Outcome, Row, run
 
 WAYS = ("auto", "kinetic", "rayleigh", "newton", "stabilised", "cg")
 BENDING = ("hinge", "morley", "nonlinear")
@@ -48,8 +48,8 @@ def study(job: Job, plan: Plan, on_run: Callable[[str], None], play: Play = run)
     Raises:
         UserError: the scene cannot be simulated.
 
-    Returns: ways and bending: by name what `restshape.bench.drape` measures, or a problem; ways with `short`, the part
-        of the energy's fall to the best rest that is missing; policies: by name what the frames took.
+    Returns: ways and bending: by name what `bench.drape` measures, or a problem; ways with `short`, the part of
+        the energy's fall to the best rest that is missing; policies: by name what the frames took.
     """
     still = replace(job, edits="", measure="drape", details={"seconds": plan.seconds})
     found: Row = {"ways": {}, "bending": {}, "policies": {}}

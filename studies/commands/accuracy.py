@@ -11,6 +11,7 @@ from restshape.cli.script_notes import note_script
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 
+PLACE = 4
 SUMMARY = "what accuracy costs in time: errors of a scene's settings against a far finer reference"
 
 
@@ -75,9 +76,9 @@ def run(args: argparse.Namespace) -> int:
     Raises:
         UserError: a wish that makes no sense, or ranks of MPI.
     """
-    from restshape.accuracy.front import finite
-    from restshape.accuracy.page import write_index, write_page
-    from restshape.accuracy.study import study
+    from restshape_studies.accuracy.front import finite
+    from restshape_studies.accuracy.page import write_index, write_page
+    from restshape_studies.accuracy.study import study
 
     if launched():
         raise UserError("points are replayed on one rank", "mpiexec", "start it without mpiexec")
@@ -122,8 +123,8 @@ def read(args: argparse.Namespace) -> tuple[Any, float | None, float | None]:
     Raises:
         UserError: a value that makes no sense.
     """
-    from restshape.accuracy.setting import Choice
-    from restshape.accuracy.study import Asked
+    from restshape_studies.accuracy.setting import Choice
+    from restshape_studies.accuracy.study import Asked
 
     if args.frames is not None and (args.frames < 0 or args.frames == 1):
         raise UserError(f"{args.frames} frames hold no edit", "--frames", "at least 2, or 0 for all")
@@ -201,8 +202,9 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
     Raises:
         UserError: a bad scene or script, or a scene without a script.
     """
-    from restshape.accuracy.study import Case
-    from restshape.cli.bench import script_of
+    from restshape_studies.accuracy.study import Case
+
+    from restshape.cli.shipped import script_of
     from restshape.scene.load import load_scene
     from restshape.scene.script import load_script
 
@@ -251,8 +253,8 @@ def has_planks(case: Any) -> bool:
 
 def planks_studied(args: argparse.Namespace, case: Any, command: str) -> Any:
     """The study of a scene of planks, after its page is written and told."""
-    from restshape.accuracy.plank_page import HEADS, ROWS, write_plank_page
-    from restshape.accuracy.planks import study_planks
+    from restshape_studies.accuracy.plank_page import HEADS, ROWS, write_plank_page
+    from restshape_studies.accuracy.planks import study_planks
 
     found = study_planks(case, announce)
     for kind, heads in HEADS.items():
@@ -302,7 +304,7 @@ def announce(text: str) -> None:
 
 def tell(study: Any) -> None:
     """Print the table of a study, its front, and what was left out."""
-    from restshape.accuracy.page import (
+    from restshape_studies.accuracy.page import (
         HEADS,
         left_out,
         rates_lines,
@@ -334,8 +336,8 @@ def choose(args: argparse.Namespace, study: Any, within: float | None, error: fl
 
     It comes with `holds`, and with what was found of those tried `before` it, in words.
     """
-    from restshape.accuracy.chosen import chosen_line, hopeless, rerun, write_scene
-    from restshape.accuracy.front import percent, picks
+    from restshape_studies.accuracy.chosen import chosen_line, hopeless, rerun, write_scene
+    from restshape_studies.accuracy.front import percent, picks
 
     path = args.write or args.out / f"{study.case.name}-chosen.toml"
     found, before = {}, []

@@ -8,13 +8,15 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from restshape_studies.commands import bench_design, bench_drape, bench_eigen, bench_order
+
 from restshape.application import applications
-from restshape.cli import bench_design, bench_drape, bench_eigen, bench_order
-from restshape.cli.list import scene_of
 from restshape.cli.options import add_json, add_set, open_json, print_table, require_mesh, write_json
+from restshape.cli.shipped import script_of
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 
+PLACE = 5
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
 PICTURES = Path("results")
 SIZE_SCENE = "plate"
@@ -71,8 +73,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _reuse(args: argparse.Namespace) -> int:
     """Compare policies, and tell of each scene as soon as it is done."""
-    from restshape.bench.reuse import Plan, compare
-    from restshape.report.policies import draw_policies
+    from restshape_studies.bench.reuse import Plan, compare
+    from restshape_studies.pictures.policies import draw_policies
 
     if args.repeat < 1 or args.frames < 0 or args.frames == 1:
         what = f"{args.repeat} runs of {args.frames} frames measure nothing"
@@ -95,14 +97,14 @@ def _reuse(args: argparse.Namespace) -> int:
 
 def _predict(args: argparse.Namespace) -> int:
     """Time predicted frames and find their errors."""
-    from restshape.report.design import draw_prediction
+    from restshape_studies.pictures.design import draw_prediction
 
     return _one(args, "bench-predict.png", bench_design.predict, draw_prediction)
 
 
 def _derivative(args: argparse.Namespace) -> int:
     """Compare the design derivative with differences."""
-    from restshape.report.design import draw_derivative
+    from restshape_studies.pictures.design import draw_derivative
 
     return _one(args, "sensitivity-epsilon.png", bench_design.derivative, draw_derivative)
 
@@ -154,7 +156,8 @@ def _cases(args: argparse.Namespace) -> list[Any]:
     Raises:
         UserError: a bad scene or script, or a scene without a script.
     """
-    from restshape.bench.reuse import Case
+    from restshape_studies.bench.reuse import Case
+
     from restshape.scene.load import load_scene
     from restshape.scene.script import load_script
 
@@ -177,13 +180,6 @@ def _cases(args: argparse.Namespace) -> list[Any]:
             announce(f"{name}: script {edits}")
         cases.append(Case(name, path, edits))
     return cases
-
-
-def script_of(scene: Path) -> Path | None:
-    """The edit script in `../edits`, or beside it, whose header names the scene; of several the scene's namesake."""
-    folders = (scene.parent.parent / "edits", scene.parent)
-    found = [path for folder in folders for path in sorted(folder.glob("*.jsonl")) if scene_of(path) == scene.name]
-    return next((path for path in found if path.stem == scene.stem), found[0] if found else None)
 
 
 def print_reuse(name: str, found: dict[str, dict[str, Any]]) -> None:
@@ -248,8 +244,8 @@ def _levels_row(name: str, entry: dict[str, Any]) -> list[str]:
 
 def _size(args: argparse.Namespace) -> int:
     """Measure growing sizes, and tell what was not reached."""
-    from restshape.bench.size import exponents, measure, sizes
-    from restshape.report.scaling import draw_scaling
+    from restshape_studies.bench.size import exponents, measure, sizes
+    from restshape_studies.pictures.scaling import draw_scaling
 
     if not 100 <= args.least <= args.most:
         raise UserError(

@@ -39,8 +39,8 @@ def arguments(studies: Any) -> list[argparse.ArgumentParser]:
 
 def predict(args: argparse.Namespace, case: Any, announce: Any) -> dict[str, Any]:
     """Measure predicted frames, and print what was found."""
-    from restshape.bench.job import Job
-    from restshape.bench.prediction import Case, study
+    from restshape_studies.bench.job import Job
+    from restshape_studies.bench.prediction import Case, study
 
     if args.repeat < 1 or args.frames < 0:
         raise UserError(
@@ -78,8 +78,8 @@ def print_prediction(name: str, found: dict[str, Any]) -> None:
 
 def derivative(args: argparse.Namespace, case: Any, announce: Any) -> dict[str, Any]:
     """Measure differences from the derivative, and print them."""
-    from restshape.bench.job import Job, run
-    from restshape.bench.prediction import Case, checked_found
+    from restshape_studies.bench.job import Job, run
+    from restshape_studies.bench.prediction import Case, checked_found
 
     announce(f"{case.name}: derivatives")
     job = Job(str(case.scene), str(case.edits), "refactor", (*args.set, EXACT), tuple(args.petsc), measure="derivative")

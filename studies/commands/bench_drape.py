@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from restshape.bench.ways import BENDING, POLICIES, WAYS
+from restshape_studies.bench.ways import BENDING, POLICIES, WAYS
+
 from restshape.cli.options import check_output, print_table
 from restshape.errors import UserError
 
@@ -44,9 +45,9 @@ def arguments(studies: Any) -> argparse.ArgumentParser:
 
 def drape(args: argparse.Namespace, scene: Any, edits: Path | None, announce: Any) -> dict[str, Any]:
     """Let all ways bring the cloth to rest, print and draw what was found."""
-    from restshape.bench.job import Job
-    from restshape.bench.ways import Plan, study
-    from restshape.report.residuals import draw_residuals
+    from restshape_studies.bench.job import Job
+    from restshape_studies.bench.ways import Plan, study
+    from restshape_studies.pictures.residuals import draw_residuals
 
     if args.seconds <= 0 or args.frames < 0 or args.frames == 1:
         what = f"{args.frames} frames, {args.seconds:g} s a run: this measures nothing"

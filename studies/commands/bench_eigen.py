@@ -17,8 +17,8 @@ def arguments(studies: Any) -> argparse.ArgumentParser:
 
 def eigen(args: argparse.Namespace, case: Any, announce: Any) -> dict[str, Any]:
     """Let all solvers find the modes of each frame, and print what was found."""
-    from restshape.bench.job import Job, run
-    from restshape.bench.prediction import Case, checked_found
+    from restshape_studies.bench.job import Job, run
+    from restshape_studies.bench.prediction import Case, checked_found
 
     announce(f"{case.name}: eigensolvers")
     job = Job(str(case.scene), str(case.edits), "auto", tuple(args.set), tuple(args.petsc), measure="eigen")

@@ -28,9 +28,9 @@ def arguments(studies: Any) -> argparse.ArgumentParser:
 
 def order(args: argparse.Namespace, case: Any, announce: Any) -> dict[str, Any]:
     """Measure both orders, and print what was found."""
-    from restshape.bench.job import Job
-    from restshape.bench.order import study
-    from restshape.bench.prediction import Case
+    from restshape_studies.bench.job import Job
+    from restshape_studies.bench.order import study
+    from restshape_studies.bench.prediction import Case
 
     if args.repeat < 1 or args.frames < 0 or args.frames == 1:
         what = f"{args.repeat} runs of {args.frames} frames measure nothing"

@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from restshape.application import application
-from restshape.cli.bench import script_of
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
+from restshape.cli.shipped import script_of
 from restshape.errors import UserError
 from restshape.scene.script import load_script
 
+PLACE = 1
 SUMMARY = "tell which effects a scene calls for and why, what each costs, and which solvers it gets"
 FRAMES, SECONDS = 24, 9.0
 COUNTED = ("unknowns", "elements", "entries", "calls")
@@ -44,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     """Prints the plan and its price."""
     if launched():
         raise UserError("effects are priced on one rank", do="start it without mpiexec")
-    from restshape.explain.study import Asked, explain
+    from restshape_studies.explain.study import Asked, explain
 
     scene = read_scene(args)
     if args.frames < 0:

@@ -12,6 +12,7 @@ from restshape.cli.ranks import first_rank, launched
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 
+PLACE = 3
 SUMMARY = "hard cases that state what must hold; with --fuzz, random scenes and edits that must not break"
 SILENCE = 1800.0
 """Seconds that one case may take."""
@@ -66,7 +67,7 @@ def _cases(args: argparse.Namespace) -> int:
         import petsc4py
 
         petsc4py.init(["restshape", *args.petsc])
-    from restshape.stability.suite import cases, jobs, run_apart
+    from restshape_studies.stability.suite import cases, jobs, run_apart
 
     known = cases()
     if args.list:
@@ -89,9 +90,8 @@ def _cases(args: argparse.Namespace) -> int:
 def _run_here(args: argparse.Namespace, known: dict[str, Any], wanted: list[tuple[str, str]]) -> list[dict[str, Any]]:
     """The rows of cases that run on all ranks, in this process."""
     from petsc4py import PETSc
-
-    from restshape.stability.case import Trial
-    from restshape.stability.suite import not_begun, run_case
+    from restshape_studies.stability.case import Trial
+    from restshape_studies.stability.suite import not_begun, run_case
 
     rows: list[dict[str, Any]] = []
     ranks, start = PETSc.COMM_WORLD.tompi4py(), time.monotonic()
@@ -139,13 +139,13 @@ def _fuzz(args: argparse.Namespace) -> int:
             args.keep.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise UserError(f"{error.strerror}", f"--keep {args.keep}", "name another folder") from error
-    from restshape.application import applications
-    from restshape.stability.fuzz import fuzz
+    from restshape_studies.stability.fuzz import fuzz
+    from restshape_studies.verification import verifications
 
     def told(tried: Any) -> None:
         print(f"{tried.examples} examples, {len(tried.found)} faults, {tried.seconds:.0f} s", flush=True)
 
-    apps = tuple(applications())
+    apps = tuple(app for app, known in verifications().items() if known.random_scenes)
     tried = fuzz(args.fuzz, args.seed, apps, args.keep, EACH, args.seconds, told=told)
     numbers = tried.as_dict()
     shown = ("examples", "valid", "refused", "too_large", "broken", "damaged", "written")

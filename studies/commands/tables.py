@@ -7,6 +7,7 @@ from typing import Any
 from restshape.cli.options import add_json, check_output, open_json, print_table, write_json
 from restshape.errors import UserError
 
+PLACE = 6
 SUMMARY = "the thesis's numbers beside ours, measured now"
 HEADER = """# The thesis's numbers beside ours
 
@@ -35,10 +36,12 @@ def run(args: argparse.Namespace) -> int:
     import petsc4py
 
     petsc4py.init(["restshape", *args.petsc])
-    from restshape.application import applications
-    from restshape.report.tables import markdown_table, thesis_table
+    from restshape_studies.thesis import thesis_table
+    from restshape_studies.verification import verifications
 
-    rows = [row for app in applications().values() for row in app.thesis_rows(timed=not args.check)]
+    from restshape.report.tables import markdown_table
+
+    rows = [row for known in verifications().values() for row in known.thesis_rows(timed=not args.check)]
     shown = [{key: value for key, value in row.items() if key != "timing"} for row in rows]
     columns = ("table", "row", "quantity", "thesis", "ours", "unit")
     print_table("thesis and ours", columns, [[row[key] for key in columns] for row in shown])

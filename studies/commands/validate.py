@@ -3,8 +3,8 @@
 import argparse
 
 from restshape.cli.options import add_json, open_json, print_table, write_json
-from restshape.errors import UserError
 
+PLACE = 2
 SUMMARY = "compare computed values with references that restshape did not compute"
 
 
@@ -22,17 +22,18 @@ def run(args: argparse.Namespace) -> int:
 
     petsc4py.init(["restshape", *args.petsc])
     from petsc4py import PETSc
-
-    from restshape.application import applications
+    from restshape_studies.verification import check_cases, verifications
 
     comm = PETSc.COMM_WORLD
-    known = {f"{app.name}.{name}": case for app in applications().values() for name, case in app.cases().items()}
+    known = {
+        f"{app}.{name}": case
+        for app, found in verifications().items()
+        for name, case in found.load_validation().items()
+    }
     if args.list:
         print("\n".join(f"{name}: {(case.__doc__ or '').splitlines()[0]}" for name, case in known.items()))
         return 0
-    unknown = [name for name in args.case or () if name not in known]
-    if unknown:
-        raise UserError(f"no case is named {unknown[0]!r}", "--case", f"use one of: {', '.join(known)}")
+    check_cases(args.case or [], known, f"use one of: {', '.join(known)}")
     rows = [check.as_dict(name) for name in args.case or known for check in known[name](comm)]
     if comm.rank == 0:
         print_table(

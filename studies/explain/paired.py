@@ -11,17 +11,17 @@ from dataclasses import replace
 from time import process_time
 
 from petsc4py import PETSc
+from restshape_studies.explain.calls import Row, difference, moved
+from restshape_studies.explain.filled import Watch, stored, watched_operators
+from restshape_studies.explain.without import without
 
 from restshape import _kernels
 from restshape.algebra import stages
 from restshape.errors import UserError
-from restshape.explain.calls import Row, difference, moved
-from restshape.explain.filled import Watch, stored, watched_operators
 from restshape.mesh import moving
 from restshape.replay import loop
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
-from restshape.scene.without import without
 from restshape.shape.session import EditFrame
 
 KEPT = (

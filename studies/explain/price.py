@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-
-from restshape.explain.calls import Calls, Row, chosen, difference, keys, moved, reach, total
-from restshape.explain.filled import Filled
-from restshape.explain.variants import Names, Variants
+from restshape_studies.explain.calls import Calls, Row, chosen, difference, keys, moved, reach, total
+from restshape_studies.explain.filled import Filled
+from restshape_studies.explain.variants import Names, Variants
 
 MESH = ("ms_relocate", "ms_map", "ms_flip", "ms_mesh")
 PARTS = ("edit", "mesh", "observation", "record", "solve")

@@ -6,15 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from restshape_studies.bench.job import Job, Outcome, run
+from restshape_studies.explain.calls import Row, chosen, keys
+from restshape_studies.explain.filled import of_kernels
+from restshape_studies.explain.price import PARTS, Counts, Prices, prices, widest
+from restshape_studies.explain.variants import REQUIRED, variants
+
 from restshape.algebra.choice import Choice, Size
 from restshape.application import Application
-from restshape.bench.job import Job, Outcome, run
 from restshape.calibration import Calibration
 from restshape.errors import UserError
-from restshape.explain.calls import Row, chosen, keys
-from restshape.explain.filled import of_kernels
-from restshape.explain.price import PARTS, Counts, Prices, prices, widest
-from restshape.explain.variants import REQUIRED, variants
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan, PlannedEffect, as_written, plan
 
@@ -80,7 +81,7 @@ def explain(
         scene.solve.policy,
         asked.overrides,
         asked.petsc,
-        measure="restshape.explain.paired",
+        measure="restshape_studies.explain.paired",
         details={
             # The whole scene twice: what two replays of the same differ by is what a difference is worth.
             "left_out": [sorted(names) for names in (*tried.sets, tried.sets[0])],

@@ -39,7 +39,7 @@ def draw_residuals(name: str, runs: Mapping[str, Mapping[str, Any]], path: Path,
 
     Args:
         name: of the scene.
-        runs: by name what `restshape.bench.drape` measures.
+        runs: by name what `restshape_studies.bench.drape` measures.
         path: of the picture.
         goal: residual at rest.
     """

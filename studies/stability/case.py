@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from restshape_studies.stability.scenery import make_replay, rows_of, write_scene, write_script
 
 from restshape.calibration import Calibration
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
-from restshape.stability.scenery import make_replay, rows_of, write_scene, write_script
 
 Row = dict[str, Any]
 

@@ -1,11 +1,11 @@
-"""Hard cases in a process of their own: ``python -m restshape.stability.case_process FOLDER PETSC_WORDS...``."""
+"""Hard cases in their own process: ``python -m restshape_studies.stability.case_process FOLDER PETSC_WORDS...``."""
 
 import json
 import sys
 import time
 from pathlib import Path
 
-from restshape.stability.watched import READY, Telling
+from restshape_studies.stability.watched import READY, Telling
 
 
 def main() -> int:
@@ -15,8 +15,8 @@ def main() -> int:
     import petsc4py
 
     petsc4py.init(["restshape", *sys.argv[2:]])
-    from restshape.stability.case import Trial
-    from restshape.stability.suite import cases, run_case
+    from restshape_studies.stability.case import Trial
+    from restshape_studies.stability.suite import cases, run_case
 
     tell, known, start = Telling(folder), cases(), time.monotonic()
     tell(READY)

@@ -7,9 +7,10 @@ from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 
+from restshape_studies.stability.example import EDITS, RECORDING, SCENE, SUMMARY, TABLE, Example
+
 from restshape.cli.main import main
 from restshape.replay.recording import Recording
-from restshape.stability.strategies import EDITS, RECORDING, SCENE, SUMMARY, TABLE, Example
 
 
 def command_problem(folder: Path, example: Example, message: str, frames: int, refused: int) -> str:

@@ -8,15 +8,17 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from restshape.errors import UserError
-from restshape.stability.fuzz_process import FAULT, Batch
-from restshape.stability.strategies import EDITS, MOST_ELEMENTS, SCENE, Example
-from restshape.stability.watched import End, watch
+from restshape_studies.stability.batch import FAULT, Batch
+from restshape_studies.stability.example import EDITS, MOST_ELEMENTS, SCENE, Example
+from restshape_studies.stability.watched import End, watch
 
-PROCESS = "restshape.stability.fuzz_process"
+from restshape.errors import UserError
+
+PROCESS = "restshape_studies.stability.fuzz_process"
 BATCH = 25
 """Examples a process: starting one takes a second."""
 DAMAGED_SHARE = 3
@@ -110,7 +112,12 @@ def fuzz(
         seconds: no batch begins after so long.
         shrink: look for smaller examples of faults.
         told: called after each batch.
+
+    Raises:
+        UserError: hypothesis, which draws the examples, is not installed; no example could be played.
     """
+    if find_spec("hypothesis") is None:
+        raise UserError("hypothesis, which draws random scenes, is not installed", "--fuzz", "install restshape[test]")
     tried, start, number = Tried(), time.monotonic(), 0
     while tried.examples < count and time.monotonic() - start < seconds:
         before = tried.examples

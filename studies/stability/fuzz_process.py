@@ -1,4 +1,4 @@
-"""A batch of random examples: ``python -m restshape.stability.fuzz_process FOLDER`` reads it from stdin.
+"""A batch of random examples: ``python -m restshape_studies.stability.fuzz_process FOLDER`` reads it from stdin.
 
 It tells the folder's file of each example before it plays it, so that whoever watches knows which one it was
 that ended or hung the process.
@@ -15,35 +15,13 @@ from pathlib import Path
 from typing import Any, Self
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
+from restshape_studies.stability.batch import FAULT, Batch
+from restshape_studies.stability.example import Example
+from restshape_studies.stability.strategies import examples
+from restshape_studies.stability.watched import Telling
 
-from restshape.stability.strategies import Example, examples
-from restshape.stability.watched import Telling
-
-FAULT = "fault"
-"""Folder of the last example at fault."""
 SHRINKING = 20.0
 """Seconds after the first fault in which smaller examples of it are looked for."""
-
-
-@dataclass(frozen=True)
-class Batch:
-    """What a process plays.
-
-    Args:
-        seed: all follows from it.
-        count: number of examples.
-        apps: applications that the scenes are of.
-        damaged: something is done to the files.
-        known: signatures of faults that are counted only, and neither end the batch nor are made smaller.
-        shrink: look for a smaller example of a fault.
-    """
-
-    seed: int
-    count: int
-    apps: tuple[str, ...]
-    damaged: bool
-    known: tuple[str, ...] = ()
-    shrink: bool = True
 
 
 @dataclass
@@ -67,7 +45,7 @@ class Watched:
         """Tell of the error, if there is one; it goes no further if it is known."""
         if error is None or isinstance(error, KeyboardInterrupt):
             return False
-        from restshape.stability.player import signature
+        from restshape_studies.stability.player import signature
 
         name = signature(error)
         self.tell("fault", {"signature": name, "what": f"{kind.__name__}: {error}".strip()[:600]})
@@ -89,7 +67,7 @@ def run(batch: Batch, folder: Path, tell: Callable[[str, Any], None]) -> None:
     # A crash tells its line of Python, which PETSc's own handler would not.
     petsc4py.init(["restshape", "-no_signal_handler"])
     faulthandler.enable()
-    from restshape.stability.player import play
+    from restshape_studies.stability.player import play
 
     (folder / FAULT).mkdir(exist_ok=True)
     phases = (Phase.generate, Phase.shrink) if batch.shrink else (Phase.generate,)

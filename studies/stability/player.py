@@ -10,6 +10,9 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.stability.commanded import command_problem
+from restshape_studies.stability.example import EDITS, MOST_ELEMENTS, SCENE, Example
+from restshape_studies.verification import FrameCheck, verification
 
 from restshape.application import application
 from restshape.calibration import Calibration
@@ -20,12 +23,11 @@ from restshape.replay.loop import Replay
 from restshape.replay.summary import summarise
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
-from restshape.stability.commanded import command_problem
-from restshape.stability.plank_checks import plank_problem
-from restshape.stability.strategies import EDITS, MOST_ELEMENTS, SCENE, Example
 
 ENDLESS = ("mu_", "q_critical")
 """Beginnings of columns that may be infinite: nothing buckles."""
+OWN = {"restshape", "apps", "restshape_apps", "studies", "restshape_studies"}
+"""Folders of our own code, in a checkout and installed."""
 BLANK = "buckling_mode"
 """Beginning of fields that have no numbers where there are fewer modes than wanted."""
 
@@ -85,6 +87,7 @@ def _play(folder: Path, example: Example, played: Played) -> None:
     script = load_script(folder / EDITS, scene, keep_good=True)
     chosen, known = policy(example.policy), Calibration.load()
     replay = Replay(scene, script, app, chosen, PETSc.COMM_WORLD, known, predict=example.predict)
+    check = verification(app.name).load_frame_check()
     names = set(columns(list(scene.quantities), app.own_columns(scene)))
     rows = []
     for row in replay.frames():
@@ -96,11 +99,19 @@ def _play(folder: Path, example: Example, played: Played) -> None:
         if unknown := set(row) - names:
             raise Fault(f"frame {row['index']}: no column is known for {sorted(unknown)}")
         if replay.known and not row["refused"]:
-            (_check_planks if app.planks else _check_numbers)(replay, row)
+            _check(check, replay, row)
     summary = summarise(rows, example.policy, 1)
     json.dumps({key: value for key, value in summary.items() if key != "rows"}, allow_nan=False)
     if script.error:
         played.message = str(script.error)
+
+
+def _check(check: FrameCheck | None, replay: Replay, row: dict[str, Any]) -> None:
+    """Refuse what a frame must not say: what its application's own check finds, or numbers that are none."""
+    if check is None:
+        _check_numbers(replay, row)
+    elif wrong := check(replay.analysis, row):
+        raise Fault(f"frame {row['index']} ({row['do']}): {wrong}")
 
 
 def _check_numbers(replay: Replay, row: dict[str, Any]) -> None:
@@ -124,16 +135,10 @@ def _check_numbers(replay: Replay, row: dict[str, Any]) -> None:
             raise Fault(f"frame {row['index']} ({row['do']}): the field {name} is not finite")
 
 
-def _check_planks(replay: Replay, row: dict[str, Any]) -> None:
-    """Refuse what a frame of furniture must not say."""
-    if wrong := plank_problem(replay.analysis, row):
-        raise Fault(f"frame {row['index']} ({row['do']}): {wrong}")
-
-
 def signature(error: BaseException) -> str:
     """What tells one fault from another: its kind and the innermost line of restshape's own code."""
     if isinstance(error, Fault):
         return str(error).partition(": ")[2].partition(" = ")[0]
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if "restshape" in f.filename or "apps" in f.filename]
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if set(Path(f.filename).parts) & OWN]
     last = frames[-1] if frames else None
     return f"{type(error).__name__} at {Path(last.filename).name}:{last.lineno}" if last else type(error).__name__

@@ -8,13 +8,14 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from restshape.application import applications
+from restshape_studies.stability.case import Case, Statement, Trial
+from restshape_studies.stability.watched import watch
+from restshape_studies.verification import check_cases, verifications
+
 from restshape.errors import ReplayProblem, UserError
 from restshape.policy import POLICIES
-from restshape.stability.case import Case, Statement, Trial
-from restshape.stability.watched import watch
 
-PROCESS = "restshape.stability.case_process"
+PROCESS = "restshape_studies.stability.case_process"
 Row = dict[str, Any]
 Job = tuple[str, str]
 """The name of a case and a policy."""
@@ -22,7 +23,11 @@ Job = tuple[str, str]
 
 def cases() -> dict[str, Case]:
     """All cases of the installed applications, by ``application.name``."""
-    return {f"{app.name}.{name}": case for app in applications().values() for name, case in app.hard_cases().items()}
+    return {
+        f"{app}.{name}": case
+        for app, known in verifications().items()
+        for name, case in known.load_hard_cases().items()
+    }
 
 
 def jobs(known: dict[str, Case], names: Sequence[str], policies: Sequence[str]) -> list[Job]:
@@ -36,9 +41,7 @@ def jobs(known: dict[str, Case], names: Sequence[str], policies: Sequence[str]) 
     Raises:
         UserError: no such case.
     """
-    unknown = [name for name in names if name not in known]
-    if unknown:
-        raise UserError(f"no case is named {unknown[0]!r}", "--case", "restshape stability --list names them")
+    check_cases(list(names), known, "restshape stability --list names them")
     chosen = tuple(POLICIES) if "all" in policies else tuple(policies)
     return [(name, policy) for name in names or known for policy in chosen or known[name].policies]
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from restshape.bench.job import ending
+from restshape_studies.bench.job import ending
 
 TOLD = "told.jsonl"
 LOOK = 0.05

@@ -6,7 +6,7 @@ from pathlib import Path
 from restshape.application import Application
 from restshape.cli.main import main
 
-THESIS = Path(__file__).parents[1] / "results" / "THESIS.md"
+THESIS = Path(__file__).parents[2] / "results" / "THESIS.md"
 
 
 def test_the_committed_table_holds(capsys):
@@ -25,7 +25,7 @@ def test_a_changed_count_is_noticed(tmp_path, capsys, monkeypatch):
 
 
 def test_what_the_readme_shows_is_there():
-    readme = (THESIS.parents[1] / "README.md").read_text(encoding="utf-8")
+    readme = (THESIS.parents[2] / "README.md").read_text(encoding="utf-8")
     named = re.findall(r"\]\(((?:results|docs)/[^)]+)\)", readme)
     assert len(named) >= 5
-    assert [name for name in named if not (THESIS.parents[1] / name).is_file()] == []
+    assert [name for name in named if not (THESIS.parents[2] / name).is_file()] == []

@@ -1,14 +1,14 @@
 """Hard cases of bridges: nearly cut through, windows that touch, a weight that no bridge bears, a thin deck."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound, true
+from restshape_studies.stability.scenery import across, drag
 
-from restshape.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound, true
-from restshape.stability.scenery import across, drag
+from restshape.application import application
 
-SCENE = Path(__file__).parent / "scenes" / "bridge.toml"
+SCENE = application("bridge").folder / "scenes" / "bridge.toml"
 COARSE = ['mesh.size="600 mm"']
 LARGE = "effects.large_deformation={}"
 WEIGHT = 2e6

@@ -3,7 +3,7 @@
 Both scripts start from the same scene and hold the same edits at the same times; they differ in when the analysis runs.
 That is an illustration of figure 4.14 of the thesis, which shows what six people did; it proves nothing about people.
 
-python -m restshape_apps.bridge.study [--picture FILE]
+python -m restshape_verification.bridge.study [--picture FILE]
 """
 
 import argparse
@@ -12,10 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
+from restshape.application import application
 from restshape.replay.run import replay_files
 from restshape.scene.load import load_scene
 
-FOLDER = Path(__file__).parent
+FOLDER = application("bridge").folder
 SCENE = FOLDER / "scenes" / "bridge.toml"
 WAYS = {"every frame": FOLDER / "edits" / "bridge.jsonl", "on demand": FOLDER / "edits" / "bridge-on-demand.jsonl"}
 
@@ -64,7 +65,7 @@ def followed(rows: list[dict]) -> Way:
 
 def main() -> None:
     """Print what each way finds, and draw it."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.bridge.study", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m restshape_verification.bridge.study", description=__doc__)
     parser.add_argument("--picture", type=Path, metavar="FILE", help="score against edit time (.png)")
     args = parser.parse_args()
     ways = study()
@@ -75,7 +76,7 @@ def main() -> None:
             f"frames solved, {way.holds.sum()} known to hold, {way.fails.sum()} to fail"
         )
     if args.picture:
-        from restshape.report.score import draw_score
+        from restshape_studies.pictures.score import draw_score
 
         draw_score(args.picture, ways, load_scene(SCENE).quantities["strength"].limit)
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from restshape_apps.bridge.study import study
+from restshape_verification.bridge.study import study
 
 
 def rows(timed: bool = True) -> list[dict[str, Any]]:

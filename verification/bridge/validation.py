@@ -1,10 +1,10 @@
 """Validation cases of bridges: the verdict on every design that the script analyses, on three meshes."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.validation.case import Case, Check
 
 from restshape.algebra.stages import Stages
 from restshape.analysis.frame import Frame
@@ -19,9 +19,8 @@ from restshape.scene.plan import plan
 from restshape.scene.script import load_script
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditFrame, EditSession
-from restshape.validation.case import Case, Check
 
-FOLDER = Path(__file__).parent
+FOLDER = application("bridge").folder
 SCENE, EDITS = FOLDER / "scenes" / "bridge.toml", FOLDER / "edits" / "bridge-on-demand.jsonl"
 REFINEMENTS = (1, 2, 4)
 

@@ -1,14 +1,14 @@
 """Hard cases of beams that meet a goal: raised gravity, folds, a gale, a tip pulled out, 10,000 frames."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound
+from restshape_studies.stability.scenery import across, drag, set_value
 
-from restshape.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound
-from restshape.stability.scenery import across, drag, set_value
+from restshape.application import application
 
-SCENE = Path(__file__).parent / "scenes" / "cantilever.toml"
+SCENE = application("cantilever").folder / "scenes" / "cantilever.toml"
 COARSE = ['mesh.size="90 mm"']
 
 

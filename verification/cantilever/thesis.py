@@ -1,13 +1,14 @@
 """The thesis's cantilever beside ours: row 2 of table 4.3, and figure 5.6."""
 
-from pathlib import Path
 from typing import Any
 
-from restshape.bench.reuse import Case, Plan, compare
-from restshape.bench.starts import table_rows
+from restshape_studies.bench.reuse import Case, Plan, compare
+from restshape_studies.bench.starts import table_rows
+
+from restshape.application import application
 from restshape.replay.still import still
 
-FOLDER = Path(__file__).parent
+FOLDER = application("cantilever").folder
 CASE = Case("cantilever", FOLDER / "scenes/cantilever.toml", FOLDER / "edits/cantilever.jsonl")
 PLAN = Plan(("auto", "thesis", "refactor", "rebuild"))
 REUSE, REBUILD = 37.6, 7.1

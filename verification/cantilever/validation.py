@@ -1,8 +1,7 @@
 """Validation cases of the cantilever: the script's session brings the deformed outline to the goal."""
 
-from pathlib import Path
-
 from petsc4py import PETSc
+from restshape_studies.validation.case import Case, Check
 
 from restshape.application import application
 from restshape.calibration import Calibration
@@ -10,9 +9,8 @@ from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
-from restshape.validation.case import Case, Check
 
-FOLDER = Path(__file__).parent
+FOLDER = application("cantilever").folder
 SCENE, EDITS = FOLDER / "scenes" / "cantilever.toml", FOLDER / "edits" / "cantilever.jsonl"
 LENGTH = 2.0
 

@@ -5,7 +5,7 @@ with a kink; normal forces, and anchors of friction on springs about as stiff as
 Here cloth on a ball is moved like that until it goes round. From there it goes on once more like that, with either
 cause taken away, with both, with both and an eye on the energy, and by the way of this application.
 
-python -m restshape_apps.couture.cycles [--picture FILE] [--json FILE] [--set KEY=VALUE]
+python -m restshape_verification.couture.cycles [--picture FILE] [--json FILE] [--set KEY=VALUE]
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 from restshape.shape.outline import Outline
 
-SCENE = Path(__file__).parent / "scenes" / "sphere.toml"
+SCENE = application("couture").folder / "scenes" / "sphere.toml"
 HINGES = "effects.cloth.bending=hinge"
 TIME_STEP = 1.0 / 60.0
 KINK = 1e-9
@@ -186,7 +186,7 @@ def study(overrides: Sequence[str] = (), before: int = BEFORE, after: int = AFTE
 
 def main(words: Sequence[str] | None = None) -> int:
     """Print how each course ends, and draw them; 0 on success, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.couture.cycles", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m restshape_verification.couture.cycles", description=__doc__)
     parser.add_argument("--picture", type=Path, metavar="FILE", help="residuals and speeds against steps (.png)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="the courses, for programs")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change the scene")
@@ -205,7 +205,7 @@ def main(words: Sequence[str] | None = None) -> int:
     if args.json:
         args.json.write_text(json.dumps({name: asdict(course) for name, course in courses.items()}, indent=1) + "\n")
     if args.picture:
-        from restshape.report.cycles import draw_cycles
+        from restshape_studies.pictures.cycles import draw_cycles
 
         draw_cycles(args.picture, courses, REST)
         print(f"wrote {args.picture}")

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
+from restshape_studies.stability.case import Row, Statement, Trial, below, sound, true
+from restshape_studies.stability.scenery import block, meshed, rows_of
 
 from restshape.replay.loop import Replay
-from restshape.stability.case import Row, Statement, Trial, below, sound, true
-from restshape.stability.scenery import block, meshed, rows_of
 
 REST = 1e-4
 """Residual over weight at which cloth rests: the default of a scene."""

@@ -2,7 +2,9 @@
 
 from collections.abc import Iterator
 
-from restshape_apps.couture.hard_scenes import (
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, true
+from restshape_studies.stability.scenery import across, drag, set_value
+from restshape_verification.couture.hard_scenes import (
     BALL,
     CONTACT,
     ball,
@@ -15,9 +17,6 @@ from restshape_apps.couture.hard_scenes import (
     square,
     start,
 )
-
-from restshape.stability.case import Case, Statement, Trial, above, below, near, true
-from restshape.stability.scenery import across, drag, set_value
 
 THICKNESS = 2e-3
 """Distance [m] at which contact begins: nodes are to be no deeper in a body than that."""

@@ -2,10 +2,19 @@
 
 from collections.abc import Iterator
 
-from restshape_apps.couture.hard_scenes import CONTACT, ball, floor, outside, pinned, played, resting, square, start
-
-from restshape.stability.case import Case, Statement, Trial, near, true
-from restshape.stability.scenery import across, drag, meshed, set_value
+from restshape_studies.stability.case import Case, Statement, Trial, near, true
+from restshape_studies.stability.scenery import across, drag, meshed, set_value
+from restshape_verification.couture.hard_scenes import (
+    CONTACT,
+    ball,
+    floor,
+    outside,
+    pinned,
+    played,
+    resting,
+    square,
+    start,
+)
 
 PINS = pinned("c", "d")
 STICKY = ball(0.15, 0.15, friction=0.8)

@@ -3,7 +3,9 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_apps.couture.hard_scenes import (
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, sound, true
+from restshape_studies.stability.scenery import block, meshed
+from restshape_verification.couture.hard_scenes import (
     GRAVITY,
     HEAD,
     QUANTITIES,
@@ -17,8 +19,6 @@ from restshape_apps.couture.hard_scenes import (
 )
 
 from restshape.errors import UserError
-from restshape.stability.case import Case, Statement, Trial, above, below, near, sound, true
-from restshape.stability.scenery import block, meshed
 
 PINS = pinned("c", "d")
 CLAMP = pinned("left", fix='["x", "y", "z", "slope"]')

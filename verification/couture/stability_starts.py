@@ -3,7 +3,9 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_apps.couture.hard_scenes import (
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, sound, true
+from restshape_studies.stability.scenery import set_value
+from restshape_verification.couture.hard_scenes import (
     CONTACT,
     GRAVITY,
     ball,
@@ -16,9 +18,6 @@ from restshape_apps.couture.hard_scenes import (
     start,
     turned_over,
 )
-
-from restshape.stability.case import Case, Statement, Trial, above, below, near, sound, true
-from restshape.stability.scenery import set_value
 
 PINS = pinned("c", "d")
 ANYWHERE = 0.3

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -16,9 +15,10 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
 from restshape.analysis.drape import DrapeAnalysis
 from restshape.analysis.drape_equations import ClothEquations
+from restshape.application import application
 from restshape.replay.still import still
 
-SCENES = Path(__file__).parent / "scenes"
+SCENES = application("couture").folder / "scenes"
 FIGURE, TABLE, BALL = "figure 5.16", "5.1", "figure 5.21"
 HINGE, MORLEY = "effects.cloth.bending=hinge", "effects.cloth.bending=morley"
 TURNS = 3

@@ -1,16 +1,15 @@
 """Validation cases of cloth that turns over: a strip on edge under its own weight."""
 
-from pathlib import Path
-
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 
 from restshape.analysis.drape import DrapeAnalysis
 from restshape.analysis.rest import Arrival
+from restshape.application import application
 from restshape.replay.still import still
-from restshape.validation.case import Check
 
-BLADE = Path(__file__).parent / "scenes" / "blade.toml"
+BLADE = application("couture").folder / "scenes" / "blade.toml"
 D, NU, DENSITY, STRETCH = 1e-3, 0.3, 0.1, 1e4
 """Of blade.toml: bending stiffness [N m], mass by area [kg/m^2], tension by strain [N/m]."""
 

@@ -7,12 +7,13 @@ from tempfile import TemporaryDirectory
 import meshio
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 
+from restshape.application import application
 from restshape.replay.loop import Replay
 from restshape.replay.still import still
-from restshape.validation.case import Check
 
-STRIP = Path(__file__).parent / "scenes" / "strip.toml"
+STRIP = application("couture").folder / "scenes" / "strip.toml"
 LENGTH, WIDTH = 0.05, 0.0125
 LOAD = 0.3 * 9.81 * LENGTH**3
 """w L^3 of strip.toml [N m], for each width."""

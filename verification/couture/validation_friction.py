@@ -1,18 +1,18 @@
 """Validation cases of friction: a patch on an incline, and a strip over a bar."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 from scipy.optimize import brentq
 
 from restshape.analysis.drape import DrapeAnalysis
 from restshape.analysis.rest import Arrival
+from restshape.application import application
 from restshape.replay.still import still
-from restshape.validation.case import Check
 
-SCENES = Path(__file__).parent / "scenes"
+SCENES = application("couture").folder / "scenes"
 THIN = 0.5e-3
 """Distance [m] at which contact with the bar begins: what tension presses in is little beside the bar's radius."""
 AXIS = -0.05 - THIN

@@ -1,16 +1,15 @@
 """Validation cases of cloth that hangs: a chain between two supports, strips under their own weight."""
 
-from pathlib import Path
-
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 from scipy.optimize import brentq
 
+from restshape.application import application
 from restshape.replay.run import replay_files
 from restshape.replay.still import still
-from restshape.validation.case import Check
 
-FOLDER = Path(__file__).parent
+FOLDER = application("couture").folder
 SCENES, EDITS = FOLDER / "scenes", FOLDER / "edits"
 WEIGHT = 0.02 * 0.2e-3 * 500 * 9.81
 """Of the strip of catenary.toml, which is 1 m long [N]."""

@@ -1,14 +1,13 @@
 """Validation cases of cloth as a plate: squares under so small a load that they bend linearly."""
 
-from pathlib import Path
-
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 
+from restshape.application import application
 from restshape.replay.still import still
-from restshape.validation.case import Check
 
-SCENES = Path(__file__).parent / "scenes"
+SCENES = application("couture").folder / "scenes"
 LOAD = 0.25
 """q a^4/D of square_plate.toml [m]."""
 

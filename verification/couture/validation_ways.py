@@ -1,18 +1,18 @@
 """Validation cases of the ways to rest: energies on the way, repeated runs, two meshes."""
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_apps.couture.validation_cantilever import bent, off, tip
+from restshape_studies.validation.case import Check
+from restshape_verification.couture.validation_cantilever import bent, off, tip
 
+from restshape.application import application
 from restshape.replay.run import replay_files
 from restshape.replay.still import still
-from restshape.validation.case import Check
 
-FOLDER = Path(__file__).parent
+FOLDER = application("couture").folder
 SCENES, EDITS = FOLDER / "scenes", FOLDER / "edits"
 SPHERE = SCENES / "sphere.toml"
 COARSE = ["effects.cloth.bending=hinge", 'mesh.size="40 mm"']

@@ -1,6 +1,6 @@
 """What a board between two brackets as weak as each other takes off their joints, in the bookshelf of 20 planks.
 
-python -m restshape_apps.furniture.between_brackets [--json FILE]
+python -m restshape_verification.furniture.between_brackets [--json FILE]
 
 Both brackets turn alike under their loads, so that the board can only turn with them.
 """
@@ -87,7 +87,9 @@ def boards(piece: Piece) -> list[Board]:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Print the uses without a board, and with that which leaves least, by its width; 0."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.furniture.between_brackets", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m restshape_verification.furniture.between_brackets", description=__doc__
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows for programs into this file")
     args = parser.parse_args(words)
     piece = bookshelf_20()

@@ -1,6 +1,6 @@
 """What one fastener bears in the end of a plank, by its kind, the wood and the thickness.
 
-python -m restshape_apps.furniture.fastener_strengths [--json FILE]
+python -m restshape_verification.furniture.fastener_strengths [--json FILE]
 """
 
 import argparse
@@ -76,7 +76,9 @@ def table(rows: Sequence[Strength]) -> list[str]:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Print the tables; 0."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.furniture.fastener_strengths", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m restshape_verification.furniture.fastener_strengths", description=__doc__
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows for programs into this file")
     args = parser.parse_args(words)
     rows = strengths()

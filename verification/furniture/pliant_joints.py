@@ -1,6 +1,6 @@
 """How much of a joint's use hangs on how easily joints turn: a bench with a stretcher, and all scenes of furniture.
 
-python -m restshape_apps.furniture.pliant_joints [--json FILE]
+python -m restshape_verification.furniture.pliant_joints [--json FILE]
 
 Joints are springs, and where a piece is redundant the ratio of their compliances decides how they share a load. Uses
 are in parts of a joint's strength, of pull or of shear.
@@ -132,7 +132,9 @@ def table(rows: Sequence[Use], head: str, of: str) -> list[str]:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Print the tables; 0."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.furniture.pliant_joints", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m restshape_verification.furniture.pliant_joints", description=__doc__
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows for programs into this file")
     args = parser.parse_args(words)
     benches, scenes = of_stretchers(), of_scenes()

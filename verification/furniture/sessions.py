@@ -1,6 +1,6 @@
 """One design target tried by three strategies: with no feedback, with ranges alone, and with suggestions.
 
-python -m restshape_apps.furniture.sessions [--json FILE]
+python -m restshape_verification.furniture.sessions [--json FILE]
 
 A designer wants a change of a piece that does not hold with it, and every strategy begins with that change. What counts
 is the edits until the piece is valid, and how much of the wanted change is left. An illustration, no study of people.
@@ -174,7 +174,7 @@ def sessions() -> list[Session]:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Print the table; 0."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.furniture.sessions", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m restshape_verification.furniture.sessions", description=__doc__)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows for programs into this file")
     args = parser.parse_args(words)
     rows = sessions()

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 from restshape_apps.furniture.pieces import PIECES, bookshelf, cantilever, shelf_1, stool_chair, table
 from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool
-from restshape_apps.furniture.stability_contacts import (
+from restshape_studies.stability.case import Case, Statement, Trial, below, near, true
+from restshape_verification.furniture.stability_contacts import (
     FINE,
     G,
     balanced,
@@ -24,7 +25,6 @@ from restshape.guidance.suggestions import suggest
 from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture
 from restshape.shape.design_modes import DesignModes
 from restshape.shape.planks import Load, Piece, Plane
-from restshape.stability.case import Case, Statement, Trial, below, near, true
 
 
 def zero_friction(trial: Trial) -> Iterator[Statement]:

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 from restshape_apps.furniture.pieces import shelf_1, stool_chair, table
 from restshape_apps.furniture.small_pieces import THIN, block, cantilever, ladder, mirrored, stool
+from restshape_studies.stability.case import Statement, Trial, below, near, true
 
 from restshape.guidance.suggestions import suggest
 from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
 from restshape.sensitivity.furniture import stability_derivative
 from restshape.shape.planks import Foot, Load, Piece, Plane, Plank
-from restshape.stability.case import Statement, Trial, below, near, true
 
 G = 9.80665
 FINE = Compliance(least_overlap=1e-6)

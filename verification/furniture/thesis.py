@@ -3,8 +3,17 @@
 from typing import Any
 
 from restshape_apps.furniture.pieces import cantilever
-from restshape_apps.furniture.times import COLUMNS, Column, all_suggestions, candidates, dragged, edited, large, timed
-from restshape_apps.furniture.validation_statics import gives_way, settled
+from restshape_verification.furniture.times import (
+    COLUMNS,
+    Column,
+    all_suggestions,
+    candidates,
+    dragged,
+    edited,
+    large,
+    timed,
+)
+from restshape_verification.furniture.validation_statics import gives_way, settled
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.guidance.support_planks import support_planks

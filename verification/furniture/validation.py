@@ -1,9 +1,10 @@
 """Validation cases of furniture: statics and sag by hand, redundant joints, derivatives, ranges, suggestions."""
 
-from restshape_apps.furniture.validation_bending import lifted_foot, sag
-from restshape_apps.furniture.validation_guidance import enumerated, missed, range_ends, taylor
-from restshape_apps.furniture.validation_loops import compliance, indeterminate
-from restshape_apps.furniture.validation_statics import (
+from restshape_studies.validation.case import Case
+from restshape_verification.furniture.validation_bending import lifted_foot, sag
+from restshape_verification.furniture.validation_guidance import enumerated, missed, range_ends, taylor
+from restshape_verification.furniture.validation_loops import compliance, indeterminate
+from restshape_verification.furniture.validation_statics import (
     cantilever_moment,
     incline,
     leaning,
@@ -12,8 +13,6 @@ from restshape_apps.furniture.validation_statics import (
     tripod,
     two_supports,
 )
-
-from restshape.validation.case import Case
 
 CASES: dict[str, Case] = {
     "two_supports": two_supports,

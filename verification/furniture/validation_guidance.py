@@ -2,10 +2,11 @@
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_apps.furniture.enumeration import alone, apart, confirmed, distinct, rays
-from restshape_apps.furniture.misses import FIRST_ONLY, MANY, SMALL, UNLIMITED, Grid
 from restshape_apps.furniture.pieces import cantilever, chair, scales, shelf_1, shelf_2, stool_chair, table
-from restshape_apps.furniture.validation_statics import G, settled
+from restshape_studies.validation.case import Check
+from restshape_verification.furniture.enumeration import alone, apart, confirmed, distinct, rays
+from restshape_verification.furniture.misses import FIRST_ONLY, MANY, SMALL, UNLIMITED, Grid
+from restshape_verification.furniture.validation_statics import G, settled
 
 from restshape.guidance.combination_search import Search
 from restshape.guidance.force_space import durability_space, stability_space, whole_space
@@ -14,7 +15,6 @@ from restshape.physics.furniture import ALL, UNSTABLE, Furniture
 from restshape.sensitivity.furniture import force_derivative
 from restshape.shape.design_modes import DesignModes
 from restshape.shape.planks import FREEDOMS
-from restshape.validation.case import Check
 
 STEPS = np.array([4e-3, 2e-3, 1e-3])
 FIRST, SECOND = 1001, 1001

@@ -7,10 +7,10 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_apps.furniture.pieces import cantilever
 from restshape_apps.furniture.small_pieces import bench, block, ladder, stool
+from restshape_studies.validation.case import Check
 
 from restshape.physics.furniture import UNSTABLE, WEAK, Compliance, Furniture
 from restshape.shape.planks import Load, Piece
-from restshape.validation.case import Check
 
 G = 9.80665
 FINE = Compliance(least_overlap=1e-6)

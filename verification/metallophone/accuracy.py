@@ -1,6 +1,6 @@
 """How far models of a free bar are from three-dimensional elasticity, and what a frame of each costs.
 
-python -m restshape_apps.metallophone.accuracy [--picture FILE] [--json FILE] [--frames N]
+python -m restshape_verification.metallophone.accuracy [--picture FILE] [--json FILE] [--frames N]
 """
 
 import argparse
@@ -13,12 +13,13 @@ from statistics import median
 from typing import Any
 
 import numpy as np
+from restshape_studies.bench.job import Job, Outcome, run
 
-from restshape.bench.job import Job, Outcome, run
+from restshape.application import application
 from restshape.cli.options import print_table
 from restshape.errors import UserError
 
-FOLDER = Path(__file__).parent
+FOLDER = application("metallophone").folder
 BARS = {
     100: (2089.35, 4008.1, 5737.3, 8358.8, 11128.5),
     200: (523.31, 1443.0, 1984.5, 2828.2, 4027.2),
@@ -150,7 +151,7 @@ def tell(records: list[dict[str, Any]]) -> None:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Measure, print and draw; 0 on success, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.metallophone.accuracy", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m restshape_verification.metallophone.accuracy", description=__doc__)
     parser.add_argument("--picture", type=Path, metavar="FILE", help="error against time (.png)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="the same for programs")
     parser.add_argument("--frames", type=int, default=60, metavar="N", help="of each edit (default: %(default)s)")
@@ -166,7 +167,7 @@ def main(words: Sequence[str] | None = None) -> int:
     if args.json:
         args.json.write_text(json.dumps(records, indent=1) + "\n", encoding="utf-8")
     if args.picture:
-        from restshape.report.accuracy import draw_accuracy
+        from restshape_studies.pictures.accuracy import draw_accuracy
 
         draw_accuracy(records, args.picture)
         print(f"wrote {args.picture}")

@@ -4,14 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_apps.metallophone.reference import EDITS, SCENES, mindlin, solved
+from restshape_studies.validation.case import Check
+from restshape_verification.metallophone.reference import EDITS, SCENES, mindlin, solved
 
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.stages import Stages
 from restshape.analysis.modal import ModalAnalysis
 from restshape.calibration import Calibration
 from restshape.replay.run import replay_files
-from restshape.validation.case import Check
 
 CELLS = 60
 """Of the one-dimensional bar whose discrete eigenvalues are known."""

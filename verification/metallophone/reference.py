@@ -1,15 +1,15 @@
 """Scenes of the validation cases, solved, and closed forms of beams and plates with shear."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from petsc4py import PETSc
 
 from restshape.analysis.modal import ModalAnalysis
+from restshape.application import application
 from restshape.replay.still import still
 
-FOLDER = Path(__file__).parent
+FOLDER = application("metallophone").folder
 SCENES, EDITS = FOLDER / "scenes", FOLDER / "edits"
 SHEAR = 5 / 6
 

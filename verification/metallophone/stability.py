@@ -7,15 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, sound, true
+from restshape_studies.stability.scenery import across, drag, rows_of
 from scipy.linalg import eigh
 
+from restshape.application import application
 from restshape.policy import POLICIES
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
-from restshape.stability.case import Case, Row, Statement, Trial, above, below, near, sound, true
-from restshape.stability.scenery import across, drag, rows_of
 
-SCENES = Path(__file__).parent / "scenes"
+SCENES = application("metallophone").folder / "scenes"
 PLATE = "effects.modal.model=plate"
 BAR_200 = (523.31, 1443.0, 1984.5, 2828.2, 4027.2)
 """Frequencies [Hz] out of the plane of 200 x 30 x 4 mm of aluminium, by p-FEM of 3D elasticity."""

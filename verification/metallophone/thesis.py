@@ -1,12 +1,13 @@
 """The thesis's bars beside ours: frames a second of table 4.4, one mode, at its counts of tetrahedra."""
 
-from pathlib import Path
 from typing import Any
 
-from restshape.bench.reuse import Case, Plan, compare
+from restshape_studies.bench.reuse import Case, Plan, compare
+
+from restshape.application import application
 from restshape.replay.still import still
 
-FOLDER = Path(__file__).parent
+FOLDER = application("metallophone").folder
 PLAN = Plan(("auto", "thesis"), overrides=("effects.modal.modes=1",))
 BARS = {100: (2196, 10.7), 150: (3192, 4.2), 200: (4524, 3.3)}
 """Length [mm] -> tetrahedra, and frames a second of the thesis."""

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_apps.metallophone.exactness import discrete, norms, rates, remainders
-from restshape_apps.metallophone.reference import EDITS, SCENES, solved, timoshenko
+from restshape_studies.validation.case import Case, Check
+from restshape_verification.metallophone.exactness import discrete, norms, rates, remainders
+from restshape_verification.metallophone.reference import EDITS, SCENES, solved, timoshenko
 
 from restshape.analysis.modal import ModalAnalysis
 from restshape.replay.run import replay_files
 from restshape.sensitivity.modal import CLUSTER, frequency_derivatives, material_derivatives
-from restshape.validation.case import Case, Check
 
 CANTILEVER = (8.35516595, 52.36093119, 146.61212348)
 """Euler and Bernoulli's frequencies [Hz] of 1 m x 10 mm of steel; they grow with the height."""

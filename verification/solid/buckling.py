@@ -6,14 +6,15 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 from scipy.optimize import brentq
 
+from restshape.application import application
 from restshape.errors import UserError
 from restshape.replay.loop import Replay
 from restshape.replay.still import still
-from restshape.validation.case import Check
 
-SCENES = Path(__file__).parent / "scenes"
+SCENES = application("solid").folder / "scenes"
 E, THICKNESS, LOAD, LENGTH, PRESSED = 210e9, 0.02, 40e3, 1.0, 1e-4
 FOOT, FREE = 'supports.foot.fix=["x","y"]', 'supports.head.on=["a"]'
 PRESS = f"supports.head.fix={{x=0,y={-PRESSED}}}"

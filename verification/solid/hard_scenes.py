@@ -1,6 +1,6 @@
 """Scenes of columns that buckle and of rubber that deforms far, for hard cases and tests."""
 
-from restshape.stability.scenery import HEAD, block, meshed
+from restshape_studies.stability.scenery import HEAD, block, meshed
 
 ELASTIC = """
 [material.steel]

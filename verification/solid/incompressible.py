@@ -1,13 +1,12 @@
 """Nearly incompressible bodies, on Cook's membrane in plane strain: what locks, and what does not."""
 
-from pathlib import Path
-
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 
+from restshape.application import application
 from restshape.replay.still import still
-from restshape.validation.case import Check
 
-SCENE = Path(__file__).parent / "scenes" / "cook.toml"
+SCENE = application("solid").folder / "scenes" / "cook.toml"
 RUBBER = ("material.unit.nu=0.4999", "effects.solid.model=plane_strain")
 V_MIDDLE = 18.527
 """Deflection [m] of (48, 52) by an independent p-FEM solution, E = 1; its third digit still moved."""

@@ -1,15 +1,14 @@
 """Validation cases of large deformation: the law alone, its limit, a hanging strip, the elastica, a heavy beam."""
 
-from pathlib import Path
-
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 
+from restshape.application import application
 from restshape.errors import UserError
 from restshape.replay.still import still
-from restshape.validation.case import Check
 
-SCENES = Path(__file__).parent / "scenes"
+SCENES = application("solid").folder / "scenes"
 LIMIT = 1.0 / (3.0 * np.sqrt(3.0))
 """The largest pressure over E that St. Venant and Kirchhoff's law bears in one direction."""
 

@@ -1,14 +1,14 @@
 """Predicted frames of a slender beam beside Euler and Bernoulli's formula, y = 4 F l^3 / (E b h^3)."""
 
 from itertools import pairwise
-from pathlib import Path
 
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 
+from restshape.application import application
 from restshape.replay.run import replay_files
-from restshape.validation.case import Check
 
-HERE = Path(__file__).parent
+HERE = application("solid").folder
 GROWTH = 0.1
 """Part by which the script makes the beam longer, then higher."""
 

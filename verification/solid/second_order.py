@@ -1,15 +1,14 @@
 """Validation cases of second-order triangles: rates with straight and curved sides, Cook, LE1."""
 
-from pathlib import Path
-
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
+from restshape_studies.validation.norms import errors
 
+from restshape.application import application
 from restshape.replay.still import still
-from restshape.validation.case import Check
-from restshape.validation.norms import errors
 
-SCENES = Path(__file__).parent / "scenes"
+SCENES = application("solid").folder / "scenes"
 SIZES = (0.12, 0.06, 0.03)
 
 

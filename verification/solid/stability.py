@@ -1,12 +1,11 @@
 """The hard cases of solids at rest, by name."""
 
-from restshape_apps.solid.stability_buckling import CASES as BUCKLING
-from restshape_apps.solid.stability_columns import CASES as COLUMNS
-from restshape_apps.solid.stability_large import CASES as LARGE
-from restshape_apps.solid.stability_mesh import CASES as MESHES
-from restshape_apps.solid.stability_static import CASES as STATIC
-
-from restshape.stability.case import Case
+from restshape_studies.stability.case import Case
+from restshape_verification.solid.stability_buckling import CASES as BUCKLING
+from restshape_verification.solid.stability_columns import CASES as COLUMNS
+from restshape_verification.solid.stability_large import CASES as LARGE
+from restshape_verification.solid.stability_mesh import CASES as MESHES
+from restshape_verification.solid.stability_static import CASES as STATIC
 
 CASES: dict[str, Case] = {
     **STATIC,

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_apps.solid.hard_scenes import FOOT, HINGES, PUSHED, TWINS, column, euler
+from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, true
+from restshape_studies.stability.scenery import across, drag, rows_of
+from restshape_verification.solid.hard_scenes import FOOT, HINGES, PUSHED, TWINS, column, euler
 
 from restshape.policy import POLICIES
-from restshape.stability.case import Case, Row, Statement, Trial, above, below, near, true
-from restshape.stability.scenery import across, drag, rows_of
 
 PULL = '\n[loads.head]\non = "right"\nforce = [{0}, 0]\n'
 

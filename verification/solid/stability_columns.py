@@ -3,11 +3,10 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_apps.solid.hard_scenes import LARGE, solid
-from restshape_apps.solid.stability_large import SPRINGS, UNTOLD, reached
-
-from restshape.stability.case import Case, Statement, Trial, above, below, refused_for, sound, true
-from restshape.stability.scenery import HEAD, across, block, drag, meshed, set_value
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, refused_for, sound, true
+from restshape_studies.stability.scenery import HEAD, across, block, drag, meshed, set_value
+from restshape_verification.solid.hard_scenes import LARGE, solid
+from restshape_verification.solid.stability_large import SPRINGS, UNTOLD, reached
 
 E, THICKNESS, DEPTH = 1e6, 0.05, 0.1
 EULER = np.pi**2 * E * THICKNESS * DEPTH**3 / 12 / 4

@@ -3,14 +3,8 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_apps.solid.elastica import stretched_elastica
-from restshape_apps.solid.hard_scenes import LARGE, TIP, WALL, beam, gravity, solid
-from restshape_apps.solid.stability_static import unrefreshed
-
-from restshape import _kernels
-from restshape.policy import POLICIES
-from restshape.stability.case import Case, Row, Statement, Trial, above, below, near, refused_for, sound, true
-from restshape.stability.scenery import (
+from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, refused_for, sound, true
+from restshape_studies.stability.scenery import (
     CLAMPED,
     HEAD,
     PULLED,
@@ -23,6 +17,12 @@ from restshape.stability.scenery import (
     rows_of,
     set_value,
 )
+from restshape_verification.solid.elastica import stretched_elastica
+from restshape_verification.solid.hard_scenes import LARGE, TIP, WALL, beam, gravity, solid
+from restshape_verification.solid.stability_static import unrefreshed
+
+from restshape import _kernels
+from restshape.policy import POLICIES
 
 
 def reached(problem: str) -> float:

@@ -3,13 +3,8 @@
 from collections.abc import Iterator
 
 import numpy as np
-
-from restshape.mesh.space import quadratic_basis
-from restshape.policy import POLICIES
-from restshape.replay.loop import Replay
-from restshape.replay.parity import Parity
-from restshape.stability.case import Case, Row, Statement, Trial, above, below, equal, near, sound, true
-from restshape.stability.scenery import (
+from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, equal, near, sound, true
+from restshape_studies.stability.scenery import (
     CLAMPED,
     HEAD,
     PULLED,
@@ -22,6 +17,11 @@ from restshape.stability.scenery import (
     plate,
     rows_of,
 )
+
+from restshape.mesh.space import quadratic_basis
+from restshape.policy import POLICIES
+from restshape.replay.loop import Replay
+from restshape.replay.parity import Parity
 
 STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right", take = "mean" }\n'
 UNCONTRACTED = STEEL.replace("nu = 0.3", "nu = 0")

@@ -4,11 +4,23 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound, true
+from restshape_studies.stability.scenery import (
+    CLAMPED,
+    HEAD,
+    HOLE,
+    PULLED,
+    STEEL,
+    across,
+    block,
+    drag,
+    meshed,
+    plate,
+    rows_of,
+)
 
 from restshape.calibration import Calibration
 from restshape.policy import POLICIES
-from restshape.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound, true
-from restshape.stability.scenery import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag, meshed, plate, rows_of
 
 STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right", take = "mean" }\n'
 NEVER = {"numeric_nonzero": 1.0, "ilu_numeric_nonzero": 1.0, "gamg_refresh_nonzero": 1.0}

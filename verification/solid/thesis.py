@@ -1,12 +1,13 @@
 """The thesis's numbers on reuse beside ours: table 4.2 and figure 4.2."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-from restshape.bench.reuse import Case, Plan, compare
+from restshape_studies.bench.reuse import Case, Plan, compare
 
-FOLDER = Path(__file__).parent
+from restshape.application import application
+
+FOLDER = application("solid").folder
 CASE = Case("plate", FOLDER / "scenes/plate.toml", FOLDER / "edits/plate.jsonl")
 PLAN = Plan(("auto", "thesis"))
 THESIS = {"1": 117, "2": 39, "3": 3}

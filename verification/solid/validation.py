@@ -2,11 +2,12 @@
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_apps.solid.buckling import columns, elastic_columns, homogeneity, large, ring
-from restshape_apps.solid.incompressible import incompressible
-from restshape_apps.solid.large import csm1, elastica, strip, uniaxial
-from restshape_apps.solid.prediction import slender
-from restshape_apps.solid.second_order import (
+from restshape_studies.validation.case import Case, Check
+from restshape_verification.solid.buckling import columns, elastic_columns, homogeneity, large, ring
+from restshape_verification.solid.incompressible import incompressible
+from restshape_verification.solid.large import csm1, elastica, strip, uniaxial
+from restshape_verification.solid.prediction import slender
+from restshape_verification.solid.second_order import (
     SCENES,
     cook_quadratic,
     le1,
@@ -15,7 +16,6 @@ from restshape_apps.solid.second_order import (
 )
 
 from restshape.replay.still import still
-from restshape.validation.case import Case, Check
 
 
 def patch(comm: PETSc.Comm) -> list[Check]:

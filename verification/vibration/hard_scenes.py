@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from restshape.stability.scenery import block, meshed, write_scene
+from restshape_studies.stability.scenery import block, meshed, write_scene
 
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "vibration"\n'
 RUBBER = '\n[material.rubber]\nE = "2 MPa"\nnu = 0.3\nrho = 1000\nthickness = 0.1\n'

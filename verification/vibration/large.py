@@ -1,15 +1,14 @@
 """Validation case of a large motion: a beam that gravity sets swinging."""
 
-from pathlib import Path
-
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 
 from restshape.analysis.frame import Frame
+from restshape.application import application
 from restshape.replay.still import still
-from restshape.validation.case import Check
 
-SCENES = Path(__file__).parent / "scenes"
+SCENES = application("vibration").folder / "scenes"
 STEP = 0.005
 """The step of the reference [s]; four times as long, the motion gains energy without end."""
 END = 10.0

@@ -1,6 +1,6 @@
 """The building's resonance: amplitude of its motion, harmonic response and eigenfrequency by the place of the window.
 
-python -m restshape_apps.vibration.resonance [--picture FILE] [--csv FILE]
+python -m restshape_verification.vibration.resonance [--picture FILE] [--csv FILE]
 """
 
 import argparse
@@ -21,7 +21,7 @@ from restshape.replay.loop import Replay
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
 
-FOLDER = Path(__file__).parent
+FOLDER = application("vibration").folder
 SCENE, EDITS = FOLDER / "scenes" / "building.toml", FOLDER / "edits" / "building.jsonl"
 WINDOW, EVERY = "right_top", 10
 
@@ -111,7 +111,7 @@ def steady(analysis: TransientAnalysis, outline: object) -> tuple[float, float]:
 
 def main() -> None:
     """Print the three places, and write the picture and the table."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.vibration.resonance", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m restshape_verification.vibration.resonance", description=__doc__)
     parser.add_argument("--picture", type=Path, metavar="FILE", help="amplitude against the place of the window (.png)")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="place [m], amplitude [m] of each frame of the drag")
     args = parser.parse_args()
@@ -122,7 +122,7 @@ def main() -> None:
         table = np.column_stack([found.path, found.amplitude])
         np.savetxt(args.csv, table, delimiter=",", header="window_down_m,amplitude_m", comments="")
     if args.picture:
-        from restshape.report.response import draw_response
+        from restshape_studies.pictures.response import draw_response
 
         draw_response(args.picture, found)
 

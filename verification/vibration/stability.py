@@ -6,14 +6,14 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from restshape_apps.vibration.hard_scenes import HEAD, HELD, QUANTITIES, RUBBER, SHAKEN, dynamics, tower
+from restshape_studies.stability.case import Case, Row, Statement, Trial, below, near, sound, true
+from restshape_studies.stability.scenery import across, block, drag
+from restshape_verification.vibration.hard_scenes import HEAD, HELD, QUANTITIES, RUBBER, SHAKEN, dynamics, tower
 
 from restshape.analysis.frequencies import lowest_modes
 from restshape.analysis.harmonic import harmonic_response
 from restshape.policy import POLICIES
 from restshape.replay.loop import Replay
-from restshape.stability.case import Case, Row, Statement, Trial, below, near, sound, true
-from restshape.stability.scenery import across, block, drag
 
 LARGE = "\n[effects.large_deformation]\n"
 GRAVITY = "\n[effects.gravity]\ng = [0, -9.81]\n"

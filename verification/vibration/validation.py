@@ -1,24 +1,24 @@
 """Validation cases of vibrating solids: period, energy and order of Newmark's method, resonance under an edit."""
 
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_apps.vibration.large import csm3
-from restshape_apps.vibration.resonance import study
+from restshape_studies.validation.case import Case, Check
+from restshape_verification.vibration.large import csm3
+from restshape_verification.vibration.resonance import study
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import lowest_modes
 from restshape.analysis.transient import TransientAnalysis
+from restshape.application import application
 from restshape.replay.loop import Replay
 from restshape.replay.still import still
-from restshape.validation.case import Case, Check
 
-SCENES = Path(__file__).parent / "scenes"
+SCENES = application("vibration").folder / "scenes"
 STILL_GROUND = "effects.ground.displacement=0"
 NO_CELLS = np.empty(0, dtype=np.int32)
 

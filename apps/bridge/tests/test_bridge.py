@@ -4,11 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from restshape_apps.bridge.study import WAYS, followed, study
-from restshape_apps.bridge.validation import designs, solved
+from restshape_studies.pictures.score import draw_score
+from restshape_verification.bridge.study import WAYS, followed, study
+from restshape_verification.bridge.validation import designs, solved
 
 from restshape.application import application
-from restshape.report.score import draw_score
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
 from restshape.shape.session import EditSession

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from restshape_apps.cantilever import thesis
+from restshape_verification.cantilever import thesis
 from small_scenes import make_replay
 
 from restshape.application import application

@@ -4,10 +4,10 @@ from collections import Counter
 
 from drawn_scenes import look_at_drawn
 from hypothesis.strategies import tuples
+from restshape_studies.stability.cloth_strategies import cloth_scenes
+from restshape_studies.stability.fuzz import fuzz
 
 from restshape.application import application
-from restshape.stability.cloth_strategies import cloth_scenes
-from restshape.stability.fuzz import fuzz
 
 
 def test_nothing_breaks():

@@ -4,8 +4,18 @@ import numpy as np
 import pytest
 from cloths import BALL, CONTACT, PIN, cloth, write_cloth
 from petsc4py import PETSc
-from restshape_apps.couture.hard_scenes import GRAVITY, ball, differenced, floor, pinned, played, resting, square
 from restshape_apps.couture.thin_bodies import BORNE, borne
+from restshape_studies.stability.case import Trial
+from restshape_verification.couture.hard_scenes import (
+    GRAVITY,
+    ball,
+    differenced,
+    floor,
+    pinned,
+    played,
+    resting,
+    square,
+)
 
 from restshape import _kernels
 from restshape.algebra.descent import Descent
@@ -14,7 +24,6 @@ from restshape.errors import UserError
 from restshape.physics.contact import Contact
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
-from restshape.stability.case import Trial
 
 COUTURE = application("couture")
 BAR = """

@@ -10,7 +10,7 @@ from restshape_apps.couture.picture import main as picture
 
 from restshape.cli.main import main
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "couture.md").read_text(encoding="utf-8")
 STRIP = ROOT / "apps" / "couture" / "scenes" / "strip.toml"
 

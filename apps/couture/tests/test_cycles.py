@@ -1,7 +1,7 @@
 """Cloth that cycles for ever with contact as in the author's program, and what cures it."""
 
 import pytest
-from restshape_apps.couture import cycles
+from restshape_verification.couture import cycles
 
 STEPS = 150
 

@@ -3,10 +3,9 @@
 import json
 
 import pytest
-from restshape_apps.metallophone import accuracy, thesis
-
-from restshape.bench.job import Outcome
-from restshape.report.accuracy import draw_accuracy
+from restshape_studies.bench.job import Outcome
+from restshape_studies.pictures.accuracy import draw_accuracy
+from restshape_verification.metallophone import accuracy, thesis
 
 
 def test_rows_of_table_44_have_the_thesis_counts(monkeypatch):

@@ -5,7 +5,7 @@ import pytest
 from columns import FOOT, Column, column
 from petsc4py import PETSc
 from restshape_apps.solid.picture import main
-from restshape_apps.solid.stability_buckling import PULL, masts
+from restshape_verification.solid.stability_buckling import PULL, masts
 from scipy.linalg import eigh
 from small_scenes import across, drag, make_replay, write_scene, write_script
 

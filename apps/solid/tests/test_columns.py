@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from restshape_apps.solid.stability_columns import DEPTH, EULER, THICKNESS, column
+from restshape_verification.solid.stability_columns import DEPTH, EULER, THICKNESS, column
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
 from restshape.algebra.gather import whole_matrix

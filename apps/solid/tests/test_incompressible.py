@@ -2,7 +2,7 @@
 
 import pytest
 from petsc4py import PETSc
-from restshape_apps.solid.incompressible import incompressible, table
+from restshape_verification.solid.incompressible import incompressible, table
 
 
 def test_first_order_locks_and_the_mean_dilatation_does_not():

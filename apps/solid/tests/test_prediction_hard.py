@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from restshape_apps.solid.stability_static import unrefreshed
+from restshape_verification.solid.stability_static import unrefreshed
 from small_scenes import PULLED, across, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape.sensitivity.static import design_derivative

@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     """Replay; 0 when all frames were replayed, 1 when parity fails, 2 on bad input."""
     from restshape.application import application
     from restshape.calibration import Calibration
-    from restshape.cli.bench import script_of
+    from restshape.cli.shipped import script_of
     from restshape.replay.request import Request
     from restshape.scene.plan import plan
     from restshape.scene.script import Script, load_script

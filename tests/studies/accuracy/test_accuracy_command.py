@@ -7,12 +7,12 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from restshape_studies.accuracy import chosen
+from restshape_studies.accuracy.chosen import write_scene as write_chosen
+from restshape_studies.accuracy.study import Case
+from restshape_studies.commands.accuracy import choose
 from small_scenes import across, drag, plate, write_scene, write_script
 
-from restshape.accuracy import chosen
-from restshape.accuracy.chosen import write_scene as write_chosen
-from restshape.accuracy.study import Case
-from restshape.cli.accuracy import choose
 from restshape.cli.main import main
 
 QUICK = ("--sizes", "2,1", "--orders", "1", "--policies", "auto", "--samples", "2", "--tolerances", "1e-6")

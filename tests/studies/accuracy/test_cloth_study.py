@@ -6,22 +6,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from restshape_studies.accuracy.distance import Reference
+from restshape_studies.accuracy.grid import Grid
+from restshape_studies.accuracy.page import values_lines
+from restshape_studies.accuracy.reference import MOST_UNKNOWNS
+from restshape_studies.accuracy.replays import measure
+from restshape_studies.accuracy.setting import Choice
+from restshape_studies.accuracy.state import State
+from restshape_studies.accuracy.study import Asked, Case, study
+from restshape_studies.bench.job import Outcome
+from restshape_studies.bench.process import request
 from small_scenes import write_script
 
-from restshape.accuracy.distance import Reference
-from restshape.accuracy.grid import Grid
-from restshape.accuracy.page import values_lines
-from restshape.accuracy.reference import MOST_UNKNOWNS
-from restshape.accuracy.replays import measure
-from restshape.accuracy.setting import Choice
-from restshape.accuracy.state import State
-from restshape.accuracy.study import Asked, Case, study
-from restshape.bench.job import Outcome
-from restshape.bench.process import request
 from restshape.errors import UserError
 from restshape.scene.load import load_scene, revise
 
-STRIP = Path(__file__).parents[2] / "apps" / "couture" / "scenes" / "strip.toml"
+STRIP = Path(__file__).parents[3] / "apps" / "couture" / "scenes" / "strip.toml"
 C, D = np.diag([300.0, 200.0, 50.0]), np.diag([3e-5, 2e-5, 1e-5])
 NONE = np.empty(0)
 

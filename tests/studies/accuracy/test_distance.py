@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from restshape_studies.accuracy.distance import Reference, spectral
+from restshape_studies.accuracy.grid import Grid
+from restshape_studies.accuracy.state import Sampled, State
 
-from restshape.accuracy.distance import Reference, spectral
-from restshape.accuracy.grid import Grid
-from restshape.accuracy.state import Sampled, State
 from restshape.mesh.generate import generate
 from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import MeshSpec, ShapeSpec

@@ -3,8 +3,8 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from restshape_studies.accuracy.front import exponent, front_of, mark_pareto, pareto, picks, rates, rivals, slope
 
-from restshape.accuracy.front import exponent, front_of, mark_pareto, pareto, picks, rates, rivals, slope
 from restshape.errors import UserError
 
 COST = st.sampled_from([0.5, 1.0, 1.5, 2.0, 3.0]) | st.floats(1e-6, 1e6)

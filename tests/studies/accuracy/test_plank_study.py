@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from furniture_scenes import write_bench, write_edits
 from restshape_apps.furniture.pieces import cantilever, table
+from restshape_studies.accuracy import planks
+from restshape_studies.accuracy.planks import study_planks, unseen, wrong
+from restshape_studies.accuracy.study import Case
 
-from restshape.accuracy import planks
-from restshape.accuracy.planks import study_planks, unseen, wrong
-from restshape.accuracy.study import Case
 from restshape.cli.main import main
 
 NONE = np.zeros((0, 2))

@@ -3,13 +3,12 @@
 from types import SimpleNamespace
 
 import pytest
-
-from restshape.accuracy.front import finite, mark_pareto
-from restshape.accuracy.page import left_out, reuse_line, row, solver_line
-from restshape.accuracy.record import Truth, effectivity, nameless, record
-from restshape.accuracy.setting import Omission, Setting
-from restshape.bench.job import Outcome
-from restshape.cli.accuracy import reuse_holds
+from restshape_studies.accuracy.front import finite, mark_pareto
+from restshape_studies.accuracy.page import left_out, reuse_line, row, solver_line
+from restshape_studies.accuracy.record import Truth, effectivity, nameless, record
+from restshape_studies.accuracy.setting import Omission, Setting
+from restshape_studies.bench.job import Outcome
+from restshape_studies.commands.accuracy import reuse_holds
 
 SCENE = SimpleNamespace(mesh=SimpleNamespace(size=0.05))
 SETTING = Setting(0.5, 2, "auto", 1e-6, overrides=("mesh.size=0.025",))

@@ -6,17 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from restshape_studies.accuracy.front import finite, rates
+from restshape_studies.accuracy.page import reuse_line, solver_line
+from restshape_studies.accuracy.reference import MOST_UNKNOWNS
+from restshape_studies.accuracy.replays import measure
+from restshape_studies.accuracy.setting import Choice
+from restshape_studies.accuracy.study import Asked, Case, study
+from restshape_studies.bench.job import Job, Outcome
+from restshape_studies.bench.process import request
 from small_scenes import HEAD, across, block, drag, meshed, plate, write_scene, write_script
 
-from restshape.accuracy.front import finite, rates
-from restshape.accuracy.page import reuse_line, solver_line
-from restshape.accuracy.reference import MOST_UNKNOWNS
-from restshape.accuracy.replays import measure
-from restshape.accuracy.setting import Choice
-from restshape.accuracy.study import Asked, Case, study
 from restshape.algebra.operator import Operator
-from restshape.bench.job import Job, Outcome
-from restshape.bench.process import request
 
 MATERIAL = '[material.unit]\nE = 2.5\nnu = 0.25\n[effects.solid]\nmodel = "plane_strain"\n'
 HELD = '[supports.round]\non = "outline"\nfix = { x = 0, y = 0 }\n'
@@ -161,7 +161,7 @@ def test_motion_is_compared_with_finer_steps_and_keeps_its_frames_in_time(tmp_pa
 
 def test_modes_of_a_bar_are_compared_with_layers_of_second_order(tmp_path, monkeypatch):
     monkeypatch.setitem(MOST_UNKNOWNS, "space", 5e3)
-    folder = Path(__file__).parents[2] / "apps" / "metallophone" / "scenes"
+    folder = Path(__file__).parents[3] / "apps" / "metallophone" / "scenes"
     edits = write_script(tmp_path, drag("c", (0.1, 0.03), [(0.101, 0.03), (0.102, 0.03)]))
     given = ('mesh.size="12 mm"', "mesh.layers=1", "mesh.order=2")
     bar = Case("bar", folder / "bar_100.toml", edits, given)

@@ -5,19 +5,19 @@ import os
 
 import numpy as np
 import pytest
+from restshape_studies.bench import reuse
+from restshape_studies.bench.job import Job, Outcome, run
+from restshape_studies.bench.process import pin
+from restshape_studies.bench.reuse import Case, Plan, compare, event_totals, frames_a_second, medians, ratios
+from restshape_studies.bench.size import LARGE, exponents, measure, mesh_size, size_record, sizes
+from restshape_studies.bench.size import drag as plate_drag
+from restshape_studies.commands.bench import regret_line
+from restshape_studies.pictures.policies import draw_policies
+from restshape_studies.pictures.scaling import draw_scaling
 from small_scenes import across, drag, plate, write_scene, write_script
 
-from restshape.bench import reuse
-from restshape.bench.job import Job, Outcome, run
-from restshape.bench.process import pin
-from restshape.bench.reuse import Case, Plan, compare, event_totals, frames_a_second, medians, ratios
-from restshape.bench.size import LARGE, exponents, measure, mesh_size, size_record, sizes
-from restshape.bench.size import drag as plate_drag
-from restshape.cli.bench import regret_line
 from restshape.errors import UserError
 from restshape.replay.columns import STAGES
-from restshape.report.policies import draw_policies
-from restshape.report.scaling import draw_scaling
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -248,7 +248,7 @@ def test_levels_are_taken_from_their_phases():
 
 
 def test_one_size_for_real(tmp_path):
-    from restshape.cli.bench import installed_scene
+    from restshape_studies.commands.bench import installed_scene
 
     (found,) = measure(installed_scene("plate"), [400.0], tmp_path, 60.0)
     assert 200 < found["unknowns"] < 800

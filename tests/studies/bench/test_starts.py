@@ -1,9 +1,8 @@
 """Newton's iterations from three starts, on a block of rubber whose hole is dragged."""
 
 from designs import LOADS, RUBBER
+from restshape_studies.bench.starts import PARTS, STARTS, table_rows
 from small_scenes import CLAMPED, HEAD, HOLE, across, block, drag, meshed, write_scene, write_script
-
-from restshape.bench.starts import PARTS, STARTS, table_rows
 
 
 def test_the_prediction_is_the_best_start(tmp_path):

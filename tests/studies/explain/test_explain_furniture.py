@@ -3,12 +3,12 @@
 import json
 
 import pytest
+from restshape_studies.explain.price import ANOTHER_WAY
+from restshape_studies.explain.without import without
 
 from restshape.application import application
 from restshape.cli.main import main
-from restshape.explain.price import ANOTHER_WAY
 from restshape.scene.load import load_scene
-from restshape.scene.without import without
 
 OPTIONAL = ("gravity", "push", "bending", "ranges", "suggestions")
 

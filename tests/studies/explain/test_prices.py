@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from restshape_studies.explain.filled import of_kernels
+from restshape_studies.explain.price import prices
+from restshape_studies.explain.variants import ALONE, Difference, Variants, variants
 from small_scenes import plate, write_scene
 
 from restshape.application import application
-from restshape.explain.filled import of_kernels
-from restshape.explain.price import prices
-from restshape.explain.variants import ALONE, Difference, Variants, variants
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 

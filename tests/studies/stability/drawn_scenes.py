@@ -5,10 +5,10 @@ from pathlib import Path
 
 from hypothesis import HealthCheck, given, seed, settings
 from hypothesis.strategies import SearchStrategy
+from restshape_studies.stability.strategies import toml
 
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
-from restshape.stability.strategies import toml
 
 
 def look_at_drawn(strategy: SearchStrategy, examples: int, folder: Path, look: Callable[..., None]) -> None:

@@ -3,13 +3,13 @@
 import json
 
 import pytest
+from restshape_studies.stability.commanded import command_problem
+from restshape_studies.stability.player import Fault, play
+from restshape_studies.stability.strategies import Example
 from small_scenes import across, drag, plate, write_script
 
 from restshape.cli import replay
 from restshape.replay.recorder import Recorder
-from restshape.stability.commanded import command_problem
-from restshape.stability.player import Fault, play
-from restshape.stability.strategies import Example
 
 PATH = [*across((0.5, 0.5), (0.54, 0.5), 3), (0.5, 5.0)]
 

@@ -5,13 +5,13 @@ import os
 from pathlib import Path
 
 import pytest
+from restshape_studies.bench.job import ending
+from restshape_studies.stability.fuzz import fuzz
+from restshape_studies.stability.fuzz_process import Batch
+from restshape_studies.stability.strategies import Example
 
 from restshape.application import applications
-from restshape.bench.job import ending
 from restshape.cli.main import main
-from restshape.stability.fuzz import fuzz
-from restshape.stability.fuzz_process import Batch
-from restshape.stability.strategies import Example
 
 APPS = tuple(applications())
 
@@ -37,7 +37,7 @@ def test_the_same_seed_gives_the_same_examples(tried):
 
 BROKEN = """
 import os, time
-from restshape.stability import player
+from restshape_studies.stability import player
 
 def play(folder, example):
     if "{when}" in example.scene:
@@ -45,7 +45,7 @@ def play(folder, example):
     return player.Played(frames=1)
 
 player.play = play
-from restshape.stability.fuzz_process import main
+from restshape_studies.stability.fuzz_process import main
 main()
 """
 
@@ -61,7 +61,7 @@ main()
 def test_what_breaks_is_told_and_kept(tmp_path, monkeypatch, then, kind, words):
     (tmp_path / "broken_process.py").write_text(BROKEN.format(when='app = \\"bridge\\"', then=then))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path) + os.pathsep + os.environ.get("PYTHONPATH", ""))
-    monkeypatch.setattr("restshape.stability.fuzz.PROCESS", "broken_process")
+    monkeypatch.setattr("restshape_studies.stability.fuzz.PROCESS", "broken_process")
     tried = fuzz(2, 3, ("bridge",), keep=tmp_path / "kept", each=4.0)
     found = next(iter(tried.found.values()))
     assert (

@@ -4,13 +4,13 @@ import json
 import os
 
 import pytest
-from restshape_apps.solid import stability as solid
+from restshape_studies.stability.case import Case, Trial, below, near, sound, true
+from restshape_studies.stability.suite import cases, jobs, run_apart, run_case
+from restshape_verification.solid import stability as solid
 
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.policy import POLICIES
-from restshape.stability.case import Case, Trial, below, near, sound, true
-from restshape.stability.suite import cases, jobs, run_apart, run_case
 
 KNOWN = cases()
 
@@ -89,8 +89,8 @@ def test_the_list_and_names_that_are_not_there(capsys):
 
 DYING = """
 import os, sys, time
-from restshape.stability import suite
-from restshape.stability.case import Case, true
+from restshape_studies.stability import suite
+from restshape_studies.stability.case import Case, true
 
 def dies(trial):
     "Dies."
@@ -101,7 +101,7 @@ def hangs(trial):
     time.sleep(60)
 
 suite.cases = lambda: {"dies": Case(dies), "hangs": Case(hangs), "good": Case(lambda trial: [true("so", True)])}
-from restshape.stability.case_process import main
+from restshape_studies.stability.case_process import main
 main()
 """
 
@@ -109,7 +109,7 @@ main()
 def test_a_case_that_kills_or_hangs_its_process_fails_alone(tmp_path, monkeypatch):
     (tmp_path / "dying_cases.py").write_text(DYING)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path) + os.pathsep + os.environ.get("PYTHONPATH", ""))
-    monkeypatch.setattr("restshape.stability.suite.PROCESS", "dying_cases")
+    monkeypatch.setattr("restshape_studies.stability.suite.PROCESS", "dying_cases")
     rows = run_apart([(name, "auto") for name in ("dies", "good", "hangs", "good")], 4.0, 1.0, 60.0, (), lambda r: None)
     assert [row["holds"] for row in rows] == [False, True, False, True]
     assert "told nothing for 4 s" in rows[2]["value"]

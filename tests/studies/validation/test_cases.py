@@ -4,10 +4,10 @@ import json
 
 import pytest
 from petsc4py import PETSc
+from restshape_studies.validation.case import Check
 
 from restshape.application import applications
 from restshape.cli.main import main
-from restshape.validation.case import Check
 
 CASES = {f"{app.name}.{name}": case for app in applications().values() for name, case in app.cases().items()}
 

@@ -4,8 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
-from restshape.validation.norms import POINTS, WEIGHTS, errors
+from restshape_studies.validation.norms import POINTS, WEIGHTS, errors
 
 # The unit square in two triangles.
 SQUARE = SimpleNamespace(

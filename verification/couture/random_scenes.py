@@ -3,11 +3,9 @@
 from typing import Any
 
 from hypothesis import strategies as st
+from restshape_studies.stability.random_scenes import RandomScenes, edits_with
+from restshape_studies.stability.shape_strategies import Table, angles, entities, mesh_size, numbers, shapes
 
-from restshape.stability.shape_strategies import Table, angles, entities, mesh_size, numbers, shapes
-
-CLOTH = "couture"
-"""The application that knows cloth."""
 BENDING = [None, None, 5e-6, "1e-4 N m", 1e-12, 0]
 WOVEN = {"E": [4e6, 1e6, 1e6], "nu": [0.4, 0.3, 0.3], "G": [5e5, 1e6, 1e6]}
 PINNED = ["x", "y", "z"]
@@ -131,7 +129,7 @@ def cloth_scenes(draw: st.DrawFn) -> Table:
     scene: Table = {
         "format": "restshape-scene",
         "version": 1,
-        "app": CLOTH,
+        "app": "couture",
         "parameters": {"k": draw(numbers(-0.1, 0.2))},
     }
     scene |= {"shape": shape, "material": {"m": draw(fabrics())}}
@@ -186,3 +184,6 @@ def cloth_sets(scene: Table) -> st.SearchStrategy[list[Table]]:
 def _event(drawn: tuple[tuple[str, Any], int | None]) -> list[Table]:
     (key, value), frames = drawn
     return [{"do": "set", "key": key, "value": value} | ({"frames": frames} if frames else {})]
+
+
+SCENES = RandomScenes(cloth_scenes(), edits=lambda scene: edits_with(scene, cloth_sets(scene)), predictable=False)

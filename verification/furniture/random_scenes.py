@@ -3,11 +3,9 @@
 from typing import Any
 
 from hypothesis import strategies as st
+from restshape_studies.stability.random_scenes import Parts, RandomScenes
+from restshape_studies.stability.shape_strategies import Table, numbers
 
-from restshape.stability.shape_strategies import Table, numbers
-
-FURNITURE = "furniture"
-"""The application that knows planks."""
 FASTENERS = ["nail-thesis", "nail-experiment", "screw", "nail", "dowel"]
 WOODS = ["mdf", "pine", "oak"]
 PARAMETERS = [f"{kind} {axis}" for kind in ("move", "turn") for axis in "xyz"] + ["length x", "length y"]
@@ -97,7 +95,7 @@ def plank_scenes(draw: st.DrawFn) -> Table:
     """The tables of a scene of furniture."""
     piece = draw(heaps() if draw(st.integers(0, 5)) == 5 else benches())
     planks, names = piece["planks"], list(piece["planks"])
-    scene: Table = {"format": "restshape-scene", "version": 1, "app": FURNITURE}
+    scene: Table = {"format": "restshape-scene", "version": 1, "app": "furniture"}
     scene["parameters"] = {"k": draw(numbers(-0.1, 0.2))}
     thickness = draw(st.sampled_from([piece["thickness"]] * 8 + ["8 mm", 0.05]))
     scene["wood"] = {"name": draw(st.sampled_from(WOODS)), "thickness": thickness}
@@ -216,3 +214,12 @@ def plank_sets(scene: Table) -> st.SearchStrategy[list[Table]]:
     return st.tuples(st.sampled_from(pairs), frames).map(
         lambda drawn: [{"do": "set", "key": drawn[0][0], "value": drawn[0][1], **drawn[1]}]
     )
+
+
+def edits(scene: Table) -> Parts:
+    """Edits of planks."""
+    names = [*scene["planks"], EXTRA]
+    return plank_gestures(names), plank_edits(names), choices(), plank_sets(scene)
+
+
+SCENES = RandomScenes(plank_scenes(), edits=edits, predictable=False)
