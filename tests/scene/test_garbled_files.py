@@ -5,7 +5,7 @@ from pathlib import Path
 
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from restshape_studies.stability.strategies import keys_of, spliced, splices, values
+from restshape_studies.stability.damage import keys_of, spliced, splices, values
 
 from restshape.errors import UserError
 from restshape.scene.load import load_scene, revise

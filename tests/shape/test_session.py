@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from plain_check import fault
-from restshape_studies.stability.strategies import gestures, single_edits
+from restshape_studies.stability.edit_strategies import gestures, single_edits
 from shape_scenes import plate, scene_and_script, square
 from small_scenes import CURVED
 

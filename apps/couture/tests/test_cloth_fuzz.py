@@ -4,8 +4,8 @@ from collections import Counter
 
 from drawn_scenes import look_at_drawn
 from hypothesis.strategies import tuples
-from restshape_studies.stability.cloth_strategies import cloth_scenes
 from restshape_studies.stability.fuzz import fuzz
+from restshape_verification.couture.random_scenes import cloth_scenes
 
 from restshape.application import application
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from restshape_studies.verification import verification
 from restshape_verification.couture.validation import CASES
 from restshape_verification.couture.validation_buckling import DENSITY, NU, SLENDER, D, lightest
 from restshape_verification.couture.validation_cantilever import ELASTICA, equilateral
@@ -13,13 +14,12 @@ from scipy.integrate import quad, solve_bvp, solve_ivp
 from scipy.optimize import brentq
 from scipy.special import jv
 
-from restshape.application import application
 from restshape.mesh.importer import read_mesh
 from restshape.mesh.quality import areas
 
 
 def test_the_application_offers_them():
-    assert application("couture").cases() is CASES
+    assert verification("couture").load_validation() is CASES
 
 
 @pytest.mark.parametrize(("distance", "table"), [(0.9, 0.190709), (0.8, 0.26543751), (0.5, 0.39819418)])

@@ -4,8 +4,8 @@ import json
 
 import pytest
 from restshape_studies.stability.commanded import command_problem
+from restshape_studies.stability.example import Example
 from restshape_studies.stability.player import Fault, play
-from restshape_studies.stability.strategies import Example
 from small_scenes import across, drag, plate, write_script
 
 from restshape.cli import replay

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 from restshape_studies.bench.job import ending
+from restshape_studies.stability.batch import Batch
+from restshape_studies.stability.example import Example
 from restshape_studies.stability.fuzz import fuzz
-from restshape_studies.stability.fuzz_process import Batch
-from restshape_studies.stability.strategies import Example
 
 from restshape.application import applications
 from restshape.cli.main import main

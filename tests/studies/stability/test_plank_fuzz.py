@@ -7,9 +7,9 @@ import pytest
 from drawn_scenes import look_at_drawn
 from furniture_scenes import write_bench, write_edits
 from restshape_studies.stability.fuzz import fuzz
-from restshape_studies.stability.plank_checks import plank_problem
-from restshape_studies.stability.plank_strategies import plank_scenes
 from restshape_studies.stability.strategies import scripts
+from restshape_verification.furniture.frame_check import plank_problem
+from restshape_verification.furniture.random_scenes import SCENES
 from small_scenes import make_replay
 
 from restshape.application import application
@@ -35,7 +35,7 @@ def test_scenes_and_edits_are_of_all_kinds(tmp_path):
         seen.update("drawn" if plank.drawn else "centred" for plank in scene.planks.values())
         seen.update({"smooth": scene.floor.friction == 0.0, "pushes": bool(scene.pushes), "loads": bool(scene.weights)})
 
-    drawn = plank_scenes().flatmap(lambda tables: scripts(tables).map(lambda lines: (tables, lines)))
+    drawn = SCENES.scenes.flatmap(lambda tables: scripts(tables, SCENES).map(lambda lines: (tables, lines)))
     look_at_drawn(drawn, 250, tmp_path, look)
     # What makes no sense is refused, and is not most of it.
     assert 0 < seen["refused"] < 125

@@ -5,11 +5,14 @@ import json
 import pytest
 from petsc4py import PETSc
 from restshape_studies.validation.case import Check
+from restshape_studies.verification import verifications
 
 from restshape.application import applications
 from restshape.cli.main import main
 
-CASES = {f"{app.name}.{name}": case for app in applications().values() for name, case in app.cases().items()}
+CASES = {
+    f"{app}.{name}": case for app, known in verifications().items() for name, case in known.load_validation().items()
+}
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -37,7 +40,7 @@ def test_command(tmp_path, capsys):
 
 
 def test_a_failing_check_ends_with_1(monkeypatch, capsys, tmp_path):
-    cases = applications()["solid"].cases()
+    cases = verifications()["solid"].load_validation()
     wrong = Check("tip [m]", 1.0, 1.1, 0.01, "a beam that is not there")
     monkeypatch.setitem(cases, "patch", lambda comm: [wrong])
     assert main(["validate", "--case", "solid.patch", "--json", str(tmp_path / "a.json")]) == 1
@@ -48,6 +51,17 @@ def test_a_failing_check_ends_with_1(monkeypatch, capsys, tmp_path):
 def test_a_case_that_is_not_there(capsys):
     assert main(["validate", "--case", "solid.nothing"]) == 2
     assert "solid.patch" in capsys.readouterr().err
+
+
+def test_a_case_of_an_application_that_is_not_installed(monkeypatch, capsys):
+    known = {name: app for name, app in applications().items() if name != "bridge"}
+    monkeypatch.setattr("restshape_studies.verification.applications", lambda: known)
+    found = {name: case for name, case in verifications().items() if name in known}
+    monkeypatch.setattr("restshape_studies.verification.verifications", lambda: found)
+    name = next(name for name in CASES if name.startswith("bridge."))
+    assert main(["validate", "--case", name]) == 2
+    assert "'bridge' is not installed" in capsys.readouterr().err
+    assert main(["validate", "--list"]) == 0 and "bridge." not in capsys.readouterr().out
 
 
 def test_the_list_names_all_cases(capsys):

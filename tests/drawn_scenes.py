@@ -5,7 +5,7 @@ from pathlib import Path
 
 from hypothesis import HealthCheck, given, seed, settings
 from hypothesis.strategies import SearchStrategy
-from restshape_studies.stability.strategies import toml
+from restshape_studies.stability.tables import toml
 
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
