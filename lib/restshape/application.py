@@ -10,11 +10,11 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-from pydantic import BaseModel
-
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
+
     from restshape.scene.model import Scene
 
 

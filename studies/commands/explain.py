@@ -11,7 +11,6 @@ from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
 from restshape.cli.shipped import script_of
 from restshape.errors import UserError
-from restshape.scene.script import load_script
 
 PLACE = 1
 SUMMARY = "tell which effects a scene calls for and why, what each costs, and which solvers it gets"
@@ -46,6 +45,8 @@ def run(args: argparse.Namespace) -> int:
     if launched():
         raise UserError("effects are priced on one rank", do="start it without mpiexec")
     from restshape_studies.explain.study import Asked, explain
+
+    from restshape.scene.script import load_script
 
     scene = read_scene(args)
     if args.frames < 0:

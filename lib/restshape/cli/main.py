@@ -41,8 +41,13 @@ def all_commands() -> dict[str, ModuleType]:
     return own | dict(sorted(others.items(), key=lambda item: (item[1].PLACE, item[0])))
 
 
-def parser_for(commands: dict[str, ModuleType]) -> argparse.ArgumentParser:
-    """The argument parser of the commands given, modules by name."""
+def parser_for(commands: dict[str, ModuleType], listed: bool = False) -> argparse.ArgumentParser:
+    """The argument parser of the commands given, modules by name.
+
+    Args:
+        commands: the modules.
+        listed: for the help that lists them, without the arguments of any.
+    """
     parser = argparse.ArgumentParser(
         prog="restshape",
         description="Simulates an object while its rest shape is being edited.",
@@ -52,8 +57,9 @@ def parser_for(commands: dict[str, ModuleType]) -> argparse.ArgumentParser:
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, module in commands.items():
         sub = subparsers.add_parser(name, help=module.SUMMARY, description=module.SUMMARY, epilog=EXIT_CODES)
-        module.arguments(sub)
-        sub.set_defaults(run=module.run)
+        if not listed:
+            module.arguments(sub)
+            sub.set_defaults(run=module.run)
     return parser
 
 
@@ -72,7 +78,7 @@ def _run(words: list[str]) -> int:
     petsc = words[words.index("--") + 1 :] if "--" in words else []
     words = words[: words.index("--")] if "--" in words else words
     named = {word: module for word in words[:1] if (module := command(word))}
-    args = parser_for(named or all_commands()).parse_args(words)
+    args = (parser_for(named) if named else parser_for(all_commands(), listed=True)).parse_args(words)
     args.petsc, args.words = petsc, words
     try:
         return args.run(args)

@@ -7,9 +7,7 @@ from math import log2
 from pathlib import Path
 from typing import Any
 
-from restshape.cli.guidance import print_guidance
 from restshape.cli.options import add_scene, check_output, print_table, read_scene, write_json
-from restshape.cli.progress import progress
 from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
@@ -105,6 +103,7 @@ def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any
     import petsc4py
 
     petsc4py.init(["restshape", *args.petsc])
+    from restshape.cli.progress import progress
     from restshape.replay.run import run_replay
 
     with progress(quiet=not first_rank()) as on_frame:
@@ -152,6 +151,8 @@ def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> in
 
 def print_summary(summary: dict[str, Any]) -> None:
     """Print the tables of a summary."""
+    from restshape.cli.guidance import print_guidance
+
     print(
         f"{summary['frames']} frames, {summary['refused']} refused, {summary['unknowns']} unknowns, "
         f"{summary['elements']} elements, policy {summary['policy']}, {summary['ranks']} rank(s)"
