@@ -23,7 +23,7 @@ from restshape.application import Application
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.model import CircleLoop, Scene
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 Row = dict[str, Any]
 
@@ -86,7 +86,7 @@ class Plan:
 
 def corners(scene: Scene) -> list[str]:
     """Vertices of a scene's shape but for those of circles; none where they are too many to be refined one by one."""
-    outline = Outline.from_spec(scene.shape, scene.folder)
+    outline = outline_from_spec(scene.shape, scene.folder)
     round_holes = {
         name for name, loop in (scene.shape.holes | scene.shape.regions).items() if isinstance(loop, CircleLoop)
     }

@@ -15,7 +15,7 @@ from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.source import split_key
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 SIZES = (2.0, sqrt(2.0), 1.0, sqrt(0.5), 0.5)
 TOLERANCES = (1e2, 1e-2)
@@ -156,7 +156,7 @@ def kind_of(application: Application) -> str:
 
 def unknowns(scene: Scene, application: Application, factor: float, order: int) -> float:
     """About how many unknowns the first shape has at a factor of the scene's mesh size."""
-    outline = Outline.from_spec(scene.shape, scene.folder)
+    outline = outline_from_spec(scene.shape, scene.folder)
     triangles = outline.area() / (0.433 * (factor * scene.mesh.size) ** 2)
     nodes = triangles * (0.5 if order == 1 else 2.0)
     if application.cloth:

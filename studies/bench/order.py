@@ -13,7 +13,7 @@ from restshape.errors import UserError
 from restshape.mesh.generate import generate
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 TRIES = 6
 """Meshes that are made to find the size of the second order: the number of unknowns jumps from one to the next."""
@@ -42,7 +42,7 @@ def equal_size(job: Job, on_run: Callable[[str], None] = lambda words: None) -> 
         raise UserError(
             "only meshes in the plane that are made here can be as fine as wanted", job.scene, "choose another scene"
         )
-    outline = Outline.from_spec(scene.shape, scene.folder)
+    outline = outline_from_spec(scene.shape, scene.folder)
     wanted = len(generate(outline, scene.mesh).X)
     factor, best = 2.0, (inf, 2.0)
     for _ in range(TRIES):

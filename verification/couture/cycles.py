@@ -33,7 +33,7 @@ from restshape.physics.cloth_scene import SheetArguments, sheet_arguments, sheet
 from restshape.physics.sheet import Sheet
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 SCENE = application("couture").folder / "scenes" / "sphere.toml"
 HINGES = "effects.cloth.bending=hinge"
@@ -100,7 +100,7 @@ class Cloth:
     def __init__(self, overrides: Sequence[str] = ()) -> None:
         self.scene = load_scene(SCENE, (HINGES, *overrides))
         chosen = plan(self.scene, application(self.scene.app))
-        self.mesh = generate(Outline.from_spec(self.scene.shape, self.scene.folder), self.scene.mesh)
+        self.mesh = generate(outline_from_spec(self.scene.shape, self.scene.folder), self.scene.mesh)
         self.arguments: SheetArguments = sheet_arguments(self.scene, chosen, self.mesh)
 
     def sheet(self, kink: bool, like: Sheet | None = None) -> Sheet:

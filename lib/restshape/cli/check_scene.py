@@ -22,6 +22,7 @@ from restshape.scene.expressions import Expression, Value
 from restshape.scene.model import Load, Material, Scene, Support
 from restshape.scene.plan import Plan, plan
 from restshape.scene.script import Script, load_script
+from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 
 LOAD_UNITS = {"force": "N", "traction": "Pa", "pressure": "Pa", "body": "N/m^3"}
@@ -91,7 +92,7 @@ def starting_outline(scene: Scene) -> Outline:
         outline = read_mesh(scene.folder / scene.mesh.file, scene.mesh.unit)[1]
     else:
         try:
-            outline = Outline.from_spec(scene.shape, scene.folder)
+            outline = outline_from_spec(scene.shape, scene.folder)
         except UserError as error:
             raise scene.located(error) from error
     for key, name in used_names(scene):

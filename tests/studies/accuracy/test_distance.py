@@ -11,7 +11,7 @@ from restshape_studies.accuracy.state import Sampled, State
 from restshape.mesh.generate import generate
 from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import MeshSpec, ShapeSpec
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 LAMBDA, MU, THICKNESS, MASS = 3.0, 2.0, 0.5, 7.0
 NONE = np.empty(0)
@@ -23,7 +23,7 @@ def square(order: int, size: float = 0.23) -> Grid:
     names = list(corners)
     edges = {f"{a}{b}": {"line": [a, b]} for a, b in zip(names, [*names[1:], names[0]])}
     spec = ShapeSpec.model_validate({"outline": list(edges), "vertices": corners, "edges": edges})
-    mesh = generate(Outline.from_spec(spec, Path()), MeshSpec(size=size))
+    mesh = generate(outline_from_spec(spec, Path()), MeshSpec(size=size))
     return Grid.of(LagrangeSpace(mesh) if order == 2 else mesh)
 
 
