@@ -86,4 +86,4 @@ format:
 
 clean: # keeps .venv
 	rm -rf build .pytest_cache .ruff_cache .hypothesis lib/restshape/_kernels.*.so results/*.vtkhdf
-	find lib apps tests -name __pycache__ -type d -exec rm -rf {} +
+	find lib apps studies verification tests -name __pycache__ -type d -exec rm -rf {} +
