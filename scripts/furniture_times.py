@@ -7,8 +7,8 @@ import argparse
 import json
 from dataclasses import asdict
 
-from restshape_apps.furniture.misses import FIRST_ONLY, LARGER, POINTS, SMALL, UNLIMITED, Grid
-from restshape_apps.furniture.times import (
+from restshape_verification.furniture.misses import FIRST_ONLY, LARGER, POINTS, SMALL, UNLIMITED, Grid
+from restshape_verification.furniture.times import (
     COLUMNS,
     Column,
     Time,

@@ -149,8 +149,5 @@ application = Application(
     folder=Path(__file__).parent,
     analysis="restshape.guidance.furnishing:FurnitureAnalysis",
     session="restshape.guidance.plank_session:PlankSession",
-    validation="restshape_apps.furniture.validation:CASES",
-    stability="restshape_apps.furniture.stability:CASES",
-    thesis="restshape_apps.furniture.thesis:rows",
     columns="restshape_apps.furniture:columns",
 )

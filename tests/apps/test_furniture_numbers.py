@@ -5,11 +5,11 @@ from math import comb
 
 import numpy as np
 import pytest
-from restshape_apps.furniture import sessions
-from restshape_apps.furniture.misses import FIRST_ONLY, SMALL, UNLIMITED, Grid
 from restshape_apps.furniture.pieces import cantilever, scales
-from restshape_apps.furniture.thesis import rows
-from restshape_apps.furniture.times import COLUMNS, large, timed
+from restshape_verification.furniture import sessions
+from restshape_verification.furniture.misses import FIRST_ONLY, SMALL, UNLIMITED, Grid
+from restshape_verification.furniture.thesis import rows
+from restshape_verification.furniture.times import COLUMNS, large, timed
 
 from restshape.guidance.force_space import durability_space
 from restshape.physics.furniture import Furniture

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from restshape_apps.furniture import between_brackets, fastener_strengths, pliant_joints
-from restshape_apps.furniture.least_energy import least_energy
 from restshape_apps.furniture.pieces import bookshelf_20
 from restshape_apps.furniture.small_pieces import stretched
+from restshape_verification.furniture import between_brackets, fastener_strengths, pliant_joints
+from restshape_verification.furniture.least_energy import least_energy
 
 from restshape.physics.furniture import Compliance, Furniture
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.least_energy import least_energy
 from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, shelf_1, shelf_2, stool_chair, table
 from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool, stretched
+from restshape_verification.furniture.least_energy import least_energy
 from scipy.optimize import linprog
 
 from restshape.analysis.plank_equilibrium import PlankEquilibrium

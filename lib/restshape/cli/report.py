@@ -4,10 +4,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from restshape.cli.guidance import print_guidance
 from restshape.cli.options import add_json, open_json, print_table, write_json
 from restshape.errors import UserError
-from restshape.replay.guided import guidance, is_guided
 
 SUMMARY = "tables and pictures of a recording"
 _FORMATS = ("gif", "mp4", "none")
@@ -67,6 +65,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _tables(recording: Any) -> dict[str, Any]:
     """Prints the tables and gives them back for programs."""
+    from restshape.cli.guidance import print_guidance
+    from restshape.replay.guided import guidance, is_guided
     from restshape.report.tables import estimate_table, level_table, quantity_table, refused, rest_counts, rows_of
 
     levels, quantities, errors = level_table(recording), quantity_table(recording), estimate_table(recording)
@@ -123,6 +123,7 @@ def _short(value: Any) -> Any:
 
 def _draw(recording: Any, folder: Path, args: argparse.Namespace) -> list[Path]:
     """Draws all pictures; their paths."""
+    from restshape.replay.guided import is_guided
     from restshape.report.drape import shows_cloth
     from restshape.report.levels import draw_levels
     from restshape.report.timeline import draw_timeline

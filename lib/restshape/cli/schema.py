@@ -5,13 +5,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter
-
 from restshape.application import applications
 from restshape.cli.options import check_output
-from restshape.scene.model import Scene
-from restshape.scene.plank_events import PlankEvent
-from restshape.scene.script import Event, Header
 
 SUMMARY = "write the JSON schema of a scene or of a line of an edit script"
 
@@ -36,6 +31,8 @@ def run(args: argparse.Namespace) -> int:
 
 def scene_schema() -> dict[str, Any]:
     """The JSON schema of a scene, with the effects of all installed applications."""
+    from restshape.scene.model import Scene
+
     schema = Scene.model_json_schema()
     names = sorted(applications())
     schema["properties"]["app"] = {"enum": names, "title": "App"}
@@ -54,6 +51,11 @@ def _effect(name: str) -> dict[str, Any]:
 
 def script_schema() -> dict[str, Any]:
     """The JSON schema of one line of an edit script: the header, or an event, also of furniture."""
+    from pydantic import TypeAdapter
+
+    from restshape.scene.plank_events import PlankEvent
+    from restshape.scene.script import Event, Header
+
     schema = TypeAdapter(Header | Event | PlankEvent).json_schema()
     title = "one line of a restshape edit script"
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **schema}

@@ -9,6 +9,7 @@ from textwrap import shorten, wrap
 
 import numpy as np
 
+from restshape.application import application
 from restshape.errors import UserError
 from restshape.guidance.amounts import UNITS
 from restshape.guidance.plank_session import PlankFrame
@@ -74,8 +75,10 @@ def pieces(recording: Recording, wanted: Sequence[int]) -> Iterator[PlankFrame]:
         UserError: the recording's scene and script make other pieces now.
     """
     header, path = recording.header, recording.path
-    scene = recorded_scene(header["scene_values"], path.with_name(header["scene"]))
-    text, name = header["script_text"], path.with_name(header["script"] or "script")
+    scene = recorded_scene(header["scene_values"], path.with_name(Path(header["scene"]).name or "scene"))
+    if not application(scene.app).planks:
+        raise UserError(f"its frames are of planks, its scene of {scene.app!r}", str(path), "record it again")
+    text, name = header["script_text"], path.with_name(Path(header["script"]).name or "script")
     script = read_script(text, name, scene, keep_good=True) if text else Script.empty(scene)
     session, left = session_of(scene, script), list(map(int, wanted))
     stopped = refused(recording)
