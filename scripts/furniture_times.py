@@ -21,9 +21,9 @@ from restshape_apps.furniture.times import (
     timed,
 )
 
-from restshape.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.guidance.force_space import forecast
-from restshape.physics.furniture import Furniture
+from restshape_apps.furniture.physics.furniture import Furniture
 
 Numbers = dict[str, float | Time | tuple[int, ...]]
 

@@ -12,8 +12,8 @@ from pydantic import Field
 
 from restshape.application import Application, Decision, Effect, Implied
 from restshape.errors import UserError
-from restshape.physics.fasteners import fastener, wood
-from restshape.scene.furniture import SUGGESTIONS_BYTES
+from restshape_apps.furniture.physics.fasteners import fastener, wood
+from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -147,8 +147,8 @@ application = Application(
         "suggestions": _guided("suggestions", "suggestions for what does not hold"),
     },
     folder=Path(__file__).parent,
-    analysis="restshape.guidance.furnishing:FurnitureAnalysis",
-    session="restshape.guidance.plank_session:PlankSession",
+    analysis="restshape_apps.furniture.analysis.furnishing:FurnitureAnalysis",
+    session="restshape_apps.furniture.session.plank_session:PlankSession",
     validation="restshape_apps.furniture.validation:CASES",
     stability="restshape_apps.furniture.stability:CASES",
     thesis="restshape_apps.furniture.thesis:rows",

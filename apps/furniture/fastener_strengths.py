@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from restshape.errors import UserError
-from restshape.physics.fasteners import FASTENERS, WOODS, fastener, wood
+from restshape_apps.furniture.physics.fasteners import FASTENERS, WOODS, fastener, wood
 
 THICK = 0.018
 """Of both planks [m]."""

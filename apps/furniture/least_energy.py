@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.physics.furniture import Furniture
+from restshape_apps.furniture.physics.furniture import Furniture
 
 
 def least_energy(furniture: Furniture) -> tuple[np.ndarray, np.ndarray]:

@@ -8,11 +8,11 @@ from restshape_apps.furniture.pieces import table
 from restshape.errors import UserError
 from restshape.guidance.force_space import LONGEST, contact_space, durability_space, stability_space
 from restshape.guidance.ranges import valid_ranges
-from restshape.guidance.suggestions import suggest
-from restshape.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture
 from restshape.report.force_space import Ray, Region
-from restshape.report.furniture import Slide
-from restshape.shape.design_modes import DesignModes
+from restshape_apps.furniture.report.furniture import Slide
+from restshape_apps.furniture.shape.design_modes import DesignModes
 
 STEPS = 121
 SHOWN = 4

@@ -17,10 +17,10 @@ import numpy as np
 from restshape_apps.furniture.pieces import scales, shelf_1, shelf_2, table
 
 from restshape.guidance.ranges import valid_ranges
-from restshape.guidance.suggestions import suggest
-from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture, Verdict
-from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import FREEDOMS, Piece
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture, Verdict
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
 
 LOOKS = 5
 """How often one without feedback may ask for a simulation, as in section 6.6.2 of the thesis."""

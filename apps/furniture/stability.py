@@ -18,12 +18,12 @@ from restshape_apps.furniture.stability_contacts import (
     sliding_feet,
 )
 
-from restshape.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.guidance.ranges import valid_ranges
-from restshape.guidance.suggestions import suggest
-from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture
-from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import Load, Piece, Plane
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import Load, Piece, Plane
 from restshape.stability.case import Case, Statement, Trial, below, near, true
 
 

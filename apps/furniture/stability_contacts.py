@@ -7,10 +7,10 @@ import numpy as np
 from restshape_apps.furniture.pieces import shelf_1, stool_chair, table
 from restshape_apps.furniture.small_pieces import THIN, block, cantilever, ladder, mirrored, stool
 
-from restshape.guidance.suggestions import suggest
-from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
-from restshape.sensitivity.furniture import stability_derivative
-from restshape.shape.planks import Foot, Load, Piece, Plane, Plank
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
+from restshape_apps.furniture.physics.derivatives import stability_derivative
+from restshape_apps.furniture.shape.planks import Foot, Load, Piece, Plane, Plank
 from restshape.stability.case import Statement, Trial, below, near, true
 
 G = 9.80665

@@ -8,15 +8,15 @@ from statistics import median
 import numpy as np
 from restshape_apps.furniture.pieces import bookshelf, bookshelf_20, piece_28, shelf_1, shelf_2
 
-from restshape.analysis.plank_equilibrium import PlankEquilibrium
-from restshape.guidance.combination_search import Limits
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.guidance.combination_search import Limits
 from restshape.guidance.force_space import combinations, durability_space, stability_space
 from restshape.guidance.ranges import predicted_ends, valid_ranges
-from restshape.guidance.suggestions import Suggestions, suggest
-from restshape.guidance.support_planks import support_planks
-from restshape.physics.furniture import UNSTABLE, Furniture
-from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import Piece
+from restshape_apps.furniture.guidance.suggestions import Suggestions, suggest
+from restshape_apps.furniture.guidance.support_planks import support_planks
+from restshape_apps.furniture.physics.furniture import UNSTABLE, Furniture
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import Piece
 
 
 @dataclass(frozen=True)

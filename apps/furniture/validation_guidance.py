@@ -7,13 +7,13 @@ from restshape_apps.furniture.misses import FIRST_ONLY, MANY, SMALL, UNLIMITED, 
 from restshape_apps.furniture.pieces import cantilever, chair, scales, shelf_1, shelf_2, stool_chair, table
 from restshape_apps.furniture.validation_statics import G, settled
 
-from restshape.guidance.combination_search import Search
+from restshape_apps.furniture.guidance.combination_search import Search
 from restshape.guidance.force_space import durability_space, stability_space, whole_space
 from restshape.guidance.ranges import valid_ranges
-from restshape.physics.furniture import ALL, UNSTABLE, Furniture
-from restshape.sensitivity.furniture import force_derivative
-from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import FREEDOMS
+from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, Furniture
+from restshape_apps.furniture.physics.derivatives import force_derivative
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import FREEDOMS
 from restshape.validation.case import Check
 
 STEPS = np.array([4e-3, 2e-3, 1e-3])

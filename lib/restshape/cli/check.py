@@ -61,9 +61,9 @@ def run(args: argparse.Namespace) -> int:
 
 def check_planks(args: argparse.Namespace, scene: Scene, effects: Plan) -> int:
     """The same for a piece of furniture, which has no outline."""
-    from restshape.cli.check_planks import described_piece, held_piece
-    from restshape.guidance.plank_session import PlankSession
-    from restshape.physics.plank_quantities import require_places
+    from restshape_apps.furniture.cli.check_planks import described_piece, held_piece
+    from restshape_apps.furniture.session.plank_session import PlankSession
+    from restshape_apps.furniture.physics.plank_quantities import require_places
 
     design = PlankSession(scene, Script.empty(scene)).design
     try:

@@ -7,7 +7,7 @@ from math import log2
 from pathlib import Path
 from typing import Any
 
-from restshape.cli.guidance import print_guidance
+from restshape_apps.furniture.cli.guidance import print_guidance
 from restshape.cli.options import add_scene, check_output, print_table, read_scene, write_json
 from restshape.cli.progress import progress
 from restshape.cli.ranks import first_rank

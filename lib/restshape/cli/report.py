@@ -4,10 +4,10 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from restshape.cli.guidance import print_guidance
+from restshape_apps.furniture.cli.guidance import print_guidance
 from restshape.cli.options import add_json, open_json, print_table, write_json
 from restshape.errors import UserError
-from restshape.replay.guided import guidance, is_guided
+from restshape_apps.furniture.report.guided import guidance, is_guided
 
 SUMMARY = "tables and pictures of a recording"
 _FORMATS = ("gif", "mp4", "none")
@@ -184,10 +184,10 @@ def _draw_cloth(recording: Any, args: argparse.Namespace, still: Path, moving: P
 def _draw_planks(recording: Any, args: argparse.Namespace, folder: Path) -> list[Path]:
     """Draws furniture: telling frames, what guidance told over all of them, suggestions, and an animation."""
     from restshape.report.animation import animated_frames
-    from restshape.report.piece_animation import draw_piece_animation
-    from restshape.report.piece_frames import draw_piece_frames, telling_frames
-    from restshape.report.piece_ideas import draw_suggestions, searches
-    from restshape.report.piece_ranges import draw_guidance
+    from restshape_apps.furniture.report.piece_animation import draw_piece_animation
+    from restshape_apps.furniture.report.piece_frames import draw_piece_frames, telling_frames
+    from restshape_apps.furniture.report.piece_ideas import draw_suggestions, searches
+    from restshape_apps.furniture.report.piece_ranges import draw_guidance
 
     draw_piece_frames(recording, telling_frames(recording, args.frames), folder / "frames.png")
     draw_guidance(recording, folder / "guidance.png")

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 from restshape.application import applications
 from restshape.cli.options import check_output
 from restshape.scene.model import Scene
-from restshape.scene.plank_events import PlankEvent
+from restshape_apps.furniture.scene.plank_events import PlankEvent
 from restshape.scene.script import Event, Header
 
 SUMMARY = "write the JSON schema of a scene or of a line of an edit script"

@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
 def _composed(scene: Scene, args: argparse.Namespace) -> Composition:
     """The script that the lines describe."""
     if application(scene.app).planks:
-        from restshape.guidance.compose_planks import PlankComposer
+        from restshape_apps.furniture.session.compose_planks import PlankComposer
 
         return composed(PlankComposer(scene), args.lines)
     return compose(scene, args.lines, args.seed, _imported_outline(scene))

@@ -7,9 +7,9 @@ from math import comb
 import numpy as np
 
 from restshape import _kernels
-from restshape.physics.furniture import Furniture
-from restshape.sensitivity.furniture import force_derivative, stability_derivative
-from restshape.shape.design_modes import DesignModes
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.physics.derivatives import force_derivative, stability_derivative
+from restshape_apps.furniture.shape.design_modes import DesignModes
 
 LONGEST = 0.5
 """Of a step along a unit direction: half the piece's size, or half a radian."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.guidance.force_space import ForceSpace
-from restshape.physics.furniture import ALL, Furniture
+from restshape_apps.furniture.physics.furniture import ALL, Furniture
 
 SAMPLES = 192
 """Tests over the way that is looked at: apart by less than planks are thick, which must not go through one another."""

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from restshape.replay.columns import STAGES
-from restshape.replay.guided import guidance, is_guided
+from restshape_apps.furniture.report.guided import guidance, is_guided
 from restshape.replay.verdict import counted
 
 

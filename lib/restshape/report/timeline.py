@@ -6,7 +6,7 @@ from textwrap import shorten
 import numpy as np
 from matplotlib.axes import Axes
 
-from restshape.replay.guided import is_guided
+from restshape_apps.furniture.report.guided import is_guided
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, RESTLESS, VALUES, new_figure

@@ -6,7 +6,7 @@ from typing import Any
 from restshape.application import Application
 from restshape.scene.cloth_checks import check_cloth, formulas_of_bodies
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
-from restshape.scene.furniture_checks import check_furniture, refuse_furniture
+from restshape_apps.furniture.scene.furniture_checks import check_furniture, refuse_furniture
 from restshape.scene.model import EdgeLoop, Load, Scene
 from restshape.scene.source import Source, suggestion
 

@@ -18,7 +18,7 @@ from pydantic import (
 from restshape.errors import UserError
 from restshape.scene.bodies import Body, Start
 from restshape.scene.expressions import Expression, Value
-from restshape.scene.furniture import Fastening, Floor, Joints, PlankSpec, PushSpec, WeightSpec, Wood
+from restshape_apps.furniture.scene.furniture import Fastening, Floor, Joints, PlankSpec, PushSpec, WeightSpec, Wood
 from restshape.scene.materials import NAMES, named
 from restshape.scene.quantity import Quantity
 from restshape.scene.source import Source, split_key

@@ -13,7 +13,7 @@ from restshape.errors import UserError
 from restshape.scene.bodies import POINTS, Body
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
-from restshape.scene.plank_events import PLANK_EVENTS
+from restshape_apps.furniture.scene.plank_events import PLANK_EVENTS
 from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, suggestion
 from restshape.scene.units import article, length_unit
