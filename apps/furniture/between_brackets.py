@@ -13,9 +13,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from restshape_apps.furniture.pieces import bookshelf_20
-
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, Furniture
+from restshape_apps.furniture.pieces import bookshelf_20
 from restshape_apps.furniture.shape.planks import Piece, Plank, joints_near
 
 BRACKETS = ("bracket-1", "bracket-3")

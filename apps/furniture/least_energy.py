@@ -1,7 +1,6 @@
 """A reference for forces in furniture: the least complementary energy in equilibrium, by one dense linear system."""
 
 import numpy as np
-
 from restshape_apps.furniture.physics.furniture import Furniture
 
 

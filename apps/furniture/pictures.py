@@ -12,19 +12,19 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from restshape_apps.furniture.pieces import PIECES, scales, table
-from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
-from restshape_apps.furniture.small_pieces import toppling
-
-from restshape.errors import UserError
 from restshape_apps.furniture.guidance.combination_search import Limits, Suggestion
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.guidance.support_planks import support_planks
 from restshape_apps.furniture.physics.furniture import Furniture
-from restshape.report.force_space import Region, draw_forces, draw_region, region_marks
+from restshape_apps.furniture.pieces import PIECES, scales, table
+from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
 from restshape_apps.furniture.report.furniture import Slide, add_use_bar, bounds, draw_piece
-from restshape.report.style import INK, LEVELS, REFUSED, new_figure
 from restshape_apps.furniture.shape.planks import Piece
+from restshape_apps.furniture.small_pieces import toppling
+
+from restshape.errors import UserError
+from restshape.report.force_space import Region, draw_forces, draw_region, region_marks
+from restshape.report.style import INK, LEVELS, REFUSED, new_figure
 
 SHOWN = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")
 SIDES = 3

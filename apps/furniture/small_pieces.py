@@ -2,7 +2,6 @@
 
 import numpy as np
 from restshape_apps.furniture.pieces import cantilever
-
 from restshape_apps.furniture.shape.planks import Foot, Joint, Piece, Plane, Plank, feet_near, joints_near, weight
 
 THIN = 1e-4

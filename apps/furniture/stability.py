@@ -4,7 +4,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture
 from restshape_apps.furniture.pieces import PIECES, bookshelf, cantilever, shelf_1, stool_chair, table
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import Load, Piece, Plane
 from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool
 from restshape_apps.furniture.stability_contacts import (
     FINE,
@@ -18,12 +23,7 @@ from restshape_apps.furniture.stability_contacts import (
     sliding_feet,
 )
 
-from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.guidance.ranges import valid_ranges
-from restshape_apps.furniture.guidance.suggestions import suggest
-from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture
-from restshape_apps.furniture.shape.design_modes import DesignModes
-from restshape_apps.furniture.shape.planks import Load, Piece, Plane
 from restshape.stability.case import Case, Statement, Trial, below, near, true
 
 
@@ -162,7 +162,7 @@ def sixty_planks(trial: Trial) -> Iterator[Statement]:
     yield true("there are suggestions", 1 <= len(found.found) <= 8, float(len(found.found)))
     fresh = [Furniture(one.piece(furniture)).test().valid for one in found.found]
     yield true("that hold in a test of their own", all(fresh))
-    ranges = valid_ranges(furniture, found.found[0].direction, -0.5, 0.5)
+    ranges = valid_ranges(furniture.kernel, found.found[0].direction, -0.5, 0.5)
     yield true("the range of the first holds where it is shown", ranges.holds(found.found[0].t))
 
 

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.derivatives import stability_derivative
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
 from restshape_apps.furniture.pieces import shelf_1, stool_chair, table
+from restshape_apps.furniture.shape.planks import Foot, Load, Piece, Plane, Plank
 from restshape_apps.furniture.small_pieces import THIN, block, cantilever, ladder, mirrored, stool
 
-from restshape_apps.furniture.guidance.suggestions import suggest
-from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
-from restshape_apps.furniture.physics.derivatives import stability_derivative
-from restshape_apps.furniture.shape.planks import Foot, Load, Piece, Plane, Plank
 from restshape.stability.case import Statement, Trial, below, near, true
 
 G = 9.80665

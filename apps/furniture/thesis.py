@@ -2,13 +2,12 @@
 
 from typing import Any
 
-from restshape_apps.furniture.pieces import cantilever
-from restshape_apps.furniture.times import COLUMNS, Column, all_suggestions, candidates, dragged, edited, large, timed
-from restshape_apps.furniture.validation_statics import gives_way, settled
-
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape_apps.furniture.guidance.support_planks import support_planks
 from restshape_apps.furniture.physics.furniture import WEAK, Furniture
+from restshape_apps.furniture.pieces import cantilever
+from restshape_apps.furniture.times import COLUMNS, Column, all_suggestions, candidates, dragged, edited, large, timed
+from restshape_apps.furniture.validation_statics import gives_way, settled
 
 TABLE, FIGURE = "6.1", "figure 6.22"
 

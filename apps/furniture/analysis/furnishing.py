@@ -9,25 +9,25 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
-
-from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.stages import Stages
-from restshape.analysis.frame import Frame
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
-from restshape.calibration import Calibration
-from restshape.errors import ReplayProblem
-from restshape_apps.furniture.session.boards import Boards
 from restshape_apps.furniture.guidance.design import Design, Idea, Ideas, Way, words_at
+from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, Verdict
 from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities, require_places
 from restshape_apps.furniture.physics.plank_words import held_by_springs
 from restshape_apps.furniture.physics.uncounted_moments import uncounted_moments
-from restshape.policy import Policy
 from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
+from restshape_apps.furniture.session.boards import Boards
+
+from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.stages import Stages
+from restshape.analysis.frame import Frame
+from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem
+from restshape.policy import Policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
-from restshape_apps.furniture.physics.derivatives import stability_derivative
 
 NONE = (np.nan, np.nan)
 
@@ -54,6 +54,7 @@ class FurnitureAnalysis:
     """
 
     estimated = "nothing: planks are rigid here, and a model without a mesh has no error of one"
+    why_not_predicted = "furniture is not predicted: forces of feet and joints are solved for in each frame"
 
     def __init__(
         self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages

@@ -2,10 +2,10 @@
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_apps.furniture.physics.furniture import Forces, Furniture
 
 from restshape import _kernels
 from restshape.errors import ReplayProblem
-from restshape_apps.furniture.physics.furniture import Forces, Furniture
 
 TOLERANCE = 1e-11
 """Of the residual, in parts of the loads."""

@@ -3,12 +3,30 @@
 from typing import Any
 
 import numpy as np
+from restshape_apps.furniture.guidance.design import Design
+from restshape_apps.furniture.physics.plank_quantities import require_places
+from restshape_apps.furniture.session.plank_session import PlankSession
+from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Plank
 
 from restshape.cli.quantity_words import quantity_rows
-from restshape_apps.furniture.guidance.design import Design
+from restshape.errors import UserError
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
-from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Plank
+from restshape.scene.script import Script
+
+
+def checked(scene: Scene, effects: Plan) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+    """What the scene holds: for programs, and as rows for people.
+
+    Raises:
+        UserError: planks make no piece, or a quantity is of an end that nothing joins.
+    """
+    design = PlankSession(scene, Script.empty(scene)).design
+    try:
+        require_places(scene.quantities, design.piece)
+    except UserError as error:
+        raise scene.located(error) from error
+    return held_piece(scene, effects, design), described_piece(scene, effects, design)
 
 
 def held_piece(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:

@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from restshape.cli.options import print_table
 from restshape_apps.furniture.guidance.amounts import UNITS
-from restshape_apps.furniture.report.guided import VALUE, beyond, found, intervals, is_guided, runs, searches, unit_of
+from restshape_apps.furniture.report.guided import VALUE, beyond, found, intervals, runs, searches, unit_of
+
+from restshape.cli.options import print_table
 
 MOST = 12
 """Rows of a table at most."""
@@ -15,12 +16,7 @@ Ranges = Mapping[tuple[int, str, str], list[int]]
 
 
 def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
-    """Prints verdicts, the valid ranges of each parameter that was under the hand, and all suggestions.
-
-    Of what is no furniture nothing is printed.
-    """
-    if not (rows and is_guided(rows[0])):
-        return
+    """Prints verdicts, the valid ranges of each parameter that was under the hand, and all suggestions."""
     _print_verdicts(rows)
     ranges: dict[tuple[int, str, str], list[int]] = {}
     for row in rows:

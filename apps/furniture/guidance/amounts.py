@@ -1,7 +1,6 @@
 """Changes of planks in plain words: how many millimetres or degrees, and which way."""
 
 import numpy as np
-
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
 
 DIGITS = 3

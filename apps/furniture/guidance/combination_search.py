@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 from itertools import combinations as choose
 
 import numpy as np
-
-from restshape.guidance.force_space import LONGEST, ForceSpace, combinations
 from restshape_apps.furniture.guidance.relinearised import relinearised
 from restshape_apps.furniture.guidance.whole_way import may_alone, nearest_valid, places_within, stretch
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import Piece
+
+from restshape.guidance.force_space import LONGEST, ForceSpace, combinations
 
 INSIDE = np.array([0.03, 0.15, 0.4, 0.8])
 """Where along the predicted span a combination is tested."""

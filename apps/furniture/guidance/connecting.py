@@ -4,12 +4,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from restshape.errors import UserError
 from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, Furniture
 from restshape_apps.furniture.shape.plank_edits import connected
 from restshape_apps.furniture.shape.planks import FLUSH, LEAST_SLANT, Piece, Plank, parts_of
+
+from restshape.errors import UserError
 
 TESTED = 2
 """Moves tested in full for each suggestion that is shown."""

@@ -9,18 +9,19 @@ from textwrap import shorten
 from time import perf_counter
 
 import numpy as np
-
 from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.guidance.combination_search import Suggestion
 from restshape_apps.furniture.guidance.connecting import Connection, connections
-from restshape.guidance.force_space import LONGEST, durability_space
-from restshape.guidance.ranges import Ranges, predicted_ends, valid_ranges
+from restshape_apps.furniture.guidance.force_space import durability_space
 from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
 from restshape_apps.furniture.guidance.suggestions import Suggestions, suggest
 from restshape_apps.furniture.guidance.support_planks import FLOOR, SupportPlank, support_planks
 from restshape_apps.furniture.physics.furniture import APART, LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture, Verdict
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, joints_near
+
+from restshape.guidance.force_space import LONGEST
+from restshape.guidance.ranges import Ranges, predicted_ends, valid_ranges
 
 REACH = LONGEST
 """How far a parameter is looked at on both sides, in parts of the piece's size, or in rad."""
@@ -224,7 +225,7 @@ class Design:
 
     def valid_along(self, way: Way) -> Ranges:
         """Where the piece is valid along a way, with ends that the force space predicts as hints."""
-        return valid_ranges(self.furniture, way.direction, way.low, way.high, hints=self.hints(way))
+        return valid_ranges(self.furniture.kernel, way.direction, way.low, way.high, hints=self.hints(way))
 
     def hints(self, way: Way) -> np.ndarray:
         """Parameters of a way where ends of its ranges are expected, by the derivative at the piece as it is."""

@@ -1,7 +1,6 @@
 """How far joints and feet of a piece are from being closed: smooth numbers that are zero where all are."""
 
 import numpy as np
-
 from restshape_apps.furniture.physics.furniture import Furniture
 
 AIM = 2e-3

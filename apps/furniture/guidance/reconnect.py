@@ -4,13 +4,13 @@ from dataclasses import dataclass
 from itertools import combinations as choose
 
 import numpy as np
-
-from restshape.guidance.force_space import LONGEST
 from restshape_apps.furniture.guidance.opening import Opening
 from restshape_apps.furniture.physics.furniture import ALL, LOST, Furniture
 from restshape_apps.furniture.physics.plank_words import BEHIND, LENGTH, SLANT
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import Joint
+
+from restshape.guidance.force_space import LONGEST
 
 SAMPLES = 41
 INSIDE = 0.1

@@ -1,10 +1,11 @@
 """A combination of design modes that is followed where forces bend away from their first derivative."""
 
 import numpy as np
-
-from restshape.guidance.force_space import LONGEST, durability_space, stability_space
+from restshape_apps.furniture.guidance.force_space import durability_space, stability_space
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture
 from restshape_apps.furniture.shape.design_modes import DesignModes
+
+from restshape.guidance.force_space import LONGEST
 
 STEPS = 3
 AIM = 0.6

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from restshape_apps.furniture.guidance.combination_search import Limits, Search, Suggestion
-from restshape.guidance.force_space import durability_space, stability_space, whole_space
+from restshape_apps.furniture.guidance.force_space import durability_space, stability_space, whole_space
 from restshape_apps.furniture.physics.furniture import ALL, LOST, OVERLAPPING, UNSTABLE, Furniture
 from restshape_apps.furniture.shape.design_modes import DesignModes
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from itertools import islice, product
 
 import numpy as np
-
-from restshape.errors import UserError
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture, Verdict
 from restshape_apps.furniture.shape.planks import Foot, Joint, Piece, Plank
+
+from restshape.errors import UserError
 
 PARALLEL = 0.9
 """Least |n_i . n_j| of planks that count as parallel."""

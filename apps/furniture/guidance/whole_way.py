@@ -1,9 +1,9 @@
 """Places where a piece is valid along one design mode, looked for over the whole way on both sides."""
 
 import numpy as np
+from restshape_apps.furniture.physics.furniture import Furniture
 
 from restshape.guidance.force_space import LONGEST, ForceSpace
-from restshape_apps.furniture.physics.furniture import Furniture
 
 BETTER, WORSE = 12, 3
 """Places, evenly spaced, on the side where to first order the largest flaw becomes less, and on the other one."""

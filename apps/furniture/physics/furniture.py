@@ -3,13 +3,13 @@
 from dataclasses import astuple, dataclass, field
 
 import numpy as np
-
-from restshape import _kernels
-from restshape.errors import UserError
 from restshape_apps.furniture.physics import plank_words
 from restshape_apps.furniture.physics.fasteners import fastener, wood
 from restshape_apps.furniture.physics.plank_words import Findings
 from restshape_apps.furniture.shape.planks import Joint, Piece
+
+from restshape import _kernels
+from restshape.errors import UserError
 
 LOST, OVERLAPPING, UNSTABLE, WEAK, UNBALANCED, APART = 1, 2, 4, 8, 16, 32
 ALL = LOST | OVERLAPPING | UNSTABLE | WEAK | UNBALANCED | APART

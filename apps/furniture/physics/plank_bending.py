@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-
 from restshape_apps.furniture.physics.fasteners import wood
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.physics.plank_beam import Actions, Line, deflection

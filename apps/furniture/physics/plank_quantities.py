@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-
-from restshape.errors import UserError
 from restshape_apps.furniture.physics.furniture import Forces, Geometry
 from restshape_apps.furniture.physics.plank_words import beyond_reach
-from restshape.physics.quantities import TAKES
-from restshape.scene.model import Quantity
 from restshape_apps.furniture.scene.plank_quantities import ENDS, place_of
 from restshape_apps.furniture.shape.plank_gaps import gap_at
 from restshape_apps.furniture.shape.planks import Piece
+
+from restshape.errors import UserError
+from restshape.physics.quantities import TAKES
+from restshape.scene.model import Quantity
 
 AXES = "xyz"
 

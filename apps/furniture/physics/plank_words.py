@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
-
 from restshape_apps.furniture.shape.plank_gaps import Gap, gap_between_parts, gap_of
 from restshape_apps.furniture.shape.planks import SIDES, Piece, parts_of
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-
 from restshape_apps.furniture.physics.furniture import Forces, Furniture
 from restshape_apps.furniture.physics.plank_words import uncounted
 

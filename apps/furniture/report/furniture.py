@@ -14,15 +14,15 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patheffects import Normal, Stroke
+from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture
+from restshape_apps.furniture.report.piece_paint import Window, draw_edges, paint_planks
+from restshape_apps.furniture.shape.planks import Piece, Plank
 
 from restshape.guidance.ranges import Ranges
-from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture
 from restshape.report.labels import Labels
-from restshape_apps.furniture.report.piece_paint import Window, draw_edges, paint_planks
 from restshape.report.raster import Camera
 from restshape.report.space_axes import draw_box
 from restshape.report.style import BODY, COLOURS, INK, REFUSED, length_unit
-from restshape_apps.furniture.shape.planks import Piece, Plank
 
 AZIMUTH, ELEVATION, FAR = np.radians(-62.0), np.radians(18.0), 6.0
 """Where the camera is, and its distance in sizes of the piece."""

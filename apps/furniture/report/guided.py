@@ -7,6 +7,7 @@ from itertools import groupby
 from typing import Any
 
 from restshape_apps.furniture.physics.plank_words import DISTANCES, GAPS, without_uses
+
 from restshape.replay.verdict import HOLDS
 from restshape.scene.units import quantity
 
@@ -16,11 +17,6 @@ VALUE = re.compile(rf" is ({NUMBER}(?: [^\s,;]+)?), at (most|least) ({NUMBER}(?:
 OPEN = "( or beyond)?"
 INTERVAL = re.compile(f"({NUMBER}){OPEN} to ({NUMBER}){OPEN}")
 Row = Mapping[str, Any]
-
-
-def is_guided(columns: Iterable[str]) -> bool:
-    """Tell whether a replay with these columns is one of furniture."""
-    return "inside" in columns and "ranges" in columns
 
 
 def intervals(text: str) -> list[tuple[float, float]]:
@@ -37,6 +33,11 @@ def unit_of(parameter: str) -> str:
     """The unit of a parameter under the hand, "m" or "rad": that of a suggestion is the one that it names first."""
     leading = parameter.split(" + ")[0]
     return "rad" if " turn " in f"{leading} " else "m"
+
+
+def summary(rows: Sequence[Row]) -> dict[str, Any]:
+    """What the summary of a replay has besides."""
+    return {"guidance": guidance(rows)}
 
 
 def guidance(rows: Sequence[Row]) -> dict[str, Any]:

@@ -9,13 +9,13 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
-
-from restshape.replay.recording import Recording
-from restshape.report.animation import even, pause, write_animation
 from restshape_apps.furniture.report.furniture import FOOT, add_use_bar, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.piece_frames import FEW, MOST_LINES, caption, pieces, shown_piece
 from restshape_apps.furniture.report.piece_paint import SHADES
 from restshape_apps.furniture.report.piece_verdicts import BEYOND
+
+from restshape.replay.recording import Recording
+from restshape.report.animation import even, pause, write_animation
 from restshape.report.style import BODY, COLOURS, REFUSED, new_figure
 
 WIDTH, BAR, TITLE, DPI = 5.6, 0.9, 1.0, 90

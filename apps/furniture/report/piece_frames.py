@@ -8,20 +8,20 @@ from pathlib import Path
 from textwrap import shorten, wrap
 
 import numpy as np
+from restshape_apps.furniture.guidance.amounts import UNITS
+from restshape_apps.furniture.physics.furniture import LOST, Furniture
+from restshape_apps.furniture.report.furniture import Slide, bounds, draw_piece, slenderness
+from restshape_apps.furniture.report.guided import intervals, runs, unit_of
+from restshape_apps.furniture.report.piece_sheet import ACROSS, COLUMNS, EACH, finish_sheet, width_of
+from restshape_apps.furniture.report.piece_verdicts import only_limits, verdict_colour
+from restshape_apps.furniture.session.plank_session import PlankFrame
 
 from restshape.errors import UserError
-from restshape_apps.furniture.guidance.amounts import UNITS
-from restshape_apps.furniture.session.plank_session import PlankFrame
 from restshape.guidance.ranges import Ranges
-from restshape_apps.furniture.physics.furniture import LOST, Furniture
-from restshape_apps.furniture.report.guided import intervals, runs, unit_of
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.replay.verdict import HOLDS
 from restshape.report.frames import scene_name
-from restshape_apps.furniture.report.furniture import Slide, bounds, draw_piece, slenderness
-from restshape_apps.furniture.report.piece_sheet import ACROSS, COLUMNS, EACH, finish_sheet, width_of
-from restshape_apps.furniture.report.piece_verdicts import only_limits, verdict_colour
 from restshape.report.style import new_figure
 from restshape.report.tables import column, refused, rows_of
 from restshape.scene.load import recorded_scene

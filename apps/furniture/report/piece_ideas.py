@@ -7,15 +7,15 @@ from pathlib import Path
 from textwrap import shorten, wrap
 
 import numpy as np
-
 from restshape_apps.furniture.guidance.design import Idea
-from restshape_apps.furniture.session.plank_session import PlankFrame
 from restshape_apps.furniture.report import guided
-from restshape.replay.recording import Recording
-from restshape.report.frames import scene_name
 from restshape_apps.furniture.report.furniture import Slide, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.piece_frames import FEW, LETTERS, caption, pieces, shown_piece
 from restshape_apps.furniture.report.piece_sheet import ACROSS, COLUMNS, EACH, finish_sheet, width_of
+from restshape_apps.furniture.session.plank_session import PlankFrame
+
+from restshape.replay.recording import Recording
+from restshape.report.frames import scene_name
 from restshape.report.style import REFUSED, new_figure
 from restshape.report.tables import rows_of
 

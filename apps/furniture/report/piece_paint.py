@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
+from restshape_apps.furniture.shape.planks import Plank
 
 from restshape.report.raster import FINER, Camera, nearest_faces
-from restshape_apps.furniture.shape.planks import Plank
 
 SHADES = (0.62, 0.38)
 """Light on a face that is seen from the side, and what is added to it facing the light."""

@@ -12,12 +12,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-
 from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.report.guided import found, intervals, unit_of
+from restshape_apps.furniture.report.piece_verdicts import BEYOND, only_limits, verdict_colour
+
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
-from restshape_apps.furniture.report.piece_verdicts import BEYOND, only_limits, verdict_colour
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 from restshape.report.tables import column, rows_of
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-
 from restshape_apps.furniture.report.furniture import add_use_bar, in_one_view
+
 from restshape.report.style import INK
 
 ACROSS, EACH, BAR = 3, 3.35, 0.75

@@ -1,6 +1,7 @@
 """Colours that tell of a frame of furniture whether the piece holds, and whether its quantities do."""
 
 from restshape_apps.furniture.report.guided import VALUE
+
 from restshape.replay.verdict import HOLDS
 from restshape.report.style import FAINT, INK, REFUSED
 

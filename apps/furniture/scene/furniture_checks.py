@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from restshape.application import Application
+from restshape_apps.furniture.scene.furniture import BESIDE
+from restshape_apps.furniture.scene.plank_quantities import check_plank_quantities
+
 from restshape.scene.bodies import number
 from restshape.scene.expressions import COORDINATES, Expression
-from restshape_apps.furniture.scene.furniture import BESIDE
 from restshape.scene.model import Scene
-from restshape_apps.furniture.scene.plank_quantities import check_plank_quantities, refuse_plank_quantities
 from restshape.scene.source import Source, suggestion
 from restshape.scene.units import UnitError
 
@@ -21,22 +21,6 @@ OTHERS = ("shape", "material", "supports", "loads", "bodies", "start", "goal", "
 """Tables that scenes of furniture do not have."""
 
 Key = tuple[str, ...]
-
-
-def refuse_furniture(scene: Scene, application: Application, source: Source) -> None:
-    """Refuses planks where the application knows none, and a scene without mesh or material.
-
-    Raises:
-        UserError: the first thing that makes no sense.
-    """
-    for key in TABLES:
-        if key in scene.model_fields_set:
-            what = f"the application {application.name!r} knows nothing of planks: {key} has no meaning in it"
-            raise source.error((key,), what, 'leave it out, or use app = "furniture"')
-    for key in ("material", "mesh"):
-        if key not in scene.model_fields_set:
-            raise source.error((key,), f"the key {key!r} is missing", "add it")
-    refuse_plank_quantities(scene, application, source)
 
 
 def check_furniture(scene: Scene, source: Source) -> None:

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from restshape.application import Application
+from typing import Literal
+
 from restshape.scene.model import Scene
-from restshape.scene.quantity import Quantity
+from restshape.scene.quantity import Quantity, QuantityKind
 from restshape.scene.source import Source, suggestion
 
-OF_PLANKS = ("use", "sag", "margin", "mass", "length")
-"""Kinds of quantities that furniture alone has."""
+OF_PLANKS = {
+    "use": QuantityKind(Literal["pull", "shear", "largest"], "number", "max"),
+    "sag": QuantityKind(Literal[True], "length", "max"),
+    "margin": QuantityKind(Literal[True], "number", "min", whole=True),
+    "mass": QuantityKind(Literal[True], "mass", "sum"),
+    "length": QuantityKind(Literal["x", "y", "z"], "length", "sum"),
+}
+"""Kinds of quantities that furniture adds: use of the strength of joints, sag, margin of what holds the piece down,
+mass, and length along an axis of a plank's own."""
 
 KINDS = ("reaction", *OF_PLANKS)
 """Kinds of quantities that furniture has."""
@@ -24,18 +32,6 @@ def place_of(quantity: Quantity) -> tuple[str, str]:
     """The name of the plank at which a quantity is looked at, and the end; both empty: all of the piece."""
     plank, _, end = (quantity.at or "").partition(" ")
     return plank, end
-
-
-def refuse_plank_quantities(scene: Scene, application: Application, source: Source) -> None:
-    """Refuses quantities of planks where the application knows none.
-
-    Raises:
-        UserError: the first of them.
-    """
-    for name, quantity in scene.quantities.items():
-        if quantity.kind in OF_PLANKS:
-            what = f"the application {application.name!r} knows nothing of planks, and has no {quantity.kind}"
-            raise source.error(("quantities", name, quantity.kind), what, 'leave it out, or use app = "furniture"')
 
 
 def check_plank_quantities(scene: Scene, source: Source) -> None:

@@ -6,12 +6,14 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from restshape_apps.furniture.session.plank_session import PlankSession
-from restshape.scene.model import Scene
 from restshape_apps.furniture.scene.plank_events import PLANK_EVENTS
+from restshape_apps.furniture.session.grammar import GRAMMAR
+from restshape_apps.furniture.session.plank_session import PlankSession
+
+from restshape.scene.model import Scene
 from restshape.scene.script import Script
 from restshape.scene.units import quantity
-from restshape.shape.compose import ANGLE, FRAMES, LENGTH, NAME, NUMBER, PLAIN, PLANK_GRAMMAR, Composer, length
+from restshape.shape.compose import ANGLE, FRAMES, LENGTH, NAME, NUMBER, PLAIN, Composer, length
 from restshape.shape.outline import Outline
 
 FASTENED = rf"(?:\s+with\s+(?P<fastener>{NAME}))?"
@@ -31,7 +33,7 @@ def _place(match: re.Match, prefix: str) -> list[float]:
 class PlankComposer(Composer):
     """Turns lines of text into events of furniture."""
 
-    grammar = PLANK_GRAMMAR
+    grammar = GRAMMAR
     events = PLANK_EVENTS
 
     def _begin(self, scene: Scene, outline: Outline | None) -> Any:

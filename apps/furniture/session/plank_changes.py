@@ -7,15 +7,15 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-
-from restshape.errors import UserError
-from restshape.scene.bodies import number
 from restshape_apps.furniture.scene.furniture import BESIDE
-from restshape.scene.model import Scene
-from restshape.scene.source import suggestion
 from restshape_apps.furniture.shape import plank_edits
 from restshape_apps.furniture.shape.plank_scene import weighing
 from restshape_apps.furniture.shape.planks import Joint, Piece, Plank
+
+from restshape.errors import UserError
+from restshape.scene.bodies import number
+from restshape.scene.model import Scene
+from restshape.scene.source import suggestion
 
 Change = tuple[Piece, str]
 """A piece, and what there is to note of how it came to be."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-
 from restshape_apps.furniture.guidance.design import Design, Way
+
 from restshape.scene.model import Scene
 from restshape.shape.script_session import ScriptFrame
 

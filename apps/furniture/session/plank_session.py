@@ -7,24 +7,24 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-
-from restshape.application import Application
-from restshape.errors import UserError
 from restshape_apps.furniture.guidance.amounts import amount
-from restshape_apps.furniture.session.boards import MovingBoards
 from restshape_apps.furniture.guidance.design import Design, Guidance, Idea, Way
+from restshape_apps.furniture.physics.plank_words import LENGTH
+from restshape_apps.furniture.scene.plank_events import far_turn
+from restshape_apps.furniture.session.boards import MovingBoards
 from restshape_apps.furniture.session.plank_changes import CHANGES, plank_number
 from restshape_apps.furniture.session.plank_frame import Hold, PlankFrame, State
-from restshape_apps.furniture.physics.plank_words import LENGTH
-from restshape.scene.load import revise
-from restshape.scene.model import Scene
-from restshape.scene.plan import plan, refuse_switched
-from restshape_apps.furniture.scene.plank_events import far_turn
-from restshape.scene.script import Script
-from restshape.shape.handpath import resampled
 from restshape_apps.furniture.shape.plank_adoption import adopted
 from restshape_apps.furniture.shape.plank_scene import piece_of, restated
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
+
+from restshape.application import Application
+from restshape.errors import UserError
+from restshape.scene.load import revise
+from restshape.scene.model import Scene
+from restshape.scene.plan import plan, refuse_switched
+from restshape.scene.script import Script
+from restshape.shape.handpath import resampled
 from restshape.shape.script_session import ScriptSession, Step
 from restshape.shape.sweep import sweep
 

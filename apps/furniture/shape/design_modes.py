@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
 
 

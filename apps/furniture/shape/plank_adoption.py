@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from restshape_apps.furniture.shape.planks import Load, Piece
 
 from restshape.errors import UserError
 from restshape.scene.load import remade
 from restshape.scene.model import Scene
 from restshape.scene.source import split_key
-from restshape_apps.furniture.shape.planks import Load, Piece
 
 OWN = {"planks": "plank", "weights": "weight", "pushes": "push"}
 """Tables that name what a piece has."""

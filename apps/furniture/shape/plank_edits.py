@@ -3,8 +3,9 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from restshape.errors import UserError
 from restshape_apps.furniture.shape.planks import NEAR, Foot, Load, Piece, Plank, feet_near, joints_near
+
+from restshape.errors import UserError
 
 
 def added(piece: Piece, plank: Plank, near: float = NEAR, fastener: str = "nail-thesis") -> Piece:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-
 from restshape_apps.furniture.shape.planks import LEAST_SLANT, Piece, parts_of
 
 

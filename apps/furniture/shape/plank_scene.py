@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from restshape_apps.furniture.scene.furniture import JointSpec, PlankSpec
+from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Plane, Plank, feet_near, joints_near
 
 from restshape.errors import UserError
 from restshape.scene.bodies import number
-from restshape_apps.furniture.scene.furniture import JointSpec, PlankSpec
 from restshape.scene.model import Scene
-from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Plane, Plank, feet_near, joints_near
 
 STANDARD = (0.0, 0.0, -9.80665)
 """Acceleration [m/s^2] of ``[effects.gravity]`` where it names none."""

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-
 from restshape_apps.furniture.shape.planks import SIDES, Piece, Plank
 
 DIGITS = 9

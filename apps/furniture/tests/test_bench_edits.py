@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
+from restshape_apps.furniture.physics.fasteners import wood
 from restshape_apps.furniture.pieces import SCENES
 from small_scenes import make_replay, rows_of
-
-from restshape_apps.furniture.physics.fasteners import wood
 
 G = 9.80665
 

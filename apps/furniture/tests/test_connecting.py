@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import chair, shelf_1
-
 from restshape_apps.furniture.guidance.connecting import connections
 from restshape_apps.furniture.guidance.design import Design
 from restshape_apps.furniture.physics.furniture import APART, Furniture
+from restshape_apps.furniture.pieces import chair, shelf_1
 from restshape_apps.furniture.shape.planks import Foot, Piece, Plank, parts_of
 
 

@@ -9,13 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import shelf_1, stool_chair, table
-from restshape_apps.furniture.small_pieces import bench, ladder, stool
-
-from restshape_apps.furniture.physics.furniture import Compliance, Forces, Furniture
 from restshape_apps.furniture.physics.derivatives import ForceDerivative, force_derivative
+from restshape_apps.furniture.physics.furniture import Compliance, Forces, Furniture
+from restshape_apps.furniture.pieces import shelf_1, stool_chair, table
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import Load, Piece, Plane
+from restshape_apps.furniture.small_pieces import bench, ladder, stool
 
 FORCES = ("tension", "bending", "shear")
 STEPS = np.array([8e-3, 4e-3, 2e-3])

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import chair, shelf_1, stool_chair, table
-
-from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.physics.derivatives import force_derivative
+from restshape_apps.furniture.physics.furniture import LOST, Furniture
+from restshape_apps.furniture.pieces import chair, shelf_1, stool_chair, table
 from restshape_apps.furniture.shape.design_modes import DesignModes
 
 STEP = 1e-4

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from restshape_apps.furniture.guidance import support_planks as boards
 from restshape_apps.furniture.guidance.support_planks import FLOOR, support_planks
 from restshape_apps.furniture.physics.furniture import WEAK, Furniture

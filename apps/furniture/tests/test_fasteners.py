@@ -3,11 +3,11 @@
 from math import pi, sqrt
 
 import pytest
-
-from restshape.errors import UserError
 from restshape_apps.furniture.physics.fasteners import FASTENERS, WOODS, fastener, johansen, wood
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.shape.planks import Piece, Plank, feet_near, joints_near
+
+from restshape.errors import UserError
 
 INCH, POUND = 0.0254, 4.4482216
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import bookshelf, shelf_1, stool_chair, table
-from restshape_apps.furniture.small_pieces import stool
-
-from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.physics.derivatives import force_derivative, predicted, stability_derivative
+from restshape_apps.furniture.physics.furniture import Compliance, Furniture
+from restshape_apps.furniture.pieces import bookshelf, shelf_1, stool_chair, table
 from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.small_pieces import stool
 
 STEPS = np.array([4e-3, 2e-3, 1e-3])
 

@@ -4,16 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape_apps.furniture.least_energy import least_energy
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
 from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, shelf_1, shelf_2, stool_chair, table
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import Load, Piece, Plank, feet_near, joints_near, weight
 from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool, stretched
 from scipy.optimize import linprog
 
-from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.errors import UserError
-from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
-from restshape_apps.furniture.shape.design_modes import DesignModes
-from restshape_apps.furniture.shape.planks import Load, Piece, Plank, feet_near, joints_near, weight
 
 G = 9.80665
 FINE = Compliance(least_overlap=1e-6)

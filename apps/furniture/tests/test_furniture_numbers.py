@@ -6,14 +6,13 @@ from math import comb
 import numpy as np
 import pytest
 from restshape_apps.furniture import sessions
+from restshape_apps.furniture.guidance.force_space import durability_space
 from restshape_apps.furniture.misses import FIRST_ONLY, SMALL, UNLIMITED, Grid
+from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import cantilever, scales
+from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.thesis import rows
 from restshape_apps.furniture.times import COLUMNS, large, timed
-
-from restshape.guidance.force_space import durability_space
-from restshape_apps.furniture.physics.furniture import Furniture
-from restshape_apps.furniture.shape.design_modes import DesignModes
 
 
 def test_planks_and_joints_are_those_of_the_thesis() -> None:

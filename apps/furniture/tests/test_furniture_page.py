@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 from furniture_scenes import write_bench, write_edits
+from restshape_apps.furniture.scene.furniture import Fastening, Floor, JointSpec, PlankSpec, PushSpec, WeightSpec, Wood
+from restshape_apps.furniture.scene.plank_events import PLANK_EVENTS
+from restshape_apps.furniture.scene.plank_quantities import KINDS
 
 from restshape.application import application
 from restshape.cli.main import main
-from restshape_apps.furniture.scene.furniture import Fastening, Floor, JointSpec, PlankSpec, PushSpec, WeightSpec, Wood
 from restshape.scene.load import load_scene
-from restshape_apps.furniture.scene.plank_events import PLANK_EVENTS
-from restshape_apps.furniture.scene.plank_quantities import KINDS
 
 PAGE = (Path(__file__).parents[3] / "docs" / "formats.md").read_text(encoding="utf-8")
 SECTION = PAGE.split("\n## Furniture\n")[1].split("\n## ")[0]

@@ -9,14 +9,24 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from restshape_apps.furniture import pictures
-from restshape_apps.furniture.pieces import cantilever, scales, table
-from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
-from restshape_apps.furniture.small_pieces import toppling
-
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.pieces import cantilever, scales, table
+from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
+from restshape_apps.furniture.report.furniture import (
+    FOOT,
+    LOAD,
+    MOVED,
+    WAY,
+    Slide,
+    bounds,
+    draw_piece,
+    use_colours,
+    vector_words,
+)
+from restshape_apps.furniture.small_pieces import toppling
+
 from restshape.report.force_space import draw_region
-from restshape_apps.furniture.report.furniture import FOOT, LOAD, MOVED, WAY, Slide, bounds, draw_piece, use_colours, vector_words
 from restshape.report.raster import Camera, hits, nearest_faces
 from restshape.report.style import REFUSED, new_figure
 

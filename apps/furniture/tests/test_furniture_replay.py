@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
+from restshape_apps.furniture.analysis import furnishing
+from restshape_apps.furniture.physics.fasteners import wood
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.pieces import SCENES
 from small_scenes import make_replay, rows_of
 
 from restshape.application import application
 from restshape.cli.main import main
-from restshape_apps.furniture.analysis import furnishing
-from restshape_apps.furniture.physics.fasteners import wood
-from restshape_apps.furniture.physics.furniture import Furniture
-from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape.replay.recording import Recording
 from restshape.scene.load import load_scene
 

@@ -8,16 +8,16 @@ from furniture_scenes import BENCH, write_bench, write_edits
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
-
-from restshape.cli.main import main
-from restshape.errors import UserError
-from restshape_apps.furniture.report.guided import intervals
-from restshape.replay.recording import Recording
 from restshape_apps.furniture.report import piece_frames, piece_ideas, piece_ranges
 from restshape_apps.furniture.report.furniture import MOVED
+from restshape_apps.furniture.report.guided import intervals
 from restshape_apps.furniture.report.piece_frames import pieces, telling_frames
 from restshape_apps.furniture.report.piece_ideas import searches
 from restshape_apps.furniture.report.piece_verdicts import BEYOND, only_limits
+
+from restshape.cli.main import main
+from restshape.errors import UserError
+from restshape.replay.recording import Recording
 from restshape.report.style import INK, REFUSED
 
 EVENTS = [

@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
+from plank_text import scene_text
+from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import PIECES, table
+from restshape_apps.furniture.shape.plank_edits import removed
+from restshape_apps.furniture.shape.plank_scene import piece_of, restated, weighing
+from restshape_apps.furniture.shape.planks import SIDES
 
 from restshape.application import application
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape_apps.furniture.physics.furniture import Furniture
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
 from restshape.scene.script import load_script
-from restshape_apps.furniture.shape.plank_edits import removed
-from restshape_apps.furniture.shape.plank_scene import piece_of, restated, weighing
-from plank_text import scene_text
-from restshape_apps.furniture.shape.planks import SIDES
 
 DRAWN = "from = [-0.5, 0, 0]\nto = [-0.5, 0, 0.5]\nwidth = [0, 0.3, 0]"
 

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from restshape_apps.furniture import between_brackets, fastener_strengths, pliant_joints
 from restshape_apps.furniture.least_energy import least_energy
+from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.pieces import bookshelf_20
 from restshape_apps.furniture.small_pieces import stretched
-
-from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 
 G = 9.80665
 PAGE = (Path(__file__).parents[3] / "docs" / "furniture.md").read_text(encoding="utf-8").splitlines()

@@ -7,9 +7,9 @@ from math import inf
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
+from restshape_apps.furniture.report.guided import beyond, intervals, runs, unit_of
 
 from restshape.cli.main import main
-from restshape_apps.furniture.report.guided import beyond, intervals, runs, unit_of
 from restshape.replay.verdict import both, breaches
 
 EVENTS = [

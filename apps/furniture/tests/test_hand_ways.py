@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 from furniture_scenes import write_bench, write_edits
+from restshape_apps.furniture.session.plank_session import PlankSession
 
 from restshape.cli.main import main
-from restshape_apps.furniture.session.plank_session import PlankSession
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
 

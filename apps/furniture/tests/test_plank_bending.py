@@ -4,13 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import cantilever
-from restshape_apps.furniture.small_pieces import bench, laid, nailed_along
-
 from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.physics.plank_beam import Actions, deflection
 from restshape_apps.furniture.physics.plank_bending import PlankBending, plank_bending
+from restshape_apps.furniture.pieces import cantilever
 from restshape_apps.furniture.shape.planks import Load, Piece, Plane, Plank, feet_near
+from restshape_apps.furniture.small_pieces import bench, laid, nailed_along
 
 G = 9.80665
 

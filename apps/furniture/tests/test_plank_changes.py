@@ -6,16 +6,16 @@ import warnings
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
+from restshape_apps.furniture.physics.furniture import APART
 from restshape_apps.furniture.pieces import SCENES
-
-from restshape.errors import UserError
 from restshape_apps.furniture.session.compose_planks import PlankComposer
 from restshape_apps.furniture.session.plank_session import PlankSession
-from restshape_apps.furniture.physics.furniture import APART
+from restshape_apps.furniture.shape.plank_scene import piece_of
+
+from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
 from restshape.shape.compose import composed
-from restshape_apps.furniture.shape.plank_scene import piece_of
 
 SHELF = {"do": "plank", "name": "shelf", "from": [-0.49, 0, 0.2], "to": [0.49, 0, 0.2], "width": [0, 0.2, 0]}
 SAME = "from = [-0.49, 0, 0.2]\nto = [0.49, 0, 0.2]\nwidth = [0, 0.2, 0]\n"

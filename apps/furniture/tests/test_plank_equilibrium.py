@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 import scipy.sparse as sparse
-from restshape_apps.furniture.pieces import PIECES, chair, shelf_1, table
-from restshape_apps.furniture.small_pieces import stool
-
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape_apps.furniture.physics.furniture import Compliance, Furniture
+from restshape_apps.furniture.pieces import PIECES, chair, shelf_1, table
+from restshape_apps.furniture.small_pieces import stool
 
 STEPS = np.array([1e-1, 1e-2, 1e-3])
 

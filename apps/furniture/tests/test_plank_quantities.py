@@ -6,15 +6,15 @@ import json
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
+from restshape_apps.furniture.physics.fasteners import wood
+from restshape_apps.furniture.physics.plank_quantities import require_places
 from restshape_apps.furniture.pieces import SCENES
+from restshape_apps.furniture.shape.plank_scene import piece_of
 from small_scenes import make_replay, rows_of
 
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape_apps.furniture.physics.fasteners import wood
-from restshape_apps.furniture.physics.plank_quantities import require_places
 from restshape.scene.load import load_scene
-from restshape_apps.furniture.shape.plank_scene import piece_of
 
 G = 9.80665
 CANTILEVER = (SCENES / "cantilever.toml").read_text() + "\n[effects.bending]\n"

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
+from restshape_apps.furniture.guidance.design import Design
+from restshape_apps.furniture.physics.furniture import LOST, UNSTABLE
 from restshape_apps.furniture.pieces import PIECES, SCENES
+from restshape_apps.furniture.session.plank_session import PlankSession
 
 from restshape.errors import UserError
-from restshape_apps.furniture.guidance.design import Design
-from restshape_apps.furniture.session.plank_session import PlankSession
 from restshape.guidance.ranges import valid_ranges
-from restshape_apps.furniture.physics.furniture import LOST, UNSTABLE
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
 
@@ -297,6 +297,6 @@ def test_a_range_knows_of_narrow_gaps():
     design = Design(piece)
     way = design.parameter(names.index("stretcher"), 2)
     found = design.valid_along(way).intervals
-    dense = valid_ranges(design.furniture, way.direction, way.low, way.high, samples=4001).intervals
+    dense = valid_ranges(design.furniture.kernel, way.direction, way.low, way.high, samples=4001).intervals
     assert len(dense) > 1
     np.testing.assert_allclose(found, dense, atol=1e-5)

@@ -4,13 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import PIECES, cantilever, table
-from scipy.optimize import linprog
-from scipy.spatial.transform import Rotation
-
 from restshape_apps.furniture.physics.furniture import APART, LOST, OVERLAPPING, Compliance, Furniture
+from restshape_apps.furniture.pieces import PIECES, cantilever, table
 from restshape_apps.furniture.shape.plank_edits import added
 from restshape_apps.furniture.shape.planks import Foot, Joint, Piece, Plane, Plank, feet_near, joints_near, parts_of
+from scipy.optimize import linprog
+from scipy.spatial.transform import Rotation
 
 T = 0.012
 DEEP = (Plane((0.0, 0.0, -9.0)),)

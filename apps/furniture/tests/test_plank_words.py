@@ -5,13 +5,12 @@ from math import ceil
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import cantilever, scales, shelf_1, table
-from restshape_apps.furniture.small_pieces import block, ladder
-
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.physics.plank_words import without_uses
+from restshape_apps.furniture.pieces import cantilever, scales, shelf_1, table
 from restshape_apps.furniture.shape.plank_gaps import gap_of
 from restshape_apps.furniture.shape.planks import Foot, Joint, Load, Piece, Plank
+from restshape_apps.furniture.small_pieces import block, ladder
 
 G = 9.80665
 

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from restshape_apps.furniture.physics.furniture import LOST, Compliance, Furniture
 from restshape_apps.furniture.pieces import chair, table
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.plank_edits import added, connected, loaded, removed
+from restshape_apps.furniture.shape.planks import FREEDOMS, Foot, Piece, Plane, Plank, weight
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
 from restshape.errors import UserError
-from restshape_apps.furniture.physics.furniture import LOST, Compliance, Furniture
-from restshape_apps.furniture.shape.design_modes import DesignModes
-from restshape_apps.furniture.shape.plank_edits import added, connected, loaded, removed
-from restshape_apps.furniture.shape.planks import FREEDOMS, Foot, Piece, Plane, Plank, weight
 
 
 def freedoms(piece: Piece, name: str) -> set[str]:

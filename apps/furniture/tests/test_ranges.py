@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, stool_chair, table
-from restshape_apps.furniture.small_pieces import block, stool
-
-from restshape.guidance.force_space import durability_space
-from restshape.guidance.ranges import predicted_ends, valid_ranges
+from restshape_apps.furniture.guidance.force_space import durability_space
 from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, Compliance, Furniture
+from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, stool_chair, table
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Load
+from restshape_apps.furniture.small_pieces import block, stool
+
+from restshape.guidance.ranges import predicted_ends, valid_ranges
 
 
 def model(piece) -> tuple[Furniture, DesignModes]:
@@ -32,7 +32,7 @@ def test_ranges_are_those_of_dense_sampling(piece) -> None:
     several = 0
     for number in rng.choice(len(modes), 8, replace=False):
         direction = modes.direction(np.array([number]), np.array([1.0]))
-        ranges = valid_ranges(furniture, direction, -0.5, 0.5, samples=97)
+        ranges = valid_ranges(furniture.kernel, direction, -0.5, 0.5, samples=97)
         t = np.linspace(-0.5, 0.5, 1537)
         good = furniture.kernel.scan(direction, t, ALL)[0] == 0
         marks = np.flatnonzero(good[1:] != good[:-1])
@@ -64,7 +64,7 @@ def test_the_range_of_a_cantilever_ends_where_its_joint_breaks() -> None:
     furniture, modes = model(cantilever(arm=arm, kilograms=kilograms))
     number = next(k for k, (p, f) in enumerate(modes.freedoms) if p == 2 and FREEDOMS[f] == "length x")
     direction = modes.direction(np.array([number]), np.array([1.0]))
-    ranges = valid_ranges(furniture, direction, -0.3, 0.5)
+    ranges = valid_ranges(furniture.kernel, direction, -0.3, 0.5)
     # m g l + rho g b t l^2 / 2 = 5.2 kN/m x 20 mm x 3 x 6 mm.
     own, load = 700.0 * 0.06 * 0.012 * 9.80665 / 2, kilograms * 9.80665
     moment = 5.2e3 * 0.02 * 3 * 0.006
@@ -80,8 +80,8 @@ def test_a_prediction_narrows_the_bracket() -> None:
     part[number] = 1.0
     hints = predicted_ends(durability_space(furniture, modes), part)
     direction = modes.direction(np.array([number]), np.array([1.0]))
-    with_hints = valid_ranges(furniture, direction, -0.1, 0.5, hints=hints, samples=5)
-    without = valid_ranges(furniture, direction, -0.1, 0.5, samples=97)
+    with_hints = valid_ranges(furniture.kernel, direction, -0.1, 0.5, hints=hints, samples=5)
+    without = valid_ranges(furniture.kernel, direction, -0.1, 0.5, samples=97)
     assert with_hints.intervals == pytest.approx(without.intervals, abs=2e-6)
 
 
@@ -92,7 +92,7 @@ def test_a_load_that_crosses_a_tripod_has_two_ends() -> None:
     furniture.test()
     direction = np.zeros((4, 8))
     direction[0, 0] = 1.0
-    ranges = valid_ranges(furniture, direction, -0.45, 0.45, wanted=UNSTABLE)
+    ranges = valid_ranges(furniture.kernel, direction, -0.45, 0.45, wanted=UNSTABLE)
     # At y = 0 the triangle is 0.3 m wide; the legs weigh next to nothing.
     assert ranges.intervals == pytest.approx(np.array([[-0.15, 0.15]]), abs=1e-4)
 
@@ -106,7 +106,7 @@ def test_a_block_stands_until_it_is_too_narrow_for_a_push() -> None:
     direction = np.zeros((1, 8))
     direction[0, 7] = -1.0
     # The push stays 0.3 of the first weight, at half the height: 0.3 W h / 2 < W b^2 / (2 wide).
-    ranges = valid_ranges(furniture, direction, -0.2, 0.3, wanted=UNSTABLE)
+    ranges = valid_ranges(furniture.kernel, direction, -0.2, 0.3, wanted=UNSTABLE)
     assert ranges.intervals == pytest.approx(np.array([[-0.2, wide - np.sqrt(0.3 * high * wide)]]), abs=1e-6)
 
 
@@ -116,7 +116,7 @@ def test_a_board_that_passes_another_has_two_intervals() -> None:
     seat, stretcher = (piece.planks[piece.index(name)] for name in ("seat", "stretcher"))
     direction = np.zeros((len(piece.planks), 8))
     direction[piece.index("stretcher"), 2] = np.sign(stretcher.axes[2, 2])
-    ranges = valid_ranges(furniture, direction, -0.1, 0.35)
+    ranges = valid_ranges(furniture.kernel, direction, -0.1, 0.35)
     away = seat.centre[2] - stretcher.centre[2]
     gap = 0.012 - 1e-4
     assert ranges.intervals[:, 0] == pytest.approx([-0.1, away + gap], abs=1e-6)

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import table
-
 from restshape_apps.furniture.guidance.design import Design
 from restshape_apps.furniture.guidance.opening import Opening
 from restshape_apps.furniture.guidance.reconnect import reconnect
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture
+from restshape_apps.furniture.pieces import table
 from restshape_apps.furniture.shape.planks import FREEDOMS, Load, Piece, Plank, feet_near, joints_near
 
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from furniture_scenes import write_edits
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import SCENES, stool_chair, table
+from restshape_apps.furniture.shape.planks import Load, Piece, Plane
 from small_scenes import make_replay, rows_of
 
-from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.errors import ReplayProblem
-from restshape_apps.furniture.physics.furniture import Furniture
-from restshape_apps.furniture.shape.planks import Load, Piece, Plane
 
 
 def slippery(lean: float, kilograms: float, mu: float) -> Furniture:

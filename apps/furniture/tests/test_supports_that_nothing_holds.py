@@ -2,10 +2,9 @@
 
 from dataclasses import replace
 
-from restshape_apps.furniture.pieces import shelf_1
-
 from restshape_apps.furniture.guidance.support_planks import support_planks
 from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.pieces import shelf_1
 
 
 def test_supports_whose_fasteners_do_not_hold_are_left_out() -> None:

@@ -3,9 +3,9 @@
 import json
 
 from furniture_scenes import write_bench, write_edits
+from restshape_apps.furniture.report.guided import searches
 
 from restshape.cli.main import main
-from restshape_apps.furniture.report.guided import searches
 
 LET_GO = [
     {"do": "press", "on": "left", "parameter": "move z"},

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import SCENES, drawn
-from small_scenes import make_replay
-
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.physics.uncounted_moments import uncounted_moments, uncounted_uses
+from restshape_apps.furniture.pieces import SCENES, drawn
+from small_scenes import make_replay
 
 G = 9.80665
 POST = """format = "restshape-scene"

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.pieces import scales, table
-
 from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.physics.furniture import UNSTABLE, WEAK, Furniture
+from restshape_apps.furniture.pieces import scales, table
 from restshape_apps.furniture.shape.planks import FREEDOMS
 
 

@@ -8,16 +8,16 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-
-from restshape.accuracy.study import Case
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
-from restshape.errors import UserError
 from restshape_apps.furniture.guidance.combination_search import Limits
 from restshape_apps.furniture.guidance.design import Design, Way
-from restshape_apps.furniture.session.plank_session import PlankSession
-from restshape.guidance.ranges import SAMPLES, Ranges, valid_ranges
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.physics.furniture import APART, LOST, OVERLAPPING, Compliance, Furniture
+from restshape_apps.furniture.session.plank_session import PlankSession
+
+from restshape.accuracy.study import Case
+from restshape.errors import UserError
+from restshape.guidance.ranges import SAMPLES, Ranges, valid_ranges
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 from restshape.scene.script import load_script
@@ -113,7 +113,7 @@ def _range(way: Way, samples: int, hints: bool, tolerance: float) -> tuple[Range
         start = perf_counter()
         expected = design.hints(way) if hints else np.zeros(0)
         found = valid_ranges(
-            design.furniture, way.direction, way.low, way.high, expected, samples=samples, tolerance=tolerance
+            design.furniture.kernel, way.direction, way.low, way.high, expected, samples=samples, tolerance=tolerance
         )
         times.append(perf_counter() - start)
     return found, min(times)

@@ -246,7 +246,7 @@ def has_planks(case: Any) -> bool:
     from restshape.application import application
     from restshape.scene.load import load_scene
 
-    return application(load_scene(case.scene, case.overrides).app).planks
+    return application(load_scene(case.scene, case.overrides).app).session
 
 
 def planks_studied(args: argparse.Namespace, case: Any, command: str) -> Any:

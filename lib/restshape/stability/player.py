@@ -96,7 +96,7 @@ def _play(folder: Path, example: Example, played: Played) -> None:
         if unknown := set(row) - names:
             raise Fault(f"frame {row['index']}: no column is known for {sorted(unknown)}")
         if replay.known and not row["refused"]:
-            (_check_planks if app.planks else _check_numbers)(replay, row)
+            (_check_planks if app.session else _check_numbers)(replay, row)
     summary = summarise(rows, example.policy, 1)
     json.dumps({key: value for key, value in summary.items() if key != "rows"}, allow_nan=False)
     if script.error:
