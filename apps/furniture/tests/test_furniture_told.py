@@ -141,12 +141,12 @@ def test_grouped_frames_tell_the_worst_of_their_amounts():
 
 
 def test_a_limit_that_is_broken_tells_value_limit_and_unit():
-    limits, kinds = {"sag": (-inf, 3e-3), "hold": (0.14, inf)}, {"sag": "sag", "hold": "margin"}
-    assert breaches(limits, {"sag": 3.2e-3, "hold": 0.1}, kinds) == [
+    limits, dimensions = {"sag": (-inf, 3e-3), "hold": (0.14, inf)}, {"sag": "length", "hold": "number"}
+    assert breaches(limits, {"sag": 3.2e-3, "hold": 0.1}, dimensions) == [
         "sag is 3.2 mm, at most 3 mm",
         "hold is 0.1, at least 0.14",
     ]
-    assert breaches(limits, {"sag": 3.0000004e-3, "hold": 0.2}, kinds) == ["sag is 3.0000004 mm, at most 3 mm"]
+    assert breaches(limits, {"sag": 3.0000004e-3, "hold": 0.2}, dimensions) == ["sag is 3.0000004 mm, at most 3 mm"]
 
 
 def test_furniture_is_not_predicted_and_says_why(tmp_path, capsys):
