@@ -6,7 +6,6 @@ from itertools import combinations as choose
 from itertools import product
 
 import numpy as np
-from restshape_apps.furniture.guidance.combination_search import Limits
 from restshape_apps.furniture.guidance.suggestions import SHOWN, suggest
 from restshape_apps.furniture.physics.furniture import ALL, Furniture
 from restshape_apps.furniture.pieces import cantilever, scales, table
@@ -14,6 +13,7 @@ from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import toppling
 
+from restshape.guidance.combination_search import Limits
 from restshape.guidance.force_space import LONGEST
 
 POINTS = (201, 21, 9)

@@ -12,7 +12,6 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from restshape_apps.furniture.guidance.combination_search import Limits, Suggestion
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.guidance.support_planks import support_planks
 from restshape_apps.furniture.physics.furniture import Furniture
@@ -23,6 +22,7 @@ from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import toppling
 
 from restshape.errors import UserError
+from restshape.guidance.combination_search import Limits, Suggestion
 from restshape.report.force_space import Region, draw_forces, draw_region, region_marks
 from restshape.report.style import INK, LEVELS, REFUSED, new_figure
 
@@ -88,7 +88,7 @@ def suggestions(path: Path, name: str = "table") -> None:
     supports = support_planks(furniture)
     if not (found or supports):
         raise UserError(f"{name} has no suggestions: it is {verdict}", "--piece", "choose a piece that breaks or falls")
-    every = [one.piece(furniture) for one in found] + [one.piece for one in supports[:1]]
+    every = [furniture.moved(one.gamma) for one in found] + [one.piece for one in supports[:1]]
     furniture.test()
     box = bounds(furniture.piece, *every)
     count = 1 + len(every)

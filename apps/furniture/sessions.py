@@ -143,7 +143,7 @@ def with_suggestions(wanted: Piece) -> tuple[int, bool, Piece]:
         found = suggest(furniture).found
         if not found:
             return edits - 1, False, now
-        now = min((one.piece(furniture) for one in found), key=lambda piece: distance(piece, wanted))
+        now = min((furniture.moved(one.gamma) for one in found), key=lambda piece: distance(piece, wanted))
     return MOST, False, now
 
 

@@ -41,7 +41,7 @@ def zero_friction(trial: Trial) -> Iterator[Statement]:
         yield true(f"a push of {push:g} N makes a block slide", falls(replace(block(0.2, 0.4, 0.0), pushes=(load,))))
     yield true("a steep ladder slides", falls(ladder(1.4, 0.0)))
     found = suggest(smooth).found
-    fresh = [Furniture(s.piece(smooth)).test().valid for s in found]
+    fresh = [Furniture(smooth.moved(s.gamma)).test().valid for s in found]
     yield true("suggestions hold in a test of their own", bool(found) and all(fresh), float(len(found)))
 
 
@@ -160,7 +160,7 @@ def sixty_planks(trial: Trial) -> Iterator[Statement]:
     )
     found = suggest(furniture)
     yield true("there are suggestions", 1 <= len(found.found) <= 8, float(len(found.found)))
-    fresh = [Furniture(one.piece(furniture)).test().valid for one in found.found]
+    fresh = [Furniture(furniture.moved(one.gamma)).test().valid for one in found.found]
     yield true("that hold in a test of their own", all(fresh))
     ranges = valid_ranges(furniture.kernel, found.found[0].direction, -0.5, 0.5)
     yield true("the range of the first holds where it is shown", ranges.holds(found.found[0].t))

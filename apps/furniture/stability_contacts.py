@@ -57,7 +57,7 @@ def feet_in_a_line(trial: Trial) -> Iterator[Statement]:
     aside = Furniture(stool([(-0.4, 0.0), (0.4, 0.0)], (0.0, 0.05), 20.0), FINE)
     aside.test()
     found = suggest(aside).found
-    stands = [not Furniture(s.piece(aside), FINE).test().flaws & UNSTABLE for s in found]
+    stands = [not Furniture(aside.moved(s.gamma), FINE).test().flaws & UNSTABLE for s in found]
     yield true("what is suggested stands", bool(found) and all(stands), float(len(found)))
 
 

@@ -7,7 +7,6 @@ from statistics import median
 
 import numpy as np
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
-from restshape_apps.furniture.guidance.combination_search import Limits
 from restshape_apps.furniture.guidance.force_space import durability_space, stability_space
 from restshape_apps.furniture.guidance.suggestions import Suggestions, suggest
 from restshape_apps.furniture.guidance.support_planks import support_planks
@@ -16,6 +15,7 @@ from restshape_apps.furniture.pieces import bookshelf, bookshelf_20, piece_28, s
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import Piece
 
+from restshape.guidance.combination_search import Limits
 from restshape.guidance.force_space import combinations
 from restshape.guidance.ranges import predicted_ends, valid_ranges
 

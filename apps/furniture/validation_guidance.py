@@ -3,8 +3,8 @@
 import numpy as np
 from petsc4py import PETSc
 from restshape_apps.furniture.enumeration import alone, apart, confirmed, distinct, rays
-from restshape_apps.furniture.guidance.combination_search import Search
 from restshape_apps.furniture.guidance.force_space import durability_space, stability_space, whole_space
+from restshape_apps.furniture.guidance.searched_piece import SearchedPiece
 from restshape_apps.furniture.misses import FIRST_ONLY, MANY, SMALL, UNLIMITED, Grid
 from restshape_apps.furniture.physics.derivatives import force_derivative
 from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, Furniture
@@ -13,6 +13,7 @@ from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS
 from restshape_apps.furniture.validation_statics import G, settled
 
+from restshape.guidance.combination_search import Search
 from restshape.guidance.ranges import valid_ranges
 from restshape.validation.case import Check
 
@@ -115,7 +116,7 @@ def enumerated(comm: PETSc.Comm) -> list[Check]:
             furniture.test()
             rest = confirmed(furniture, modes, rays(forces(furniture, modes), 3))
             expected = distinct(alone(furniture, modes) | rest)
-            search = Search(furniture, modes, forces, ALL, FIRST_ONLY)
+            search = Search(SearchedPiece(furniture, modes, forces), ALL, FIRST_ONLY)
             found = {one.modes for one in search.run(3, MANY)}
             what = f"{piece.name}, {'stability and joints' if forces is whole_space else 'one of both'}"
             source = "401 places of each mode, least squares of each combination of at most 3"

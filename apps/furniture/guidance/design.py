@@ -10,7 +10,6 @@ from time import perf_counter
 
 import numpy as np
 from restshape_apps.furniture.guidance import amounts
-from restshape_apps.furniture.guidance.combination_search import Suggestion
 from restshape_apps.furniture.guidance.connecting import Connection, connections
 from restshape_apps.furniture.guidance.force_space import durability_space
 from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
@@ -20,6 +19,7 @@ from restshape_apps.furniture.physics.furniture import APART, LOST, OVERLAPPING,
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, joints_near
 
+from restshape.guidance.combination_search import Suggestion
 from restshape.guidance.force_space import LONGEST
 from restshape.guidance.ranges import Ranges, predicted_ends, valid_ranges
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from restshape_apps.furniture.guidance.combination_search import Limits, Search, Suggestion
 from restshape_apps.furniture.guidance.force_space import durability_space, stability_space, whole_space
+from restshape_apps.furniture.guidance.searched_piece import SearchedPiece
 from restshape_apps.furniture.physics.furniture import ALL, LOST, OVERLAPPING, UNSTABLE, Furniture
 from restshape_apps.furniture.shape.design_modes import DesignModes
+
+from restshape.guidance.combination_search import Limits, Search, Suggestion
 
 SHOWN = 8
 
@@ -50,16 +52,17 @@ def suggest(furniture: Furniture, most: int = 3, shown: int = SHOWN, limits: Lim
     if verdict.valid or verdict.flaws & (LOST | OVERLAPPING) or not len(modes):
         return Suggestions((), (), 0, 0, modes)
     unstable = bool(verdict.flaws & UNSTABLE)
-    search = Search(furniture, modes, stability_space if unstable else durability_space, ALL, limits)
+    first = SearchedPiece(furniture, modes, stability_space if unstable else durability_space)
+    search = Search(first, ALL, limits)
     searches, found = [search], search.run(most, shown)
     if unstable and 2 * len(found) < shown and most > 1:
         # What makes a piece stand may break a joint: both are looked at at once.
         rest = replace(limits, trials=limits.trials // 2, mended=limits.mended - search.vain)
-        again = Search(furniture, modes, whole_space, ALL, rest, search.alone)
+        again = Search(SearchedPiece(furniture, modes, whole_space), ALL, rest, search.alone)
         searches.append(again)
         found = (found + again.run(most, shown, [one.modes for one in found]))[:shown]
     if unstable and not found:
-        partly = Search(furniture, modes, stability_space, LOST | OVERLAPPING | UNSTABLE, limits)
+        partly = Search(SearchedPiece(furniture, modes, stability_space), LOST | OVERLAPPING | UNSTABLE, limits)
         searches.append(partly)
         found = [replace(one, valid=False) for one in partly.run(most, shown)]
     furniture.test()

@@ -168,7 +168,7 @@ def test_a_joint_whose_ends_have_two_names_is_refused(tmp_path):
 def test_other_applications_know_no_planks_and_want_a_mesh(tmp_path):
     path = write_bench(tmp_path)
     path.write_text(path.read_text().replace('"furniture"', '"solid"').replace("g = [0, 0, -10]\n", ""))
-    with pytest.raises(UserError, match="'solid' has no table 'wood'(.|\n)*furniture"):
+    with pytest.raises(UserError, match=r"'solid' has no table 'wood'(.|\n)*furniture"):
         load_scene(path)
     path.write_text('format = "restshape-scene"\nversion = 1\napp = "solid"\n[material.a]\nE = 1\nnu = 0\n')
     with pytest.raises(UserError, match="'mesh' is missing"):

@@ -6,8 +6,8 @@ from math import comb
 import numpy as np
 import pytest
 from restshape_apps.furniture.enumeration import alone, apart, confirmed, distinct, rays
-from restshape_apps.furniture.guidance.combination_search import Limits, Search
 from restshape_apps.furniture.guidance.force_space import contact_space, durability_space, stability_space, whole_space
+from restshape_apps.furniture.guidance.searched_piece import SearchedPiece
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.guidance.support_planks import FLOOR, support_planks
 from restshape_apps.furniture.misses import FIRST_ONLY, MANY
@@ -16,6 +16,7 @@ from restshape_apps.furniture.pieces import bookshelf_20, cantilever, chair, pie
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.small_pieces import toppling
 
+from restshape.guidance.combination_search import Limits, Search
 from restshape.guidance.force_space import LONGEST, ForceSpace, combinations, forecast
 
 
@@ -90,7 +91,7 @@ def test_suggestions_are_those_of_the_enumeration_that_leaves_out_nothing(make) 
         furniture.test()
         every = rays(forces(furniture, modes), 3)
         expected = distinct(alone(furniture, modes) | confirmed(furniture, modes, every))
-        search = Search(furniture, modes, forces, ALL, FIRST_ONLY)
+        search = Search(SearchedPiece(furniture, modes, forces), ALL, FIRST_ONLY)
         assert apart({one.modes for one in search.run(3, MANY)}, expected) == (set(), set())
         assert expected
 
@@ -147,7 +148,7 @@ def test_every_suggestion_holds_in_the_full_test(make) -> None:
     assert sum(suggestions.tried) > 0
     for one in suggestions.found:
         # A model of its own, from the piece that is shown.
-        fresh = Furniture(one.piece(Furniture(piece)))
+        fresh = Furniture(Furniture(piece).moved(one.gamma))
         assert fresh.test().valid
         left, right = one.span
         assert left <= one.t <= right
@@ -268,7 +269,7 @@ def test_a_search_looks_for_a_few_directions_again() -> None:
     assert again.mended > 0
     assert len(again.found) > len(once.found)
     for one in again.found:
-        assert Furniture(one.piece(Furniture(scales()))).test().valid
+        assert Furniture(Furniture(scales()).moved(one.gamma)).test().valid
 
 
 def test_one_more_mode_is_found_where_a_single_one_fails() -> None:
@@ -279,7 +280,7 @@ def test_one_more_mode_is_found_where_a_single_one_fails() -> None:
     assert new == {("upright-1: length y", "bracket-1: length y")}
     (wide,) = (one for one in onward if one.words in new)
     joint = piece.joints.index(next(joint for joint in piece.joints if piece.planks[joint.i].name == "bracket-1"))
-    uprights = Furniture(wide.piece(Furniture(piece)))
+    uprights = Furniture(Furniture(piece).moved(wide.gamma))
     assert uprights.geometry().length[joint] > piece.planks[piece.index("upright-1")].size[1]
 
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
-from restshape_apps.furniture.guidance.combination_search import Limits
 from restshape_apps.furniture.guidance.design import Design, Way
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.physics.furniture import APART, LOST, OVERLAPPING, Compliance, Furniture
@@ -17,6 +16,7 @@ from restshape_apps.furniture.session.plank_session import PlankSession
 
 from restshape.accuracy.study import Case
 from restshape.errors import UserError
+from restshape.guidance.combination_search import Limits
 from restshape.guidance.ranges import SAMPLES, Ranges, valid_ranges
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
