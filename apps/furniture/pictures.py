@@ -17,13 +17,13 @@ from restshape_apps.furniture.guidance.support_planks import support_planks
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import PIECES, scales, table
 from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
+from restshape_apps.furniture.report.force_space import Region, draw_forces, draw_region, region_marks
 from restshape_apps.furniture.report.furniture import Slide, add_use_bar, bounds, draw_piece
 from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import toppling
 
 from restshape.errors import UserError
 from restshape.guidance.combination_search import Limits, Suggestion
-from restshape.report.force_space import Region, draw_forces, draw_region, region_marks
 from restshape.report.style import INK, LEVELS, REFUSED, new_figure
 
 SHOWN = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")

@@ -7,13 +7,13 @@ from restshape_apps.furniture.guidance.force_space import contact_space, durabil
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture
 from restshape_apps.furniture.pieces import table
+from restshape_apps.furniture.report.force_space import Ray, Region
 from restshape_apps.furniture.report.furniture import Slide
 from restshape_apps.furniture.shape.design_modes import DesignModes
 
 from restshape.errors import UserError
 from restshape.guidance.force_space import LONGEST
 from restshape.guidance.ranges import valid_ranges
-from restshape.report.force_space import Ray, Region
 
 STEPS = 121
 SHOWN = 4

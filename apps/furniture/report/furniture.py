@@ -15,11 +15,11 @@ from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patheffects import Normal, Stroke
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture
+from restshape_apps.furniture.report.labels import Labels
 from restshape_apps.furniture.report.piece_paint import Window, draw_edges, paint_planks
 from restshape_apps.furniture.shape.planks import Piece, Plank
 
 from restshape.guidance.ranges import Ranges
-from restshape.report.labels import Labels
 from restshape.report.raster import Camera
 from restshape.report.space_axes import draw_box
 from restshape.report.style import BODY, COLOURS, INK, REFUSED, length_unit

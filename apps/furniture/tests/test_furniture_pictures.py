@@ -13,6 +13,7 @@ from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import cantilever, scales, table
 from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
+from restshape_apps.furniture.report.force_space import draw_region
 from restshape_apps.furniture.report.furniture import (
     FOOT,
     LOAD,
@@ -26,7 +27,6 @@ from restshape_apps.furniture.report.furniture import (
 )
 from restshape_apps.furniture.small_pieces import toppling
 
-from restshape.report.force_space import draw_region
 from restshape.report.raster import Camera, hits, nearest_faces
 from restshape.report.style import REFUSED, new_figure
 

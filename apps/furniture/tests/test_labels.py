@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
+from restshape_apps.furniture.report.labels import Labels
 
-from restshape.report.labels import Labels
 from restshape.report.style import new_figure
 
 
