@@ -6,10 +6,10 @@ from dataclasses import replace
 import pytest
 from drawn_scenes import look_at_drawn
 from furniture_scenes import write_bench, write_edits
+from restshape_apps.furniture.scene.plank_events import PLANK_EVENTS
 from small_scenes import make_replay
 
 from restshape.application import application
-from restshape.scene.script import PLANK_EVENTS
 from restshape.stability.fuzz import fuzz
 from restshape.stability.plank_checks import plank_problem
 from restshape.stability.plank_strategies import plank_scenes
