@@ -1,10 +1,11 @@
-"""What all tests share: commands in processes of their own, on one rank or several."""
+"""What all tests share: commands in processes of their own, and which tests are those of absent applications."""
 
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,15 @@ os.environ.update(ENVIRONMENT)
 signal.signal(signal.SIGINT, signal.default_int_handler)
 RESTSHAPE = (sys.executable, "-m", "restshape.cli.main")
 Run = Callable[..., subprocess.CompletedProcess]
+ROOT = Path(__file__).parent
+
+
+def pytest_ignore_collect(collection_path: Path) -> bool | None:
+    """True for tests of an application that is not installed."""
+    parts = collection_path.relative_to(ROOT).parts if collection_path.is_relative_to(ROOT) else ()
+    if parts[:1] != ("apps",) or "tests" not in parts:
+        return None
+    return True if parts[1] not in entry_points(group="restshape.applications").names else None
 
 
 def _outside() -> dict[str, str]:

@@ -8,9 +8,9 @@ import json
 from dataclasses import asdict
 
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
-from restshape_apps.furniture.misses import FIRST_ONLY, LARGER, POINTS, SMALL, UNLIMITED, Grid
 from restshape_apps.furniture.physics.furniture import Furniture
-from restshape_apps.furniture.times import (
+from restshape_verification.furniture.misses import FIRST_ONLY, LARGER, POINTS, SMALL, UNLIMITED, Grid
+from restshape_verification.furniture.times import (
     COLUMNS,
     Column,
     Time,

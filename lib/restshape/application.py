@@ -11,11 +11,11 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-from pydantic import BaseModel
-
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
+
     from restshape.scene.extension import SceneExtension
     from restshape.scene.model import Scene
     from restshape.scene.solver import SolverPlan
@@ -104,30 +104,6 @@ class Implied:
 
 
 @dataclass(frozen=True)
-class Knob:
-    """A key of a scene that studies of accuracy vary, one at a time.
-
-    Args:
-        key: dotted, such as ``effects.modal.model``.
-        values: tried in place of the scene's own, which must be one of them, or left out.
-        factors: of the scene's own number, in place of values.
-        reference: value in the reference that errors are counted from, the scene's own where that is a larger number;
-            for factors a factor. None: the scene's own.
-        against: a whole number that is divided by the same factor, so that their product stays.
-        effect: the knob means something only with this effect; empty where it always does.
-        grid: each value is tried with every mesh size, not with the scene's own alone.
-    """
-
-    key: str
-    values: tuple[Any, ...] = ()
-    factors: tuple[float, ...] = ()
-    reference: Any = None
-    against: str = ""
-    effect: str = ""
-    grid: bool = False
-
-
-@dataclass(frozen=True)
 class ScriptLines:
     """Lines of text that `restshape script` makes edit scripts of, where a session is the application's own.
 
@@ -194,8 +170,6 @@ class Application:
         effects: every effect that its scenes may name.
         folder: holds ``scenes/*.toml`` and ``edits/*.jsonl``.
         analysis: path ``module:attribute`` of its analysis class, imported at the first solve.
-        validation: path ``module:attribute`` of its validation cases by name.
-        thesis: path ``module:attribute`` of the function that gives its rows of the thesis's tables.
         orders: element orders that it supports.
         directions: that supports may fix.
         layered: bodies have a thickness, which may be a formula, and layers of elements over it.
@@ -213,9 +187,7 @@ class Application:
         explain: path ``module:attribute`` of what each part of a frame is, by its name, in `restshape explain`.
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
-        stability: path ``module:attribute`` of its hard cases by name.
         transient: a frame goes on from the one before it, so that none can be left out.
-        knobs: what studies of accuracy vary besides mesh, order, tolerance and policy.
         implied: parts of its physics that follow from a scene without being named, by name.
     """
 
@@ -224,8 +196,6 @@ class Application:
     effects: dict[str, Effect]
     folder: Path
     analysis: str
-    validation: str = ""
-    thesis: str = ""
     orders: tuple[int, ...] = (1,)
     directions: tuple[str, ...] = ("x", "y")
     layered: bool = False
@@ -239,9 +209,7 @@ class Application:
     report: Reporting | None = None
     explain: str = ""
     columns: str = ""
-    stability: str = ""
     transient: bool = False
-    knobs: tuple[Knob, ...] = ()
     implied: dict[str, Implied] = field(default_factory=dict)
 
     def make_session(self) -> Callable[..., OwnSession]:
@@ -267,18 +235,6 @@ class Application:
     def make_analysis(self) -> Callable[..., Any]:
         """The factory of this application's analysis, imported now."""
         return _attribute(self.analysis)
-
-    def cases(self) -> dict[str, Callable[..., Any]]:
-        """The validation cases by name, imported now."""
-        return _attribute(self.validation) if self.validation else {}
-
-    def thesis_rows(self, timed: bool = True) -> list[dict[str, Any]]:
-        """The thesis's numbers beside ours, measured now; not `timed`: those alone that no clock decides."""
-        return _attribute(self.thesis)(timed) if self.thesis else []
-
-    def hard_cases(self) -> dict[str, Any]:
-        """The cases of `restshape stability` by name, imported now."""
-        return _attribute(self.stability) if self.stability else {}
 
     def own_columns(self, scene: Scene) -> dict[str, Any]:
         """Names and types of the columns that only this application has."""

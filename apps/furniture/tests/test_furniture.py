@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
-from restshape_apps.furniture.least_energy import least_energy
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
 from restshape_apps.furniture.pieces import bookshelf, cantilever, chair, shelf_1, shelf_2, stool_chair, table
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import Load, Piece, Plank, feet_near, joints_near, weight
 from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool, stretched
+from restshape_verification.furniture.least_energy import least_energy
 from scipy.optimize import linprog
 
 from restshape.errors import UserError

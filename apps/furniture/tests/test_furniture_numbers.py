@@ -5,14 +5,14 @@ from math import comb
 
 import numpy as np
 import pytest
-from restshape_apps.furniture import sessions
 from restshape_apps.furniture.guidance.force_space import durability_space
-from restshape_apps.furniture.misses import FIRST_ONLY, SMALL, UNLIMITED, Grid
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import cantilever, scales
 from restshape_apps.furniture.shape.design_modes import DesignModes
-from restshape_apps.furniture.thesis import rows
-from restshape_apps.furniture.times import COLUMNS, large, timed
+from restshape_verification.furniture import sessions
+from restshape_verification.furniture.misses import FIRST_ONLY, SMALL, UNLIMITED, Grid
+from restshape_verification.furniture.thesis import rows
+from restshape_verification.furniture.times import COLUMNS, large, timed
 
 
 def test_planks_and_joints_are_those_of_the_thesis() -> None:

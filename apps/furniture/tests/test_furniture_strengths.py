@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from restshape_apps.furniture import between_brackets, fastener_strengths, pliant_joints
-from restshape_apps.furniture.least_energy import least_energy
 from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.pieces import bookshelf_20
 from restshape_apps.furniture.small_pieces import stretched
+from restshape_verification.furniture import between_brackets, fastener_strengths, pliant_joints
+from restshape_verification.furniture.least_energy import least_energy
 
 G = 9.80665
 PAGE = (Path(__file__).parents[3] / "docs" / "furniture.md").read_text(encoding="utf-8").splitlines()

@@ -5,16 +5,16 @@ from math import comb
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.enumeration import alone, apart, confirmed, distinct, rays
 from restshape_apps.furniture.guidance.force_space import contact_space, durability_space, stability_space, whole_space
 from restshape_apps.furniture.guidance.searched_piece import SearchedPiece
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.guidance.support_planks import FLOOR, support_planks
-from restshape_apps.furniture.misses import FIRST_ONLY, MANY
 from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, WEAK, Furniture
 from restshape_apps.furniture.pieces import bookshelf_20, cantilever, chair, piece_28, scales, shelf_1, shelf_2, table
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.small_pieces import toppling
+from restshape_verification.furniture.enumeration import alone, apart, confirmed, distinct, rays
+from restshape_verification.furniture.misses import FIRST_ONLY, MANY
 
 from restshape.guidance.combination_search import Limits, Search
 from restshape.guidance.force_space import LONGEST, ForceSpace, combinations, forecast

@@ -9,7 +9,6 @@ from typing import Any
 
 from restshape.application import Application, application
 from restshape.cli.options import add_scene, check_output, print_table, read_scene, write_json
-from restshape.cli.progress import progress
 from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
@@ -46,7 +45,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Replay; 0 when all frames were replayed, 1 when parity fails, 2 on bad input."""
     from restshape.calibration import Calibration
-    from restshape.cli.bench import script_of
+    from restshape.cli.shipped import script_of
     from restshape.replay.request import Request
     from restshape.scene.plan import plan
     from restshape.scene.script import Script, load_script
@@ -104,6 +103,7 @@ def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any
     import petsc4py
 
     petsc4py.init(["restshape", *args.petsc])
+    from restshape.cli.progress import progress
     from restshape.replay.run import run_replay
 
     with progress(quiet=not first_rank()) as on_frame:

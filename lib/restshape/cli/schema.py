@@ -7,12 +7,8 @@ from operator import or_
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, TypeAdapter
-
 from restshape.application import applications
 from restshape.cli.options import check_output
-from restshape.scene.extension import joined
-from restshape.scene.script import Event, Header, events_of
 
 SUMMARY = "write the JSON schema of a scene or of a line of an edit script"
 
@@ -37,6 +33,8 @@ def run(args: argparse.Namespace) -> int:
 
 def scene_schema() -> dict[str, Any]:
     """The JSON schema of a scene, with the effects of all installed applications."""
+    from restshape.scene.extension import joined
+
     extensions = [app.scene for app in applications().values() if app.scene]
     schema = joined(extensions).scene_type.model_json_schema()
     names = sorted(applications())
@@ -56,6 +54,10 @@ def _effect(name: str) -> dict[str, Any]:
 
 def script_schema() -> dict[str, Any]:
     """The JSON schema of one line of an edit script: the header, or an event of any installed application."""
+    from pydantic import Field, TypeAdapter
+
+    from restshape.scene.script import Event, Header, events_of
+
     lines = Header | Event
     for app in applications().values():
         if app.scene and app.scene.events:

@@ -1,20 +1,27 @@
 """`restshape script`: an edit script from short lines of text."""
 
+from __future__ import annotations
+
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from restshape.application import application, applications
 from restshape.cli.options import add_scene, check_output, read_scene, write_json
-from restshape.scene.model import Scene
-from restshape.shape.compose import GRAMMAR, Composition, compose, composed
-from restshape.shape.outline import Outline
+
+if TYPE_CHECKING:
+    from restshape.scene.model import Scene
+    from restshape.shape.compose import Composition
+    from restshape.shape.outline import Outline
 
 SUMMARY = "write an edit script from lines such as 'hole window by 0.8 0 in 160 frames, hand-like'"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments of this command."""
+    from restshape.shape.compose import GRAMMAR
+
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     own = [f"of {name}:\n{app.lines.grammar}" for name, app in applications().items() if app.lines]
     grammars = "\n\n".join([GRAMMAR, *own])
@@ -44,6 +51,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _composed(scene: Scene, args: argparse.Namespace) -> Composition:
     """The script that the lines describe."""
+    from restshape.shape.compose import compose, composed
+
     app = application(scene.app)
     if app.lines:
         return composed(app.composer()(scene), args.lines)

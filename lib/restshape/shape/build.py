@@ -14,13 +14,18 @@ from restshape.shape.outline import Outline
 from restshape.shape.validity import problem
 
 
-def outline_from_spec(spec: Any, scene_dir: Path) -> Outline:
+def outline_from_spec(spec: Any, scene_dir: Path | str = ".") -> Outline:
     """The outline that a ``ShapeSpec`` describes, in one piece and valid.
 
+    Args:
+        spec: a ``ShapeSpec``, the ``[shape]`` of a scene.
+        scene_dir: folder that ``shape.file`` is relative to.
+
     Raises:
-        UserError: with the key below ``shape`` that is wrong.
+        UserError: open, crossing or degenerate loops, unknown or repeated names, unreadable file; with the key below
+            ``shape`` that is wrong.
     """
-    spec = with_file(spec, scene_dir)
+    spec = with_file(spec, Path(scene_dir))
     if spec.outline is None:
         raise UserError("the shape has no outline", "shape.outline", "list the edges of the outer loop in order")
     draft = Draft(vertices={name: (float(p[0]), float(p[1])) for name, p in spec.vertices.items()})
