@@ -216,9 +216,9 @@ class Application:
         """The maker of sessions of its own, imported now."""
         return _attribute(self.session)
 
-    def plan_solver(self, scene: Scene, on: frozenset[str], settings: dict[str, Any]) -> SolverPlan:
-        """How the equations of a scene are solved whose effects `on` are simulated, with the settings of each."""
-        return _attribute(self.solver or "restshape.scene.solver:solver_plan")(scene, on, settings)
+    def own_solver(self) -> Callable[..., SolverPlan] | None:
+        """The function that plans the solvers of its scenes, imported now; None: it has none of its own."""
+        return _attribute(self.solver) if self.solver else None
 
     def checked(self, scene: Scene, effects: Any) -> tuple[dict[str, Any], list[tuple[str, str]]]:
         """What a scene with a session of its own holds: for programs, and as rows for people."""
@@ -252,22 +252,8 @@ def _attribute(path: str) -> Any:
 
 @cache
 def applications() -> dict[str, Application]:
-    """All installed applications by name.
-
-    Raises:
-        UserError: two of them give one key of scenes different meanings.
-    """
-    found = {entry.name: entry.load() for entry in sorted(entry_points(group="restshape.applications"))}
-    # Scenes and scripts are read by application.
-    from restshape.scene.extension import refuse_clashes
-    from restshape.scene.script import shared_events
-
-    extended = {name: app for name, app in found.items() if app.scene}
-    refuse_clashes(
-        {name: app.scene for name, app in extended.items()},
-        {name: shared_events(app) for name, app in extended.items()},
-    )
-    return found
+    """All installed applications by name."""
+    return {entry.name: entry.load() for entry in sorted(entry_points(group="restshape.applications"))}
 
 
 def application(name: str, where: str = "app") -> Application:

@@ -16,6 +16,7 @@ from restshape.scene.event_line import EventLine
 from restshape.scene.extension import SceneExtension, Section
 from restshape.scene.load import load_scene, revise
 from restshape.scene.quantity import QuantityKind
+from restshape.scene.registered import extended_applications
 from restshape.scene.script import load_script
 from restshape.scene.solver import DEFINITE, SolverPlan, System
 from restshape.scene.values import Strict, number_of, value_of
@@ -87,10 +88,12 @@ def install(monkeypatch) -> Iterator[Install]:
         entries = [Entry(app.name, app) for app in applications]
         monkeypatch.setattr(installed, "entry_points", lambda group: entries)
         installed.applications.cache_clear()
+        extended_applications.cache_clear()
 
     yield only
     monkeypatch.undo()
     installed.applications.cache_clear()
+    extended_applications.cache_clear()
 
 
 def scene_of(folder: Path, text: str):
@@ -170,7 +173,7 @@ def test_a_key_of_another_application_is_refused_by_its_name(tmp_path, install):
 def test_two_meanings_of_one_key_are_told_at_start_by_name(install):
     same = replace(HANGING, name="same")
     install(HANGING, same)
-    assert set(installed.applications()) == {"hanging", "same"}
+    assert set(extended_applications()) == {"hanging", "same"}
     other = SceneExtension(sections={"air": Section(Rope, "another one")})
     for added, key in (
         (other, "'air', and 'hanging' does too"),
@@ -180,7 +183,7 @@ def test_two_meanings_of_one_key_are_told_at_start_by_name(install):
     ):
         install(HANGING, replace(HANGING, name="second", scene=added))
         with pytest.raises(UserError) as caught:
-            installed.applications()
+            extended_applications()
         assert key in caught.value.what and "'second'" in caught.value.what
 
 

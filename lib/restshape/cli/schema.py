@@ -34,8 +34,9 @@ def run(args: argparse.Namespace) -> int:
 def scene_schema() -> dict[str, Any]:
     """The JSON schema of a scene, with the effects of all installed applications."""
     from restshape.scene.extension import joined
+    from restshape.scene.registered import extended_applications
 
-    extensions = [app.scene for app in applications().values() if app.scene]
+    extensions = [app.scene for app in extended_applications().values()]
     schema = joined(extensions).scene_type.model_json_schema()
     names = sorted(applications())
     schema["properties"]["app"] = {"enum": names, "title": "App"}
@@ -56,11 +57,12 @@ def script_schema() -> dict[str, Any]:
     """The JSON schema of one line of an edit script: the header, or an event of any installed application."""
     from pydantic import Field, TypeAdapter
 
+    from restshape.scene.registered import extended_applications
     from restshape.scene.script import Event, Header, events_of
 
     lines = Header | Event
-    for app in applications().values():
-        if app.scene and app.scene.events:
+    for app in extended_applications().values():
+        if app.scene.events:
             lines |= Annotated[reduce(or_, events_of(app).values()), Field(discriminator="do")]
     schema = TypeAdapter(lines).json_schema()
     title = "one line of a restshape edit script"

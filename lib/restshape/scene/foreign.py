@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from restshape.application import Application, applications
+from restshape.application import Application
+from restshape.scene.registered import extended_applications
 from restshape.scene.source import Source
 
 
@@ -20,8 +21,8 @@ def refuse_foreign(raw: dict[str, Any], application: Application, source: Source
     own = application.scene
     quantities = raw.get("quantities")
     held = quantities.items() if isinstance(quantities, dict) else ()
-    for other in applications().values():
-        if other.scene is None or other.scene is own:
+    for other in extended_applications().values():
+        if other.scene is own:
             continue
         tables = [key for key in other.scene.sections if key in raw and not (own and key in own.sections)]
         kinds = [kind for kind in other.scene.quantities if not (own and kind in own.quantities)]

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from restshape.application import Application, application, applications
+from restshape.application import Application, application
 from restshape.errors import UserError
 from restshape.scene.checks import check_scene
 from restshape.scene.dimensions import check_units
@@ -16,6 +16,7 @@ from restshape.scene.foreign import refuse_foreign
 from restshape.scene.model import FORMAT, VERSION, Scene
 from restshape.scene.plan import plan
 from restshape.scene.problems import user_error
+from restshape.scene.registered import extended_applications
 from restshape.scene.source import Source, read_text, split_key, suggestion
 
 NAMED = ("parameters", "material", "supports", "loads", "bodies", "goal", "quantities")
@@ -157,7 +158,7 @@ def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str) -> No
 
 def _named_tables() -> set[tuple[str, ...]]:
     """Keys of tables whose own keys are names that a scene gives."""
-    extensions = [app.scene for app in applications().values() if app.scene]
+    extensions = [app.scene for app in extended_applications().values()]
     added = (key for extension in extensions for key, section in extension.sections.items() if section.named)
     return {*((key,) for key in (*NAMED, *added)), *(("shape", key) for key in NAMED_OF_SHAPE)}
 
