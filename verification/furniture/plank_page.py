@@ -1,13 +1,16 @@
 """The page of a study of furniture: Markdown that a reader understands without help."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from restshape_studies.accuracy.front import percent
 from restshape_studies.accuracy.page import table
-from restshape_studies.accuracy.planks import ALL, DENSE, EXACT, PlankStudy
-from restshape_studies.pictures.plank_precision import draw_plank_precision
+from restshape_studies.accuracy.study import Case
+from restshape_verification.furniture.plank_precision import draw_plank_precision
+from restshape_verification.furniture.plank_study import ALL, DENSE, EXACT, PlankStudy, study_planks
 
+from restshape.cli.options import print_table
 from restshape.guidance.ranges import SAMPLES
 
 Lines = list[list[str]]
@@ -120,3 +123,17 @@ def write_plank_page(study: PlankStudy, folder: Path, command: str) -> None:
         tables["ratios"],
     ]
     (folder / f"{name}.md").write_text("\n".join(parts), encoding="utf-8")
+
+
+def study_and_write(
+    case: Case, announce: Callable[[str], None], folder: Path, command: str
+) -> tuple[list[dict[str, Any]], str]:
+    """The records of the study of a scene, and its title, after its tables are printed and its page is written."""
+    found = study_planks(case, announce)
+    for kind, heads in HEADS.items():
+        rows = ROWS[kind](found)
+        if rows:
+            print_table(f"{case.name}: {kind}", heads, rows, right=heads)
+    write_plank_page(found, folder, command)
+    print(f"wrote {folder / case.name}.md and .png\n", flush=True)
+    return found.records, found.scene.title
