@@ -53,8 +53,8 @@ class Verification:
         thesis: path of the function that gives its rows of the thesis's tables.
         parameters: what studies of accuracy vary besides mesh, order, tolerance and policy.
         random_scenes: path of the scenes and edits that a fuzz draws of it.
-        study: path of the study of accuracy of scenes without a mesh: of a case, a function that announces, a folder for
-            pages and the command, it prints tables, writes pages, and gives records and the scene's title.
+        study: path of the study of accuracy of scenes without a mesh: of a case, a function that announces, a folder
+            for pages and the command, it prints tables, writes pages, and gives records and the scene's title.
         frame_check: path of the `FrameCheck` of random edits; empty: shown numbers and fields must be finite.
     """
 
