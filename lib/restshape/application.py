@@ -18,8 +18,6 @@ from restshape.errors import UserError
 if TYPE_CHECKING:
     from restshape.scene.extension import SceneExtension
     from restshape.scene.model import Scene
-    from restshape.scene.solver import SolverPlan
-    from restshape.shape.protocol import OwnSession
 
 Rows = Sequence[Mapping[str, Any]]
 """Of the frames of a replay, each with its columns by name."""
@@ -244,12 +242,12 @@ class Application:
     knobs: tuple[Knob, ...] = ()
     implied: dict[str, Implied] = field(default_factory=dict)
 
-    def make_session(self) -> Callable[..., OwnSession]:
-        """The maker of sessions of its own, imported now."""
+    def make_session(self) -> Callable[..., Any]:
+        """The maker of an `OwnSession`, imported now."""
         return _attribute(self.session)
 
-    def own_solver(self) -> Callable[..., SolverPlan] | None:
-        """The function that plans the solvers of its scenes, imported now; None: it has none of its own."""
+    def own_solver(self) -> Callable[..., Any] | None:
+        """The function that gives the `SolverPlan` of its scenes, imported now; None: it has none of its own."""
         return _attribute(self.solver) if self.solver else None
 
     def checked(self, scene: Scene, effects: Any) -> tuple[dict[str, Any], list[tuple[str, str]]]:
