@@ -29,7 +29,7 @@ def test_a_changed_count_is_noticed(tmp_path, capsys, monkeypatch):
 
 def test_what_the_readme_shows_is_there():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    named = re.findall(r"\]\(((?:results|docs)/[^)]+)\)", readme)
+    named = re.findall(r"""(?:\]\(|src=")((?:results|docs)/[^)"]+)""", readme)
     assert len(named) >= 5
     assert [name for name in named if not (ROOT / name).is_file()] == []
 
