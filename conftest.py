@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+# Before any test imports PETSc or matplotlib, which would obey files of the current folder.
+import restshape  # noqa: F401
+
 ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OMPI_ALLOW_RUN_AS_ROOT": "1",

@@ -20,6 +20,7 @@ from tomlkit.exceptions import TOMLKitError
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.scene.load import load_scene, parse_override
+from restshape.scene.permits import allow
 from restshape.scene.script import load_script
 
 FILES = (("shape", "file"), ("mesh", "file"))
@@ -51,6 +52,8 @@ def write_scene(case: Case, picked: dict[str, Any], path: Path) -> None:
         name = document.get(table, {}).get(key)
         if name and not Path(name).is_absolute():
             document[table][key] = os.path.relpath(case.scene.parent / name, path.parent)
+            # The scene that is written is run, and names what the first one may name.
+            allow(case.scene.parent)
     text = tomlkit.dumps(document)
     tomllib.loads(text)
     try:

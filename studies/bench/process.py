@@ -12,6 +12,7 @@ from typing import Any
 from restshape_studies.bench.job import Job
 
 from restshape.errors import ReplayProblem, UserError
+from restshape.surroundings import start_petsc
 
 
 def pin() -> None:
@@ -87,9 +88,7 @@ def main() -> int:
         def tell(kind: str, content: Any) -> None:
             file.write(json.dumps([kind, content]) + "\n")
 
-        import petsc4py
-
-        petsc4py.init(["restshape", *job.petsc])
+        start_petsc(job.petsc)
         try:
             (measured if job.measure else regret if job.regret else play)(job, tell)
         except UserError as error:

@@ -11,6 +11,7 @@ from restshape.cli.options import add_json, open_json, print_table, write_json
 from restshape.cli.ranks import first_rank, launched
 from restshape.errors import UserError
 from restshape.policy import POLICIES
+from restshape.surroundings import start_petsc
 
 PLACE = 3
 SUMMARY = "hard cases that state what must hold; with --fuzz, random scenes and edits that must not break"
@@ -64,9 +65,7 @@ def run(args: argparse.Namespace) -> int:
 def _cases(args: argparse.Namespace) -> int:
     if launched():
         # Before anything imports PETSc.
-        import petsc4py
-
-        petsc4py.init(["restshape", *args.petsc])
+        start_petsc(args.petsc)
     from restshape_studies.stability.suite import cases, jobs, run_apart
 
     known = cases()

@@ -6,6 +6,7 @@ from typing import Any
 
 from restshape.cli.options import add_json, check_output, open_json, print_table, write_json
 from restshape.errors import UserError
+from restshape.surroundings import start_petsc
 
 PLACE = 6
 SUMMARY = "the thesis's numbers beside ours, measured now"
@@ -33,9 +34,7 @@ def run(args: argparse.Namespace) -> int:
         check_output(args.out, "--out")
     elif not args.out.is_file():
         raise UserError("there is no such file", str(args.out), "restshape tables writes it")
-    import petsc4py
-
-    petsc4py.init(["restshape", *args.petsc])
+    start_petsc(args.petsc)
     from restshape_studies.thesis import thesis_table
     from restshape_studies.verification import verifications
 

@@ -3,6 +3,7 @@
 import argparse
 
 from restshape.cli.options import add_json, open_json, print_table, write_json
+from restshape.surroundings import start_petsc
 
 PLACE = 2
 SUMMARY = "compare computed values with references that restshape did not compute"
@@ -18,9 +19,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Validate; 0 when all checks pass, 1 when one fails."""
     open_json(args)
-    import petsc4py
-
-    petsc4py.init(["restshape", *args.petsc])
+    start_petsc(args.petsc)
     from petsc4py import PETSc
     from restshape_studies.verification import check_cases, verifications
 

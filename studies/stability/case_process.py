@@ -6,15 +6,14 @@ import time
 from pathlib import Path
 
 from restshape_studies.stability.watched import READY, Telling
+from restshape.surroundings import start_petsc
 
 
 def main() -> int:
     """Run the cases named on stdin, and tell a row for each."""
     asked = json.loads(sys.stdin.read())
     folder = Path(sys.argv[1])
-    import petsc4py
-
-    petsc4py.init(["restshape", *sys.argv[2:]])
+    start_petsc(sys.argv[2:])
     from restshape_studies.stability.case import Trial
     from restshape_studies.stability.suite import cases, run_case
 

@@ -20,6 +20,8 @@ from restshape_studies.stability.example import Example
 from restshape_studies.stability.strategies import examples
 from restshape_studies.stability.watched import Telling
 
+from restshape.surroundings import start_petsc
+
 SHRINKING = 20.0
 """Seconds after the first fault in which smaller examples of it are looked for."""
 
@@ -62,10 +64,8 @@ def run(batch: Batch, folder: Path, tell: Callable[[str, Any], None]) -> None:
     Raises:
         BaseException: the fault, after it was told.
     """
-    import petsc4py
-
     # A crash tells its line of Python, which PETSc's own handler would not.
-    petsc4py.init(["restshape", "-no_signal_handler"])
+    start_petsc(["-no_signal_handler"])
     faulthandler.enable()
     from restshape_studies.stability.player import play
 

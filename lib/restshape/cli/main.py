@@ -81,6 +81,9 @@ def _run(words: list[str]) -> int:
     args = (parser_for(named) if named else parser_for(all_commands(), listed=True)).parse_args(words)
     args.petsc, args.words = petsc, words
     try:
+        from restshape.cli.options import permit
+
+        permit(args)
         return args.run(args)
     except UserError as error:
         if first_rank():

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from restshape.application import application
 from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
+from restshape.scene.permits import allow, trust_scripts
 
 if TYPE_CHECKING:
     from restshape.scene.model import Scene
@@ -22,7 +23,18 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 
 def add_set(parser: argparse.ArgumentParser) -> None:
-    """Adds ``--set key=value``, which may come several times."""
+    """Adds ``--set key=value``, which may come several times, and what scenes may name and run."""
+    parser.add_argument(
+        "--allow-path",
+        metavar="DIR",
+        action="append",
+        default=[],
+        type=Path,
+        help="let the scene name files in this folder, not only beside itself (may be given several times)",
+    )
+    parser.add_argument(
+        "--trust-geo", action="store_true", help="let gmsh run a whole .geo file, which may then do anything"
+    )
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -49,6 +61,20 @@ def read_scene(args: argparse.Namespace) -> Scene:
 
     open_json(args)
     return load_scene(args.scene, args.set)
+
+
+def permit(args: argparse.Namespace) -> None:
+    """Lets scenes do what the command line permits.
+
+    Raises:
+        UserError: it names a folder that is not there.
+    """
+    for folder in getattr(args, "allow_path", ()):
+        if not folder.is_dir():
+            raise UserError("there is no such folder", f"--allow-path {folder}", "name the folder of the scene's file")
+        allow(folder)
+    if getattr(args, "trust_geo", False):
+        trust_scripts()
 
 
 def require_mesh(scene: Scene, why: str) -> None:

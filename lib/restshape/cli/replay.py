@@ -12,6 +12,7 @@ from restshape.cli.options import add_scene, check_output, print_table, read_sce
 from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
+from restshape.surroundings import start_petsc
 
 KINDS = ("none", "linear")
 LEVELS = {
@@ -100,9 +101,7 @@ def _start_recorder(path: Path, request: Any) -> Any:
 
 def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any]:
     """Start PETSc, run all frames, and sum up."""
-    import petsc4py
-
-    petsc4py.init(["restshape", *args.petsc])
+    start_petsc(args.petsc)
     from restshape.cli.progress import progress
     from restshape.replay.run import run_replay
 

@@ -40,12 +40,14 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     except tomllib.TOMLDecodeError as error:
         raise _syntax_error(error, path) from error
     _check_format(raw, path)
-    keys = []
+    keys, named = [], []
     for override in overrides:
         key, value = parse_override(override)
         put(raw, key, value, f"--set {override}")
         keys.append(key)
-    return _scene(raw, Source(path, text, tuple(keys)))
+        if key[1:] == ("file",):
+            named.append(str(value))
+    return _scene(raw, Source(path, text, tuple(keys), tuple(named)))
 
 
 def recorded_scene(raw: dict[str, Any], path: Path) -> Scene:
@@ -53,13 +55,13 @@ def recorded_scene(raw: dict[str, Any], path: Path) -> Scene:
 
     Args:
         raw: as `Scene.raw` gave them.
-        path: for messages; files that the scene names are looked for beside it.
+        path: for messages.
 
     Raises:
-        UserError: they make no scene.
+        UserError: they make no scene, or name a file.
     """
     _check_format(raw, path)
-    return _scene(raw, Source(path, "", ()))
+    return _scene(raw, Source(path, recorded=True))
 
 
 def revise(scene: Scene, key: str, value: Any) -> Scene:

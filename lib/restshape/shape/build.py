@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.scene.permits import scripts_trusted
 from restshape.shape.curves import bulge_through
 from restshape.shape.draft import Draft, DraftEdge, add_circle, add_loop, add_polygon
 from restshape.shape.outline import Outline
@@ -57,7 +59,8 @@ def with_file(spec: Any, scene_dir: Path) -> Any:
     from restshape.shape.geo import read_geo
 
     path = Path(spec.file) if Path(spec.file).is_absolute() else scene_dir / spec.file
-    readers = {".dxf": read_dxf, ".geo": read_geo, ".geo_unrolled": read_geo}
+    geo = partial(read_geo, trusted=scripts_trusted())
+    readers = {".dxf": read_dxf, ".geo": geo, ".geo_unrolled": geo}
     if path.suffix.lower() not in readers:
         raise UserError(f"no outline can be read from {path.name}", "shape.file", "use a .dxf or .geo file")
     if not path.is_file():

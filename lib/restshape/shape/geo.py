@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,50 +12,76 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.shape.curves import bulge_through
+from restshape.shape.geo_process import curves_apart
+from restshape.shape.geo_script import draw
+from restshape.shape.geo_words import MOST_BYTES
 from restshape.shape.soup import Curve, shape_data
+from restshape.surroundings import start_gmsh
 
 SPLINE_POINTS = 33
 """Points that stand for a curve that is neither line nor arc."""
 
 
-def read_geo(path: Path) -> dict[str, Any]:
+def read_geo(path: Path, trusted: bool = False) -> dict[str, Any]:
     """The plain tables of a ``[shape]`` from a Gmsh .geo file in metres, through the gmsh package.
 
     Curves that bound surfaces (all curves where there is no surface) make the loops; the largest is the outline. A loop
     that bounds a surface of its own is a region, any other a hole. Physical Curve and Surface names become names of
     edges, groups and regions. Lines and circle arcs are exact, other curves interpolate 33 points.
 
-    Raises:
-        UserError: unreadable, not in the plane, or open loops.
-    """
-    import gmsh
+    Args:
+        path: the file.
+        trusted: gmsh runs the whole script, in a process of its own; otherwise only statements that draw are read.
 
-    ours = not gmsh.isInitialized()
-    if ours:
-        gmsh.initialize(["-noenv"], readConfigFiles=False, interruptible=False)
-        # gmsh lets a broken pipe kill the process, and with it the message of what went wrong.
-        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    Raises:
+        UserError: unreadable, a statement that is not read, not in the plane, or open loops.
+    """
+    if trusted:
+        return shape_data(curves_apart(path), path.name)
+    text = _text(path)
+    with gmsh_model(path) as gmsh:
+        draw(gmsh, text, path.name)
+        soup = _curves(gmsh.model, path.name)
+    return shape_data(soup, path.name)
+
+
+@contextmanager
+def gmsh_model(path: Path) -> Iterator[Any]:
+    """The gmsh package, quiet, with an empty model that is removed at the end."""
+    gmsh = start_gmsh()
     quiet = gmsh.option.getNumber("General.Terminal")
     gmsh.model.add(f"restshape: {path.name}")
     gmsh.option.setNumber("General.Terminal", 0)
     try:
-        _open(gmsh, path)
-        soup = _curves(gmsh.model, path.name)
+        yield gmsh
     finally:
         gmsh.option.setNumber("General.Terminal", quiet)
-        if ours:
-            gmsh.finalize()
-        else:
-            gmsh.model.remove()
-    return shape_data(soup, path.name)
+        gmsh.model.remove()
 
 
-def _open(gmsh: Any, path: Path) -> None:
+def opened_by_gmsh(gmsh: Any, path: Path) -> list[Curve]:
+    """The curves of a script that gmsh runs, whatever it says.
+
+    Raises:
+        UserError: gmsh cannot read it, or it does not lie in the plane.
+    """
     try:
         gmsh.merge(str(path))
     # gmsh reports every failure as a bare Exception, so nothing narrower can be caught.
     except Exception as error:
         raise UserError(f"gmsh cannot read it: {error}", path.name, "try it with gmsh itself") from error
+    return _curves(gmsh.model, path.name)
+
+
+def _text(path: Path) -> str:
+    with path.open("rb") as file:
+        data = file.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise UserError(f"the file is longer than {MOST_BYTES} bytes", path.name, "draw less, or mesh it with gmsh")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise UserError("this is not a text file", path.name, "save it as UTF-8") from error
 
 
 def _curves(model: Any, where: str) -> list[Curve]:
