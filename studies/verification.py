@@ -53,6 +53,8 @@ class Verification:
         thesis: path of the function that gives its rows of the thesis's tables.
         parameters: what studies of accuracy vary besides mesh, order, tolerance and policy.
         random_scenes: path of the scenes and edits that a fuzz draws of it.
+        study: path of the study of accuracy of scenes without a mesh: of a case, a function that announces, a folder
+            for pages and the command, it prints tables, writes pages, and gives records and the scene's title.
         frame_check: path of the `FrameCheck` of random edits; empty: shown numbers and fields must be finite.
     """
 
@@ -61,6 +63,7 @@ class Verification:
     thesis: str = ""
     parameters: tuple[StudyParameter, ...] = ()
     random_scenes: str = ""
+    study: str = ""
     frame_check: str = ""
 
     def load_validation(self) -> dict[str, Callable[..., Any]]:
@@ -78,6 +81,10 @@ class Verification:
     def load_random_scenes(self) -> "RandomScenes":
         """The scenes and edits that a fuzz draws, imported now; there must be some."""
         return _attribute(self.random_scenes)
+
+    def load_study(self) -> Callable[..., tuple[list[dict[str, Any]], str]] | None:
+        """The study of scenes without a mesh, imported now; None where there is none."""
+        return _attribute(self.study) if self.study else None
 
     def load_frame_check(self) -> FrameCheck | None:
         """The function that checks a frame, imported now; None where there is none."""

@@ -387,14 +387,14 @@ def _left_out(study: Study) -> str:
 # --- all scenes -------------------------------------------------------------------------------------------------------
 
 
-def write_index(studies: Sequence[Study], folder: Path, command: str, planks: Sequence[tuple[str, str]] = ()) -> None:
+def write_index(studies: Sequence[Study], folder: Path, command: str, meshless: Sequence[tuple[str, str]] = ()) -> None:
     """Writes ``README.md``, which explains studies and shows all of them.
 
     Args:
         studies: one a scene.
         folder: where their pages are.
         command: that made them.
-        planks: name and title of scenes of furniture, which have pages of their own kind.
+        meshless: name and title of scenes without a mesh, which have pages of their own kind.
     """
     rows = []
     for study in studies:
@@ -439,7 +439,7 @@ def write_index(studies: Sequence[Study], folder: Path, command: str, planks: Se
         parts += [f"{_sentence(reuse_line(study))}\n"]
         count = len(left_out(study))
         parts += [f"Remarks on its page on what failed or was left out: {count}.\n"] if count else []
-    for name, title in planks:
-        parts += [f"## [{name}]({name}.md)\n", f"{title}: furniture has no mesh, and a study of its own kind.\n"]
+    for name, title in meshless:
+        parts += [f"## [{name}]({name}.md)\n", f"{title}: it has no mesh, and a study of its own kind.\n"]
         parts += [f"![{name}]({name}.png)\n"]
     (folder / "README.md").write_text("\n".join(parts), encoding="utf-8")

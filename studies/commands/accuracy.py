@@ -5,6 +5,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from restshape_studies.verification import verification
+
 from restshape.cli.options import add_json, add_set, check_output, open_json, print_table, require_mesh, write_json
 from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
@@ -87,13 +89,13 @@ def run(args: argparse.Namespace) -> int:
     make_folder(args.out)
     open_json(args)
     check_output(args.write, "--write")
-    records, studies, planks, sound = [], [], [], True
+    records, studies, meshless, sound = [], [], [], True
     command = command_of(args)
     for case in cases:
-        if has_planks(case):
-            made = planks_studied(args, case, command)
-            records += made.records
-            planks.append((case.name, made.scene.title))
+        if without_mesh := own_study(case):
+            found, title = without_mesh(case, announce, args.out, command)
+            records += found
+            meshless.append((case.name, title))
             write_json(args, finite(records))
             continue
         found = study(case, asked, announce)
@@ -109,7 +111,7 @@ def run(args: argparse.Namespace) -> int:
             sound = chosen["holds"] and sound
         print(f"wrote {args.out / case.name}.md and .png\n", flush=True)
     if len(studies) > 1:
-        write_index(studies, args.out, command, planks)
+        write_index(studies, args.out, command, meshless)
         print(f"wrote {args.out / 'README.md'}")
     return 0 if sound else 1
 
@@ -234,7 +236,7 @@ CHOICES = ("frames", "sizes", "orders", "tolerances", "policies", "within", "err
 
 
 def refuse_choices(args: argparse.Namespace, scene: Any) -> None:
-    """Makes sure that nothing about meshes is asked of a scene of planks.
+    """Makes sure that nothing about meshes is asked of a scene that has none.
 
     Raises:
         UserError: something is.
@@ -243,27 +245,11 @@ def refuse_choices(args: argparse.Namespace, scene: Any) -> None:
         require_mesh(scene, "its study takes none of the options about meshes, frames and picks")
 
 
-def has_planks(case: Any) -> bool:
-    """Tell whether the scene of a case is of planks."""
-    from restshape.application import application
+def own_study(case: Any) -> Any:
+    """The study of a scene without a mesh that its application brings; None where it is studied by its meshes."""
     from restshape.scene.load import load_scene
 
-    return application(load_scene(case.scene, case.overrides).app).planks
-
-
-def planks_studied(args: argparse.Namespace, case: Any, command: str) -> Any:
-    """The study of a scene of planks, after its page is written and told."""
-    from restshape_studies.accuracy.plank_page import HEADS, ROWS, write_plank_page
-    from restshape_studies.accuracy.planks import study_planks
-
-    found = study_planks(case, announce)
-    for kind, heads in HEADS.items():
-        rows = ROWS[kind](found)
-        if rows:
-            print_table(f"{case.name}: {kind}", heads, rows, right=heads)
-    write_plank_page(found, args.out, command)
-    print(f"wrote {args.out / case.name}.md and .png\n", flush=True)
-    return found
+    return verification(load_scene(case.scene, case.overrides).app).load_study()
 
 
 def make_folder(folder: Path) -> None:

@@ -28,15 +28,6 @@ PART_WHY = {
 }
 
 
-PLANK_WHY = {
-    "edit": "the script: reading an edit and closing joints",
-    "mesh": "the model of the piece as it is",
-    "observation": "quantities",
-    "record": "residual of each frame, off its time",
-}
-"""The same of furniture, which has neither an outline nor a mesh."""
-
-
 @dataclass(frozen=True)
 class Asked:
     """What is to be explained.
@@ -174,7 +165,7 @@ class Report:
         effects = [*self.plan.effects, *self.plan.implied]
         core = next((name for name in self.kept if not self._own(name)), next(iter(self.kept)))
         rows = [self._row(effect, core) for effect in effects]
-        measured, why = self.prices, PLANK_WHY if self.application.planks else PART_WHY
+        measured, why = self.prices, self.application.frame_parts(PART_WHY)
         for part in PARTS:
             if part == "solve":
                 continue

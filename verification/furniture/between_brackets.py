@@ -13,10 +13,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, Furniture
 from restshape_apps.furniture.pieces import bookshelf_20
-
-from restshape.physics.furniture import LOST, OVERLAPPING, Furniture
-from restshape.shape.planks import Piece, Plank, joints_near
+from restshape_apps.furniture.shape.planks import Piece, Plank, joints_near
 
 BRACKETS = ("bracket-1", "bracket-3")
 """The lower and the upper one, on one side of an upright board."""

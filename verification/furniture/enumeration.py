@@ -8,10 +8,10 @@ that works.
 from itertools import combinations as choose
 
 import numpy as np
+from restshape_apps.furniture.physics.furniture import ALL, Furniture
+from restshape_apps.furniture.shape.design_modes import DesignModes
 
 from restshape.guidance.force_space import LEAST_GAIN, LONGEST, ForceSpace
-from restshape.physics.furniture import ALL, Furniture
-from restshape.shape.design_modes import DesignModes
 
 DEPENDENT = 1e-5
 """Singular values, in parts of the largest, that count as none."""

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from restshape_apps.furniture.physics.fasteners import FASTENERS, WOODS, fastener, wood
+
 from restshape.errors import UserError
-from restshape.physics.fasteners import FASTENERS, WOODS, fastener, wood
 
 THICK = 0.018
 """Of both planks [m]."""

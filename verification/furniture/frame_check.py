@@ -4,10 +4,9 @@ import math
 from typing import Any
 
 import numpy as np
-
-from restshape.guidance.design import Idea, Way
-from restshape.guidance.furnishing import FurnitureAnalysis
-from restshape.physics.furniture import LOST, UNBALANCED, UNSTABLE, Furniture
+from restshape_apps.furniture.analysis.furnishing import FurnitureAnalysis
+from restshape_apps.furniture.guidance.design import Idea, Way
+from restshape_apps.furniture.physics.furniture import LOST, UNBALANCED, UNSTABLE, Furniture
 
 SHOWN = ("use", "margin", "missing", "sag", "bending_use")
 """Columns that have numbers, or none."""

@@ -1,8 +1,7 @@
 """A reference for forces in furniture: the least complementary energy in equilibrium, by one dense linear system."""
 
 import numpy as np
-
-from restshape.physics.furniture import Furniture
+from restshape_apps.furniture.physics.furniture import Furniture
 
 
 def least_energy(furniture: Furniture) -> tuple[np.ndarray, np.ndarray]:

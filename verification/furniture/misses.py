@@ -6,15 +6,15 @@ from itertools import combinations as choose
 from itertools import product
 
 import numpy as np
+from restshape_apps.furniture.guidance.suggestions import SHOWN, suggest
+from restshape_apps.furniture.physics.furniture import ALL, Furniture
 from restshape_apps.furniture.pieces import cantilever, scales, table
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import toppling
 
 from restshape.guidance.combination_search import Limits
 from restshape.guidance.force_space import LONGEST
-from restshape.guidance.suggestions import SHOWN, suggest
-from restshape.physics.furniture import ALL, Furniture
-from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import Piece
 
 POINTS = (201, 21, 9)
 """Along each mode of a grid of one mode, of pairs and of triples."""

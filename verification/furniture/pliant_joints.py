@@ -14,12 +14,11 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from restshape_apps.furniture.physics.fasteners import fastener, wood
+from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.pieces import SCENES, drawn
+from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import stretched
-
-from restshape.physics.fasteners import fastener, wood
-from restshape.physics.furniture import Compliance, Furniture
-from restshape.shape.planks import Piece
 
 RATIOS = (1.0, 10.0, 100.0, 1000.0)
 """Turn of a joint for each N m over its way for each N [1/m^2]; 1 is the thesis's."""

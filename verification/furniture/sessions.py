@@ -14,13 +14,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture, Verdict
 from restshape_apps.furniture.pieces import scales, shelf_1, shelf_2, table
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
 
 from restshape.guidance.ranges import valid_ranges
-from restshape.guidance.suggestions import suggest
-from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture, Verdict
-from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import FREEDOMS, Piece
 
 LOOKS = 5
 """How often one without feedback may ask for a simulation, as in section 6.6.2 of the thesis."""
@@ -109,7 +109,7 @@ def with_ranges(wanted: Piece) -> tuple[int, bool, Piece]:
         modes = DesignModes.of(now, furniture.kernel.freedoms())
         direction = modes.direction(np.array([k % len(modes)]), np.array([1.0]))
         edits, k = edits + 1, k + 1
-        intervals = valid_ranges(furniture, direction, -0.5, 0.5).intervals
+        intervals = valid_ranges(furniture.kernel, direction, -0.5, 0.5).intervals
         if len(intervals):
             low, high = intervals[np.argmin(np.abs(intervals).min(axis=1))]
             inside = low + INSIDE * (high - low) if low > 0.0 else high - INSIDE * (high - low)
@@ -143,7 +143,7 @@ def with_suggestions(wanted: Piece) -> tuple[int, bool, Piece]:
         found = suggest(furniture).found
         if not found:
             return edits - 1, False, now
-        now = min((one.piece(furniture) for one in found), key=lambda piece: distance(piece, wanted))
+        now = min((furniture.moved(one.gamma) for one in found), key=lambda piece: distance(piece, wanted))
     return MOST, False, now
 
 

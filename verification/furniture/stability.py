@@ -4,7 +4,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture
 from restshape_apps.furniture.pieces import PIECES, bookshelf, cantilever, shelf_1, stool_chair, table
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import Load, Piece, Plane
 from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool
 from restshape_studies.stability.case import Case, Statement, Trial, below, near, true
 from restshape_verification.furniture.stability_contacts import (
@@ -19,12 +24,7 @@ from restshape_verification.furniture.stability_contacts import (
     sliding_feet,
 )
 
-from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.guidance.ranges import valid_ranges
-from restshape.guidance.suggestions import suggest
-from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture
-from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import Load, Piece, Plane
 
 
 def zero_friction(trial: Trial) -> Iterator[Statement]:
@@ -41,7 +41,7 @@ def zero_friction(trial: Trial) -> Iterator[Statement]:
         yield true(f"a push of {push:g} N makes a block slide", falls(replace(block(0.2, 0.4, 0.0), pushes=(load,))))
     yield true("a steep ladder slides", falls(ladder(1.4, 0.0)))
     found = suggest(smooth).found
-    fresh = [Furniture(s.piece(smooth)).test().valid for s in found]
+    fresh = [Furniture(smooth.moved(s.gamma)).test().valid for s in found]
     yield true("suggestions hold in a test of their own", bool(found) and all(fresh), float(len(found)))
 
 
@@ -160,9 +160,9 @@ def sixty_planks(trial: Trial) -> Iterator[Statement]:
     )
     found = suggest(furniture)
     yield true("there are suggestions", 1 <= len(found.found) <= 8, float(len(found.found)))
-    fresh = [Furniture(one.piece(furniture)).test().valid for one in found.found]
+    fresh = [Furniture(furniture.moved(one.gamma)).test().valid for one in found.found]
     yield true("that hold in a test of their own", all(fresh))
-    ranges = valid_ranges(furniture, found.found[0].direction, -0.5, 0.5)
+    ranges = valid_ranges(furniture.kernel, found.found[0].direction, -0.5, 0.5)
     yield true("the range of the first holds where it is shown", ranges.holds(found.found[0].t))
 
 

@@ -4,14 +4,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.derivatives import stability_derivative
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
 from restshape_apps.furniture.pieces import shelf_1, stool_chair, table
+from restshape_apps.furniture.shape.planks import Foot, Load, Piece, Plane, Plank
 from restshape_apps.furniture.small_pieces import THIN, block, cantilever, ladder, mirrored, stool
 from restshape_studies.stability.case import Statement, Trial, below, near, true
-
-from restshape.guidance.suggestions import suggest
-from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
-from restshape.sensitivity.furniture import stability_derivative
-from restshape.shape.planks import Foot, Load, Piece, Plane, Plank
 
 G = 9.80665
 FINE = Compliance(least_overlap=1e-6)
@@ -57,7 +56,7 @@ def feet_in_a_line(trial: Trial) -> Iterator[Statement]:
     aside = Furniture(stool([(-0.4, 0.0), (0.4, 0.0)], (0.0, 0.05), 20.0), FINE)
     aside.test()
     found = suggest(aside).found
-    stands = [not Furniture(s.piece(aside), FINE).test().flaws & UNSTABLE for s in found]
+    stands = [not Furniture(aside.moved(s.gamma), FINE).test().flaws & UNSTABLE for s in found]
     yield true("what is suggested stands", bool(found) and all(stands), float(len(found)))
 
 

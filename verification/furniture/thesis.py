@@ -2,6 +2,9 @@
 
 from typing import Any
 
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.guidance.support_planks import support_planks
+from restshape_apps.furniture.physics.furniture import WEAK, Furniture
 from restshape_apps.furniture.pieces import cantilever
 from restshape_verification.furniture.times import (
     COLUMNS,
@@ -14,10 +17,6 @@ from restshape_verification.furniture.times import (
     timed,
 )
 from restshape_verification.furniture.validation_statics import gives_way, settled
-
-from restshape.analysis.plank_equilibrium import PlankEquilibrium
-from restshape.guidance.support_planks import support_planks
-from restshape.physics.furniture import WEAK, Furniture
 
 TABLE, FIGURE = "6.1", "figure 6.22"
 

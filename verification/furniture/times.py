@@ -6,17 +6,18 @@ from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.guidance.force_space import durability_space, stability_space
+from restshape_apps.furniture.guidance.suggestions import Suggestions, suggest
+from restshape_apps.furniture.guidance.support_planks import support_planks
+from restshape_apps.furniture.physics.furniture import UNSTABLE, Furniture
 from restshape_apps.furniture.pieces import bookshelf, bookshelf_20, piece_28, shelf_1, shelf_2
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import Piece
 
-from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.guidance.combination_search import Limits
-from restshape.guidance.force_space import combinations, durability_space, stability_space
+from restshape.guidance.force_space import combinations
 from restshape.guidance.ranges import predicted_ends, valid_ranges
-from restshape.guidance.suggestions import Suggestions, suggest
-from restshape.guidance.support_planks import support_planks
-from restshape.physics.furniture import UNSTABLE, Furniture
-from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import Piece
 
 
 @dataclass(frozen=True)
@@ -121,6 +122,6 @@ def dragged(piece: Piece, found: Suggestions) -> Time:
         furniture.test()
         modes = DesignModes(piece, found.modes.freedoms[part != 0.0], found.modes.unit)
         hints = predicted_ends(durability_space(furniture, modes), part[part != 0.0]) if len(modes) else None
-        valid_ranges(furniture, direction, -0.5, 0.5, hints=hints)
+        valid_ranges(furniture.kernel, direction, -0.5, 0.5, hints=hints)
 
     return timed(frame, 11)

@@ -2,12 +2,11 @@
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.pieces import cantilever
 from restshape_apps.furniture.small_pieces import bench, laid, nailed_along
 from restshape_studies.validation.case import Check
 from restshape_verification.furniture.validation_statics import FINE, G, settled
-
-from restshape.physics.plank_bending import plank_bending
 
 MDF, PINE = (2.5e9, 700.0), (11e9, 420.0)
 """E [Pa] and density [kg/m^3] of planks here, as EN 622-5 and EN 338 have them."""

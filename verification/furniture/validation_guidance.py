@@ -2,19 +2,20 @@
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_apps.furniture.guidance.force_space import durability_space, stability_space, whole_space
+from restshape_apps.furniture.guidance.searched_piece import SearchedPiece
+from restshape_apps.furniture.physics.derivatives import force_derivative
+from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, Furniture
 from restshape_apps.furniture.pieces import cantilever, chair, scales, shelf_1, shelf_2, stool_chair, table
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import FREEDOMS
 from restshape_studies.validation.case import Check
 from restshape_verification.furniture.enumeration import alone, apart, confirmed, distinct, rays
 from restshape_verification.furniture.misses import FIRST_ONLY, MANY, SMALL, UNLIMITED, Grid
 from restshape_verification.furniture.validation_statics import G, settled
 
 from restshape.guidance.combination_search import Search
-from restshape.guidance.force_space import durability_space, stability_space, whole_space
 from restshape.guidance.ranges import valid_ranges
-from restshape.physics.furniture import ALL, UNSTABLE, Furniture
-from restshape.sensitivity.furniture import force_derivative
-from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import FREEDOMS
 
 STEPS = np.array([4e-3, 2e-3, 1e-3])
 FIRST, SECOND = 1001, 1001
@@ -55,7 +56,7 @@ def range_ends(comm: PETSc.Comm) -> list[Check]:
     furniture = settled(cantilever(kilograms=0.9))
     modes = modes_of(furniture)
     number = next(k for k, (p, f) in enumerate(modes.freedoms) if p == 2 and FREEDOMS[f] == "length x")
-    ranges = valid_ranges(furniture, modes.direction(np.array([number]), np.array([1.0])), -0.3, 0.5)
+    ranges = valid_ranges(furniture.kernel, modes.direction(np.array([number]), np.array([1.0])), -0.3, 0.5)
     own, load, moment = 700.0 * 0.06 * 0.012 * G / 2, 0.9 * G, 5.2e3 * 0.02 * 3 * 0.006
     longest = (-load + np.sqrt(load**2 + 4 * own * moment)) / (2 * own)
     source = "W l + w l^2 / 2 = what its nails bear"
@@ -67,7 +68,7 @@ def range_ends(comm: PETSc.Comm) -> list[Check]:
         modes = modes_of(furniture)
         for number in np.random.default_rng(5).choice(len(modes), 5, replace=False):
             direction = modes.direction(np.array([number]), np.array([1.0]))
-            ends = valid_ranges(furniture, direction, -0.5, 0.5, samples=97).intervals.ravel()
+            ends = valid_ranges(furniture.kernel, direction, -0.5, 0.5, samples=97).intervals.ravel()
             for place in sampled_ends(furniture, direction):
                 away = float(np.abs(ends - place).min()) if len(ends) else np.inf
                 seen, met = seen + 1, met + (away <= 1e-3)
@@ -115,7 +116,7 @@ def enumerated(comm: PETSc.Comm) -> list[Check]:
             furniture.test()
             rest = confirmed(furniture, modes, rays(forces(furniture, modes), 3))
             expected = distinct(alone(furniture, modes) | rest)
-            search = Search(furniture, modes, forces, ALL, FIRST_ONLY)
+            search = Search(SearchedPiece(furniture, modes, forces), ALL, FIRST_ONLY)
             found = {one.modes for one in search.run(3, MANY)}
             what = f"{piece.name}, {'stability and joints' if forces is whole_space else 'one of both'}"
             source = "401 places of each mode, least squares of each combination of at most 3"

@@ -2,13 +2,12 @@
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.pieces import chair, shelf_1, stool_chair, table
 from restshape_studies.validation.case import Check
 from restshape_verification.furniture.least_energy import least_energy
 from restshape_verification.furniture.validation_statics import settled
-
-from restshape.analysis.plank_equilibrium import PlankEquilibrium
-from restshape.physics.furniture import Compliance, Furniture
 
 STIFF = 1e-12
 """Compliance at which displacements change no arm."""

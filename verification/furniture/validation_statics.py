@@ -5,12 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_apps.furniture.physics.furniture import UNSTABLE, WEAK, Compliance, Furniture
 from restshape_apps.furniture.pieces import cantilever
+from restshape_apps.furniture.shape.planks import Load, Piece
 from restshape_apps.furniture.small_pieces import bench, block, ladder, stool
 from restshape_studies.validation.case import Check
-
-from restshape.physics.furniture import UNSTABLE, WEAK, Compliance, Furniture
-from restshape.shape.planks import Load, Piece
 
 G = 9.80665
 FINE = Compliance(least_overlap=1e-6)

@@ -36,8 +36,11 @@ def check(args: argparse.Namespace) -> int:
     scene = read_scene(args)
     app = application(scene.app)
     effects = plan(scene, app)
-    if app.planks:
-        return check_planks(args, scene, effects)
+    title = f"{scene.path}: {scene.title}".rstrip(": ")
+    if app.session:
+        data, rows = app.checked(scene, effects)
+        print_table(title, ("what", "held"), rows)
+        return finish(args, scene, data)
     outline = starting_outline(scene)
     check_supports(scene, outline)
     check_thickness(scene, outline)
@@ -47,23 +50,8 @@ def check(args: argparse.Namespace) -> int:
         except UserError as error:
             raise scene.located(error) from error
     data = held(scene, effects, outline)
-    print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), described(scene, effects, outline))
+    print_table(title, ("what", "held"), described(scene, effects, outline))
     return finish(args, scene, data, outline)
-
-
-def check_planks(args: argparse.Namespace, scene: Scene, effects: Plan) -> int:
-    """The same for a piece of furniture, which has no outline."""
-    from restshape.cli.check_planks import described_piece, held_piece
-    from restshape.guidance.plank_session import PlankSession
-    from restshape.physics.plank_quantities import require_places
-
-    design = PlankSession(scene, Script.empty(scene)).design
-    try:
-        require_places(scene.quantities, design.piece)
-    except UserError as error:
-        raise scene.located(error) from error
-    print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), described_piece(scene, effects, design))
-    return finish(args, scene, held_piece(scene, effects, design))
 
 
 def finish(args: argparse.Namespace, scene: Scene, data: dict[str, Any], outline: Outline | None = None) -> int:

@@ -81,11 +81,11 @@ def require_mesh(scene: Scene, why: str) -> None:
     """Makes sure that a scene has a mesh.
 
     Raises:
-        UserError: it is of planks, for which the command has no meaning, as `why` tells.
+        UserError: its application needs none, and the command has no meaning for it, as `why` tells.
     """
-    if application(scene.app).planks:
+    if application(scene.app).session:
         do = "name a scene of another application; restshape replay tells times and residuals of this one"
-        raise UserError(f"a piece of furniture has no mesh: {why}", str(scene.path), do)
+        raise UserError(f"a scene of {scene.app!r} has no mesh: {why}", str(scene.path), do)
 
 
 def open_json(args: argparse.Namespace) -> None:

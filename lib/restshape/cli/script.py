@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from restshape.application import application
+from restshape.application import application, applications
 from restshape.cli.options import add_scene, check_output, read_scene, write_json
 
 if TYPE_CHECKING:
@@ -20,10 +20,11 @@ SUMMARY = "write an edit script from lines such as 'hole window by 0.8 0 in 160 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments of this command."""
-    from restshape.shape.compose import GRAMMAR, PLANK_GRAMMAR
+    from restshape.shape.compose import GRAMMAR
 
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    grammars = f"{GRAMMAR}\n\nof furniture:\n{PLANK_GRAMMAR}"
+    own = [f"of {name}:\n{app.lines.grammar}" for name, app in applications().items() if app.lines]
+    grammars = "\n\n".join([GRAMMAR, *own])
     parser.description = f"{SUMMARY}\n\n{grammars}\n\n60 frames are a second of edit time."
     add_scene(parser)
     parser.add_argument("lines", metavar="LINE", nargs="+", help="what to do, one edit an argument, in order")
@@ -52,10 +53,9 @@ def _composed(scene: Scene, args: argparse.Namespace) -> Composition:
     """The script that the lines describe."""
     from restshape.shape.compose import compose, composed
 
-    if application(scene.app).planks:
-        from restshape.guidance.compose_planks import PlankComposer
-
-        return composed(PlankComposer(scene), args.lines)
+    app = application(scene.app)
+    if app.lines:
+        return composed(app.composer()(scene), args.lines)
     return compose(scene, args.lines, args.seed, _imported_outline(scene))
 
 

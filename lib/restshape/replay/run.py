@@ -67,6 +67,8 @@ def run_replay(
                 raise
             interrupted = True
     summary = summarise(rows, request.policy.name, comm.size, replay.analysis.estimated) | {"interrupted": interrupted}
+    if request.application.report:
+        summary |= request.application.report.summarised(rows)
     if check:
         summary["parity"] = check.summary()
     return summary

@@ -8,7 +8,6 @@ from typing import Any
 from restshape.application import Application
 from restshape.scene.cloth_checks import check_cloth, formulas_of_bodies
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
-from restshape.scene.furniture_checks import check_furniture, refuse_furniture
 from restshape.scene.model import EdgeLoop, Load, Scene
 from restshape.scene.permits import may_name
 from restshape.scene.source import Source, suggestion
@@ -28,11 +27,19 @@ def check_scene(scene: Scene, application: Application, source: Source) -> None:
     Raises:
         UserError: the first thing that makes no sense.
     """
-    if application.planks:
+    if application.session:
         _check_parameters(scene, source)
-        check_furniture(scene, source)
-        return
-    refuse_furniture(scene, application, source)
+    else:
+        _check_shaped(scene, application, source)
+    if application.scene and application.scene.check:
+        application.scene.check(scene, source)
+
+
+def _check_shaped(scene: Scene, application: Application, source: Source) -> None:
+    """Checks a scene with an outline and a mesh."""
+    for key in ("material", "mesh"):
+        if key not in scene.model_fields_set:
+            raise source.error((key,), f"the key {key!r} is missing", "add it")
     _check_names(scene, source)
     _check_shape(scene, source)
     _check_parameters(scene, source)

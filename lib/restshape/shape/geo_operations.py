@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
-if TYPE_CHECKING:
-    from restshape.shape.geo_script import Script
+from restshape.shape.geo_numbers import Numbers
+from restshape.shape.geo_words import Cursor
 
 Entities = list[tuple[int, int]]
 BOOLEANS = {
@@ -18,7 +18,22 @@ BOOLEANS = {
 DIMENSIONS = {"Point": 0, "Curve": 1, "Line": 1, "Surface": 2}
 
 
-def operation(script: Script) -> Entities | None:
+class Drawing(Protocol):
+    """What operations need of a file that is being read: see `geo_script.Script`."""
+
+    gmsh: Any
+    cursor: Cursor
+    kernel: Any
+    numbers: Numbers
+
+    def synchronize(self) -> None:
+        """Puts what was drawn into gmsh's model."""
+
+    def made(self, line: int, make: Callable[..., Any], *arguments: Any) -> Any:
+        """What a call of gmsh gives."""
+
+
+def operation(script: Drawing) -> Entities | None:
     """What the operation that follows leaves as (dimension, tag); None where none follows.
 
     Raises:
@@ -38,7 +53,7 @@ def operation(script: Script) -> Entities | None:
     return entities
 
 
-def _boolean(script: Script, call: str, line: int) -> Entities:
+def _boolean(script: Drawing, call: str, line: int) -> Entities:
     """``BooleanDifference{ Surface{1}; Delete; }{ Surface{2}; Delete; }``, ``(tag) =`` may come first."""
     tag = -1
     if script.cursor.takes("("):
@@ -54,7 +69,7 @@ def _boolean(script: Script, call: str, line: int) -> Entities:
     return list(made)
 
 
-def _listed(script: Script) -> tuple[Entities, bool]:
+def _listed(script: Drawing) -> tuple[Entities, bool]:
     """The entities in the braces that follow, copied or moved first where these say so, and whether Delete is there."""
     cursor, found, delete = script.cursor, [], False
     cursor.expect("{")
@@ -79,21 +94,21 @@ def _listed(script: Script) -> tuple[Entities, bool]:
     return found, delete
 
 
-def _vector(script: Script) -> list[float]:
+def _vector(script: Drawing) -> list[float]:
     line, values = script.cursor.peek().line, script.numbers.list()
     if len(values) != 3:
         raise script.cursor.error(f"3 numbers are wanted here, not {len(values)}", "write {x, y, z}", line)
     return values
 
 
-def _translate(script: Script, line: int) -> Entities:
+def _translate(script: Drawing, line: int) -> Entities:
     by = _vector(script)
     entities, _ = _listed(script)
     script.made(line, script.kernel.translate, entities, *by)
     return entities
 
 
-def _rotate(script: Script, line: int) -> Entities:
+def _rotate(script: Drawing, line: int) -> Entities:
     """``Rotate {axis, centre, angle} { ... }``."""
     cursor = script.cursor
     cursor.expect("{")
@@ -108,7 +123,7 @@ def _rotate(script: Script, line: int) -> Entities:
     return entities
 
 
-def _dilate(script: Script, line: int) -> Entities:
+def _dilate(script: Drawing, line: int) -> Entities:
     """``Dilate {centre, factor} { ... }``."""
     cursor = script.cursor
     cursor.expect("{")
@@ -121,7 +136,7 @@ def _dilate(script: Script, line: int) -> Entities:
     return entities
 
 
-def _mirror(script: Script, line: int) -> Entities:
+def _mirror(script: Drawing, line: int) -> Entities:
     """``Symmetry {a, b, c, d} { ... }``: in the plane a x + b y + c z + d = 0."""
     plane = script.numbers.list()
     if len(plane) != 4:
@@ -131,7 +146,7 @@ def _mirror(script: Script, line: int) -> Entities:
     return entities
 
 
-def _copy(script: Script, line: int) -> Entities:
+def _copy(script: Drawing, line: int) -> Entities:
     entities, _ = _listed(script)
     return list(script.made(line, script.kernel.copy, entities))
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.shape.geo_model import gmsh_model, opened_by_gmsh
 from restshape.shape.soup import Curve
 
 LIMIT = 60.0
@@ -47,8 +48,6 @@ def curves_apart(path: Path) -> list[Curve]:
 
 def main() -> int:
     """Run the script named first, and write its curves, or what is wrong, into the file named second."""
-    from restshape.shape.geo import gmsh_model, opened_by_gmsh
-
     path, out = map(Path, sys.argv[1:])
     try:
         with gmsh_model(path) as gmsh:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from furniture_scenes import write_bench, write_edits
 from restshape_apps.furniture.pieces import cantilever, table
-from restshape_studies.accuracy import planks
-from restshape_studies.accuracy.planks import study_planks, unseen, wrong
 from restshape_studies.accuracy.study import Case
+from restshape_verification.furniture import plank_study as planks
+from restshape_verification.furniture.plank_study import study_planks, unseen, wrong
 
 from restshape.cli.main import main
 

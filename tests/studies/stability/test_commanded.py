@@ -75,6 +75,6 @@ def test_a_table_that_lacks_a_row_is_a_fault(tmp_path, example, monkeypatch):
 
 
 def test_a_message_that_cannot_be_printed_is_an_error(tmp_path, example, monkeypatch):
-    monkeypatch.setattr(replay, "print_summary", lambda summary: print("\udc80"))
+    monkeypatch.setattr(replay, "print_summary", lambda summary, application: print("\udc80"))
     with pytest.raises(UnicodeEncodeError):
         play(tmp_path, example)

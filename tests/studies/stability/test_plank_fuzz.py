@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 from drawn_scenes import look_at_drawn
 from furniture_scenes import write_bench, write_edits
+from restshape_apps.furniture.scene.plank_events import PLANK_EVENTS
 from restshape_studies.stability.fuzz import fuzz
 from restshape_studies.stability.strategies import scripts
 from restshape_verification.furniture.frame_check import plank_problem
@@ -13,7 +14,6 @@ from restshape_verification.furniture.random_scenes import SCENES
 from small_scenes import make_replay
 
 from restshape.application import application
-from restshape.scene.script import PLANK_EVENTS
 
 
 def test_nothing_breaks():
