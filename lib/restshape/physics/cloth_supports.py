@@ -10,7 +10,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.physics.laid import Laid
 from restshape.physics.places import facets_on, nodes_on
 from restshape.physics.sheet import Held
-from restshape.physics.values import Nodal
+from restshape.fem.values import Nodal
 from restshape.scene.model import Scene, Support
 
 AXES = "xyz"

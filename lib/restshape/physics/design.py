@@ -4,7 +4,7 @@ import numpy as np
 
 from restshape.physics.places import cells_on, nodes_on
 from restshape.physics.solid import LENGTH_RULE, FacetLoad, PlaneSolid
-from restshape.physics.values import Nodal, evaluate, rates
+from restshape.fem.values import Nodal, evaluate, rates
 
 
 def design_force(physics: PlaneSolid, x: np.ndarray, dX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

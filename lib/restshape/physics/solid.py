@@ -8,7 +8,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.physics.held import require_held
 from restshape.physics.places import cells_on, facets_on, nodes_on
 from restshape.physics.thickness import thickness_stretch
-from restshape.physics.values import Nodal, evaluate, varies
+from restshape.fem.values import Nodal, evaluate, varies
 from restshape.scene.model import Load, Material, Scene
 from restshape.scene.plan import Plan
 
