@@ -6,7 +6,7 @@ from scipy.sparse.linalg import spsolve
 from small_scenes import across, drag, make_replay, rows_of, write_script
 from vibrating import DAMPED, SHAKEN, dynamics, idle, textbook_newmark, tower
 
-from restshape.analysis.carry import project_velocity
+from restshape.analysis.velocity_projection import project_velocity
 from restshape.analysis.frequencies import lowest_modes
 from restshape.replay.parity import Parity
 

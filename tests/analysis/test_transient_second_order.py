@@ -5,7 +5,7 @@ import pytest
 from small_scenes import across, drag, make_replay, rows_of, write_script
 from vibrating import DAMPED, SHAKEN, dynamics, textbook_newmark, tower
 
-from restshape.analysis.carry import project_velocity
+from restshape.analysis.velocity_projection import project_velocity
 from restshape.analysis.frame import Frame
 from restshape.mesh.reconnect import Reconnection
 from restshape.replay.parity import Parity

@@ -10,7 +10,7 @@ from vibrating import dynamics, textbook_newmark, tower
 
 from restshape.application import application
 from restshape.errors import UserError
-from restshape.physics.dynamics import Ground, Rayleigh
+from restshape.physics.elasticity.dynamics import Ground, Rayleigh
 from restshape.scene.load import load_scene
 
 FOLDER = application("vibration").folder

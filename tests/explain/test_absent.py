@@ -16,7 +16,7 @@ from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag
 from restshape import _kernels
 from restshape.analysis.drape import DrapeAnalysis
 from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.static import StaticAnalysis
+from restshape.analysis.steady import StaticAnalysis
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import applications
 

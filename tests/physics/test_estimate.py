@@ -9,7 +9,7 @@ from restshape import _kernels
 from restshape.mesh.quadrature import collapsed
 from restshape.mesh.space import quadratic_basis
 from restshape.mesh.transfer import transfer
-from restshape.physics.estimate import SolidEstimate
+from restshape.fem.error_estimate import SolidEstimate
 from restshape.replay.still import still
 
 LINEAR = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])

@@ -6,7 +6,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
 from restshape import _kernels
-from restshape.physics.recovery import NodalStress
+from restshape.fem.recovery import NodalStress
 
 LAMBDA, MU = 1.3, 0.7
 HOOKE = np.array([LAMBDA, MU, 1.0, 0.0, 0.0])

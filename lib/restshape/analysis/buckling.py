@@ -18,13 +18,13 @@ from restshape.analysis.following import Following, upright
 from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.shown import Fields
-from restshape.analysis.static import StaticAnalysis
+from restshape.analysis.steady import StaticAnalysis
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
 from restshape.physics.geometric import GeometricStiffness
-from restshape.physics.quantities import Observer, area
+from restshape.physics.elasticity.quantities import Observer, area
 from restshape.policy import Policy
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan

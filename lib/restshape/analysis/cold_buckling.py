@@ -11,7 +11,7 @@ from restshape.algebra.gather import System, matrix_difference, whole_matrix
 from restshape.algebra.operator import Operator
 from restshape.mesh.mesh import Mesh
 from restshape.physics.geometric import GeometricStiffness
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 
 
 class Buckled(Protocol):

@@ -7,7 +7,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.gather import whole_vector
 from restshape.algebra.linear import LinearSolver
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 
 ENOUGH, DELAY, MOST = 1e-4, 4, 200
 """Share of the squared energy that so many successive steps together add at the end; steps at most."""

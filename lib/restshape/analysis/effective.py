@@ -6,8 +6,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.operator import Operator
-from restshape.physics.dynamics import Newmark
-from restshape.physics.vibrating import VibratingSolid
+from restshape.physics.elasticity.dynamics import Newmark
+from restshape.physics.elasticity.moving_solid import VibratingSolid
 
 
 class State(NamedTuple):

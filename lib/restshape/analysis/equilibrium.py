@@ -6,7 +6,7 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 
 
 class Equilibrium:

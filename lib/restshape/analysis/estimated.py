@@ -1,7 +1,7 @@
 """The error estimate of a solid with one displacement, made when it is first asked for."""
 
-from restshape.physics.estimate import SolidEstimate
-from restshape.physics.solid import PlaneSolid
+from restshape.fem.error_estimate import SolidEstimate
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 
 
 class Estimated:

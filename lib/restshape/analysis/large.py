@@ -4,9 +4,9 @@ import numpy as np
 
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
-from restshape.analysis.static import ROUND_OFF, StaticAnalysis
+from restshape.analysis.steady import ROUND_OFF, StaticAnalysis
 from restshape.analysis.transient import TransientAnalysis
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 from restshape.scene.model import Scene
 
 COLD = 1e-4

@@ -10,8 +10,8 @@ from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.analysis.effective import State
 from restshape.analysis.equilibrium import Equilibrium
-from restshape.physics.dynamics import Newmark
-from restshape.physics.vibrating import VibratingSolid
+from restshape.physics.elasticity.dynamics import Newmark
+from restshape.physics.elasticity.moving_solid import VibratingSolid
 
 
 class MotionEquations(Equilibrium):

@@ -25,7 +25,7 @@ from restshape.analysis.large import (
     vanishing,
 )
 from restshape.analysis.load_stepping import LoadPath, step_load
-from restshape.analysis.static import SCALE_SLACK, StaticAnalysis
+from restshape.analysis.steady import SCALE_SLACK, StaticAnalysis
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh

@@ -24,7 +24,7 @@ from restshape.analysis.newmark import MotionSystem
 from restshape.analysis.transient import TransientAnalysis
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
-from restshape.physics.vibrating import VibratingSolid
+from restshape.physics.elasticity.moving_solid import VibratingSolid
 from restshape.policy import Policy, policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

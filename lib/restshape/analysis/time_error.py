@@ -4,8 +4,8 @@ import numpy as np
 
 from restshape.analysis.correction import Operation, conjugate_steps, tangent_product
 from restshape.analysis.effective import State
-from restshape.physics.dynamics import Newmark
-from restshape.physics.vibrating import VibratingSolid
+from restshape.physics.elasticity.dynamics import Newmark
+from restshape.physics.elasticity.moving_solid import VibratingSolid
 
 
 def local_error(

@@ -11,7 +11,7 @@ from restshape.algebra.gather import System, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.stages import Stages
-from restshape.analysis.carry import project_velocity
+from restshape.analysis.velocity_projection import project_velocity
 from restshape.analysis.correction import preconditioner
 from restshape.analysis.effective import EffectiveSystem, State
 from restshape.analysis.estimated import Estimated
@@ -24,10 +24,10 @@ from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
-from restshape.physics.dynamics import Ground, Newmark
-from restshape.physics.motion import Motion, MotionObserver
-from restshape.physics.quantities import von_mises
-from restshape.physics.vibrating import VibratingSolid
+from restshape.physics.elasticity.dynamics import Ground, Newmark
+from restshape.physics.elasticity.motion import Motion, MotionObserver
+from restshape.physics.elasticity.quantities import von_mises
+from restshape.physics.elasticity.moving_solid import VibratingSolid
 from restshape.policy import Policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

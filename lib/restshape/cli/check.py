@@ -16,7 +16,7 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.sizing import refuse_endless
 from restshape.mesh.thickness import Thickness
-from restshape.physics.held import require_held
+from restshape.physics.elasticity.rigid_body_modes import require_held
 from restshape.scene.bodies import Body, Start
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.model import Load, Material, Scene, Support

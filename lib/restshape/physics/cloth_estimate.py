@@ -6,7 +6,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.physics.patch_curvature import PatchCurvature
-from restshape.physics.recovery import NodalStress
+from restshape.fem.recovery import NodalStress
 from restshape.physics.sheet import Sheet
 
 NO_KINDS = np.empty(0, dtype=np.int32)

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.physics.means import mean_over
-from restshape.physics.places import observed_nodes
-from restshape.physics.quantities import TAKES, area
+from restshape.fem.averages import mean_over
+from restshape.fem.entity_sets import observed_nodes
+from restshape.physics.elasticity.quantities import TAKES, area
 from restshape.physics.sheet import Sheet
 from restshape.scene.model import Quantity
 

@@ -5,10 +5,10 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from restshape import _kernels
-from restshape.physics.elasticity import plane_strain, plane_stress, stiffness_of
-from restshape.physics.estimate import NO_KINDS
+from restshape.physics.elasticity.stiffness import plane_strain, plane_stress, stiffness_of
+from restshape.fem.error_estimate import NO_KINDS
 from restshape.physics.oscillator import Oscillator, PlaneOscillator, PlateOscillator, SolidOscillator, plain_thickness
-from restshape.physics.recovery import NodalStress
+from restshape.fem.recovery import NodalStress
 
 COMPONENTS = [0, 1, 5, 2, 3, 4]
 """Rows of Voigt's order for stresses xx, yy, xy, zz, yz, xz."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from restshape import _kernels
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 
 
 class GeometricStiffness:

@@ -11,7 +11,7 @@ from restshape.mesh.extrude import Extrusion
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.plate import PlateMesh
 from restshape.mesh.space import LagrangeSpace, Reseat, reseated
-from restshape.physics.elasticity import (
+from restshape.physics.elasticity.stiffness import (
     FREE_SIDES,
     plane_params,
     plane_strain,
@@ -20,7 +20,7 @@ from restshape.physics.elasticity import (
     solid_params,
     stiffness_of,
 )
-from restshape.physics.places import nodes_on
+from restshape.fem.entity_sets import nodes_on
 from restshape.scene.expressions import Value
 from restshape.scene.model import Material, Scene
 

@@ -8,7 +8,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.physics.furniture import Forces, Geometry
 from restshape.physics.plank_words import beyond_reach
-from restshape.physics.quantities import TAKES
+from restshape.physics.elasticity.quantities import TAKES
 from restshape.scene.model import Quantity
 from restshape.scene.plank_quantities import ENDS, place_of
 from restshape.shape.plank_gaps import gap_at

@@ -17,10 +17,10 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.importer import read_mesh
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import Advance, MovingMesh
-from restshape.physics.quantities import areas
+from restshape.physics.elasticity.quantities import areas
 from restshape.policy import Policy
 from restshape.replay.columns import ESTIMATES
-from restshape.replay.foresight import Foresight
+from restshape.replay.prediction import Foresight
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.sessions import session_of

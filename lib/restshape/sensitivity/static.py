@@ -5,8 +5,8 @@ from typing import Protocol
 import numpy as np
 
 from restshape.errors import ReplayProblem
-from restshape.physics.design import design_force
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.elasticity.design import design_force
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 
 SLACK = 100.0
 """A derivative whose true residual is so many times what was asked for has been spoilt by rounding."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import ReplayProblem, UserError
-from restshape.physics.solid import SHAPES, PlaneSolid
+from restshape.physics.elasticity.plane_solid import SHAPES, PlaneSolid
 
 MASSES = {"consistent": "mass", "lumped": "lumped_mass"}
 CONVERGED = 1e-15

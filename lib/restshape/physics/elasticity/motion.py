@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.physics.dynamics import Inertia
-from restshape.physics.quantities import Observer
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.elasticity.dynamics import Inertia
+from restshape.physics.elasticity.quantities import Observer
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 from restshape.scene.model import Quantity
 
 

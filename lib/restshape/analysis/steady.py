@@ -19,8 +19,8 @@ from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
-from restshape.physics.quantities import Observer, von_mises
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.elasticity.quantities import Observer, von_mises
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 from restshape.policy import Policy
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan

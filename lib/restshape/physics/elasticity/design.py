@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from restshape.physics.places import cells_on, nodes_on
-from restshape.physics.solid import LENGTH_RULE, FacetLoad, PlaneSolid
+from restshape.fem.entity_sets import cells_on, nodes_on
+from restshape.physics.elasticity.plane_solid import LENGTH_RULE, FacetLoad, PlaneSolid
 from restshape.fem.values import Nodal, evaluate, rates
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.physics.dynamics import Inertia, Rayleigh
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.elasticity.dynamics import Inertia, Rayleigh
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 

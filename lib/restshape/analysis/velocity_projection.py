@@ -5,7 +5,7 @@ import numpy as np
 from restshape.mesh.quadrature import DEGREE_4
 from restshape.mesh.space import LagrangeSpace, quadratic_basis
 from restshape.mesh.transfer import Transfer
-from restshape.physics.dynamics import Inertia
+from restshape.physics.elasticity.dynamics import Inertia
 
 
 def project_velocity(old: Inertia, new: Inertia, v: np.ndarray) -> np.ndarray:

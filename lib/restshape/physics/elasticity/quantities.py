@@ -8,11 +8,11 @@ import numpy as np
 from restshape import _kernels
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
-from restshape.physics.goals import GoalDistance
-from restshape.physics.means import mean_over
-from restshape.physics.places import observed_nodes
-from restshape.physics.recovery import NodalStress
-from restshape.physics.solid import PlaneSolid
+from restshape.physics.elasticity.target_curves import GoalDistance
+from restshape.fem.averages import mean_over
+from restshape.fem.entity_sets import observed_nodes
+from restshape.fem.recovery import NodalStress
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 from restshape.scene.model import Quantity
 
 

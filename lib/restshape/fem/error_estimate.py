@@ -3,8 +3,8 @@
 import numpy as np
 
 from restshape import _kernels
-from restshape.physics.recovery import NodalStress
-from restshape.physics.solid import PlaneSolid
+from restshape.fem.recovery import NodalStress
+from restshape.physics.elasticity.plane_solid import PlaneSolid
 
 CARRIED = 1e-10
 """Strains below this share of the displacement over the body's size are rounding: where supports only carry it."""

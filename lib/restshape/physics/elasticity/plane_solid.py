@@ -5,9 +5,9 @@ import numpy as np
 from restshape import _kernels
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
-from restshape.physics.held import require_held
-from restshape.physics.places import cells_on, facets_on, nodes_on
-from restshape.physics.thickness import thickness_stretch
+from restshape.physics.elasticity.rigid_body_modes import require_held
+from restshape.fem.entity_sets import cells_on, facets_on, nodes_on
+from restshape.physics.elasticity.thickness import thickness_stretch
 from restshape.fem.values import Nodal, evaluate, varies
 from restshape.scene.model import Load, Material, Scene
 from restshape.scene.plan import Plan
