@@ -2,7 +2,7 @@
 
 import pytest
 
-from restshape.algebra.remainder import Remainder
+from restshape.algebra.forcing_terms import Remainder
 
 
 def test_a_step_tells_what_the_linear_model_left_over():

@@ -8,7 +8,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.gather import whole_vector
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.remainder import Remainder
+from restshape.algebra.forcing_terms import Remainder
 from restshape.errors import ReplayProblem
 
 Reason = PETSc.SNES.ConvergedReason

@@ -14,9 +14,9 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape_equations import ClothEquations
+from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.errors import ReplayProblem
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.sheet import Sheet
 
 NEAR = 1e-3
 """Residual over load at which Newton's method takes over."""

@@ -5,7 +5,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.sheet import Sheet
 
 HELD_UP = 0.02
 """Inertia of the tangent of descents, over that of a pendulum as long as the cloth, g/L: without any, cloth that lies
