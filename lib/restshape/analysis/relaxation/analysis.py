@@ -416,12 +416,10 @@ class DrapeAnalysis:
         """
         cold = self._rest(self._cold_sheet(), self.scene, "drape_cold_")
         cold.begin()
-        self.rest.newton.current = cold.newton.current = False
         warm, fresh = (whole_matrix(rest.newton.tangent(self.x), self.comm) for rest in (self.rest, cold))
         x = self.x.copy()
         cold.goal = FARTHER * self.tolerance
         found = cold.polish(x, Arrival())
-        cold.newton.current = False
         # Loose cloth turns on its way; the mean of both tangents is good to third order.
         mean = 0.5 * (fresh + whole_matrix(cold.newton.tangent(x), self.comm))
         forces = (mean @ (self.x - x).ravel()).reshape(x.shape) * self.sheet.free
