@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.analysis.following import Following
+from restshape.analysis.mode_tracking import Following
 
 
 def followed(before, after):

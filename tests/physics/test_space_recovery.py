@@ -5,7 +5,7 @@ import pytest
 from modal import SCENES
 
 from restshape import _kernels
-from restshape.physics.estimate_modes import estimate_of
+from restshape.physics.elasticity.mode_estimate import estimate_of
 from restshape.replay.still import still
 
 FISH = np.array([614.35, 1154.05, 1676.04, 2382.29, 3191.95])

@@ -13,8 +13,8 @@ from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.analysis.cold_buckling import cold_differences
 from restshape.analysis.correction import correction, largest_values, preconditioner
-from restshape.analysis.counted import Counted
-from restshape.analysis.following import Following, upright
+from restshape.analysis.verified_shape import Counted
+from restshape.analysis.mode_tracking import Following, upright
 from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.shown import Fields
@@ -23,7 +23,7 @@ from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
-from restshape.physics.geometric import GeometricStiffness
+from restshape.physics.elasticity.geometric_stiffness import GeometricStiffness
 from restshape.physics.elasticity.quantities import Observer, area
 from restshape.policy import Policy
 from restshape.scene.model import Quantity, Scene

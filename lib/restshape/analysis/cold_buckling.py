@@ -10,7 +10,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from restshape.algebra.gather import System, matrix_difference, whole_matrix
 from restshape.algebra.operator import Operator
 from restshape.mesh.mesh import Mesh
-from restshape.physics.geometric import GeometricStiffness
+from restshape.physics.elasticity.geometric_stiffness import GeometricStiffness
 from restshape.physics.elasticity.plane_solid import PlaneSolid
 
 

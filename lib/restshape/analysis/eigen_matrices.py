@@ -12,8 +12,8 @@ from restshape.algebra.gather import matrix_difference, whole_matrix
 from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.operator import Operator
 from restshape.algebra.pencil import Deflation, Pencil
-from restshape.physics.bodies import oscillator
-from restshape.physics.oscillator import Oscillator
+from restshape.physics.vibrating_bodies import oscillator
+from restshape.physics.elasticity.vibrating_body import Oscillator
 
 if TYPE_CHECKING:
     from restshape.analysis.modal import ModalAnalysis

@@ -11,9 +11,9 @@ from restshape.algebra.gather import whole_matrix
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import Stages
 from restshape.analysis.correction import largest_values
-from restshape.analysis.counted import Counted
+from restshape.analysis.verified_shape import Counted
 from restshape.analysis.eigen_matrices import assembled, cold_differences, operators_of
-from restshape.analysis.following import Following, upright
+from restshape.analysis.mode_tracking import Following, upright
 from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.modal_quantities import modal_quantity
@@ -24,10 +24,10 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.mesh.transfer import transfer
-from restshape.physics.bodies import oscillator
-from restshape.physics.estimate_modes import ModeEstimate, estimate_of
-from restshape.physics.oscillator import Oscillator
-from restshape.physics.pitch import note
+from restshape.physics.vibrating_bodies import oscillator
+from restshape.physics.elasticity.mode_estimate import ModeEstimate, estimate_of
+from restshape.physics.elasticity.vibrating_body import Oscillator
+from restshape.physics.elasticity.pitch import note
 from restshape.policy import Policy
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan

@@ -7,8 +7,8 @@ import numpy as np
 
 from restshape.analysis.modal import ModalAnalysis
 from restshape.errors import ReplayProblem, UserError
-from restshape.physics.bodies import oscillator
-from restshape.physics.oscillator import Oscillator
+from restshape.physics.vibrating_bodies import oscillator
+from restshape.physics.elasticity.vibrating_body import Oscillator
 from restshape.scene.load import revise
 from restshape.sensitivity.modal import known_modes, rates
 

@@ -7,7 +7,7 @@ import numpy as np
 from restshape import _kernels
 from restshape.physics.elasticity.stiffness import plane_strain, plane_stress, stiffness_of
 from restshape.fem.error_estimate import NO_KINDS
-from restshape.physics.oscillator import Oscillator, PlaneOscillator, PlateOscillator, SolidOscillator, plain_thickness
+from restshape.physics.elasticity.vibrating_body import Oscillator, PlaneOscillator, PlateOscillator, SolidOscillator, plain_thickness
 from restshape.fem.recovery import NodalStress
 
 COMPONENTS = [0, 1, 5, 2, 3, 4]

@@ -2,7 +2,7 @@
 
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
-from restshape.physics.oscillator import Oscillator, PlaneOscillator, PlateOscillator, SolidOscillator
+from restshape.physics.elasticity.vibrating_body import Oscillator, PlaneOscillator, PlateOscillator, SolidOscillator
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
