@@ -49,7 +49,7 @@ def beside(
 
 def plate_unit(analysis: ModalAnalysis, length: float) -> float:
     """sqrt(D / (rho h)) / (2 pi length^2) [Hz] of the scene's only material."""
-    m = next(iter(analysis.scene.material.values()))
+    m = next(iter(analysis.state.scene.material.values()))
     D = m.E * m.thickness**3 / (12 * (1 - m.nu**2))
     return float(np.sqrt(D / (m.rho * m.thickness)) / (2 * np.pi * length**2))
 
@@ -117,7 +117,7 @@ def grain(comm: PETSc.Comm) -> list[Check]:
 
 def navier(analysis: ModalAnalysis, a: float, b: float, across: bool) -> list[float]:
     """The lowest frequencies [Hz] of a thin, simply supported plate a x b, from its material's constants."""
-    m = next(iter(analysis.scene.material.values()))
+    m = next(iter(analysis.state.scene.material.values()))
     (E1, E2, _), (nu12, *_), (G12, *_) = m.orthotropic.E, m.orthotropic.nu, m.orthotropic.G
     if across:
         a, b = b, a

@@ -27,7 +27,7 @@ class Moved:
     """Full solves with the nodes of the plane mesh moved along a smooth direction."""
 
     def __init__(self, analysis):
-        self.analysis, self.plane = analysis, analysis.mesh
+        self.analysis, self.plane = analysis, analysis.space
         self.X = self.plane.X.copy()
         length = np.ptp(self.X[:, 0])
         x, y = self.X.T / length
@@ -42,7 +42,7 @@ class Moved:
             mesh.X[...] = self.plane.X[self.plane.corner_number]
         mesh.geometry += 1
         analysis = self.analysis
-        analysis.solve(Frame(self.plane, NO_CELLS, None, analysis.scene, (None, (0.0, 0.0))))
+        analysis.solve(Frame(self.plane, NO_CELLS, None, analysis.state.scene, (None, (0.0, 0.0))))
         return analysis.values.copy(), analysis.modes.copy(), analysis.frequencies.copy()
 
 
@@ -67,7 +67,7 @@ def test_remainder_of_modes_is_of_second_order(model):
     wanted = analysis.chosen.copy()
     remainders = []
     for h in (1e-3, 5e-4):
-        analysis.accept(x + h * s)
+        analysis.predictor.set_values(x + h * s)
         predicted = analysis.modes
         modes = moved.solve(h)[1]
         remainders.append(np.linalg.norm(modes[wanted] - predicted[wanted], axis=1))
@@ -85,7 +85,7 @@ def test_predicted_pair_opens_as_the_full_solve_does():
     motion = np.stack([moved.direction, 0 * moved.direction])
     x = analysis.x.copy()
     s = modal_derivative(analysis, motion, 1e-9)[0]
-    analysis.accept(x + 0.01 * s)
+    analysis.predictor.set_values(x + 0.01 * s)
     predicted = analysis.frequencies[1:3].copy()
     full = moved.solve(0.01)[2][1:3]
     opened = full[1] - full[0]
@@ -144,7 +144,7 @@ def test_a_pair_is_not_cut(size):
     together = [frequency_derivatives(plate.analysis, velocity, CLUSTER) for plate in plates]
     assert together[0] == pytest.approx(together[1][:4], rel=1e-6)
     x, motion = four.analysis.x.copy(), np.stack([four.direction, 0 * four.direction])
-    four.analysis.accept(x + 0.005 * modal_derivative(four.analysis, motion, 1e-9)[0])
+    four.analysis.predictor.set_values(x + 0.005 * modal_derivative(four.analysis, motion, 1e-9)[0])
     predicted, before = four.analysis.frequencies[3], five.analysis.frequencies
     full = five.solve(0.005)[2]
     assert full[4] - full[3] > 10 * (before[4] - before[3])
@@ -155,7 +155,7 @@ def test_a_pair_is_not_cut(size):
 @pytest.mark.parametrize("model", ["tet4", "tet10", "plate"])
 def test_rigid_motions_change_nothing(model):
     analysis = solved(model)
-    X = analysis.mesh.X
+    X = analysis.space.X
     turn = np.column_stack([-X[:, 1], X[:, 0]])
     for motion in (np.ones_like(X), turn):
         rates = frequency_derivatives(analysis, analysis.body.motion(motion[None])[0])
@@ -179,7 +179,7 @@ def test_nodal_gradient_is_what_all_directions_give(model):
 def test_gradient_of_the_corners_is_the_derivative_along_a_motion_of_them(model):
     analysis = solved(model)
     moved = Moved(analysis)
-    plane = analysis.mesh
+    plane = analysis.space
     mesh = getattr(plane, "mesh", plane)
     direction = moved.direction if mesh is plane else moved.direction[plane.corner_number]
     if mesh is not plane:
@@ -193,7 +193,7 @@ def test_density_on_the_ends_of_a_bar_is_that_of_its_length():
     analysis = solved("plate", 'mesh.size="4 mm"')
     density = outline_density(analysis, int(analysis.chosen[0]))
     f, length, width = analysis.frequencies[0], 0.1, 0.03
-    X = (analysis.mesh.X)[density.nodes]
+    X = (analysis.space.X)[density.nodes]
     right = np.isclose(X[:, 0], length)
     # f ~ 1/L^2 in bending: what moving the end along x does is the integral of its density.
     along = np.where(np.isclose(X[:, 1], 0.0) | np.isclose(X[:, 1], width), 0.5, 1.0)

@@ -17,8 +17,8 @@ PLATE = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="10 mm
 @pytest.mark.parametrize("model", SMALL)
 def test_modulus_and_density_as_homogeneity_wants_them(model):
     analysis = solved(model)
-    (name,) = analysis.scene.material
-    material, f = analysis.scene.material[name], analysis.frequencies
+    (name,) = analysis.state.scene.material
+    material, f = analysis.state.scene.material[name], analysis.frequencies
     assert material.E * parameter_derivatives(analysis, f"material.{name}.E") == pytest.approx(0.5 * f, rel=1e-7)
     assert material.rho * parameter_derivatives(analysis, f"material.{name}.rho") == pytest.approx(-0.5 * f, rel=1e-7)
 

@@ -17,7 +17,7 @@ from restshape.analysis.verified_shape import Counted
 from restshape.analysis.mode_tracking import Following, upright
 from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import largest_difference
-from restshape.analysis.shown import Fields
+from restshape.fem.problem import Fields
 from restshape.analysis.steady import StaticAnalysis
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError

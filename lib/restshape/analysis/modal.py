@@ -17,7 +17,7 @@ from restshape.analysis.mode_tracking import Following, upright
 from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.modal_quantities import modal_quantity
-from restshape.analysis.shown import Fields
+from restshape.fem.problem import Fields
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError

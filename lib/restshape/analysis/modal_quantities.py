@@ -5,7 +5,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
-from restshape.physics.elasticity.quantities import area
+from restshape.fem.quantity import area
 from restshape.scene.model import Quantity
 
 

@@ -151,7 +151,7 @@ def measure(request: Request) -> Row:
     contest, size = Contest(request), None
     for row in replay.frames():
         analysis = replay.analysis
-        now = (id(analysis.mesh), analysis.unknowns, analysis.count)
+        now = (id(analysis.space), analysis.unknowns, analysis.count)
         if row["refused"] or not row["level"]:
             continue
         if now != size:

@@ -8,7 +8,7 @@ from restshape import _kernels
 from restshape.physics.elasticity.stiffness import plane_strain, plane_stress, stiffness_of
 from restshape.fem.error_estimate import NO_KINDS
 from restshape.physics.elasticity.vibrating_body import Oscillator, PlaneOscillator, PlateOscillator, SolidOscillator, plain_thickness
-from restshape.fem.recovery import NodalStress
+from restshape.fem.recovery import NodalFlux
 
 COMPONENTS = [0, 1, 5, 2, 3, 4]
 """Rows of Voigt's order for stresses xx, yy, xy, zz, yz, xz."""
@@ -44,7 +44,7 @@ class PlaneModeEstimate(ModeEstimate):
 
     def __init__(self, body: PlaneOscillator) -> None:
         super().__init__(body)
-        self.recovery = NodalStress(body.mesh)
+        self.recovery = NodalFlux(body.mesh)
         law = plane_stress if body.stress else plane_strain
         self._compliance = np.zeros((len(body.materials), 4, 4))
         for row, m in zip(self._compliance, body.materials):
@@ -104,7 +104,7 @@ class PlateModeEstimate(ModeEstimate):
 
     def __call__(self, modes: np.ndarray) -> np.ndarray:
         mesh, found = self.body.mesh, []
-        X, recovery = np.ascontiguousarray(mesh.X[:, :2]), NodalStress(self.body.plane)
+        X, recovery = np.ascontiguousarray(mesh.X[:, :2]), NodalFlux(self.body.plane)
         rows, kinds = recovery.cell_rows(), np.arange(len(mesh.cells), dtype=np.int32)
         thickness = mesh.X[mesh.cells, 2].mean(axis=1)
         compliance = np.zeros((len(kinds), 4, 4))
