@@ -110,8 +110,8 @@ def test_large_strains_against_a_fine_mesh(overrides, least):
     """Green's strain of Turek and Hron's beam, which bends far; the fine mesh has a fifth of the error or less."""
     fine = still(SCENES / "csm1.toml", ["mesh.size=0.004", "mesh.near.a=1e-3", "mesh.near.d=1e-3"]).analysis
     coarse = still(SCENES / "csm1.toml", overrides).analysis
-    there = transfer(coarse.mesh, fine.mesh, coarse.x)
-    ratio = coarse.estimate() / fine.estimator_of(fine.physics).distance(there, fine.x)
+    there = transfer(coarse.space, fine.space, coarse.x)
+    ratio = coarse.errors()["estimate"] / fine.error_estimate.distance(there, fine.x)
     assert least < ratio < 1.3
 
 
@@ -120,11 +120,11 @@ def test_mean_dilatation_against_a_fine_mesh():
     rubber = ["material.unit.nu=0.4999", "effects.solid.model=plane_strain"]
     fine = still(SCENES / "cook.toml", [*rubber, "mesh.size=1.5"]).analysis
     coarse = still(SCENES / "cook.toml", [*rubber, "mesh.size=6"]).analysis
-    assert coarse.physics.element.name == "linear_elastic_dilatation_tri6"
-    of, at = fine.estimator_of(fine.physics), coarse.estimator_of(coarse.physics)
-    nodal = transfer(fine.mesh, coarse.mesh, of.recovery(of._stress(fine.x, of.recovery.points)))
-    error, size = at._energies(coarse.mesh.cells, np.ascontiguousarray(nodal), at._stress(coarse.x, at._points))
-    assert coarse.estimate() / np.sqrt(error / size) == pytest.approx(1.0, abs=0.15)
+    assert coarse.problem.element.name == "linear_elastic_dilatation_tri6"
+    of, at = fine.error_estimate, coarse.error_estimate
+    nodal = transfer(fine.space, coarse.space, of.recovery(of.flux(fine.x, of.recovery.points)))
+    error, size = at._energies(coarse.space.cells, np.ascontiguousarray(nodal), at.flux(coarse.x, at._points))
+    assert coarse.errors()["estimate"] / np.sqrt(error / size) == pytest.approx(1.0, abs=0.15)
 
 
 def test_energies_of_a_linear_field_are_exact():
