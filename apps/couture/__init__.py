@@ -191,7 +191,7 @@ application = Application(
     },
     implied=CLOTH,
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.drape:DrapeAnalysis",
+    analysis="restshape.analysis.relaxation.analysis:DrapeAnalysis",
     thesis="restshape_apps.couture.thesis:rows",
     validation="restshape_apps.couture.validation:CASES",
     stability="restshape_apps.couture.stability:CASES",

@@ -23,14 +23,14 @@ from petsc4py import PETSc
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape_equations import ClothEquations
-from restshape.analysis.rest import DRAGGED, Arrival, Rest
+from restshape.analysis.relaxation.equations import ClothEquations
+from restshape.analysis.relaxation.equilibrium import DRAGGED, Arrival, Rest
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
-from restshape.physics.cloth_scene import SheetArguments, sheet_arguments, sheet_of
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.scene import SheetArguments, sheet_arguments, sheet_of
+from restshape.physics.cloth.sheet import Sheet
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 from restshape.shape.outline import Outline

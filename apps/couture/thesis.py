@@ -14,8 +14,8 @@ from petsc4py import PETSc
 
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.drape_equations import ClothEquations
+from restshape.analysis.relaxation.analysis import DrapeAnalysis
+from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.replay.still import still
 
 SCENES = Path(__file__).parent / "scenes"

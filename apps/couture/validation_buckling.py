@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.rest import Arrival
+from restshape.analysis.relaxation.analysis import DrapeAnalysis
+from restshape.analysis.relaxation.equilibrium import Arrival
 from restshape.replay.still import still
 from restshape.validation.case import Check
 

@@ -7,8 +7,8 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.rest import Arrival
+from restshape.analysis.relaxation.analysis import DrapeAnalysis
+from restshape.analysis.relaxation.equilibrium import Arrival
 from restshape.replay.still import still
 from restshape.validation.case import Check
 

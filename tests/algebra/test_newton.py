@@ -5,7 +5,8 @@ import pytest
 from petsc4py import PETSc
 
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.newton import INDEFINITE, MOST_SEARCHED, Newton
+from restshape.algebra.newton import Newton
+from restshape.algebra.newton_convergence import INDEFINITE, MOST_SEARCHED
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 
@@ -20,7 +21,7 @@ class System:
         self.r, self.jacobian, self.of = r, jacobian, energy
         self.potential, self.held = energy is not None, np.empty(0, dtype=np.int64)
         self.mat: PETSc.Mat | None = None
-        self.tangents = self.residuals = 0
+        self.tangents = self.residuals = self.version = 0
 
     def residual(self, x, out):
         self.residuals += 1

@@ -11,7 +11,7 @@ from restshape import _kernels
 from restshape.algebra.descent import Descent
 from restshape.application import application
 from restshape.errors import UserError
-from restshape.physics.contact import Contact
+from restshape.physics.cloth.contact import Contact
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
 from restshape.stability.case import Trial

@@ -195,10 +195,10 @@ class LinearSolver:
             self.projection.keep(x)
         return LinearReport(iterations, not stale, self.age, self.name)
 
-    def reseat(self, reseat: Callable[[np.ndarray], np.ndarray]) -> None:
-        """Take solutions of before where their nodes are now, by a function of fields (n, 2)."""
+    def interpolate(self, interpolate: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Take solutions of before where their nodes are now, by a function of rows (n f,) of all unknowns."""
         if self.projection:
-            self.projection.reseat(reseat)
+            self.projection.interpolate(interpolate)
 
     def prepare(self, mat: PETSc.Mat, new_system: bool, uses: int, patched: bool = False) -> bool:
         """Whether this matrix now has a complete factor of its own, for `apply`; made if its uses are worth it.

@@ -67,13 +67,13 @@ class Projection:
         # Where nothing has moved, the place serves the next increment.
         self.count += self.step_vectors[place].norm() > 0.0
 
-    def reseat(self, reseat: Callable[[np.ndarray], np.ndarray]) -> None:
-        """Take solutions where their nodes are now, by a function of fields (n, 2); several ranks forget them."""
+    def interpolate(self, interpolate: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Take solutions where their nodes are now, by a function of rows (n f,); several ranks forget them."""
         if self.comm.size > 1 or self.last is None:
             self.restart()
             return
         for row, vector in zip((self.last, *self.steps), (None, *self.step_vectors)):
-            row[:] = reseat(row.reshape(-1, 2)).ravel()
+            row[:] = interpolate(row)
             if vector:
                 vector.stateIncrease()
 

@@ -26,11 +26,26 @@ class Equilibrium:
         self.dead, self.rest = np.zeros_like(physics.mesh.X), np.zeros_like(physics.mesh.X)
         self.free = np.where(physics.mask.reshape(self.dead.shape), 0.0, 1.0)
         # The part of the pressures that is on: they follow the boundary, so that no dead load takes them away.
-        self.pressed = 1.0
+        self._pressed, self._changes = 1.0, 0
         self._own: tuple[int, np.ndarray | None] = (-1, None)
+
+    @property
+    def version(self) -> tuple[int, int]:
+        """Another one whenever forces or tangent may be others at the same displacement."""
+        return self._changes, self.operator.version
+
+    @property
+    def pressed(self) -> float:
+        """The part of the pressures that is on."""
+        return self._pressed
+
+    @pressed.setter
+    def pressed(self, part: float) -> None:
+        self._pressed, self._changes = part, self._changes + 1
 
     def begin(self) -> None:
         """Evaluate the dead loads on the mesh as it lies now."""
+        self._changes += 1
         physics = self.physics
         if physics.tractions or physics.forces or physics.nodal_bodies:
             physics.loads(self.dead)

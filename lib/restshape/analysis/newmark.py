@@ -53,6 +53,7 @@ class MotionEquations(Equilibrium):
         step, body, inertia, v = self.newmark, self.body, self.body.inertia, state.v
         self.before = state.y + self.physics.prescribed
         self.dead = self.applied
+        self._changes += 1
         # The forces of inertia, M a, before the step.
         forces = -self.whole_residual(self.before) - body.damping(v)
         if shaking.any():
@@ -147,7 +148,6 @@ class MotionSystem:
     @property
     def mass(self) -> Operator:
         """An operator on the cells, for other matrices; the tangent is lost."""
-        self.newton.current = False
         return self.operator
 
     def bind(self, body: VibratingSolid, newmark: Newmark) -> None:

@@ -8,7 +8,8 @@ from petsc4py import PETSc
 from restshape.algebra.gather import System, whole_matrix
 from restshape.algebra.linear import COMPLETE, LinearSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.newton import INDEFINITE, Newton, Outcome
+from restshape.algebra.newton import Newton
+from restshape.algebra.newton_convergence import INDEFINITE, Outcome
 from restshape.algebra.stages import Stages
 from restshape.analysis.buckling import BucklingAnalysis
 from restshape.analysis.equilibrium import Equilibrium
@@ -108,7 +109,6 @@ class NonlinearStatic(StaticAnalysis):
         """Take displacements x (n, 2) [m] for those of the mesh as it lies now, without a solve."""
         super().accept(x)
         self.equations.begin()
-        self.newton.current = False
         self.left_over = 0.0
 
     def row(self) -> dict[str, str]:
@@ -183,7 +183,7 @@ class NonlinearStatic(StaticAnalysis):
             held = (1.0 - part) * start.ravel() + part * prescribed
             x.ravel()[constrained] = held[constrained]
             if at_rest and equations.pressed != part:
-                equations.pressed, self.newton.current = part, False
+                equations.pressed = part
 
         steps = self.plan.settings("large_deformation").load_steps
         try:
@@ -220,7 +220,6 @@ class NonlinearStatic(StaticAnalysis):
 
     def _settled(self, report: LinearReport) -> LinearReport:
         """The report of a frame at the end of a drag, whose equilibrium is stable, as it was believed to be."""
-        self.newton.current = False
         if self.newton.definite(self.x):
             self.believed = self.frames = 0
             return replace(report, refreshed=self._told, age=0) if self._told else report
@@ -266,7 +265,6 @@ class NonlinearStatic(StaticAnalysis):
         none = np.empty(0, dtype=np.int32)
         cold.solve(Frame(self.mesh, none, None, self.scene, (None, (0.0, 0.0))))
         solution = cold.x.ravel().copy()
-        cold.newton.current = False
         matrix = whole_matrix(cold.newton.tangent(self.x), self.comm)
         cold.newton.destroy()
         return System(matrix, solution)

@@ -185,7 +185,6 @@ class NonlinearTransient(TransientAnalysis):
         """The tangent and the solution of the last step as they stand, whole on every rank."""
         solution = np.zeros(self.x.size) if self.unsolved else self.state.y.ravel().copy()
         newton = self.system_now.newton
-        newton.current = False
         return System(whole_matrix(newton.tangent(self.x), self.comm), solution)
 
     def cold_system(self) -> System:
@@ -210,7 +209,6 @@ class NonlinearTransient(TransientAnalysis):
             newton.begin(True, False, cold.places)
             newton.solve(x, solver.tolerance * self.scale, self.scale, rounding=rounding(body.solid))
             solution = x - body.solid.prescribed
-        newton.current = False
         matrix = whole_matrix(newton.tangent(self.x), self.comm)
         solver.ksp.destroy()
         return System(matrix, solution.ravel())

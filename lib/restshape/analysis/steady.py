@@ -1,27 +1,31 @@
-"""Linear solids at rest: one solve a frame, reusing pattern, factor and solution of the frames before."""
+"""Linear problems without time: one solve a frame, reusing pattern, factor and solution of the frames before."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from scipy.sparse.linalg import spsolve
 
 from restshape.algebra.gather import System, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator
-from restshape.algebra.stages import Stages
+from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.comparison import compared
 from restshape.analysis.correction import correction
-from restshape.analysis.estimated import Estimated
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
-from restshape.analysis.shown import DisplacedSolid
+from restshape.analysis.linear_system import LinearSystem, auxiliary_solve
+from restshape.analysis.steady_predictor import SteadyPredictor
 from restshape.application import application
-from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
-from restshape.mesh.mesh import Mesh
+from restshape.fem.assembled import Assembled
+from restshape.fem.balance import dead_loads, energy, internal_norm, residual_norm
+from restshape.fem.error_estimate import RecoveryEstimate
+from restshape.fem.problem import INTERNAL, Fields, Problem
+from restshape.fem.quantity import Observer
+from restshape.fem.space import Space
 from restshape.mesh.transfer import transfer
-from restshape.physics.elasticity.quantities import Observer, von_mises
-from restshape.physics.elasticity.plane_solid import PlaneSolid
-from restshape.policy import Policy
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
@@ -33,295 +37,339 @@ ROUND_OFF = 1e-13
 """A residual below this share of the right side is rounding, as where supports only carry the body somewhere else."""
 
 
-class StaticAnalysis(Estimated, DisplacedSolid):
-    """The equilibrium of a linear elastic solid, frame after frame.
+@dataclass(frozen=True, eq=False)
+class SteadyState:
+    """A solution, and what it was found with.
+
+    Args:
+        plan: which effects are on.
+        scene: whose values it is for; None before the first solution.
+        problem: of that scene on its space.
+        system: what outlives frames on the space.
+        observer: of the scene's quantities.
+        x: (n, f) unknowns.
+        topology, geometry: versions of the space that they were found at; -1: on none.
+        scale: what residuals are measured against; None: the right side.
+        predicted: the unknowns are a prediction.
+    """
+
+    plan: Plan
+    scene: Scene | None = None
+    problem: Problem | None = None
+    system: Any = None
+    observer: Observer | None = None
+    x: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    topology: int = -1
+    geometry: int = -1
+    scale: float | None = None
+    predicted: bool = False
+
+    @property
+    def space(self) -> Space | None:
+        """Where the unknowns live."""
+        return None if self.problem is None else self.problem.space
+
+
+class SteadyAnalysis:
+    """The solution of a linear problem, frame after frame; an `analysis.Analysis`.
 
     What is stale is read from the versions of mesh topology, node places and scene; nobody tells the analysis.
 
     Args:
         scene: what the user wrote.
         plan: which effects are on.
-        comm: PETSc communicator.
-        policy: what is reused.
-        calibration: seconds a unit of counted work.
-        stages: takes the time of each stage.
+        context: what all parts of the replay share.
+        make: the class of the problem, made of scene, plan and space.
+
+    Attributes:
+        interrupted: the last frame has failed: what was set up for it must be set up again.
 
     Source: docs/theory.md, sections 1 and 2.
     """
 
-    def __init__(
-        self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
-    ) -> None:
-        self.plan, self.comm, self.policy, self.stages = plan, comm, policy, stages
-        self.calibration = calibration
-        self.scene: Scene | None = None
-        self.mesh: Mesh | None = None
-        self.physics: PlaneSolid | None = None
-        self.operator: Operator | None = None
-        self.topology = self.geometry = -1
-        self.scale: float | None = None
-        self.failed = self.accepted = False
-        self.x = np.zeros((0, 2))
-        self.observed: dict[str, float] | None = None
-        self.guess = Guess(policy.extrapolate)
+    why_not = ""
+
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
+        self.context, self.make = context, make
+        self.state = SteadyState(plan)
+        self.interrupted = False
+        self.guess = Guess(context.policy.extrapolate)
         self.solver = self._make_solver(scene)
+        self.predictor = SteadyPredictor(self)
+        self.estimated = f"{make.unknowns[0].name} in the energy norm"
+        self._observed: tuple[SteadyState | None, dict[str, float]] = (None, {})
+        self._estimate: tuple[Problem | None, RecoveryEstimate | None] = (None, None)
 
     def _make_solver(self, scene: Scene) -> LinearSolver:
         """The linear solver that outlives all frames."""
-        solve, policy = scene.solve, self.policy
+        solve, context = scene.solve, self.context
         return LinearSolver(
-            self.comm,
-            "solid_",
-            policy.solver,
+            context.comm,
+            f"{self.make.name}_",
+            context.policy.solver,
             solve.tolerance,
-            self.calibration,
-            self.stages,
+            context.calibration,
+            context.stages,
             memory=solve.factor_memory,
-            directions=policy.directions,
-            symmetric=self.plan.solver.symmetric,
+            directions=context.policy.directions,
+            symmetric=self.state.plan.solver.symmetric,
         )
 
     def solve(self, frame: Frame) -> LinearReport:
-        """Bring the displacement `x` (n, 2) [m] up to date with a frame.
+        """Bring the unknowns `x` up to date with a frame.
 
         Raises:
             ReplayProblem: the solve does not converge, or a value has no number somewhere.
-            UserError: the scene's supports no longer hold the body. In both cases `mesh` and `x` stay as they were.
+            UserError: the scene makes no sense for the problem any more. In both cases the state is that of before.
         """
-        mesh = frame.mesh
-        new_mesh, new_scene = mesh is not self.mesh, frame.scene is not self.scene
-        if not (new_mesh or new_scene or mesh.topology != self.topology or mesh.geometry != self.geometry):
+        mesh, before = frame.mesh, self.state
+        new_mesh, new_scene = mesh is not before.space, self.interrupted or frame.scene is not before.scene
+        if not (new_mesh or new_scene or mesh.topology != before.topology or mesh.geometry != before.geometry):
             self.solver.age += 1
             return LinearReport(0, False, self.solver.age, self.solver.name)
-        kept = self.__dict__.copy()
         try:
             if new_mesh or new_scene:
                 self._bind(frame, new_mesh)
-            if not new_mesh and mesh.topology != self.topology:
-                with self.stages("pattern"):
+            if not new_mesh and mesh.topology != before.topology:
+                with self.context.stages("pattern"):
                     self._flip(frame)
             report = self._solve(frame, new_mesh)
         except (ReplayProblem, UserError):
-            # Mesh, solution and observer stay those of the last solution; without a scene the next frame binds anew.
-            self.__dict__.update(kept, scene=None, failed=True)
+            self.state, self.interrupted = before, True
             raise
-        self.failed = False
-        self.mesh, self.scene, self.topology, self.geometry = mesh, frame.scene, mesh.topology, mesh.geometry
+        self.interrupted = False
+        self.state = replace(self.state, scene=frame.scene, topology=mesh.topology, geometry=mesh.geometry)
         return report
+
+    # --- what is asked of a state -------------------------------------------------------------------------------------
+
+    @property
+    def x(self) -> np.ndarray:
+        """The unknowns (n, f) at the last solution."""
+        return self.state.x
+
+    @property
+    def problem(self) -> Problem | None:
+        """What was solved last."""
+        return self.state.problem
+
+    @property
+    def space(self) -> Space | None:
+        """Where the unknowns live; None before the first solution."""
+        return self.state.space
 
     @property
     def unknowns(self) -> int:
         """Unknowns of the linear system, prescribed ones included."""
-        return self.x.size
+        return self.state.x.size
+
+    @property
+    def tolerance(self) -> float:
+        """That solutions meet, in the energy norm."""
+        return self.state.scene.solve.tolerance
+
+    def observe(self) -> dict[str, float]:
+        """The scene's quantities of interest at the last solution, evaluated once a solution."""
+        if self._observed[0] is not self.state:
+            self._observed = (self.state, self.state.observer(self.state.x))
+        return self._observed[1]
+
+    def row(self) -> dict[str, Any]:
+        """Columns of the frame's row that only this analysis has: none."""
+        return {}
+
+    def fields(self) -> Fields:
+        """What a recording shows of the last solution."""
+        return self.state.problem.fields(self.state.x)
+
+    def blank_fields(self, space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+        return self.make.blank_fields(space)
+
+    def residual_norm(self) -> float:
+        """The true residual over the right side, or over internal forces where supports move."""
+        state = self.state
+        if not state.predicted:
+            return true_residual(state.system.mat, state.system.b, state.system.solution, state.scale)
+        problem, boundary = state.problem, state.problem.boundary
+        scale = internal_norm(problem, state.x) if boundary.nonzero else residual_norm(problem, boundary.values)
+        error = residual_norm(problem, state.x)
+        return error / scale if scale > 0 else error
+
+    def errors(self) -> dict[str, float]:
+        """The estimated relative error of the unknowns, in the energy norm: that of the mesh, recovery-based.
+
+        Of a prediction its distance from the solution on the same mesh, by a correction with the kept preconditioner.
+        """
+        state = self.state
+        if not state.predicted:
+            return {"estimate": self.error_estimate.relative(state.x)}
+        missing = correction(state.problem, state.x, self.solver, state.system.rows)
+        return {"estimate": self.error_estimate.distance(state.x, state.x + missing)}
+
+    @property
+    def error_estimate(self) -> RecoveryEstimate:
+        """The estimate on the problem's space, kept until there is another problem."""
+        if self._estimate[0] is not self.state.problem:
+            self._estimate = (self.state.problem, self.state.problem.error_estimate())
+        return self._estimate[1]
+
+    # --- prediction ---------------------------------------------------------------------------------------------------
 
     def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
-        """The s (n, 2) of K s = rhs with the stiffness K of the last solve, on the kept preconditioner.
+        """The s (n, f) of K s = rhs with the matrix K of the last solve, on the kept preconditioner.
 
         Args:
-            rhs: (n, 2), ignored at held unknowns, where s is 0.
+            rhs: (n, f), ignored at prescribed unknowns, where s is 0.
             tolerance: of the residual, relative to rhs.
 
         Raises:
             ReplayProblem: the solve does not converge.
         """
-        return self._solve_aside(self.mat, rhs, tolerance, same_matrix=True)
+        return self._auxiliary_solve(self.state.system.mat, rhs, tolerance, same_matrix=True)
 
-    def accept(self, x: np.ndarray) -> None:
-        """Take displacements x (n, 2) [m] for those of the mesh as it lies now, without a solve.
+    def set_values(self, x: np.ndarray) -> None:
+        """Take unknowns x (n, f) for those of the space as it lies now, without a solve.
 
-        Supports hold what they prescribe there, whatever x says. The next frame solves, from them.
+        Supports prescribe what they do there, whatever x says. The next frame solves, from them.
         """
-        physics = self.physics
-        physics.move()
-        if physics.moving:
-            x = np.where(physics.mask, physics.prescribed, x)
-        self.x, self.observed, self.geometry, self.accepted = x, None, -1, True
+        problem = self.state.problem
+        problem.update()
+        if problem.varies:
+            x = np.where(problem.boundary.mask, problem.boundary.values, x)
+        self.state = replace(self.state, x=x, geometry=-1, predicted=True)
         self.guess.restart()
 
-    def observe(self) -> dict[str, float]:
-        """The scene's quantities of interest at the last solution, evaluated once a solution."""
-        if self.observed is None:
-            self.observed = self.observer(self.x)
-        return self.observed
+    def _auxiliary_solve(self, mat: Any, rhs: np.ndarray, tolerance: float, same_matrix: bool = False) -> np.ndarray:
+        """Solve mat s = rhs beside the sequence of solves; arguments as in `linear_solve`."""
+        system, constrained = self.state.system, self.state.problem.boundary.constrained
+        return auxiliary_solve(
+            self.solver, system.operator, mat, rhs, tolerance, constrained, system.places, same_matrix
+        )
 
-    def von_mises(self) -> np.ndarray:
-        """Equivalent stress (ne,) [Pa] of each cell at the last solution."""
-        return von_mises(self.physics.stress(self.x))
-
-    def residual(self) -> float:
-        """The true residual over the right side, or over internal forces where supports move."""
-        if not self.accepted:
-            return true_residual(self.mat, self.b, self.solution, self.scale)
-        physics = self.physics
-        scale = physics.internal_force(self.x) if physics.displaced else unbalanced(physics, physics.prescribed)
-        error = unbalanced(physics, self.x)
-        return error / scale if scale > 0 else error
-
-    def estimate(self) -> float:
-        """The estimated relative error of the displacement, in the energy norm: that of the mesh, recovery-based.
-
-        Of a prediction its distance from the solution on the same mesh, by a correction with the kept preconditioner.
-        """
-        estimator = self.estimator_of(self.physics)
-        if not self.accepted:
-            return estimator.relative(self.x)
-        missing = correction(self.physics, self.x, self.solver, self.operator.rows)
-        return estimator.distance(self.x, self.x + missing)
-
-    @property
-    def foretold(self) -> np.ndarray | None:
-        """The prediction that is shown, for `prediction_error` after the next solve; None where there is none."""
-        return self.x if self.accepted else None
-
-    def prediction_error(self, foretold: np.ndarray) -> float:
-        """The distance of a prediction on this mesh from the solution, relative, in the norm of `estimate`."""
-        return self.estimator_of(self.physics).distance(foretold, self.x)
+    # --- a frame ------------------------------------------------------------------------------------------------------
 
     def _bind(self, frame: Frame, new_mesh: bool) -> None:
         """Set up what depends on the mesh topology or on the scene's values."""
-        mesh = frame.mesh
-        with self.stages("pattern"):
-            self.plan = planned(frame.scene, application(frame.scene.app))
-            self.physics = PlaneSolid(frame.scene, self.plan, mesh)
-            self.observer = self._make_observer(frame.scene.quantities)
+        mesh, context, before = frame.mesh, self.context, self.state
+        with context.stages("pattern"):
+            plan = planned(frame.scene, application(frame.scene.app))
+            problem = self.make(frame.scene, plan, mesh)
+            observer = problem.observer(self._observed_quantities(frame.scene.quantities))
+            system = before.system
             if new_mesh:
-                self.operator = Operator(
-                    self.comm, 2, mesh.node_offsets, self.policy.backend, symmetric=self.solver.symmetric
-                )
-                self.operator.set_topology(self._blocks(mesh), self.physics.mask)
-                self._allocate(mesh)
+                system = self._make_system(problem)
             else:
-                self.operator.set_constraints(self.physics.mask)
-            self.terms = [(0, self.physics.element, mesh.X, self.physics.prescribed, self.physics.params, 1.0)]
+                system.operator.set_constraints(problem.boundary.mask)
+        x = before.x
         if new_mesh:
-            carried = None
-            if self.policy.transfer and self.mesh is not None:
-                with self.stages("map"):
-                    carried = transfer(self.mesh, mesh, frame.reseat(self.x))
-            self.x = carried if carried is not None else np.zeros((len(mesh.X), 2))
+            projected = None
+            if context.policy.transfer and before.space is not None:
+                with context.stages("map"):
+                    projected = transfer(before.space, mesh, frame.interpolate(x))
+            x = projected if projected is not None else np.zeros(problem.boundary.mask.shape)
             self.guess.restart()
+        self.state = replace(before, plan=plan, problem=problem, observer=observer, system=system, x=x)
 
-    def _make_observer(self, quantities: dict[str, Quantity]) -> Observer:
-        """What evaluates quantities of the displacement."""
-        return Observer(self.physics, quantities)
+    def _observed_quantities(self, quantities: dict[str, Quantity]) -> dict[str, Quantity]:
+        """The quantities of the scene that the problem knows."""
+        return quantities
+
+    def _make_system(self, problem: Problem) -> LinearSystem:
+        """What outlives frames on a new mesh."""
+        return LinearSystem(self.context.comm, problem, self.context.policy.backend, self.solver.symmetric)
 
     def _flip(self, frame: Frame) -> None:
         """Follow flipped edges: with the pattern and, where such edges have nodes, with the last solutions."""
-        self.operator.patch(0, frame.changed_cells)
-        if frame.reseats:
-            self.x = frame.reseat(self.x)
-            self.guess.reseat(frame.reseat)
-            self.solver.reseat(frame.reseat)
-
-    def _blocks(self, mesh: Mesh) -> list[np.ndarray]:
-        """Nodes (m, k) of what has a tangent, block by block."""
-        return [mesh.cells, *(load.facets for load in self.physics.followers)]
-
-    def _solve_aside(self, mat: PETSc.Mat, rhs: np.ndarray, tolerance: float, same_matrix: bool = False) -> np.ndarray:
-        """Solve mat s = rhs beside the sequence of solves; arguments as in `linear_solve`.
-
-        `same_matrix`: mat is that of the last solve.
-        """
-        rows, n = self.operator.rows, rhs.size
-        right, full = rhs.ravel().copy(), np.zeros(n)
-        right[self.physics.constrained] = 0.0
-        size = (rows.stop - rows.start, n)
-        b, s = (PETSc.Vec().createWithArray(array[rows], size=size, comm=self.comm) for array in (right, full))
-        norm = b.norm()
-        if norm > 0.0:
-            scale = norm * tolerance / self.solver.tolerance
-            self.solver.solve(
-                mat, b, s, False, same_matrix=same_matrix, places=self.mesh_places, scale=scale, aside=True
-            )
-            whole_vector(full, rows, self.comm)
-        for vector in (b, s):
-            vector.destroy()
-        return full.reshape(-1, 2)
-
-    def _allocate(self, mesh: Mesh) -> None:
-        """Make the vectors of a new mesh; `rhs` and `full` hold all nodes, PETSc's vectors this rank's rows of them."""
-        n, rows = mesh.X.size, self.operator.rows
-        self.rhs, self.full = np.zeros((len(mesh.X), 2)), np.zeros(n)
-        size = (rows.stop - rows.start, n)
-        self.b = PETSc.Vec().createWithArray(self.rhs.ravel()[rows], size=size, comm=self.comm)
-        self.solution = PETSc.Vec().createWithArray(self.full[rows], size=size, comm=self.comm)
-        self.mesh_places = mesh.X[rows.start // 2 : rows.stop // 2]
+        self.state.system.operator.patch(0, frame.changed_cells)
+        if frame.interpolations:
+            shape = self.state.x.shape
+            self.state = replace(self.state, x=frame.interpolate(self.state.x))
+            self.guess.interpolate(frame.interpolate)
+            self.solver.interpolate(lambda row: frame.interpolate(row.reshape(shape)).ravel())
 
     def _solve(self, frame: Frame, new_mesh: bool) -> LinearReport:
-        physics, mesh = self.physics, frame.mesh
-        with self.stages("values"):
-            physics.move()
-            if physics.moving:
-                self.terms = [(0, physics.element, mesh.X, physics.prescribed, physics.params, 1.0)]
-            physics.loads(self.rhs)
-            self.mat = self.operator.assemble(self.terms, self.rhs.ravel())
+        state, context = self.state, self.context
+        problem, system = state.problem, state.system
+        with context.stages("values"):
+            problem.update()
+            dead_loads(problem, system.right)
+            internal = Assembled(problem.integrals(INTERNAL), system.operator)
+            system.mat = internal.system(problem.boundary.values, system.right)
         # PETSc keeps a vector's norm until it is told that the array behind it has changed.
-        self.b.stateIncrease()
-        np.subtract(self.guess(self.x, frame.hand), physics.prescribed, out=self.full.reshape(-1, 2))
-        self.full[physics.constrained] = 0.0
-        self.solution.stateIncrease()
+        system.b.stateIncrease()
+        guess = self.guess(state.x, frame.hand)
+        np.subtract(guess, problem.boundary.values, out=system.full.reshape(guess.shape))
+        system.full[problem.boundary.constrained] = 0.0
+        system.solution.stateIncrease()
         # The solver may have met the mesh of a frame that failed, which is gone.
-        report, x = self._converge(new_mesh or self.failed, patched=not new_mesh and mesh.topology != self.topology)
+        patched = not new_mesh and frame.mesh.topology != state.topology
+        report, x, scale = self._converge(new_mesh or self.interrupted, patched)
         self.guess.keep(x, frame.hand)
-        self.x, self.observed, self.accepted = x, None, False
+        self.state = replace(state, x=x, scale=scale, predicted=False)
         return report
 
-    def _converge(self, new_system: bool, patched: bool) -> tuple[LinearReport, np.ndarray]:
+    def _converge(self, new_system: bool, patched: bool) -> tuple[LinearReport, np.ndarray, float | None]:
         """Solve until the residual is small against the loads, or against internal forces where supports move.
 
         Where they move, the right side is the force of a jump over one layer of elements, which says nothing of the
         forces in the body; and those are known only with the solution, hence the second look.
         """
-        physics, rows, total = self.physics, self.operator.rows, None
-        places = self.mesh_places
+        system, boundary, total = self.state.system, self.state.problem.boundary, None
         while True:
-            self.scale = self._force_scale(self._displacement()) if physics.displaced else None
+            scale = self._force_scale(self._whole_solution()) if boundary.nonzero else None
             report = self.solver.solve(
-                self.mat,
-                self.b,
-                self.solution,
+                system.mat,
+                system.b,
+                system.solution,
                 new_system and total is None,
                 same_matrix=total is not None,
                 patched=patched,
-                places=places,
-                scale=self.scale,
+                places=self._rigid_places,
+                scale=scale,
             )
-            whole_vector(self.full, rows, self.comm)
-            x = self._displacement()
+            system.gather()
+            x = self._whole_solution()
             total = report if total is None else total.followed_by(report)
-            if self.scale is None or self.scale <= SCALE_SLACK * self._force_scale(x) or not report.iterations:
-                return total, x
+            if scale is None or scale <= SCALE_SLACK * self._force_scale(x) or not report.iterations:
+                return total, x, scale
+
+    @property
+    def _rigid_places(self) -> np.ndarray | None:
+        """This rank's nodes, where rigid motions are what coarse grids must know."""
+        return self.state.system.places if self.state.problem.rigid_motions else None
 
     def _force_scale(self, x: np.ndarray) -> float:
-        """Internal forces [N] at the displacement x (n, 2), but not less than what round-off lets a residual tell."""
-        return max(self.physics.internal_force(x), ROUND_OFF / self.solver.tolerance * self.b.norm())
+        """Internal forces at the unknowns x (n, f), but not less than what round-off lets a residual tell."""
+        least = ROUND_OFF / self.solver.tolerance * self.state.system.b.norm()
+        return max(internal_norm(self.state.problem, x), least)
 
-    def _displacement(self) -> np.ndarray:
-        return self.full.reshape(-1, 2) + self.physics.prescribed
+    def _whole_solution(self) -> np.ndarray:
+        """The unknowns (n, f), prescribed ones included."""
+        values = self.state.problem.boundary.values
+        return self.state.system.full.reshape(values.shape) + values
 
-    # --- for comparison with a cold solve -----------------------------------------------------------------------
+    # --- for comparison with a cold solve -----------------------------------------------------------------------------
 
-    def system(self) -> System:
+    def compare_cold(self) -> Comparison:
+        """The state beside a solve with new pattern, values and factor, and no guess."""
+        return compared(self.warm_system(), self.cold_system())
+
+    def warm_system(self) -> System:
         """The matrix and the free part of the solution as they stand, whole on every rank."""
-        energy = float(self.physics.energies(self.x).sum())
-        return System(whole_matrix(self.mat, self.comm), self.full.copy(), energy)
+        state = self.state
+        matrix = whole_matrix(state.system.mat, self.context.comm)
+        return System(matrix, state.system.full.copy(), energy(state.problem, state.x))
 
     def cold_system(self) -> System:
         """Matrix and solution of this frame with new pattern, values and factor, and no guess."""
-        physics = PlaneSolid(self.scene, self.plan, self.mesh)
-        operator = Operator(self.comm, 2, self.mesh.node_offsets, "coo")
-        operator.set_topology([self.mesh.cells], physics.mask)
-        rhs = np.zeros_like(self.mesh.X)
-        physics.loads(rhs)
-        mat = operator.assemble(
-            [(0, physics.element, self.mesh.X, physics.prescribed, physics.params, 1.0)], rhs.ravel()
-        )
-        matrix = whole_matrix(mat, self.comm)
-        return System(matrix, spsolve(matrix.tocsc(), whole_vector(rhs.ravel(), operator.rows, self.comm)))
-
-
-def unbalanced(physics: PlaneSolid, x: np.ndarray) -> float:
-    """The norm [N] of the forces that are left over at free unknowns at the displacement x (n, 2) [m]."""
-    rest = physics.imbalance(x)
-    rest.ravel()[physics.constrained] = 0.0
-    return float(np.linalg.norm(rest))
+        comm, space = self.context.comm, self.state.space
+        problem = self.make(self.state.scene, self.state.plan, space)
+        shape = problem.boundary.mask.shape
+        operator = Operator(comm, shape[1], space.node_offsets, "coo")
+        operator.set_topology(problem.blocks(), problem.boundary.mask)
+        right = np.zeros(shape)
+        dead_loads(problem, right)
+        mat = Assembled(problem.integrals(INTERNAL), operator).system(problem.boundary.values, right)
+        matrix = whole_matrix(mat, comm)
+        return System(matrix, spsolve(matrix.tocsc(), whole_vector(right.ravel(), operator.rows, comm)))

@@ -16,7 +16,7 @@ from restshape.analysis.correction import preconditioner
 from restshape.analysis.effective import EffectiveSystem, State
 from restshape.analysis.estimated import Estimated
 from restshape.analysis.frame import Frame
-from restshape.analysis.increments import IncrementProjection
+from restshape.analysis.increment_subspace import IncrementProjection
 from restshape.analysis.shown import DisplacedSolid
 from restshape.analysis.time_error import local_error
 from restshape.application import application

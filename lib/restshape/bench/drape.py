@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.rest import Rest
+from restshape.analysis.relaxation.analysis import DrapeAnalysis
+from restshape.analysis.relaxation.equilibrium import Rest
 from restshape.bench.events import EventCounts
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.loop import Replay

@@ -39,6 +39,10 @@ class Assembled:
         terms = [integral.term(x, 1.0, -1.0) for integral in self.integrals]
         return self.operator.assemble(terms, None if right_side is None else right_side.ravel())
 
+    def system(self, x: np.ndarray, right_side: np.ndarray) -> PETSc.Mat:
+        """The tangent at x (n, f); `right_side` (n, f) loses the residual there in the same pass."""
+        return self.operator.assemble([integral.term(x) for integral in self.integrals], right_side.ravel())
+
     def tangent_product(self, x: np.ndarray, d: np.ndarray) -> np.ndarray:
         """The product (n, f) of the tangent at x (n, f) with d (n, f), without a matrix."""
         out, d = np.zeros_like(x), np.ascontiguousarray(d)

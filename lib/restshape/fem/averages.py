@@ -4,33 +4,32 @@ from collections.abc import Callable
 
 import numpy as np
 
-from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace
+from restshape.fem.space import Space
 
 SIMPSON = np.array([1.0, 1.0, 4.0]) / 6.0
 """Weights of a side's ends and middle."""
 
 
-def mean_over(mesh: Mesh | LagrangeSpace, at: str | None, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
+def mean_over(space: Space, at: str | None, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
     """The function that takes the mean of values at nodes over an entity, on the mesh at rest as it then lies.
 
     Args:
-        mesh: whose nodes they are.
+        space: whose nodes they are.
         at: an entity: a region or all (None) counts by area, edges by length, vertices one like the other.
         nodes: of the values, in their order; each of them on the entity.
     """
-    cells = slice(None) if at is None else mesh.cells_of(at)
-    facets = mesh.facets_of(at) if at is not None else ()
+    cells = slice(None) if at is None else space.cells_of(at)
+    facets = space.facets_of(at) if at is not None else ()
     if at is None or len(cells):
-        places, weigh = mesh.cells[cells], cell_weights
+        places, weigh = space.cells[cells], cell_weights
     elif len(facets):
-        places, weigh = mesh.facets[facets], facet_weights
+        places, weigh = space.facets[facets], facet_weights
     else:
         return plain_mean
 
     def mean(values: np.ndarray) -> float:
-        weights = weigh(mesh.X, places)
-        return np.average(values, weights=np.bincount(places.ravel(), weights.ravel(), len(mesh.X))[nodes])
+        weights = weigh(space.X, places)
+        return np.average(values, weights=np.bincount(places.ravel(), weights.ravel(), len(space.X))[nodes])
 
     return mean
 

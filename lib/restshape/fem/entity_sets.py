@@ -1,11 +1,12 @@
-"""Nodes, facets and cells of a mesh that a list of names addresses."""
+"""Nodes, facets and cells of a space that a list of names addresses."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.errors import UserError
-from restshape.mesh.mesh import Mesh
+from restshape.fem.space import Space
 from restshape.scene.model import Quantity
 
 
@@ -13,22 +14,22 @@ def _union(parts: list[np.ndarray]) -> np.ndarray:
     return parts[0] if len(parts) == 1 else np.unique(np.concatenate(parts))
 
 
-def nodes_on(mesh: Mesh, names: Sequence[str]) -> np.ndarray:
+def nodes_on(space: Space, names: Sequence[str]) -> np.ndarray:
     """Indices (k,) of the nodes on the named entities."""
-    return _union([mesh.nodes_of(name) for name in names])
+    return _union([space.nodes_of(name) for name in names])
 
 
-def facets_on(mesh: Mesh, names: Sequence[str]) -> np.ndarray:
+def facets_on(space: Space, names: Sequence[str]) -> np.ndarray:
     """Indices (k,) of the facets on the named edges."""
-    return _union([mesh.facets_of(name) for name in names])
+    return _union([space.facets_of(name) for name in names])
 
 
-def cells_on(mesh: Mesh, names: Sequence[str]) -> np.ndarray:
+def cells_on(space: Space, names: Sequence[str]) -> np.ndarray:
     """Indices (k,) of the cells in the named regions."""
-    return _union([mesh.cells_of(name) for name in names])
+    return _union([space.cells_of(name) for name in names])
 
 
-def observed_nodes(mesh: Mesh, name: str, quantity: Quantity) -> np.ndarray | slice:
+def observed_nodes(space: Space, name: str, quantity: Quantity) -> np.ndarray | slice:
     """Nodes (k,) that a quantity of this name is taken at; all of them where it names no place.
 
     Raises:
@@ -38,7 +39,7 @@ def observed_nodes(mesh: Mesh, name: str, quantity: Quantity) -> np.ndarray | sl
         if quantity.reaction:
             raise UserError("a reaction needs a place", f"quantities.{name}", 'say where, e.g. at = "left"')
         return slice(None)
-    nodes = mesh.nodes_of(quantity.at)
+    nodes = space.nodes_of(quantity.at)
     if len(nodes) == 0:
         raise UserError(
             f"{quantity.at!r} holds no node of the mesh",
@@ -46,3 +47,8 @@ def observed_nodes(mesh: Mesh, name: str, quantity: Quantity) -> np.ndarray | sl
             "name a vertex, an edge or a region",
         )
     return nodes
+
+
+def cells_around(space: Space, nodes: np.ndarray) -> np.ndarray:
+    """Cells (k,) int32 of which one of `nodes` (m,) int32 is a node."""
+    return _kernels.cells_around(space.cells, nodes, len(space.X))

@@ -1,6 +1,7 @@
 """An integral of an element's residual over cells, facets or points of a space."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +18,9 @@ class Integral:
         entities: (m, k) int32 nodes of each cell, facet or point.
         parameters: (p,) the same everywhere, or (m, p); the element's `parameters` name the columns.
         factor: of the residual, and with it of tangent and energy.
-        block: of the operator that the entities were registered as.
+        block: of the operator that the entities were registered as; None where they have no tangent.
+        rate: gives the rates, shaped like the parameters, with which they change when nodes move with rates (n, d), as
+            far as the residual is linear in them; None where they are constant.
     """
 
     element: _kernels.Element
@@ -25,7 +28,8 @@ class Integral:
     entities: np.ndarray
     parameters: np.ndarray
     factor: float = 1.0
-    block: int = 0
+    block: int | None = 0
+    rate: Callable[[np.ndarray], np.ndarray | None] | None = None
 
     def add_residual(self, x: np.ndarray, out: np.ndarray, subset: np.ndarray | None = None) -> None:
         """Add the residual at x (n, f) to `out` (n, f), of the entities (k,) int32 of a subset alone where given."""
@@ -38,7 +42,7 @@ class Integral:
 
     def add_tangent_product(self, x: np.ndarray, d: np.ndarray, out: np.ndarray) -> None:
         """Add (dr/dx) d, at x (n, f) along d (n, f), to `out` (n, f)."""
-        self.add_design_product(x, np.zeros_like(self.X), out, d)
+        self._add_rates(x, np.zeros_like(self.X), out, d)
 
     def add_design_product(self, x: np.ndarray, dX: np.ndarray, out: np.ndarray, dx: np.ndarray | None = None) -> None:
         """Add (dr/dX) dX + (dr/dx) dx to `out` (n, f).
@@ -47,6 +51,12 @@ class Integral:
             x: (n, f) unknowns; dx: (n, f) their rates, None where they are constant.
             dX: (n, d) rates of the material coordinates.
         """
+        self._add_rates(x, dX, out, dx)
+        changes = None if self.rate is None else self.rate(dX)
+        if changes is not None:
+            replace(self, parameters=changes).add_residual(x, out)
+
+    def _add_rates(self, x: np.ndarray, dX: np.ndarray, out: np.ndarray, dx: np.ndarray | None) -> None:
         own = out if self.factor == 1.0 else np.zeros_like(out)
         self.element.design(self.X, dX, x, self.entities, self.parameters, own, dx=dx)
         if own is not out:

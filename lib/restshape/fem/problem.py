@@ -1,17 +1,27 @@
 """What a physics is to the analyses: unknowns on a space, integrals, Dirichlet conditions, quantities."""
 
-from collections.abc import Sequence
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from restshape.fem.dirichlet import Dirichlet
+from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.integral import Integral
+from restshape.fem.quantity import Observer
 from restshape.fem.space import Space
+from restshape.scene.model import Quantity, Scene
+from restshape.scene.plan import Plan
 
-INTERNAL, LOADS, MASS, DAMPING = "internal", "loads", "mass", "damping"
-"""Kinds of integrals: internal forces (or fluxes) with body loads; dead loads; inertia (or capacity); damping."""
+INTERNAL, LOADS, FOLLOWERS = "internal", "loads", "followers"
+"""Kinds of integrals that balance: of the cells, with body loads and all else that the unknowns enter; dead loads on
+facets; loads on facets that the unknowns enter and that grow with the part of the load."""
+
+STIFFNESS, MASS, REFERENCE = "stiffness", "mass", "reference"
+"""Kinds for other uses: `INTERNAL` without any load; inertia or capacity; `STIFFNESS` where all unknowns are 0."""
 
 
 @dataclass(frozen=True)
@@ -34,22 +44,37 @@ Fields = tuple[dict[str, np.ndarray], dict[str, np.ndarray]]
 
 
 class Problem(Protocol):
-    """One physics of one scene on one space, from which analyses derive all else.
+    """One physics of one scene on one space, from which analyses derive all else: made of scene, plan and space.
 
     Attributes:
+        name: of the physics, before the options of its solvers in PETSc's database.
+        scene: whose values it has.
         space: nodes and cells of the unknowns, by reference; its nodes may move.
         unknowns: fields of each node, in the order of the columns.
         boundary: prescribed unknowns.
         symmetric: whether every tangent is symmetric; definite: and positive definite where the problem is stable.
-        linear: whether the internal integrals are linear in the unknowns.
+        linear: whether the integrals are linear in the unknowns.
+        rigid_motions: whether rigid motions of the body cost no energy, as coarse grids must know.
+        varies: whether `update` has anything to do when nodes move.
+        stiffest: of all coefficients of the stiffness, integrated over the thickness, the largest.
     """
 
+    name: str
+    scene: Scene
     space: Space
     unknowns: tuple[Unknown, ...]
     boundary: Dirichlet
     symmetric: bool
     definite: bool
     linear: bool
+    rigid_motions: bool
+
+    def __init__(self, scene: Scene, plan: Plan, space: Space) -> None: ...
+
+    @property
+    def varies(self) -> bool: ...
+    @property
+    def stiffest(self) -> float: ...
 
     def update(self) -> None:
         """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
@@ -57,14 +82,40 @@ class Problem(Protocol):
     def blocks(self) -> list[np.ndarray]:
         """Entities (m, k) int32 that have a tangent, one array a block of the operator."""
 
-    def integrals(self, kind: str) -> Sequence[Integral]:
-        """The integrals of a kind at the present places of the nodes; none where the problem has none of it."""
+    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral]:
+        """The integrals of a kind at the present places of the nodes; none where the problem has none of it.
 
-    def loads(self, out: np.ndarray) -> None:
-        """Set `out` (n, f) to the dead loads on points and facets; 0 at prescribed unknowns."""
+        Args:
+            kind: one of those above.
+            part: of the load, in load steps: `FOLLOWERS` grow with it.
+        """
 
-    def near_null_space(self) -> np.ndarray:
-        """A basis (r, n f) of what the internal integrals hardly resist, such as rigid motions; (0, n f) for none."""
+    def add_nodal_loads(self, out: np.ndarray, sign: float, cells: np.ndarray | None = None) -> None:
+        """Add `sign` times the loads that no integral gives, such as point loads, to `out` (n, f).
+
+        Args:
+            cells: (k,) int32; loads inside of others are left out.
+        """
+
+    def add_nodal_load_rates(self, dX: np.ndarray, out: np.ndarray) -> None:
+        """Add the rates of the loads of `add_nodal_loads` when nodes move with rates dX (n, d) to `out` (n, f)."""
+
+    def objection(self, x: np.ndarray) -> str:
+        """What speaks against unknowns x (n, f) that solve the equations, for people; empty where nothing does."""
 
     def fields(self, x: np.ndarray) -> Fields:
         """What a recording shows of the unknowns x (n, f)."""
+
+    @staticmethod
+    def blank_fields(space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+
+    def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
+        """What evaluates quantities of the unknowns x (n, f).
+
+        Raises:
+            UserError: a quantity has no meaning, or none where it is asked for.
+        """
+
+    def error_estimate(self) -> RecoveryEstimate:
+        """The recovery-based estimate on this space."""

@@ -1,34 +1,34 @@
-"""Stresses at nodes, recovered from stresses inside cells; at a border of materials one value a side."""
+"""Fluxes, or stresses, at nodes, recovered from those inside cells; at a border of materials one value a side."""
 
 import numpy as np
 
 from restshape import _kernels
-from restshape.mesh.mesh import Mesh
+from restshape.fem.space import Space
 
 
-class NodalStress:
-    """Superconvergent patch recovery on each region of a mesh by itself, for stresses jump between materials.
+class NodalFlux:
+    """Superconvergent patch recovery on each region of a mesh by itself, for fluxes jump between materials.
 
     A row is a node as one region sees it: a node between two regions has two rows. First-order cells give their one
-    stress, second-order cells three; there the polynomials fitted to a patch are quadratic.
+    flux, second-order cells three; there the polynomials fitted to a patch are quadratic.
 
     Args:
-        mesh: of first or second order; its nodes may move and its edges may flip inside regions.
+        space: of first or second order; its nodes may move and its edges may flip inside regions.
 
     Attributes:
-        points: (3, 2) reference coordinates at which second-order cells give their stresses; None for first order.
+        points: (3, 2) reference coordinates at which second-order cells give their fluxes; None for first order.
 
     Source: Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331.
     """
 
-    def __init__(self, mesh: Mesh) -> None:
-        self.mesh = mesh
-        second = mesh.cells.shape[1] == 6
+    def __init__(self, space: Space) -> None:
+        self.space = space
+        second = space.cells.shape[1] == 6
         self.points = _kernels.recovery_points() if second else None
         self._recover = _kernels.recover_quadratic if second else _kernels.recover
-        regions = np.unique(mesh.cell_region)
-        self._cells = [np.flatnonzero(mesh.cell_region == region) for region in regions] if len(regions) > 1 else []
-        parts = [np.unique(mesh.cells[cells]) for cells in self._cells] or [np.arange(len(mesh.X))]
+        regions = np.unique(space.cell_region)
+        self._cells = [np.flatnonzero(space.cell_region == region) for region in regions] if len(regions) > 1 else []
+        parts = [np.unique(space.cells[cells]) for cells in self._cells] or [np.arange(len(space.X))]
         self.nodes = np.concatenate(parts)
         self.region = np.repeat(regions, [len(part) for part in parts])
         self._parts = parts
@@ -39,12 +39,12 @@ class NodalStress:
             return nodes
         chosen = np.isin(self.nodes, nodes)
         if len(cells):
-            chosen &= np.isin(self.region, self.mesh.cell_region[cells])
+            chosen &= np.isin(self.region, self.space.cell_region[cells])
         return np.flatnonzero(chosen)
 
     def cell_rows(self) -> np.ndarray:
         """Rows (ne, nodes) int32 of the cells' nodes, as the region of each cell sees them."""
-        cells = self.mesh.cells
+        cells = self.space.cells
         if not self._cells:
             return cells
         rows, first = np.empty_like(cells), 0
@@ -53,19 +53,19 @@ class NodalStress:
             first += len(nodes)
         return rows
 
-    def __call__(self, stress: np.ndarray) -> np.ndarray:
-        """Recovered stresses, one row each (see the class), from the cells' stresses [Pa].
+    def __call__(self, flux: np.ndarray) -> np.ndarray:
+        """Recovered fluxes (rows, 4), one row each (see the class), from those of the cells.
 
         Args:
-            stress: (ne, 4), or (ne, 3, 4) at `points`.
+            flux: (ne, 4), or (ne, 3, 4) at `points`.
         """
-        X, cells = self.mesh.X, self.mesh.cells
+        X, cells = self.space.X, self.space.cells
         out = np.empty((len(X), 4))
         if not self._cells:
-            self._recover(X, cells, stress, out)
+            self._recover(X, cells, flux, out)
             return out
         found = []
         for chosen, nodes in zip(self._cells, self._parts):
-            self._recover(X, cells[chosen], stress[chosen], out)
+            self._recover(X, cells[chosen], flux[chosen], out)
             found.append(out[nodes])
         return np.concatenate(found)

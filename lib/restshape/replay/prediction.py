@@ -4,24 +4,18 @@ from typing import Any
 
 import numpy as np
 
-from restshape.analysis.buckling import BucklingAnalysis
-from restshape.analysis.modal import ModalAnalysis
-from restshape.application import application
+from restshape.analysis.analysis import Analysis, Predictor
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.moving import Advance, MovingMesh
 from restshape.policy import Policy
-from restshape.sensitivity.buckling import buckling_derivative
-from restshape.sensitivity.modal import modal_derivative
 from restshape.sensitivity.prediction import Prediction
-from restshape.sensitivity.static import design_derivative
 from restshape.shape.session import EditFrame, EditSession
 
 SPRINGS = "not predicted: nodes that springs relax do not follow the hand linearly"
 ARC = "not predicted: bending an arc is not linear"
-DERIVATIVES = {ModalAnalysis: modal_derivative, BucklingAnalysis: buckling_derivative}
 
 
-class Foresight:
+class PredictedFrames:
     """Shows the frames of a drag by the design derivative, and says which ones must be solved.
 
     A frame in which a hand takes hold of the shape is solved, and the derivatives are solved for; so is one that flips
@@ -29,36 +23,28 @@ class Foresight:
     of these. On release the frame is solved, from its prediction.
 
     Args:
-        analysis: of a body at rest or of its modes: with `accept`.
+        analysis: with a predictor.
         moving: the mesh.
         session: the edits.
         policy: what is reused.
 
     Raises:
-        UserError: the analysis is of cloth or of something that moves, or the policy makes a new mesh in each frame.
+        UserError: the analysis has no predictor, or the policy makes a new mesh in each frame.
 
     Source: docs/theory.md, "The design derivative".
     """
 
-    def __init__(self, analysis: Any, moving: MovingMesh, session: EditSession, policy: Policy) -> None:
-        if application(session.scene.app).cloth:
-            raise UserError("cloth is not predicted yet: all its frames are solved", "--predict linear", "leave it out")
-        if application(session.scene.app).planks:
-            what = "furniture is not predicted: forces of feet and joints are solved for in each frame"
-            raise UserError(what, "--predict linear", "leave it out")
-        if not hasattr(analysis, "accept"):
-            raise UserError(
-                "only bodies at rest and modes are predicted: a motion depends on its past, not on its shape alone",
-                "--predict linear",
-                "leave it out",
-            )
+    def __init__(self, analysis: Analysis, moving: MovingMesh, session: EditSession, policy: Policy) -> None:
+        if analysis.predictor is None:
+            raise UserError(analysis.why_not, "--predict linear", "leave it out")
         if policy.regenerate:
             raise UserError(
                 f"the policy {policy.name} makes a new mesh in each frame, so that there is nothing to predict on",
                 "--predict linear",
                 "choose another policy, or leave it out",
             )
-        self.analysis, self.moving, self.session = analysis, moving, session
+        self.predictor: Predictor = analysis.predictor
+        self.moving, self.session = moving, session
         self.made: Prediction | None = None
         self.shown = False
         self.note = ""
@@ -72,17 +58,17 @@ class Foresight:
         return float(np.hypot(c[0] - start[0], c[1] - start[1]))
 
     @property
-    def foretold(self) -> Any:
-        """The prediction that the analysis holds, for `prediction_error` after the next solve; None: there is none."""
-        return self.analysis.foretold
+    def predicted(self) -> Any:
+        """The prediction that the analysis holds, for `Predictor.error` after the next solve; None: there is none."""
+        return self.predictor.shown
 
     def show(self, edit: EditFrame, advance: Advance) -> bool:
-        """Tell whether a frame is shown without a solve; the analysis then holds its predicted displacement."""
+        """Tell whether a frame is shown without a solve; the analysis then holds its predicted values."""
         made = self.made
         if made is None or edit.gesture is not made.gesture or advance.level > 1 or edit.do == "analyse":
             return False
         if edit.change == "move":
-            self.analysis.accept(made(edit.c))
+            self.predictor.set_values(made(edit.c))
             self._c, self.shown = edit.c, True
         return self.shown and edit.change in ("move", "none")
 
@@ -90,16 +76,16 @@ class Foresight:
         """Let the solve of a frame start at its prediction, where there is one."""
         self._before = None
         if self.made is not None and edit.change == "move" and edit.gesture is self.made.gesture:
-            self._before = self._state
-            self.analysis.accept(self.made(edit.c))
+            self._before = self.predictor.values()
+            self.predictor.set_values(self.made(edit.c))
 
-    def take_back(self) -> None:
+    def rollback(self) -> None:
         """Show again what was shown before the last frame, whose solve has failed."""
         if self._before is not None:
-            self.analysis.accept(self._before)
+            self.predictor.set_values(self._before)
         self.note, self._before = "", None
 
-    def anchor(self, edit: EditFrame, idle: bool) -> None:
+    def set_expansion_point(self, edit: EditFrame, idle: bool) -> None:
         """Take a frame that has been solved to predict the next ones from.
 
         Args:
@@ -121,16 +107,8 @@ class Foresight:
             self.note = SPRINGS
             return
         try:
-            s = DERIVATIVES.get(type(self.analysis), design_derivative)(
-                self.analysis, self.moving.field_motion, edit.scene.solve.tolerance
-            )
+            s = self.predictor.derivative(self.moving.field_motion, edit.scene.solve.tolerance)
         except ReplayProblem as problem:
             self.note = f"not predicted: {problem}"
             return
-        self.made = Prediction(gesture, edit.c, self._state, s)
-
-    @property
-    def _state(self) -> np.ndarray:
-        """What the analysis predicts: by default its solution."""
-        analysis = self.analysis
-        return analysis.state if hasattr(analysis, "state") else analysis.x
+        self.made = Prediction(gesture, edit.c, self.predictor.values(), s)

@@ -1,165 +1,161 @@
-"""Quantities of interest: numbers that a scene asks for, taken from a solid's displacement."""
+"""Quantities of interest of plane solids: functions of the displacement, and of the motion."""
+
+from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape import _kernels
 from restshape.errors import UserError
-from restshape.mesh.mesh import Mesh
+from restshape.fem.balance import unconstrained_residual
+from restshape.fem.entity_sets import cells_around, observed_nodes
+from restshape.fem.quantity import Function, area, cells_at, reduction
+from restshape.fem.recovery import NodalFlux
+from restshape.physics.elasticity.stress import COMPONENTS
 from restshape.physics.elasticity.target_curves import GoalDistance
-from restshape.fem.averages import mean_over
-from restshape.fem.entity_sets import observed_nodes
-from restshape.fem.recovery import NodalStress
-from restshape.physics.elasticity.plane_solid import PlaneSolid
 from restshape.scene.model import Quantity
 
+if TYPE_CHECKING:
+    from restshape.physics.elasticity.plane_solid import PlaneSolid
 
-def largest(values: np.ndarray) -> float:
-    """The largest size among values."""
-    return np.max(np.abs(values))
-
-
-# Of a single solution the peak over a frame's time steps is its largest size.
-TAKES = {"max": np.max, "min": np.min, "mean": np.mean, "sum": np.sum, "absmax": largest, "peak": largest}
-
-
-def von_mises(s: np.ndarray) -> np.ndarray:
-    """Equivalent stresses (n,) [Pa] of plane stress states s (n, 4): xx, yy, xy, zz."""
-    xx, yy, xy, zz = s.T
-    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * xy**2)
-
-
-def principal(s: np.ndarray, sign: float) -> np.ndarray:
-    """The larger (sign 1) or smaller (sign -1) in-plane principal stresses (n,) [Pa] of states s (n, 4)."""
-    xx, yy, xy, _ = s.T
-    return 0.5 * (xx + yy) + sign * np.hypot(0.5 * (xx - yy), xy)
-
-
-COMPONENTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
-    "xx": lambda s: s[:, 0],
-    "yy": lambda s: s[:, 1],
-    "xy": lambda s: s[:, 2],
-    "von_mises": von_mises,
-    "max_principal": lambda s: principal(s, 1.0),
-    "min_principal": lambda s: principal(s, -1.0),
+ELSEWHERE = {
+    "frequency": ("only free vibrations have frequencies", 'use app = "metallophone"'),
+    "mode": ("only free vibrations have frequencies", 'use app = "metallophone"'),
+    "load_factor": ("without buckling there are no load factors", 'add [effects.buckling] to a scene of app = "solid"'),
 }
+"""Quantities that a solid at rest or in motion has not: why, and what to do."""
 
 
-def area(mesh: Mesh, cells: np.ndarray | slice = slice(None)) -> float:
-    """The area [m^2] of cells of a mesh, at rest."""
-    return _kernels.total_area(mesh.X, mesh.cells[cells])
-
-
-def areas(mesh: Mesh, quantities: dict[str, Quantity]) -> dict[str, float]:
-    """The quantities that the mesh alone tells, which are areas, by name; not a number for all others."""
-    known = {name: mesh.cells_of(q.at) if q.at else slice(None) for name, q in quantities.items() if q.area}
-    return {name: area(mesh, known[name]) if name in known else np.nan for name in quantities}
-
-
-class Observer:
-    """Evaluates the quantities of a scene for a solid on its mesh.
+class PlaneQuantities:
+    """Makes the functions of the displacement x (n, 2) [m] that quantities of a scene are.
 
     Stresses are recovered at nodes; at a node between materials each side has its own, and a quantity of a region takes
     that region's.
 
     Args:
-        physics: the solid, on the mesh whose nodes are looked at.
-        quantities: by name, as in the scene.
-
-    Raises:
-        UserError: a quantity names a place where it has no meaning.
+        solid: on the space whose nodes are looked at.
     """
 
-    def __init__(self, physics: PlaneSolid, quantities: dict[str, Quantity]) -> None:
-        self.physics, self.mesh = physics, physics.mesh
-        self.functions = {name: self._function(name, quantity) for name, quantity in quantities.items()}
+    def __init__(self, solid: PlaneSolid) -> None:
+        self.solid, self.space = solid, solid.space
         self._nodal: np.ndarray | None = None
-        self._cells: dict[str, tuple[int, np.ndarray]] = {}
+        self._around: dict[str, tuple[int | None, np.ndarray]] = {}
 
-    def __call__(self, x: np.ndarray) -> dict[str, float]:
-        """All quantities at the displacement x (n, 2) [m]."""
-        self._nodal = None
-        return {name: float(function(x)) for name, function in self.functions.items()}
+    def __call__(self, name: str, quantity: Quantity) -> Function:
+        """The function that a quantity of this name is.
 
-    @cached_property
-    def recovery(self) -> NodalStress:
-        """What recovers stresses at nodes, made where a quantity is one."""
-        return NodalStress(self.mesh)
-
-    def nodal_stress(self, x: np.ndarray) -> np.ndarray:
-        """Recovered stresses [Pa] at the nodes, in the rows of `recovery`, computed once a frame."""
-        if self._nodal is None:
-            self._nodal = self.recovery(self.physics.stress(x, self.recovery.points))
-        return self._nodal
-
-    def _function(self, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+        Raises:
+            UserError: it has no meaning, or none where it is asked for.
+        """
         if quantity.area or quantity.energy:
-            cells = self._region(name, quantity)
+            cells = cells_at(self.space, name, quantity)
             if quantity.area:
-                return lambda x: area(self.mesh, cells)
-            return self._energy(name, quantity.energy, cells)
+                return lambda x, *_: area(self.space, cells)
+            return self.energy(name, quantity.energy, cells)
         if quantity.distance:
             return self._distance(name, quantity)
-        if quantity.frequency or quantity.mode:
-            raise UserError(
-                "only free vibrations have frequencies",
-                f"quantities.{name}",
-                'leave it out, or use app = "metallophone"',
-            )
-        if quantity.load_factor:
-            raise UserError(
-                "without buckling there are no load factors",
-                f"quantities.{name}.load_factor",
-                'leave it out, or add [effects.buckling] to a scene of app = "solid"',
-            )
-        nodes = observed_nodes(self.mesh, name, quantity)
-        take = TAKES[quantity.take]
+        for kind, (why, do) in ELSEWHERE.items():
+            if getattr(quantity, kind):
+                key = "load_factor" if kind == "load_factor" else ""
+                raise UserError(why, f"quantities.{name}{key and '.' + key}", f"leave it out, or {do}")
+        nodes = observed_nodes(self.space, name, quantity)
         if quantity.reaction:
             column = "xy".index(quantity.reaction)
-            return lambda x: self.physics.reaction(x, nodes, self._around(name, nodes))[:, column].sum()
+            return lambda x, *_: unconstrained_residual(self.solid, x, self._cells(name, nodes))[nodes, column].sum()
         if quantity.stress:
-            component = COMPONENTS[quantity.stress]
-            cells = self.mesh.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
-            rows = self.recovery.rows(nodes, cells)
-            if quantity.take == "mean":
-                take = mean_over(self.mesh, quantity.at, self.recovery.nodes[rows])
-            return lambda x: take(component(self.nodal_stress(x)[rows]))
-        if quantity.take == "mean":
-            take = mean_over(self.mesh, quantity.at, nodes)
+            return self._stress(quantity, nodes)
+        reduce = reduction(self.space, quantity, nodes)
         if quantity.displacement == "magnitude":
-            return lambda x: take(np.hypot(x[nodes, 0], x[nodes, 1]))
+            return lambda x, *_: reduce(np.hypot(x[nodes, 0], x[nodes, 1]))
         column = "xy".index(quantity.displacement)
-        return lambda x: take(x[nodes, column])
+        return lambda x, *_: reduce(x[nodes, column])
 
-    def _energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Callable[[np.ndarray], float]:
+    def refresh(self) -> None:
+        """Forget the stresses at nodes: the displacement is another one."""
+        self._nodal = None
+
+    def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
         """The energy of that kind in the cells; a solid at rest has one kind only."""
         if kind != "strain":
             raise UserError(f"a solid at rest has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"')
-        return lambda x: self.physics.energies(x)[cells].sum()
+        return lambda x, *_: self.solid.energies(x)[cells].sum()
 
-    def _distance(self, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
-        """The distance between a goal and the deformed edges."""
+    @cached_property
+    def recovery(self) -> NodalFlux:
+        """What recovers stresses at nodes, made where a quantity is one."""
+        return NodalFlux(self.space)
+
+    def nodal_stress(self, x: np.ndarray) -> np.ndarray:
+        """Recovered stresses [Pa] at the nodes, in the rows of `recovery`, computed once a state."""
+        if self._nodal is None:
+            self._nodal = self.recovery(self.solid.stresses.cauchy(x, self.recovery.points))
+        return self._nodal
+
+    def _stress(self, quantity: Quantity, nodes: np.ndarray | slice) -> Function:
+        component = COMPONENTS[quantity.stress]
+        cells = self.space.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
+        rows = self.recovery.rows(nodes, cells)
+        reduce = reduction(self.space, quantity, self.recovery.nodes[rows])
+        return lambda x, *_: reduce(component(self.nodal_stress(x)[rows]))
+
+    def _distance(self, name: str, quantity: Quantity) -> Function:
+        """The distance between a target curve and the deformed edges."""
         at = quantity.at or "outline"
-        facets = self.mesh.facets[self.mesh.facets_of(at)]
+        facets = self.space.facets[self.space.facets_of(at)]
         if len(facets) == 0:
             raise UserError(f"{at!r} has no edge", f"quantities.{name}.at", "name an edge, a hole or a group of them")
-        distance = GoalDistance(self.physics.scene.goal[quantity.distance], facets, quantity.take)
-        return lambda x: distance(self.mesh.X + x)
+        distance = GoalDistance(self.solid.scene.goal[quantity.distance], facets, quantity.take)
+        return lambda x, *_: distance(self.space.X + x)
 
-    def _around(self, name: str, nodes: np.ndarray) -> np.ndarray:
+    def _cells(self, name: str, nodes: np.ndarray) -> np.ndarray:
         """The cells around the nodes of a quantity, found once a topology."""
-        version, cells = self._cells.get(name, (None, None))
-        if version != self.mesh.topology:
-            cells = self.physics.cells_around(nodes)
-            self._cells[name] = (self.mesh.topology, cells)
+        version, cells = self._around.get(name, (None, None))
+        if version != self.space.topology:
+            cells = cells_around(self.space, nodes)
+            self._around[name] = (self.space.topology, cells)
         return cells
 
-    def _region(self, name: str, quantity: Quantity) -> np.ndarray | slice:
-        if quantity.at is None:
-            return slice(None)
-        cells = self.mesh.cells_of(quantity.at)
-        if len(cells) == 0:
-            raise UserError(f"{quantity.at!r} holds no cell of the mesh", f"quantities.{name}.at", "name a region")
-        return cells
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What quantities of a solid that moves see beside its displacement.
+
+    Args:
+        v: (n, 2) velocities relative to the ground [m/s].
+        edit: work of all edits so far [J].
+        remesh: energy that new meshes have added to the motion so far [J].
+    """
+
+    v: np.ndarray
+    edit: float = 0.0
+    remesh: float = 0.0
+
+
+class MotionQuantities(PlaneQuantities):
+    """Makes the functions of displacement x (n, 2) [m] and `Motion` that quantities of a solid that moves are.
+
+    Args:
+        solid: on the space whose nodes are looked at.
+        kinetic: kinetic energies (ne,) [J] of the cells at velocities (n, 2) [m/s].
+    """
+
+    def __init__(self, solid: PlaneSolid, kinetic: Callable[[np.ndarray], np.ndarray]) -> None:
+        super().__init__(solid)
+        self.kinetic = kinetic
+
+    def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
+        """The energy of that kind in the cells; what edits and new meshes did is known of the whole body only."""
+        strain, kinetic = self.solid.energies, self.kinetic
+        if kind in ("edit", "remesh") and not isinstance(cells, slice):
+            raise UserError(f"{kind!r} energy is that of the whole body", f"quantities.{name}.at", "leave `at` out")
+        functions: dict[str, Function] = {
+            "strain": lambda x, motion: strain(x)[cells].sum(),
+            "kinetic": lambda x, motion: kinetic(motion.v)[cells].sum(),
+            "total": lambda x, motion: strain(x)[cells].sum() + kinetic(motion.v)[cells].sum(),
+            "edit": lambda x, motion: motion.edit,
+            "remesh": lambda x, motion: motion.remesh,
+        }
+        return functions[kind]

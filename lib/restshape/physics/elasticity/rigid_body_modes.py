@@ -1,4 +1,4 @@
-"""Whether supports hold a body in the plane."""
+"""Whether supports leave a rigid motion of a body in the plane free."""
 
 import numpy as np
 
@@ -6,12 +6,12 @@ from restshape.errors import UserError
 from restshape.scene.model import Scene
 
 
-def require_held(X: np.ndarray, mask: np.ndarray, scene: Scene) -> None:
+def check_rigid_body_modes(X: np.ndarray, mask: np.ndarray, scene: Scene) -> None:
     """Refuse supports that leave a rigid motion free.
 
     Args:
         X: (n, 2) points of the body [m].
-        mask: (n, 2) nonzero where a support holds the axis of a point.
+        mask: (n, 2) nonzero where a support constrains the axis of a point.
         scene: whose supports they are.
 
     Raises:
@@ -22,8 +22,8 @@ def require_held(X: np.ndarray, mask: np.ndarray, scene: Scene) -> None:
     rigid = np.zeros((len(X), 2, 3))
     rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
     rigid[:, 0, 2], rigid[:, 1, 2] = -X[:, 1] / size, X[:, 0] / size
-    held = rigid[mask.astype(bool)]
-    if len(held) == 0 or np.linalg.matrix_rank(held, tol=1e-9 * max(1.0, np.sqrt(len(held)))) < 3:
+    constrained = rigid[mask.astype(bool)]
+    if len(constrained) == 0 or np.linalg.matrix_rank(constrained, tol=1e-9 * max(1.0, np.sqrt(len(constrained)))) < 3:
         raise UserError(
             "the supports leave the body free to move as a rigid body",
             f"{scene.path}: supports",

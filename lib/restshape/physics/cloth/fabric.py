@@ -6,9 +6,9 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth import HINGE_STIFFNESS
+from restshape.physics.cloth.parameters import HINGE_STIFFNESS
 from restshape.physics.elasticity.stiffness import PLANE, isotropic, orthotropic, plane_stress, turned
-from restshape.physics.sheet import Fabric
+from restshape.physics.cloth.sheet import Fabric
 from restshape.scene.model import Material, Scene
 from restshape.scene.plan import Plan
 

@@ -9,11 +9,11 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth_supports import supports
-from restshape.physics.contact import Contact
-from restshape.physics.fabric import fabric
-from restshape.physics.laid import Laid, rotation
-from restshape.physics.sheet import Fabric, Held, Sheet
+from restshape.physics.cloth.supports import supports
+from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.fabric import fabric
+from restshape.physics.cloth.initial_placement import Laid, rotation
+from restshape.physics.cloth.sheet import Fabric, Held, Sheet
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.algebra.descent import MEMORY, Descent
 from restshape.algebra.kinetic_damping import KineticDamping
-from restshape.analysis.rest import DRAGGED, FALLS, Arrival, Rest
+from restshape.analysis.relaxation.equilibrium import DRAGGED, FALLS, Arrival, Rest
 from restshape.errors import ReplayProblem
 
 Way = Callable[[Rest, np.ndarray, int, Arrival], Arrival]

@@ -15,23 +15,23 @@ from restshape.algebra.kinetic_damping import Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import Stages
-from restshape.analysis.fall import fall, loosen, stand_in
+from restshape.analysis.relaxation.cold_start import fall, loosen, stand_in
 from restshape.analysis.frame import Frame
-from restshape.analysis.rest import Arrival, Rest
+from restshape.analysis.relaxation.equilibrium import Arrival, Rest
 from restshape.analysis.shown import Fields
-from restshape.analysis.ways import WAYS
+from restshape.analysis.relaxation.strategies import WAYS
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
-from restshape.physics.carried import carried, placed
-from restshape.physics.cloth_estimate import ClothEstimate
-from restshape.physics.cloth_quantities import ClothObserver
-from restshape.physics.cloth_scene import SheetArguments, set_contact, sheet_arguments, sheet_of
-from restshape.physics.laid import Laid
-from restshape.physics.piercing import depths, piercing, size_of
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.body_motion import carried, placed
+from restshape.physics.cloth.error_estimate import ClothEstimate
+from restshape.physics.cloth.quantities import ClothObserver
+from restshape.physics.cloth.scene import SheetArguments, set_contact, sheet_arguments, sheet_of
+from restshape.physics.cloth.initial_placement import Laid
+from restshape.physics.cloth.tunnelling import depths, piercing, size_of
+from restshape.physics.cloth.sheet import Sheet
 from restshape.policy import Policy
 from restshape.scene.bodies import Body
 from restshape.scene.body_columns import body_columns, body_row
@@ -416,12 +416,10 @@ class DrapeAnalysis:
         """
         cold = self._rest(self._cold_sheet(), self.scene, "drape_cold_")
         cold.begin()
-        self.rest.newton.current = cold.newton.current = False
         warm, fresh = (whole_matrix(rest.newton.tangent(self.x), self.comm) for rest in (self.rest, cold))
         x = self.x.copy()
         cold.goal = FARTHER * self.tolerance
         found = cold.polish(x, Arrival())
-        cold.newton.current = False
         # Loose cloth turns on its way; the mean of both tangents is good to third order.
         mean = 0.5 * (fresh + whole_matrix(cold.newton.tangent(x), self.comm))
         forces = (mean @ (self.x - x).ravel()).reshape(x.shape) * self.sheet.free

@@ -41,7 +41,7 @@ class Contact:
         self.friction, self.slip = np.broadcast_to(friction, len(self.bodies)), slip
         shape = (len(self.bodies), len(area))
         self.anchors, self._normals = np.zeros((*shape, 3)), np.zeros((*shape, 3))
-        self._limits = np.zeros(shape)
+        self._limits, self.version = np.zeros(shape), 0
 
     def take(self, other: Contact) -> None:
         """Take anchors, normals and normal forces from contact of the same nodes with the same bodies."""
@@ -54,6 +54,7 @@ class Contact:
     def restore(self, history: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
         """Remember what `history` has told."""
         self.anchors[:], self._normals[:], self._limits[:] = history
+        self.version += 1
 
     def inherit(
         self, other: Contact, before: np.ndarray, after: np.ndarray, carry: Callable[[np.ndarray], np.ndarray]
@@ -76,6 +77,7 @@ class Contact:
     def lag(self, x: np.ndarray) -> float:
         """Take normals and normal forces for friction from x, and drag the anchors; returns the farthest way [m]."""
         dragged = 0.0
+        self.version += 1
         for k, body in enumerate(self.bodies):
             force, self._normals[k] = body.pressing(x, self.area, self.stiffness, self.thickness)
             fresh = self._limits[k] == 0.0

@@ -14,9 +14,9 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape_equations import ClothEquations
+from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.errors import ReplayProblem
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.sheet import Sheet
 
 NEAR = 1e-3
 """Residual over load at which Newton's method takes over."""
@@ -198,7 +198,6 @@ class Rest:
     def polish(self, x: np.ndarray, arrival: Arrival) -> bool:
         """Newton's method from x (n, 3) near rest, which is changed where it finds one; tells whether it does."""
         scale, start = self.scale(x), x.copy()
-        self.newton.current = False
         try:
             outcome = self.newton.solve(x, self.goal * scale, scale, searched=True, rounding=self.rounding)
         except ReplayProblem:
@@ -246,7 +245,6 @@ class Rest:
         sheet, linear = self.sheet, self.linear
         least, places = FAINT * self.equations.held_up, self._places()
         inertia = least
-        self.newton.current = False
         while not linear.definite(matrix := self.equations.true_tangent(x, inertia), places, False):
             inertia *= STIFFER
             if inertia > MOST_INERTIA:
@@ -265,7 +263,7 @@ class Rest:
     def _lowest_mode(self, matrix: PETSc.Mat) -> np.ndarray:
         """The lowest mode (n, 3) of a definite tangent, as long as the way off a saddle [m]; 0 where none is found."""
         sheet, nodal = self.sheet, self.moving.nodal
-        rows = self.newton.x.duplicate(), self.newton.x.duplicate()
+        rows = nodal.vector(), nodal.vector()
         mode = np.random.default_rng(0).uniform(-1.0, 1.0, (sheet.n_nodes, 3)) * sheet.free
         try:
             for _ in range(INVERSE_STEPS):
@@ -293,7 +291,6 @@ class Rest:
 
     def certify(self, x: np.ndarray) -> bool:
         """Tell whether the true tangent at x (n, 3) is positive definite, by a factor of all of it on each rank."""
-        self.newton.current = False
         if self.comm.size == 1:
             return self.newton.definite(x)
         whole = whole_matrix(self.newton.tangent(x), self.comm)

@@ -5,7 +5,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.sheet import Sheet
 
 HELD_UP = 0.02
 """Inertia of the tangent of descents, over that of a pendulum as long as the cloth, g/L: without any, cloth that lies
@@ -73,13 +73,19 @@ class ClothEquations:
         self.tangents = Assembly(sheet, comm, stages, backend)
         own = comm.size == 1 and backend is None
         self.steps = Assembly(sheet, comm, stages, "bcsr") if own else self.tangents
-        self.stabilised, self.inertia = True, self.held_up
+        self.stabilised, self.inertia, self._changes = True, self.held_up, 0
 
     @property
     def held_up(self) -> float:
         """Inertia [1/s^2] that is small beside what moves the cloth."""
         size = float(np.ptp(self.sheet.X, axis=0).max())
         return HELD_UP * float(np.linalg.norm(self.sheet.g)) / size or WEIGHTLESS
+
+    @property
+    def version(self) -> tuple[int, ...]:
+        """Another one whenever forces or the true tangent's matrix may be others at the same positions."""
+        contact = self.sheet.contact
+        return self._changes, self.tangents.operator.version, contact.version if contact else 0
 
     @property
     def rows(self) -> slice:
@@ -93,6 +99,7 @@ class ClothEquations:
 
     def begin(self) -> None:
         """Take in that nodes, stiffness or supports have changed."""
+        self._changes += 1
         self.tangents.begin()
         self.steps.begin()
 

@@ -11,8 +11,8 @@ from restshape import _kernels
 from restshape.mesh.hinges import border_cells, hinges, inner_sides, normals
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import SIDES, MorleySpace
-from restshape.physics.cloth import UPPER, lumped
-from restshape.physics.contact import POTENTIAL, Contact
+from restshape.physics.cloth.parameters import UPPER, lumped
+from restshape.physics.cloth.contact import POTENTIAL, Contact
 
 BENDING = ("morley", "hinge", "nonlinear", "none")
 MEMBRANES = {"stvk": ("membrane_tri3", "membrane_stabilised_tri3"), "corotated": ("membrane_corotated_tri3",) * 2}
@@ -30,7 +30,7 @@ class Fabric:
         bending: (3, 3) or (ne, 3, 3) moments [N] by curvatures xx, yy and twice xy [N m].
         density: mass by area [kg/m^2], one or (ne,).
         kind: "morley", "hinge", "nonlinear" (hinges) or "none".
-        hinge_factor: of the stiffness of hinges, see `restshape.physics.cloth.HINGE_STIFFNESS`.
+        hinge_factor: of the stiffness of hinges, see `restshape.physics.cloth.parameters.HINGE_STIFFNESS`.
         law: of the membrane, "stvk" or "corotated".
     """
 

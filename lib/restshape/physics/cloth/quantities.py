@@ -10,7 +10,7 @@ from restshape.errors import UserError
 from restshape.fem.averages import mean_over
 from restshape.fem.entity_sets import observed_nodes
 from restshape.physics.elasticity.quantities import TAKES, area
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.sheet import Sheet
 from restshape.scene.model import Quantity
 
 AXES = "xyz"

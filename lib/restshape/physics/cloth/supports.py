@@ -7,9 +7,9 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.mesh.hinges import border_cells, normals
 from restshape.mesh.mesh import Mesh
-from restshape.physics.laid import Laid
+from restshape.physics.cloth.initial_placement import Laid
 from restshape.fem.entity_sets import facets_on, nodes_on
-from restshape.physics.sheet import Held
+from restshape.physics.cloth.sheet import Held
 from restshape.fem.values import Nodal
 from restshape.scene.model import Scene, Support
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from restshape import _kernels
-from restshape.physics.patch_curvature import PatchCurvature
+from restshape.physics.cloth.patch_curvature import PatchCurvature
 from restshape.fem.recovery import NodalStress
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.sheet import Sheet
 
 NO_KINDS = np.empty(0, dtype=np.int32)
 ROUNDING = 1e-10

@@ -2,11 +2,11 @@
 
 import pytest
 
-from restshape.algebra.remainder import Remainder
+from restshape.algebra.forcing_terms import ModelError
 
 
 def test_a_step_tells_what_the_linear_model_left_over():
-    left = Remainder()
+    left = ModelError()
     assert left.factor(0) is None
     # |r| = 1e-2 became 3e-6, of which the linear solve may have left 1e-9: c = 0.03.
     left.learn(0, 1e-2, 3e-6, 1e-9)
@@ -18,7 +18,7 @@ def test_a_step_tells_what_the_linear_model_left_over():
 
 
 def test_a_rest_hidden_by_the_linear_solve_is_a_bound():
-    left = Remainder()
+    left = ModelError()
     left.learn(0, 1.0, 0.5, 0.0)
     left.learn(0, 1.0, 1e-3, 1e-3)
     assert left.factor(0) <= 1e-3
@@ -29,6 +29,6 @@ def test_a_rest_hidden_by_the_linear_solve_is_a_bound():
 
 
 def test_a_residual_of_nothing_teaches_nothing():
-    left = Remainder()
+    left = ModelError()
     left.learn(0, 0.0, 0.0, 0.0)
     assert left.factor(0) is None

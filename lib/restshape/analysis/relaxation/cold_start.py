@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.descent import MEMORY
-from restshape.analysis.rest import ROUGH, Arrival, Rest
-from restshape.physics.cloth import HINGE_STIFFNESS
-from restshape.physics.sheet import Fabric
+from restshape.analysis.relaxation.equilibrium import ROUGH, Arrival, Rest
+from restshape.physics.cloth.parameters import HINGE_STIFFNESS
+from restshape.physics.cloth.sheet import Fabric
 
 SOFT = (0.01, 0.05)
 """Parts of the membrane's stiffness that cloth falls with at first: soft cloth finds its folds in large steps."""
