@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from designs import LOADS, Design
-
 from restshape.physics.elasticity.design import design_force
+
 from restshape.sensitivity.static import design_derivative, tangent_product
 
 TOLERANCE = 1e-12

@@ -165,7 +165,7 @@ class ModalAnalysis:
             state, previous = self.state, followed(self.state, self.solver, frame, self.context.stages)
         with self.context.stages("values"):
             stiffness, mass = state.matrices.assemble()
-            rigid = state.body.near_null_space()
+            rigid = state.body.free_rigid_motions()
         verify = frame.settled or self.verified.due(frame.mesh)
         search = self._search(state)
         found = search(stiffness, mass, rigid, state.count, rebind, verify)
@@ -180,7 +180,7 @@ class ModalAnalysis:
     def _verify(self) -> ModalState:
         """The state whose modes have been counted, now that the hand rests, with those that were missing."""
         state, pencil, search = self.state, self.solver.pencil, self._search(self.state)
-        before, rigid = state.modes.vectors, state.body.near_null_space()
+        before, rigid = state.modes.vectors, state.body.free_rigid_motions()
         found = search(pencil.stiffness, pencil.mass, rigid, state.count, False, True)
         # The same modes twice say nothing of where the next ones lie.
         self.solver.history = self.solver.history[:1]
@@ -191,4 +191,3 @@ class ModalAnalysis:
     def _search(self, state: ModalState) -> ModeSearch:
         settings = state.plan.settings("modal")
         return ModeSearch(self.solver, state.body, settings.modes, settings.in_plane)
-

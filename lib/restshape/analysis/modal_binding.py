@@ -17,9 +17,7 @@ from restshape.physics.vibrating_bodies import vibrating_body
 from restshape.scene.plan import plan as planned
 
 
-def bound(
-    state: ModalState, solver: EigenSolver, frame: Frame, context: Context
-) -> tuple[ModalState, np.ndarray]:
+def bound(state: ModalState, solver: EigenSolver, frame: Frame, context: Context) -> tuple[ModalState, np.ndarray]:
     """The state with a new body, and the last modes (k, n f) on its nodes; none where they are of another kind.
 
     Args:
@@ -66,7 +64,7 @@ def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stage
     if flipped:
         with stages("pattern"):
             state.matrices.patch(changed)
-            if frame.reseats:
+            if frame.interpolations:
                 modes = _interpolated(body, modes, frame)
                 solver.history = [_interpolated(body, block, frame) for block in solver.history]
     if state.predicted:
@@ -76,14 +74,14 @@ def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stage
 
 def _interpolated(body: VibratingBody, modes: np.ndarray, frame: Frame) -> np.ndarray:
     """Modes (k, n f) at the new places of nodes of flipped edges."""
-    fields = [body.space.interpolate(mode.reshape(-1, len(body.axes)), frame.reseats) for mode in modes]
+    fields = [body.space.interpolate(mode.reshape(-1, len(body.axes)), frame.interpolations) for mode in modes]
     return np.stack(fields).reshape(modes.shape)
 
 
 def _on_new_mesh(old: VibratingBody, modes: np.ndarray, frame: Frame) -> np.ndarray:
     """Modes (k, n f) of an old body on a new mesh, column by column."""
     n, fields = len(old.plane.X), [mode.reshape(-1, len(old.axes)) for mode in modes]
-    shapes = [old.by_plane_nodes(old.space.interpolate(field, frame.reseats)).reshape(n, -1) for field in fields]
+    shapes = [old.by_plane_nodes(old.space.interpolate(field, frame.interpolations)).reshape(n, -1) for field in fields]
     there = transfer(old.plane, frame.mesh, np.concatenate(shapes, axis=1))
     there = there.reshape(len(frame.mesh.X), len(modes), -1)
     return np.ascontiguousarray(there.transpose(1, 0, 2)).reshape(len(modes), -1)

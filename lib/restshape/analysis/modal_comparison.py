@@ -25,6 +25,6 @@ def compare_cold(state: ModalState, context: Context) -> Comparison:
     pencil = Pencil(context.stages)
     pencil.take(*cold, True)
     pencil.factor(-1e-2 * float(state.modes.values[0]))
-    deflation = Deflation(body.near_null_space(), pencil)
+    deflation = Deflation(body.free_rigid_motions(), pencil)
     found = krylov_schur(pencil, deflation, None, int(chosen[-1]) + 1, COLD)
     return Comparison(entries, float(np.max(np.abs(state.frequencies / frequencies(found.values[chosen]) - 1.0))))

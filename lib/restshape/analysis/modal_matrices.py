@@ -7,7 +7,7 @@ from petsc4py import PETSc
 from restshape.algebra.gather import whole_matrix
 from restshape.algebra.operator import Operator
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import INTERNAL, MASS, Problem
+from restshape.fem.problem import MASS, STIFFNESS, Problem
 
 
 class ModalMatrices:
@@ -35,7 +35,7 @@ class ModalMatrices:
         constrained, rest = self.problem.boundary.constrained, np.zeros(self.problem.boundary.mask.shape)
         stiffness, mass = (
             Assembled(self.problem.integrals(kind), operator).tangent(rest)
-            for kind, operator in zip((INTERNAL, MASS), self.operators)
+            for kind, operator in zip((STIFFNESS, MASS), self.operators)
         )
         if len(constrained):
             # Alone on their rows, with a mass they would be modes of their own.
@@ -53,7 +53,7 @@ class ModalMatrices:
 def products(problem: Problem, modes: np.ndarray) -> np.ndarray:
     """K phi and M phi (2, k, n f) of modes (k, n f), without matrices; forces at constrained unknowns are in them."""
     shape, found = problem.boundary.mask.shape, np.empty((2, *modes.shape))
-    for kind, out in zip((INTERNAL, MASS), found):
+    for kind, out in zip((STIFFNESS, MASS), found):
         assembled = Assembled(problem.integrals(kind))
         for mode, product in zip(modes, out):
             product[:] = assembled.residual(np.ascontiguousarray(mode.reshape(shape))).ravel()

@@ -44,9 +44,7 @@ def blank_fields(space: Space, count: int) -> Fields:
     return blank, {"size_of_mode_1": np.full(len(space.cells), np.nan)}
 
 
-def modal_quantity(
-    name: str, quantity: Quantity, space: Space, frequencies: np.ndarray, ids: np.ndarray
-) -> float:
+def modal_quantity(name: str, quantity: Quantity, space: Space, frequencies: np.ndarray, ids: np.ndarray) -> float:
     """The value of a quantity of interest; not a number of a mode that is not among those computed.
 
     Args:

@@ -11,7 +11,7 @@ from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.minimal_residual import minimal_residual
 from restshape.errors import ReplayProblem
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import INTERNAL, MASS
+from restshape.fem.problem import MASS, STIFFNESS
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import Context
@@ -37,7 +37,7 @@ def design_products(analysis: Solved, modes: np.ndarray, velocity: np.ndarray) -
     """K' phi and M' phi (k, n f) of modes (k, n f) when the nodes of the body move with a velocity (n, d)."""
     body = analysis.state.body
     boundary, found = body.boundary, []
-    for kind in (INTERNAL, MASS):
+    for kind in (STIFFNESS, MASS):
         assembled, rows = Assembled(body.integrals(kind)), []
         for mode in modes:
             product = assembled.design_product(np.ascontiguousarray(mode.reshape(boundary.mask.shape)), velocity)
@@ -66,9 +66,7 @@ def frequency_derivatives(analysis: Solved, velocity: np.ndarray, width: float =
     return rates(analysis, known, *design_products(analysis, vectors, velocity), width)
 
 
-def rates(
-    analysis: Solved, known: np.ndarray, stiff: np.ndarray, heavy: np.ndarray, width: float = 0.0
-) -> np.ndarray:
+def rates(analysis: Solved, known: np.ndarray, stiff: np.ndarray, heavy: np.ndarray, width: float = 0.0) -> np.ndarray:
     """Derivatives (modes,) of the frequencies that the scene asks for, from K' phi and M' phi of the known modes.
 
     Args:
@@ -153,9 +151,7 @@ def modal_derivative(analysis: Solved, plane_motion: np.ndarray, tolerance: floa
     return result
 
 
-def _beyond(
-    analysis: Solved, modes: np.ndarray, value: float, force: np.ndarray, tolerance: float
-) -> np.ndarray:
+def _beyond(analysis: Solved, modes: np.ndarray, value: float, force: np.ndarray, tolerance: float) -> np.ndarray:
     """The part v (n f,) of a mode's change that is orthogonal to the known modes, rigid motions in it included.
 
     Args:
@@ -209,7 +205,7 @@ def nodal_gradient(analysis: Solved, mode: int) -> np.ndarray:
     body, modes = analysis.state.body, analysis.state.modes
     phi, value = modes.vectors[mode].reshape(body.boundary.mask.shape), modes.values[mode]
     (stiff,), (heavy,) = (
-        [integral.work_derivatives(phi) for integral in body.integrals(kind)] for kind in (INTERNAL, MASS)
+        [integral.work_derivatives(phi) for integral in body.integrals(kind)] for kind in (STIFFNESS, MASS)
     )
     rates, gradient = stiff - value * heavy, np.zeros_like(body.space.X)
     for i, nodes in enumerate(body.space.cells.T):
@@ -231,7 +227,7 @@ def material_derivatives(analysis: Solved, mode: int) -> dict[str, dict[str, flo
     body, modes = analysis.state.body, analysis.state.modes
     value = float(modes.values[mode])
     phi = np.ascontiguousarray(modes.vectors[mode].reshape(body.boundary.mask.shape))
-    (stiff,), (heavy,) = ([2.0 * part.energies(phi) for part in body.integrals(kind)] for kind in (INTERNAL, MASS))
+    (stiff,), (heavy,) = ([2.0 * part.energies(phi) for part in body.integrals(kind)] for kind in (STIFFNESS, MASS))
     scale = 1.0 / (8.0 * np.pi**2 * np.sqrt(value) / (2.0 * np.pi))
     result = {}
     for name, material in analysis.state.scene.material.items():

@@ -7,7 +7,7 @@ import numpy as np
 
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import INTERNAL, MASS, Problem
+from restshape.fem.problem import MASS, STIFFNESS, Problem
 from restshape.physics.vibrating_bodies import vibrating_body
 from restshape.scene.load import revise
 from restshape.sensitivity.modal import Solved, known_modes, rates
@@ -78,7 +78,7 @@ def _differenced(analysis: Solved, key: str, value: float, step: float) -> np.nd
     for changed in (value + step, value - step):
         scene = revise(state.scene, *_revision(analysis, key, changed))
         body = vibrating_body(scene, state.plan, state.space, analysis.context.policy.lumped_mass)
-        ends.append([_products(body, state.modes.vectors[known], kind) for kind in (INTERNAL, MASS)])
+        ends.append([_products(body, state.modes.vectors[known], kind) for kind in (STIFFNESS, MASS)])
     stiff, heavy = ((ahead - behind) / (2.0 * step) for ahead, behind in zip(*ends))
     if not (np.isfinite(stiff).all() and np.isfinite(heavy).all()):
         raise UserError(f"{value:g} +- {step:g} makes no sense", key, "choose another value")

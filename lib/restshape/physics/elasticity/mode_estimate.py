@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.fem.error_estimate import NO_KINDS
-from restshape.fem.recovery import NodalStress
+from restshape.fem.recovery import NodalFlux
 from restshape.physics.elasticity.stiffness import plane_strain, plane_stress, stiffness_of
 from restshape.physics.elasticity.vibrating_materials import constant_thickness
 
@@ -48,7 +48,7 @@ class PlaneModeEstimate(ModeEstimate):
 
     def __init__(self, body: VibratingPlane) -> None:
         super().__init__(body)
-        self.recovery = NodalStress(body.space)
+        self.recovery = NodalFlux(body.space)
         law = plane_stress if body.stress else plane_strain
         self._compliance = np.zeros((len(body.materials), 4, 4))
         for row, m in zip(self._compliance, body.materials):

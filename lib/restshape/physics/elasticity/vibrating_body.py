@@ -10,11 +10,11 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import UserError
-from restshape.fem.dirichlet import Dirichlet, Prescribed
-from restshape.fem.entity_sets import nodes_on
+from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.integral import Integral
-from restshape.fem.problem import INTERNAL, MASS, Fields, Unknown
+from restshape.fem.problem import INTERNAL, MASS, STIFFNESS, Fields, Unknown
 from restshape.fem.space import Space
+from restshape.fem.supports import dirichlet_of
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.physics.elasticity.vibrating_materials import materials_by_region
@@ -28,7 +28,9 @@ CONSTRAINED = 1e-9
 
 
 class VibratingBody(ABC):
-    """The problem K phi = lambda M phi of a body over a plane mesh under edit: `fem.problem.Problem` without loads.
+    """The problem K phi = lambda M phi of a body over a plane mesh under edit.
+
+    Of a `fem.problem.Problem` it is all that an eigenproblem asks for: nothing loads the body.
 
     Args:
         scene: materials and supports.
@@ -43,7 +45,8 @@ class VibratingBody(ABC):
         UserError: a material has no density, part of the body no material, or a support makes no sense for the body.
     """
 
-    symmetric = definite = linear = True
+    symmetric = definite = linear = rigid_motions = True
+    name = "modes"
     axes: tuple[str, ...]
     space: Space
     boundary: Dirichlet
@@ -61,24 +64,20 @@ class VibratingBody(ABC):
         """One field: the amplitude of the displacement, whose size means nothing."""
         return (Unknown("displacement", "", self.axes),)
 
-    def update(self) -> None:
+    def update(self) -> None:  # noqa: B027  nothing does, where materials are constant
         """Evaluate again what depends on the place of the nodes."""
 
     def blocks(self) -> list[np.ndarray]:
         """The cells (ne, k) int32."""
         return [self.space.cells]
 
-    def integrals(self, kind: str) -> Sequence[Integral]:
-        """Those of `INTERNAL` forces or of `MASS`."""
-        return {INTERNAL: (self.stiffness,), MASS: (self.mass,)}.get(kind, ())
+    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral]:
+        """Those of `STIFFNESS`, which are all internal forces, or of `MASS`."""
+        return {INTERNAL: (self.stiffness,), STIFFNESS: (self.stiffness,), MASS: (self.mass,)}.get(kind, ())
 
-    def loads(self, out: np.ndarray) -> None:
-        """Set `out` (n, f) to 0: nothing loads the body."""
-        out[:] = 0.0
-
-    def near_null_space(self) -> np.ndarray:
+    def free_rigid_motions(self) -> np.ndarray:
         """A basis (r, n f) of the rigid motions that the supports leave free, at the places of the nodes now."""
-        basis = self.rigid_motions()
+        basis = self.all_rigid_motions()
         size = np.linalg.norm(basis, axis=1)
         basis /= size[:, None]
         constrained = basis[:, self.boundary.mask.ravel() != 0]
@@ -119,7 +118,7 @@ class VibratingBody(ABC):
         return field
 
     @abstractmethod
-    def rigid_motions(self) -> np.ndarray:
+    def all_rigid_motions(self) -> np.ndarray:
         """All rigid motions (r, n f) that the unknowns can make."""
 
     # --- what modes look like -----------------------------------------------------------------------------------------
@@ -148,9 +147,7 @@ class VibratingBody(ABC):
         Raises:
             UserError: one fixes what the body does not have, or prescribes another value than 0.
         """
-        conditions = []
         for name, support in self.scene.supports.items():
-            nodes = nodes_on(self.space, support.on)
             for axis, value in support.fix.items():
                 if axis not in self.axes:
                     raise UserError(
@@ -158,13 +155,13 @@ class VibratingBody(ABC):
                         f"supports.{name}.fix",
                         f"fix some of {', '.join(self.axes)}",
                     )
-                where = f"supports.{name}.fix.{axis}"
                 if value != 0.0:
                     raise UserError(
-                        "what a support prescribes has no meaning for free vibrations", where, f'fix = ["{axis}"]'
+                        "what a support prescribes has no meaning for free vibrations",
+                        f"supports.{name}.fix.{axis}",
+                        f'fix = ["{axis}"]',
                     )
-                conditions.append(Prescribed(where, self.axes.index(axis), nodes, value))
-        return Dirichlet((len(self.space.X), len(self.axes)), conditions, self.scene.parameters)
+        return dirichlet_of(self.scene, self.space, self.unknowns)
 
     def integral(self, element: str, parameters: np.ndarray) -> Integral:
         """An element, by its name without the shape, over all cells."""

@@ -39,11 +39,6 @@ def materials_by_region(scene: Scene, plane: Space) -> list[Material]:
     return [m if m is not None else some for m in table]
 
 
-def parameters_by_cell(table: np.ndarray, region: np.ndarray) -> np.ndarray:
-    """Parameters of cells: rows of a table (regions + 1, p) by their region (ne,), or one row where none has one."""
-    return np.ascontiguousarray(table[region] if np.any(region) else table[0])
-
-
 def law(materials: list[Material]) -> str:
     """The law of small strains that all materials have: "linear_elastic", or "anisotropic" if one has a grain."""
     return "anisotropic" if any(m.orthotropic for m in materials) else "linear_elastic"

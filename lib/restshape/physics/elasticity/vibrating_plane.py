@@ -2,12 +2,13 @@
 
 import numpy as np
 
+from restshape.fem.materials import by_cell
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.physics.elasticity.mode_estimate import PlaneModeEstimate
 from restshape.physics.elasticity.stiffness import plane_params, plane_strain, plane_stress, stiffness_of
 from restshape.physics.elasticity.vibrating_body import VibratingBody
-from restshape.physics.elasticity.vibrating_materials import constant_thickness, lame, law, parameters_by_cell
+from restshape.physics.elasticity.vibrating_materials import constant_thickness, lame, law
 from restshape.scene.model import Scene
 
 
@@ -33,11 +34,11 @@ class VibratingPlane(VibratingBody):
             rows = [(*lame(m, stress), h, 0.0, 0.0) for m, h in zip(self.materials, thickness)]
         masses = [[m.rho * h] for m, h in zip(self.materials, thickness)]
         region = plane.cell_region
-        self.stiffness = self.integral(law(self.materials), parameters_by_cell(np.array(rows), region))
-        self.mass = self.integral("lumped_mass" if lumped else "mass", parameters_by_cell(np.array(masses), region))
+        self.stiffness = self.integral(law(self.materials), by_cell(np.array(rows), region))
+        self.mass = self.integral("lumped_mass" if lumped else "mass", by_cell(np.array(masses), region))
         self.boundary = self.supports()
 
-    def rigid_motions(self) -> np.ndarray:
+    def all_rigid_motions(self) -> np.ndarray:
         """Two translations and a turn (3, n f)."""
         X = self.space.X
         basis = np.zeros((3, *X.shape))

@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from restshape.fem.materials import by_cell
 from restshape.mesh.extrude import Extrusion
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.physics.elasticity.mode_estimate import SolidModeEstimate
 from restshape.physics.elasticity.stiffness import solid_params, stiffness_of
 from restshape.physics.elasticity.vibrating_body import VibratingBody
-from restshape.physics.elasticity.vibrating_materials import common_thickness, lame, law, parameters_by_cell
+from restshape.physics.elasticity.vibrating_materials import common_thickness, lame, law
 from restshape.scene.model import Scene
 
 
@@ -33,8 +34,8 @@ class VibratingSolid(VibratingBody):
         else:
             rows = [(*lame(m, False), 0.0, 0.0, 0.0) for m in self.materials]
         masses = np.array([[m.rho] for m in self.materials])
-        self.stiffness = self.integral(law(self.materials), parameters_by_cell(np.array(rows), region))
-        self.mass = self.integral("lumped_mass" if lumped else "mass", parameters_by_cell(masses, region))
+        self.stiffness = self.integral(law(self.materials), by_cell(np.array(rows), region))
+        self.mass = self.integral("lumped_mass" if lumped else "mass", by_cell(masses, region))
         self.boundary = self.supports()
 
     def motion(self, plane_motion: np.ndarray) -> np.ndarray:
@@ -45,7 +46,7 @@ class VibratingSolid(VibratingBody):
         """A field (n, ...) by plane nodes: (n2, levels...)."""
         return field.reshape(len(self.plane.X), -1)
 
-    def rigid_motions(self) -> np.ndarray:
+    def all_rigid_motions(self) -> np.ndarray:
         """Three translations and three turns (6, n f)."""
         X = self.space.X
         basis = np.zeros((6, *X.shape))

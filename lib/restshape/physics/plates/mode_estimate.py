@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape import _kernels
-from restshape.fem.recovery import NodalStress
+from restshape.fem.recovery import NodalFlux
 from restshape.physics.elasticity.mode_estimate import ModeEstimate
 from restshape.physics.elasticity.stiffness import plane_stress, stiffness_of
 
@@ -32,7 +32,7 @@ class PlateModeEstimate(ModeEstimate):
 
     def __call__(self, modes: np.ndarray) -> np.ndarray:
         space, found = self.body.space, []
-        X, recovery = np.ascontiguousarray(space.X[:, :2]), NodalStress(self.body.plane)
+        X, recovery = np.ascontiguousarray(space.X[:, :2]), NodalFlux(self.body.plane)
         rows, kinds = recovery.cell_rows(), np.arange(len(space.cells), dtype=np.int32)
         thickness = space.X[space.cells, 2].mean(axis=1)
         compliance = np.zeros((len(kinds), 4, 4))

@@ -51,7 +51,7 @@ class VibratingPlate(VibratingBody):
         """Velocities (k, n, 3) of places and thickness from those (k, n, 2) of the plane nodes."""
         return self.space.motion(plane_motion)
 
-    def rigid_motions(self) -> np.ndarray:
+    def all_rigid_motions(self) -> np.ndarray:
         """A translation along z and two turns (3, n f)."""
         x, y = (self.space.X[:, :2] - self.space.X[:, :2].mean(axis=0)).T
         basis = np.zeros((3, len(x), 3))
