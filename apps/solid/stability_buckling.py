@@ -92,7 +92,7 @@ polygon = [[0.499, 0.0005], [0.501, 0.0005], [0.501, 0.024], [0.499, 0.024]]
     yield below("load factor over that of the whole column", weaker["q_first"] / stronger["q_first"], 0.999)
     analysis = made.analysis
     shape = np.abs(analysis.modes[0].reshape(-1, 2)[:, 1])
-    yield near("place of the fold [m]", analysis.mesh.X[np.argmax(shape), 0], 0.5, 0.1)
+    yield near("place of the fold [m]", analysis.space.X[np.argmax(shape), 0], 0.5, 0.1)
     yield below("true residual", weaker["residual"], 1e-6)
     yield unrefused([weaker, stronger])
 

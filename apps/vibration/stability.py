@@ -93,7 +93,7 @@ def _swung(trial: Trial, scene: Path, events: list[dict]) -> tuple[list[Row], li
     for row in made.frames():
         rows.append(dict(row))
         if row["index"] == 0:
-            X = made.analysis.mesh.X
+            X = made.analysis.space.X
             made.analysis.begin(0.05 * X * X[:, 1:], 0.3 * X[:, ::-1] * X[:, 1:])
             start = made.analysis.energy()
         else:

@@ -27,7 +27,7 @@ def idle(replay: Replay, frames: int) -> Iterator[TransientAnalysis]:
     """The analysis after each of so many frames in which nothing is edited."""
     analysis = replay.analysis
     for _ in range(frames):
-        analysis.solve(Frame(replay.moving.mesh, NO_CELLS, None, analysis.scene, (None, (0.0, 0.0))))
+        analysis.solve(Frame(replay.moving.mesh, NO_CELLS, None, analysis.state.scene, (None, (0.0, 0.0))))
         yield analysis
 
 

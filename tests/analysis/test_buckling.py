@@ -66,7 +66,7 @@ def test_a_load_that_is_turned_round(tmp_path):
 def test_nothing_is_left_out_and_modes_are_orthonormal(tmp_path):
     """All load factors of a coarse column, by LAPACK."""
     analysis = solved(tmp_path, column(height=0.2, size=0.15, order=1, modes=6))
-    free = np.flatnonzero(analysis.physics.mask.ravel() == 0)
+    free = np.flatnonzero(analysis.problem.mask.ravel() == 0)
     params, n = analysis.geometric.params(analysis.x), analysis.x.size
     K, G = np.zeros((2, n, n))
     for j in range(n):
@@ -78,7 +78,7 @@ def test_nothing_is_left_out_and_modes_are_orthonormal(tmp_path):
     np.testing.assert_allclose(analysis.load_factors, np.sort(1.0 / values[values > 0.0])[:6], rtol=1e-8)
     modes = analysis.modes[:, free]
     np.testing.assert_allclose(modes @ K[np.ix_(free, free)] @ modes.T, np.eye(6), atol=1e-8)
-    assert analysis.residual() < 1e-8
+    assert analysis.residual_norm() < 1e-8
 
 
 def test_incompressible_column(tmp_path):

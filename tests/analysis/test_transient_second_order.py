@@ -44,7 +44,7 @@ def idle_of(replay, frames: int) -> None:
     analysis = replay.analysis
     for _ in range(frames):
         none = np.empty(0, dtype=np.int32)
-        analysis.solve(Frame(replay.moving.field_mesh, none, None, analysis.scene, (None, (0.0, 0.0))))
+        analysis.solve(Frame(replay.moving.field_mesh, none, None, analysis.state.scene, (None, (0.0, 0.0))))
 
 
 @pytest.mark.parametrize("relocation", ["harmonic", "laplacian"])
@@ -66,7 +66,7 @@ def test_edits_and_new_meshes_account_for_all_energy(tmp_path):
     frames = replay.frames()
     next(frames)
     analysis = replay.analysis
-    X = analysis.mesh.X
+    X = analysis.space.X
     analysis.begin(1e-3 * X * X[:, 1:], 0.1 * X[:, ::-1] * X[:, 1:])
     start = analysis.energy()
     books, levels = [], set()
@@ -96,7 +96,7 @@ def test_flips_leave_linear_motions_as_they_are(tmp_path):
     space.follow()
     mesh.topology -= 10_000
     assert flips and (ends != mesh.edge_nodes).any()
-    analysis.solve(Frame(space, changed, None, analysis.scene, (None, (0.0, 0.0)), space.reseats))
+    analysis.solve(Frame(space, changed, None, analysis.state.scene, (None, (0.0, 0.0)), space.reseats))
     np.testing.assert_allclose(analysis.x, space.X[:, 1:] * A[0], atol=1e-7)
     np.testing.assert_allclose(analysis.v, 1000 * space.X[:, 1:] * A[1], atol=1e-5)
 

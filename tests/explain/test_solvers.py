@@ -57,7 +57,7 @@ def test_solvers_are_those_of_the_plan(tmp_path, name):
     if first.krylov:
         solver = replay.analysis.solver
         assert solver.ksp.getType() == first.krylov and solver.kind == first.factor
-        _holds_of(replay.analysis.system().matrix.toarray(), first.matrix)
+        _holds_of(replay.analysis.warm_system().matrix.toarray(), first.matrix)
     else:
         stiffness, mass = (m.toarray() for m in replay.analysis.state.matrices.gather())
         _holds_of(stiffness - replay.analysis.solver.pencil.shift * mass, first.matrix)
@@ -71,7 +71,7 @@ def test_load_factors_come_from_an_indefinite_factor(tmp_path):
     pencil = replay.analysis.critical.pencil
     parts = (pencil.mass, pencil.stiffness)
     stiffness, geometric = (whole_matrix(part, PETSc.COMM_SELF).toarray() for part in parts)
-    free = np.flatnonzero(replay.analysis.physics.mask.ravel() == 0)
+    free = np.flatnonzero(replay.analysis.problem.mask.ravel() == 0)
     beyond = 1.01 * replay.analysis.load_factors[-1]
     _holds_of((stiffness + beyond * geometric)[np.ix_(free, free)], INDEFINITE)
 

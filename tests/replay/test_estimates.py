@@ -33,7 +33,7 @@ def test_prediction_is_told_how_far_it_is_from_the_solution(tmp_path, kind, poli
     for row, _ in zip(ahead.frames(), solved.frames()):
         rows.append(row)
         if row["predicted"]:
-            true = solved.analysis.prediction_error(ahead.analysis.x)
+            true = solved.analysis.predictor.error(ahead.analysis.x)
             assert row["estimate"] == pytest.approx(true, rel=0.05)
     assert [row["predicted"] for row in rows] == [0, 0, *[1] * 8, 0]
     assert np.isnan([row["prediction_error"] for row in rows[:-1]]).all()

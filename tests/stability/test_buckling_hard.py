@@ -38,7 +38,7 @@ def dense(analysis) -> float:
     """The lowest positive load factor by LAPACK, which cannot miss it."""
     pencil = analysis.critical.pencil
     G, K = (whole_matrix(m, PETSc.COMM_SELF).toarray() for m in (pencil.stiffness, pencil.mass))
-    free = analysis.physics.mask.ravel() == 0
+    free = analysis.problem.mask.ravel() == 0
     return (
         1.0
         / eigh(

@@ -20,13 +20,12 @@ from restshape.analysis.mode_tracking import ModeIds, normalise_signs
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.analysis.verified_shape import VerifiedShape
 from restshape.errors import ReplayProblem, UserError
-from restshape.physics.elasticity.prestressed_solid import PrestressedSolid
 
 if TYPE_CHECKING:
     from petsc4py import PETSc
 
     from restshape.algebra.davidson import Found
-    from restshape.fem.problem import Fields
+    from restshape.fem.problem import Fields, Problem
     from restshape.fem.space import Space
     from restshape.scene.model import Scene
     from restshape.scene.plan import Plan
@@ -46,6 +45,7 @@ class BucklingAnalysis:
         scene: what the user wrote.
         plan: which effects are on.
         context: what all parts of the replay share.
+        make: the class of the problem: linear, with a geometric stiffness.
 
     Attributes:
         rest: finds the equilibrium.
@@ -60,9 +60,9 @@ class BucklingAnalysis:
     estimated = "load factors"
     why_not = ""
 
-    def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
         self.context = context
-        self.rest = SteadyAnalysis(_more_exact(scene), plan, context, PrestressedSolid)
+        self.rest = SteadyAnalysis(_more_exact(scene), plan, context, make)
         follows = context.policy.solver in ("auto", "stale")
         self.solver = BucklingSolver(follows, scene.solve.tolerance, context.calibration, context.stages)
         self.verified = VerifiedShape()

@@ -9,7 +9,7 @@ from restshape.errors import UserError
 from restshape.fem.problem import Fields
 from restshape.fem.space import Space
 from restshape.physics.elasticity.pitch import note
-from restshape.physics.elasticity.quantities import area
+from restshape.fem.quantity import area
 from restshape.scene.model import Quantity
 
 

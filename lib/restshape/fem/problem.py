@@ -75,6 +75,9 @@ class Problem(Protocol):
     def varies(self) -> bool: ...
     @property
     def stiffest(self) -> float: ...
+    @property
+    def load_steps(self) -> int:
+        """Steps of load that are tried at most where the problem is not linear."""
 
     def update(self) -> None:
         """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""

@@ -18,7 +18,7 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.relaxation.cold_start import fall, loosen, stand_in
 from restshape.analysis.frame import Frame
 from restshape.analysis.relaxation.equilibrium import Arrival, Rest
-from restshape.analysis.shown import Fields
+from restshape.fem.problem import Fields
 from restshape.analysis.relaxation.strategies import WAYS
 from restshape.application import application
 from restshape.calibration import Calibration

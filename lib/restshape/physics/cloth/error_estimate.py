@@ -6,7 +6,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.physics.cloth.patch_curvature import PatchCurvature
-from restshape.fem.recovery import NodalStress
+from restshape.fem.recovery import NodalFlux
 from restshape.physics.cloth.sheet import Sheet
 
 NO_KINDS = np.empty(0, dtype=np.int32)
@@ -29,7 +29,7 @@ class ClothEstimate:
 
     def __init__(self, sheet: Sheet) -> None:
         self.sheet = sheet
-        self.recovery, self._geometry = NodalStress(sheet.mesh), -1
+        self.recovery, self._geometry = NodalFlux(sheet.mesh), -1
         self.follow()
 
     def follow(self) -> None:

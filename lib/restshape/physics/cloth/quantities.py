@@ -9,7 +9,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.fem.averages import mean_over
 from restshape.fem.entity_sets import observed_nodes
-from restshape.physics.elasticity.quantities import TAKES, area
+from restshape.fem.quantity import REDUCTIONS, area
 from restshape.physics.cloth.sheet import Sheet
 from restshape.scene.model import Quantity
 
@@ -61,7 +61,7 @@ class ClothObserver:
         return self.sheet.corners(out)
 
     def _displacement(self, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
-        take = mean_over(self.mesh, quantity.at, nodes) if quantity.take == "mean" else TAKES[quantity.take]
+        take = mean_over(self.mesh, quantity.at, nodes) if quantity.take == "mean" else REDUCTIONS[quantity.take]
 
         def moved(x: np.ndarray) -> np.ndarray:
             return (self.sheet.corners(x) - self.flat)[nodes]

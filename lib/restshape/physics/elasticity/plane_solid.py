@@ -93,6 +93,11 @@ class PlaneSolid:
         lame, shear, thickness, _ = self.materials.T
         return float(np.nanmax((lame + 2.0 * shear) * thickness))
 
+    @property
+    def load_steps(self) -> int:
+        """Steps of load that are tried at most where the law is not linear."""
+        return self.plan.settings("large_deformation").load_steps
+
     def update(self) -> None:
         """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
         if self.varies:
