@@ -34,7 +34,7 @@ def keys_of(analysis: ModalAnalysis) -> list[str]:
 def along_outline(analysis: ModalAnalysis) -> list[dict[str, Any]]:
     """Of each mode that stands alone, edge by edge: places [m] and the density [Hz/m^2] there."""
     found = []
-    for rank, mode in enumerate(analysis.chosen, 1):
+    for rank, mode in enumerate(analysis.state.modes.chosen, 1):
         if not stands_alone(analysis, int(mode)):
             continue
         edges = {

@@ -25,7 +25,7 @@ QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
 
 def draw(analysis: ModalAnalysis, path: Path) -> None:
     """Draw the modes that the scene asks for, each with its frequency and tone."""
-    a4 = analysis.plan.settings("modal").a4
+    a4 = analysis.state.plan.settings("modal").a4
     names = []
     for k, f in enumerate(analysis.frequencies, 1):
         tone, cents = note(float(f), a4)
@@ -43,7 +43,7 @@ def draw_rasp(analysis: ModalAnalysis, path: Path) -> None:
     Raises:
         UserError: others lie so close to it that rasping mixes their modes, which no density tells.
     """
-    first = int(analysis.chosen[0])
+    first = int(analysis.state.modes.chosen[0])
     if not stands_alone(analysis, first):
         f = float(analysis.frequencies[0])
         raise UserError(

@@ -41,7 +41,7 @@ def main(words: Sequence[str] | None = None) -> int:
             raise UserError("damping is not negative, and time is positive", "--damping, --seconds", "leave them out")
         analysis = analysed(args)
         node = struck_node(analysis, args.at)
-        shapes = analysis.body.shapes(analysis.modes[analysis.chosen])[:, node]
+        shapes = analysis.state.body.shapes(analysis.state.modes.vectors[analysis.state.modes.chosen])[:, node]
         write_wav(args.out, struck(analysis.frequencies, np.linalg.norm(shapes, axis=1), args.damping, args.seconds))
     except UserError as error:
         print(f"sound: {error}", file=sys.stderr)

@@ -64,7 +64,7 @@ def test_number_without_effect(tmp_path):
 
 def test_moduli_of_wood_add_up_to_half_the_frequency():
     plate = still(SCENES / "rosewood.toml", ["effects.modal.modes=2", 'mesh.size="20 mm"']).analysis
-    wood = plate.scene.material["wood"].orthotropic
+    wood = plate.state.scene.material["wood"].orthotropic
     total = np.zeros(2)
     for which, moduli in (("E", wood.E), ("G", wood.G)):
         for k, modulus in enumerate(moduli):

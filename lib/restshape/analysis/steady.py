@@ -139,6 +139,12 @@ class SteadyAnalysis:
         self.state = replace(self.state, scene=frame.scene, topology=mesh.topology, geometry=mesh.geometry)
         return report
 
+    def rollback(self, state: SteadyState) -> None:
+        """Take back a frame that was solved, but of which others could make nothing: `state` is that of before."""
+        self.state, self.interrupted = state, True
+        # What was solved for may be of a mesh that is gone.
+        self.guess.restart()
+
     # --- what is asked of a state -------------------------------------------------------------------------------------
 
     @property

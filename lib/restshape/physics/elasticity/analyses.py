@@ -1,11 +1,13 @@
 """The analyses of plane solids that plans call for."""
 
 from restshape.analysis.analysis import Analysis, Context
+from restshape.analysis.buckling import BucklingAnalysis
 from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
 from restshape.analysis.nonlinear_transient import NonlinearTransientAnalysis
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.analysis.transient import TransientAnalysis
 from restshape.physics.elasticity.plane_solid import PlaneSolid
+from restshape.physics.elasticity.prestressed_solid import PrestressedSolid
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -15,9 +17,7 @@ def steady_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis:
     if plan.solver.equations == "nonlinear":
         return NonlinearSteadyAnalysis(scene, plan, context, PlaneSolid)
     if plan.on("buckling"):
-        from restshape.analysis.buckling import BucklingAnalysis
-
-        return BucklingAnalysis(scene, plan, context)
+        return BucklingAnalysis(scene, plan, context, PrestressedSolid)
     return SteadyAnalysis(scene, plan, context, PlaneSolid)
 
 
