@@ -14,6 +14,7 @@ from restshape.algebra.gather import matrix_difference, whole_matrix
 from restshape.algebra.kinetic_damping import Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.traits import Traits
 from restshape.algebra.stages import Stages
 from restshape.analysis.relaxation.cold_start import fall, loosen, stand_in
 from restshape.analysis.frame import Frame
@@ -275,6 +276,7 @@ class DrapeAnalysis:
             self.calibration,
             self.stages,
             memory=scene.solve.factor_memory,
+            traits=Traits(fields=3, dimension=3),
         )
         # A complete factor of a small matrix costs less than the iterations without one.
         small = settings.way == "auto" and sheet.n_nodes <= SMALL
