@@ -62,7 +62,7 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
     if hasattr(analysis, "sheet"):
         return _cloth(analysis, outline, row)
     spectrum = next((name for name in SPECTRA if hasattr(analysis, name)), "")
-    values, shapes = np.empty(0), np.empty((0, len(analysis.mesh.X), 2))
+    values, shapes = np.empty(0), np.empty((0, len(analysis.space.X), 2))
     if spectrum:
         values = np.array(getattr(analysis, spectrum), dtype=float)
         points, _ = analysis.fields()
@@ -71,20 +71,20 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
     displacement = velocity = stiffness = solid = None
     if spectrum != "frequencies":
         body = getattr(analysis, "body", None)
-        displacement, stiffness = analysis.x.copy(), np.zeros((len(analysis.mesh.cells), 4))
-        solid = body.solid if body else analysis.physics
+        displacement, stiffness = analysis.x.copy(), np.zeros((len(analysis.space.cells), 4))
+        solid = body.problem if body else analysis.problem
         stiffness[:, :3] = solid.stiffness_params[..., :3]
         if body:
             velocity = analysis.v.copy()
-            stiffness[:, 3:] = body.inertia.params
-    grid = Grid.of(analysis.mesh)
+            stiffness[:, 3:] = body.mass.params
+    grid = Grid.of(analysis.space)
     large = solid is not None and solid.law == "stvk"
     return State(grid, outline.copy(), displacement, velocity, spectrum, values, shapes, stiffness, large, dict(row))
 
 
 def _cloth(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
     """The positions, as displacements from the flat pattern, that cloth rests at."""
-    sheet, grid = analysis.sheet, Grid.of(analysis.mesh)
+    sheet, grid = analysis.sheet, Grid.of(analysis.space)
     displacement = sheet.corners(analysis.x) - analysis.flat
     shape, fabric = (len(grid.cells), 3, 3), sheet.fabric
     stiffness = np.stack([np.broadcast_to(part, shape) for part in (fabric.membrane, fabric.bending)], axis=1)

@@ -9,8 +9,8 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.bench.events import EventCounts
 
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.rest import Rest
+from restshape.analysis.relaxation.analysis import DrapeAnalysis
+from restshape.analysis.relaxation.equilibrium import Rest
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request

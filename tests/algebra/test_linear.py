@@ -13,6 +13,7 @@ from restshape.algebra.gather import System
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import true_residual
 from restshape.algebra.stages import Stages
+from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
 FRAMES, TOLERANCE = 40, 1e-6
@@ -45,7 +46,7 @@ def systems(tmp_path_factory):
     found = []
     for row in made.frames():
         if row["level"]:
-            found.append(System(made.analysis.system().matrix, made.analysis.rhs.ravel().copy()))
+            found.append(System(made.analysis.warm_system().matrix, made.analysis.state.system.right.ravel().copy()))
     assert len(found) == FRAMES + 1
     return found
 
@@ -77,7 +78,7 @@ def solver(method="stale", dearer=1.0):
     known = replace(
         nominal, numeric_nonzero=dearer * nominal.numeric_nonzero, numeric_work=dearer * nominal.numeric_work
     )
-    return LinearSolver(PETSc.COMM_SELF, "test_", method, TOLERANCE, known, Stages())
+    return LinearSolver(PETSc.COMM_SELF, "test_", method, TOLERANCE, known, Stages(), traits=Traits())
 
 
 def run(systems, method="stale", dearer=1.0):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from restshape.physics.carried import carried
+from restshape.physics.cloth.body_motion import carried
 from restshape.scene.bodies import Body
 
 POINTS = np.random.default_rng(0).normal(size=(6, 3))

@@ -8,16 +8,16 @@ from cloths import PIN, cloth
 from petsc4py import PETSc
 
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape import DrapeAnalysis
+from restshape.analysis.relaxation.analysis import DrapeAnalysis
 from restshape.analysis.frame import Frame
-from restshape.analysis.rest import Arrival
+from restshape.analysis.relaxation.equilibrium import Arrival
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.generate import generate
 from restshape.mesh.nested import NestedMesh
-from restshape.physics.cloth_estimate import ClothEstimate
-from restshape.physics.patch_curvature import PatchCurvature
-from restshape.physics.sheet import Fabric, Held, Sheet
+from restshape.physics.cloth.error_estimate import ClothEstimate
+from restshape.physics.cloth.patch_curvature import PatchCurvature
+from restshape.physics.cloth.sheet import Fabric, Held, Sheet
 from restshape.policy import policy
 from restshape.scene.load import load_scene
 from restshape.scene.model import MeshSpec, ShapeSpec

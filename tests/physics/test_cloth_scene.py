@@ -7,10 +7,10 @@ from cloths import BALL, CONTACT, PIN, cloth
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
-from restshape.physics.cloth_scene import sheet_arguments
-from restshape.physics.fabric import bending, membrane
-from restshape.physics.laid import rotation
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.scene import sheet_arguments
+from restshape.physics.cloth.fabric import bending, membrane
+from restshape.physics.cloth.initial_placement import rotation
+from restshape.physics.cloth.sheet import Sheet
 from restshape.scene.load import revise
 from restshape.scene.model import Material
 from restshape.scene.plan import plan

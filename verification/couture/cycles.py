@@ -23,14 +23,15 @@ from petsc4py import PETSc
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape_equations import ClothEquations
-from restshape.analysis.rest import DRAGGED, Arrival, Rest
+from restshape.algebra.traits import Traits
+from restshape.analysis.relaxation.equations import ClothEquations
+from restshape.analysis.relaxation.equilibrium import DRAGGED, Arrival, Rest
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
-from restshape.physics.cloth_scene import SheetArguments, sheet_arguments, sheet_of
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.scene import SheetArguments, sheet_arguments, sheet_of
+from restshape.physics.cloth.sheet import Sheet
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec
@@ -157,7 +158,8 @@ def move(sheet: Sheet, x: np.ndarray, manner: Manner, most: int) -> Course:
 def settle(sheet: Sheet, x: np.ndarray) -> Course:
     """The course of a cloth by descent and Newton's method from x (n, 3), which is changed."""
     course, stages = Course(), Stages()
-    linear = LinearSolver(PETSc.COMM_SELF, "cycles_linear_", "auto", REST, Calibration.load(), stages)
+    traits = Traits(fields=3, dimension=3)
+    linear = LinearSolver(PETSc.COMM_SELF, "cycles_linear_", "auto", REST, Calibration.load(), stages, traits=traits)
     rest = Rest(sheet, PETSc.COMM_SELF, stages, linear, REST, prefix="cycles_")
     rest.on_iterate = lambda _, residual: course.residuals.append(residual)
     rest.begin()

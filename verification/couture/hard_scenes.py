@@ -137,7 +137,7 @@ def outside(made: Replay, bound: float) -> Statement:
 def turned_over(made: Replay) -> float:
     """The part of the triangles of the start that are turned over, seen from above."""
     analysis = made.analysis
-    x = made.analysis.laid.scattered(analysis.mesh)[:, :2]
-    a, b, c = x[analysis.mesh.corners].swapaxes(0, 1)
+    x = made.analysis.laid.scattered(analysis.space)[:, :2]
+    a, b, c = x[analysis.space.corners].swapaxes(0, 1)
     u, v = b - a, c - a
     return float(np.mean(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] < 0))

@@ -13,8 +13,8 @@ from petsc4py import PETSc
 
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.drape_equations import ClothEquations
+from restshape.analysis.relaxation.analysis import DrapeAnalysis
+from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.application import application
 from restshape.replay.still import still
 

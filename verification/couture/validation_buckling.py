@@ -4,8 +4,8 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.rest import Arrival
+from restshape.analysis.relaxation.analysis import DrapeAnalysis
+from restshape.analysis.relaxation.equilibrium import Arrival
 from restshape.application import application
 from restshape.replay.still import still
 
