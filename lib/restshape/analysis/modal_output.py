@@ -8,7 +8,7 @@ from restshape.analysis.modal_state import ModalState
 from restshape.errors import UserError
 from restshape.fem.problem import Fields
 from restshape.fem.space import Space
-from restshape.physics.elasticity.pitch import note
+from restshape.analysis.pitch import note
 from restshape.fem.quantity import area
 from restshape.scene.model import Quantity
 
