@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from restshape.analysis.modal_state import ModalState
+from restshape.analysis.pitch import note
 from restshape.errors import UserError
 from restshape.fem.problem import Fields
-from restshape.fem.space import Space
-from restshape.analysis.pitch import note
 from restshape.fem.quantity import area
+from restshape.fem.space import Space
 from restshape.scene.model import Quantity
 
 
