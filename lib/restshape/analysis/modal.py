@@ -99,7 +99,7 @@ class ModalAnalysis:
             self.solver.restart(before.modes.vectors if len(before.modes.values) else None)
             raise
         self.interrupted = False
-        if self.state.report.counted:
+        if self.state.report.inertia_checked:
             self.verified.take(mesh)
         return self._report()
 
@@ -147,12 +147,12 @@ class ModalAnalysis:
 
     def _unchanged(self, frame: Frame) -> LinearReport:
         """A frame that is the last one again: solved only where the hand rests, and nothing has been verified yet."""
-        if frame.settled and self.solver.uncounted:
+        if frame.settled and self.solver.unchecked:
             self.state = self._verify()
             self.verified.take(self.state.space)
             return self._report()
         report = self.state.report
-        report = replace(report, age=report.age + 1, missed=0)
+        report = replace(report, age=report.age + 1, missed_modes=0)
         self.state = replace(self.state, report=report)
         return LinearReport(0, False, report.age, report.method)
 

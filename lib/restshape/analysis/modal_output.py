@@ -32,8 +32,8 @@ def row(state: ModalState) -> dict[str, Any]:
         "tone": tone,
         "cents": cents,
         "track": " ".join(map(str, state.ids)),
-        "counted": int(state.report.counted),
-        "missed": state.report.missed,
+        "counted": int(state.report.inertia_checked),
+        "missed": state.report.missed_modes,
         "elements": len(state.body.space.cells),
     }
 
