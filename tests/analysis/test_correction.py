@@ -20,7 +20,7 @@ MOVED = [{"do": "idle", "frames": 3}, *drag("right_top", (5.7, 16.6), across((5.
 def directly(analysis, rest):
     """The solution of the step's own equations by a complete factor, as `conjugate_steps` is asked for it."""
     stiffness, mass, damping = analysis.matrices()
-    newmark, free = analysis.newmark, ~analysis.body.held.ravel()
+    newmark, free = analysis.state.integration.scheme, ~analysis.body.held.ravel()
     found = np.zeros_like(rest)
     found[free] = splu((stiffness + newmark.a0 * mass + newmark.a1 * damping).tocsc()).solve(rest[free])
     return found

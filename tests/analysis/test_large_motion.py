@@ -110,7 +110,7 @@ def test_a_failed_step_leaves_the_motion_as_it_was(tmp_path):
     idle(made)
     analysis = made.analysis
     x, v, time = analysis.x.copy(), analysis.v.copy(), analysis.time
-    analysis.body.solid.params[3] = 1e12
+    analysis.body.problem.params[3] = 1e12
     with pytest.raises(ReplayProblem, match="smaller"):
         idle(made)
     np.testing.assert_array_equal(analysis.x, x)

@@ -73,11 +73,11 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
     if spectrum != "frequencies":
         body = getattr(analysis, "body", None)
         displacement, stiffness = analysis.x.copy(), np.zeros((len(analysis.space.cells), 4))
-        solid = body.solid if body else analysis.problem
+        solid = body.problem if body else analysis.problem
         stiffness[:, :3] = solid.stiffness_params[..., :3]
         if body:
             velocity = analysis.v.copy()
-            stiffness[:, 3:] = body.inertia.params
+            stiffness[:, 3:] = body.mass.params
     grid = Grid.of(analysis.space)
     large = solid is not None and solid.law == "stvk"
     return State(grid, outline.copy(), displacement, velocity, spectrum, values, shapes, stiffness, large, dict(row))
