@@ -182,8 +182,8 @@ def test_morleys_prolongation_is_the_mean_of_the_two_triangles_quadratics():
     prolongation = MorleyProlongation(step, coarse, fine)
     mesh.X += np.random.default_rng(2).uniform(-0.02, 0.02, mesh.X.shape)
     step.mesh.X[...] = step.prolonged(mesh.X)
-    coarse.follow()
-    fine.follow()
+    coarse.place()
+    fine.place()
     u = np.random.default_rng(3).normal(size=coarse.n_nodes)
 
     def monomials(X):
