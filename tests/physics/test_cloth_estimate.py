@@ -182,6 +182,6 @@ def test_effectivity(name, size, levels, more, bounds):
         )
         if coarse is None:
             coarse, reference = found, finer(found, levels, name, overrides)
-        effectivity = found.estimate() / distance(found, *reference, levels)
+        effectivity = found.errors()["estimate"] / distance(found, *reference, levels)
         print(name, kind, effectivity)
         assert least < effectivity < most
