@@ -21,7 +21,7 @@ application = Application(
     },
     implied=SOLID,
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.nonlinear:static_analysis",
+    analysis="restshape.physics.elasticity.analyses:steady_analysis",
     validation="restshape_apps.cantilever.validation:CASES",
     stability="restshape_apps.cantilever.stability:CASES",
     thesis="restshape_apps.cantilever.thesis:rows",

@@ -149,7 +149,7 @@ application = Application(
     },
     implied=SOLID,
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.nonlinear:static_analysis",
+    analysis="restshape.physics.elasticity.analyses:steady_analysis",
     validation="restshape_apps.solid.validation:CASES",
     stability="restshape_apps.solid.stability:CASES",
     thesis="restshape_apps.solid.thesis:rows",

@@ -64,21 +64,21 @@ def test_inertia_counts_eigenvalues_below_a_shift():
 @pytest.mark.parametrize("model", ["plane", "tet4", "tet10", "plate"])
 def test_modes_are_those_of_a_dense_solver(model):
     analysis = solved(model)
-    K, M = (m.toarray() for m in analysis.matrices())
-    free = analysis.body.mask.ravel() == 0
+    K, M = (m.toarray() for m in analysis.state.matrices.gather())
+    free = analysis.state.body.boundary.mask.ravel() == 0
     values = eigh(K[np.ix_(free, free)], M[np.ix_(free, free)], eigvals_only=True)
-    rigid = len(analysis.body.rigid())
+    rigid = len(analysis.state.body.free_rigid_motions())
     assert np.abs(values[:rigid]).max(initial=0.0) < 1e-6 * values[rigid]
     # LAPACK's own error is rounding of the largest eigenvalue.
-    expected, rounding = values[rigid : rigid + analysis.count], 1e-15 * values[-1]
-    assert np.all(np.abs(analysis.values[: analysis.count] - expected) < 1e-9 * expected + rounding)
+    expected, rounding = values[rigid : rigid + analysis.state.count], 1e-15 * values[-1]
+    assert np.all(np.abs(analysis.state.modes.values[: analysis.state.count] - expected) < 1e-9 * expected + rounding)
 
 
 @pytest.mark.parametrize("model", ["plane", "tet4", "tet10", "plate"])
 def test_modes_have_unit_mass_and_no_rigid_part(model):
     analysis = solved(model)
-    K, M = analysis.matrices()
-    modes, rigid = analysis.modes, analysis.body.rigid()
+    K, M = analysis.state.matrices.gather()
+    modes, rigid = analysis.state.modes.vectors, analysis.state.body.free_rigid_motions()
     assert modes @ (M @ modes.T) == pytest.approx(np.eye(len(modes)), abs=1e-9)
     if len(rigid):
         parts = modes @ (M @ rigid.T) / np.sqrt(np.einsum("in,ni->i", rigid, M @ rigid.T))

@@ -45,7 +45,7 @@ def systems(tmp_path_factory):
     found = []
     for row in made.frames():
         if row["level"]:
-            found.append(System(made.analysis.system().matrix, made.analysis.rhs.ravel().copy()))
+            found.append(System(made.analysis.warm_system().matrix, made.analysis.state.system.right.ravel().copy()))
     assert len(found) == FRAMES + 1
     return found
 

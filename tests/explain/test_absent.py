@@ -154,7 +154,7 @@ def rows_of(folder, app, text):
     """The rows of a short drag, and the law that they obey in a scene without anything but its body."""
     script = write_script(folder, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.5), 3)))
     rows, replay = watched(write_scene(folder, text), script)
-    mesh = replay.analysis.body.mesh if app == "metallophone" else replay.analysis.mesh
+    mesh = replay.analysis.state.body.space if app == "metallophone" else replay.analysis.space
     if app == "couture":
         return rows, ClothLaw(text, mesh.cells, len(mesh.X))
     return rows, Law(app, text, mesh.cells, len(mesh.X))

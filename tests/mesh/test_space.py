@@ -191,7 +191,7 @@ def test_fields_survive_flips_at_rest():
         edges = mesh.edge_nodes.copy()
         flips, changed = moving.Reconnection(mesh).flip(mesh.X)
         space.reconnect(changed)
-        space.follow()
+        space.place()
         carried = reseated(field, space.reseats)
         flipped = (mesh.edge_nodes != edges).any(axis=1)
         assert flips and flipped.any()

@@ -64,7 +64,7 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
     if isinstance(analysis, RelaxationAnalysis):
         return _cloth(analysis, outline, row)
     spectrum = next((name for name in SPECTRA if hasattr(analysis, name)), "")
-    values, shapes = np.empty(0), np.empty((0, len(analysis.mesh.X), 2))
+    values, shapes = np.empty(0), np.empty((0, len(analysis.space.X), 2))
     if spectrum:
         values = np.array(getattr(analysis, spectrum), dtype=float)
         points, _ = analysis.fields()
@@ -73,13 +73,13 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
     displacement = velocity = stiffness = solid = None
     if spectrum != "frequencies":
         body = getattr(analysis, "body", None)
-        displacement, stiffness = analysis.x.copy(), np.zeros((len(analysis.mesh.cells), 4))
-        solid = body.solid if body else analysis.physics
+        displacement, stiffness = analysis.x.copy(), np.zeros((len(analysis.space.cells), 4))
+        solid = body.problem if body else analysis.problem
         stiffness[:, :3] = solid.stiffness_params[..., :3]
         if body:
             velocity = analysis.v.copy()
-            stiffness[:, 3:] = body.inertia.params
-    grid = Grid.of(analysis.mesh)
+            stiffness[:, 3:] = body.mass.params
+    grid = Grid.of(analysis.space)
     large = solid is not None and solid.law == "stvk"
     return State(grid, outline.copy(), displacement, velocity, spectrum, values, shapes, stiffness, large, dict(row))
 

@@ -1,4 +1,8 @@
-"""Modes that are followed from frame to frame: by their shape, not by the rank of their frequency."""
+"""Mode ids that follow modes from frame to frame by their shape, not by the rank of their frequency."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -8,7 +12,7 @@ SAME = 0.3
 theirs: half each where they turn by 45 degrees in a frame."""
 
 
-def upright(modes: np.ndarray, heavy: np.ndarray) -> None:
+def normalise_signs(modes: np.ndarray, heavy: np.ndarray) -> None:
     """Make the component of largest size positive: a mode's sign means nothing, but must not depend on luck.
 
     Args:
@@ -22,34 +26,45 @@ def upright(modes: np.ndarray, heavy: np.ndarray) -> None:
             weight *= -1.0
 
 
-class Following:
-    """Gives each mode a number that it keeps for as long as it is computed, across crossings too.
+@dataclass(frozen=True, eq=False)
+class ModeIds:
+    """The id of each mode, which it keeps for as long as it is computed, across crossings too.
 
-    Attributes:
-        numbers: (k,) of the modes of the last frame, in the order of their frequencies.
+    Args:
+        ids: (k,) of the modes of a frame, in the order of their frequencies.
+        free: the next id that no mode has had.
     """
 
-    def __init__(self) -> None:
-        self.numbers = np.empty(0, dtype=int)
-        self._next = 1
+    ids: np.ndarray
+    free: int
 
-    def begin(self, count: int, first: np.ndarray) -> None:
-        """Number modes that none has gone before.
+    @classmethod
+    def first(cls, count: int, chosen: np.ndarray) -> ModeIds:
+        """Ids of modes that none has gone before.
 
         Args:
             count: how many there are.
-            first: indices of those that get the lowest numbers, in their order.
+            chosen: indices of those that get the lowest ids, in their order.
         """
-        order = [*first, *(k for k in range(count) if k not in set(first))]
-        self.numbers = np.empty(count, dtype=int)
-        self.numbers[order] = np.arange(1, count + 1)
-        self._next = count + 1
+        order = [*chosen, *(k for k in range(count) if k not in set(chosen))]
+        ids = np.empty(count, dtype=int)
+        ids[order] = np.arange(1, count + 1)
+        return cls(ids, count + 1)
 
-    def __call__(self, before: np.ndarray, after: np.ndarray, heavy: np.ndarray, sizes: np.ndarray) -> None:
-        """Number the modes of a frame as those before that look most like them, and turn them the same way.
+    @classmethod
+    def none(cls) -> ModeIds:
+        """Those of no mode."""
+        return cls(np.empty(0, dtype=int), 1)
+
+    def reordered(self, order: np.ndarray) -> ModeIds:
+        """The same where mode k is what was mode order[k]."""
+        return ModeIds(self.ids[order], self.free)
+
+    def track(self, before: np.ndarray, after: np.ndarray, heavy: np.ndarray, sizes: np.ndarray) -> ModeIds:
+        """The ids of the modes of a frame: of those before that look most like them, whose signs they take.
 
         Args:
-            before: (k, n) modes that `numbers` are of, on the nodes of now.
+            before: (k, n) modes that these ids are of, on the nodes of now.
             after: (m, n) modes of now, whose signs are changed in place; heavy: (m, n) their products M phi, likewise.
             sizes: (k,) phi^T M phi of the modes before, in the mass of now.
         """
@@ -58,13 +73,13 @@ class Following:
         # its old place takes nothing of its modes along.
         mac = overlap**2 / np.where(sizes > 0.0, sizes, np.inf)[:, None]
         rows, columns = linear_sum_assignment(-mac)
-        numbers = np.full(len(after), -1)
+        ids, free = np.full(len(after), -1), self.free
         for row, column in zip(rows, columns):
             if mac[row, column] >= SAME:
-                numbers[column] = self.numbers[row]
+                ids[column] = self.ids[row]
                 if overlap[row, column] < 0.0:
                     after[column] *= -1.0
                     heavy[column] *= -1.0
-        for column in np.flatnonzero(numbers < 0):
-            numbers[column], self._next = self._next, self._next + 1
-        self.numbers = numbers
+        for column in np.flatnonzero(ids < 0):
+            ids[column], free = free, free + 1
+        return ModeIds(ids, free)

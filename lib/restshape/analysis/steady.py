@@ -13,6 +13,7 @@ from restshape.algebra.operator import Operator
 from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.comparison import compared
 from restshape.analysis.correction import correction
+from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
 from restshape.analysis.linear_system import LinearSystem, auxiliary_solve
@@ -29,13 +30,6 @@ from restshape.mesh.transfer import transfer
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
-
-SCALE_SLACK = 1.1
-"""A residual is measured against internal forces that are known up to this factor."""
-
-ROUND_OFF = 1e-13
-"""A residual below this share of the right side is rounding, as where supports only carry the body somewhere else."""
-
 
 @dataclass(frozen=True, eq=False)
 class SteadyState:
@@ -111,9 +105,13 @@ class SteadyAnalysis:
             context.calibration,
             context.stages,
             memory=solve.factor_memory,
-            directions=context.policy.directions,
+            directions=self._directions(),
             symmetric=self.state.plan.solver.symmetric,
         )
+
+    def _directions(self) -> int:
+        """Increments of the solution along which guesses are improved."""
+        return self.context.policy.directions
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the unknowns `x` up to date with a frame.
@@ -140,6 +138,12 @@ class SteadyAnalysis:
         self.interrupted = False
         self.state = replace(self.state, scene=frame.scene, topology=mesh.topology, geometry=mesh.geometry)
         return report
+
+    def rollback(self, state: SteadyState) -> None:
+        """Take back a frame that was solved, but of which others could make nothing: `state` is that of before."""
+        self.state, self.interrupted = state, True
+        # What was solved for may be of a mesh that is gone.
+        self.guess.restart()
 
     # --- what is asked of a state -------------------------------------------------------------------------------------
 

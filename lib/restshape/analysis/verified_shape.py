@@ -1,4 +1,4 @@
-"""How far a shape is from the one whose eigenvalues were counted last."""
+"""How far a shape is from the one whose eigenvalues an inertia count has checked last."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ SHARE = 0.05
 """Of a body's size: where nodes are farther than this from where they were at the last count, the next one is due."""
 
 
-class Counted:
+class VerifiedShape:
     """The shape whose eigenvalues were last counted, and so are known to be all there."""
 
     def __init__(self) -> None:

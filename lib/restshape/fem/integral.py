@@ -72,3 +72,28 @@ class Integral:
         coefficient = coefficient * self.factor
         given = () if residual_factor is None else (residual_factor,)
         return (self.block, self.element, self.X, x, self.parameters, coefficient, *given)
+
+    def stress(self, x: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
+        """Stresses (m, p, c) of the cells at reference points (p, d), or (m, c) at centroids, at x (n, f)."""
+        shape = (len(self.entities),) if points is None else (len(self.entities), len(points))
+        out = np.empty((*shape, self.element.stress_components))
+        self.element.stress(self.X, x, self.entities, self.parameters, out, points)
+        return out
+
+    def work_derivatives(self, x: np.ndarray) -> np.ndarray:
+        """Derivatives (m, k, d) of each entity's x . r(x) by the places of its k nodes, at a constant x (n, f).
+
+        Each node of each entity is moved by itself, all entities at once.
+        """
+        m, nodes = self.entities.shape
+        X = np.ascontiguousarray(self.X[self.entities].reshape(m * nodes, -1))
+        x = np.ascontiguousarray(x[self.entities].reshape(m * nodes, -1))
+        own = np.arange(m * nodes, dtype=np.int32).reshape(m, nodes)
+        found = np.empty((m, nodes, X.shape[1]))
+        for i in range(nodes):
+            for axis in range(X.shape[1]):
+                dX, out = np.zeros_like(X), np.zeros_like(x)
+                dX[own[:, i], axis] = 1.0
+                self.element.design(X, dX, x, own, self.parameters, out)
+                found[:, i, axis] = (x * out).reshape(m, -1).sum(axis=1)
+        return found if self.factor == 1.0 else self.factor * found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -13,15 +13,22 @@ from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.integral import Integral
 from restshape.fem.quantity import Observer
 from restshape.fem.space import Space
+from restshape.fem.time_integration import TimeIntegration
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
+
+if TYPE_CHECKING:
+    from restshape.fem.mass import MassMatrix
 
 INTERNAL, LOADS, FOLLOWERS = "internal", "loads", "followers"
 """Kinds of integrals that balance: of the cells, with body loads and all else that the unknowns enter; dead loads on
 facets; loads on facets that the unknowns enter and that grow with the part of the load."""
 
-STIFFNESS, MASS, REFERENCE = "stiffness", "mass", "reference"
-"""Kinds for other uses: `INTERNAL` without any load; inertia or capacity; `STIFFNESS` where all unknowns are 0."""
+STIFFNESS, REFERENCE = "stiffness", "reference"
+"""Kinds for other uses: `INTERNAL` without any load; that where all unknowns are 0."""
+
+MASS, LUMPED, CONSISTENT = "mass", "lumped mass", "consistent mass"
+"""Inertia or capacity: as the plan asks for it; lumped onto the diagonal; consistent."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +82,15 @@ class Problem(Protocol):
     def varies(self) -> bool: ...
     @property
     def stiffest(self) -> float: ...
+    @property
+    def load_steps(self) -> int:
+        """Steps of load that are tried at most where the problem is not linear."""
+    @property
+    def loaded(self) -> bool:
+        """Whether there is any load."""
+    @property
+    def loaded_inside(self) -> bool:
+        """Whether there is one in the integrals of `INTERNAL`."""
 
     def update(self) -> None:
         """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
@@ -119,3 +135,14 @@ class Problem(Protocol):
 
     def error_estimate(self) -> RecoveryEstimate:
         """The recovery-based estimate on this space."""
+
+
+class TransientProblem(Problem, Protocol):
+    """A problem that may be integrated in time: with integrals of the kinds `MASS`, `LUMPED`, `CONSISTENT`."""
+
+    @staticmethod
+    def time_integration(plan: Plan, before: TimeIntegration | None, now: float) -> TimeIntegration:
+        """How it is integrated under a plan; `before` is how it was until the time `now` [s]."""
+
+    def motion_observer(self, quantities: Mapping[str, Quantity], mass: MassMatrix) -> Observer:
+        """What evaluates quantities of unknowns x (n, f) and a `fem.time_integration.Motion`."""

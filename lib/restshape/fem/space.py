@@ -20,7 +20,11 @@ class Space(Protocol):
         node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
         topology: version of the connectivity; geometry: version of the positions.
         outline: whose entities the mesh resolves.
+        dim: of the cells; cell_type: their shape and order, as elements are named ("tri3", "tet10").
     """
+
+    dim: int
+    cell_type: str
 
     @property
     def X(self) -> np.ndarray: ...

@@ -311,10 +311,10 @@ class MovingMesh:
             return quality, inverted, distorted
         if frame.gesture.linear:
             start = self._c_reference
-            unsound = self.space.follow((frame.c[0] - start[0], frame.c[1] - start[1]))
+            unsound = self.space.place((frame.c[0] - start[0], frame.c[1] - start[1]))
         else:
             self.space.bend(frame.outline)
-            unsound = self.space.follow()
+            unsound = self.space.place()
         return quality, inverted + unsound, distorted
 
     def _place_corners(self, frame: EditFrame) -> tuple[float, int, int]:

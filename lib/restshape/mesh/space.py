@@ -55,6 +55,9 @@ class LagrangeSpace:
         reseats: what the flips did to nodes since they were last taken in, by setting this to ().
     """
 
+    dim = 2
+    cell_type = "tri6"
+
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
         n, ends = len(mesh.X), mesh.edge_nodes[:, 0]
@@ -95,6 +98,11 @@ class LagrangeSpace:
     def outline(self) -> Outline:
         """The outline whose entities the mesh resolves."""
         return self.mesh.outline
+
+    @property
+    def dofs(self) -> np.ndarray:
+        """Nodes (ne, 6) whose unknowns a triangle has: its own."""
+        return self.cells
 
     @property
     def topology(self) -> int:
@@ -139,6 +147,14 @@ class LagrangeSpace:
         """Triangles inside an entity; see `Mesh.cells_of`."""
         return self.mesh.cells_of(name)
 
+    def follow(self, changed: np.ndarray) -> np.ndarray:
+        """The triangles (k,) int32 that flips have changed: those that are given, for `reconnect` has taken them in."""
+        return changed
+
+    def interpolate(self, field: np.ndarray, interpolations: tuple[Reseat, ...]) -> np.ndarray:
+        """A field (n, f) after flips; see `reseated`."""
+        return reseated(field, interpolations)
+
     # --- a frame --------------------------------------------------------------------------------------------------
 
     def begin(self) -> None:
@@ -160,7 +176,7 @@ class LagrangeSpace:
         """Take the curves of an outline as the places at the coefficients (0, 0)."""
         self._reference = self._offsets(outline)
 
-    def follow(self, c: tuple[float, float] = (0.0, 0.0)) -> int:
+    def place(self, c: tuple[float, float] = (0.0, 0.0)) -> int:
         """Go where the corners are; tells how many curved triangles are not sound there.
 
         Args:
@@ -186,7 +202,7 @@ class LagrangeSpace:
     def put_back(self) -> None:
         """Go back with the corners to where `begin` found them."""
         kept, self._reference = self._reference, self._before
-        self.follow()
+        self.place()
         self._reference = kept
 
     def take_back(self) -> None:
@@ -211,10 +227,10 @@ class LagrangeSpace:
         self._ends[flipped] = mesh.edge_nodes[flipped]
 
     def rebuild(self) -> None:
-        """Take the connectivity of the mesh as it is, and the places of `follow` at (0, 0)."""
+        """Take the connectivity of the mesh as it is, and those of `place` at (0, 0)."""
         self._connect(slice(None))
         self._ends = self.mesh.edge_nodes.copy()
-        self.follow()
+        self.place()
 
     def motion(self, Psi: np.ndarray) -> np.ndarray:
         """Displacements (2, n, 2) of all nodes a unit of the gesture's coefficients, from those of the corners."""

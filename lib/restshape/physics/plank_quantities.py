@@ -8,7 +8,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.physics.furniture import Forces, Geometry
 from restshape.physics.plank_words import beyond_reach
-from restshape.physics.elasticity.quantities import TAKES
+from restshape.fem.quantity import REDUCTIONS
 from restshape.scene.model import Quantity
 from restshape.scene.plank_quantities import ENDS, place_of
 from restshape.shape.plank_gaps import gap_at
@@ -41,7 +41,7 @@ def plank_quantities(quantities: Mapping[str, Quantity], known: Observed) -> dic
     found = {}
     for name, quantity in quantities.items():
         values = _values(quantity, known)
-        found[name] = float(TAKES[quantity.take](values)) if len(values) else np.nan
+        found[name] = float(REDUCTIONS[quantity.take](values)) if len(values) else np.nan
     return found
 
 

@@ -2,14 +2,17 @@
 
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
-from restshape.physics.elasticity.vibrating_body import Oscillator, PlaneOscillator, PlateOscillator, SolidOscillator
+from restshape.physics.elasticity.vibrating_body import VibratingBody
+from restshape.physics.elasticity.vibrating_plane import VibratingPlane
+from restshape.physics.elasticity.vibrating_solid import VibratingSolid
+from restshape.physics.plates.vibrating_plate import VibratingPlate
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
 LAYERS = 1
 
 
-def oscillator(scene: Scene, plan: Plan, plane: Mesh | LagrangeSpace, lumped: bool) -> Oscillator:
+def vibrating_body(scene: Scene, plan: Plan, plane: Mesh | LagrangeSpace, lumped: bool) -> VibratingBody:
     """The body over a plane mesh.
 
     Args:
@@ -20,7 +23,7 @@ def oscillator(scene: Scene, plan: Plan, plane: Mesh | LagrangeSpace, lumped: bo
     """
     model = plan.settings("modal").model
     if model == "solid":
-        return SolidOscillator(scene, plane, scene.mesh.layers or LAYERS, lumped)
+        return VibratingSolid(scene, plane, scene.mesh.layers or LAYERS, lumped)
     if model == "plate":
-        return PlateOscillator(scene, plane)
-    return PlaneOscillator(scene, plane, model == "plane_stress", lumped)
+        return VibratingPlate(scene, plane)
+    return VibratingPlane(scene, plane, model == "plane_stress", lumped)

@@ -10,19 +10,33 @@ from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
 from restshape.fem.materials import by_cell, table_by_region
-from restshape.fem.problem import FOLLOWERS, INTERNAL, LOADS, MASS, REFERENCE, STIFFNESS, Fields, Unknown
+from restshape.fem.problem import (
+    CONSISTENT,
+    FOLLOWERS,
+    INTERNAL,
+    LOADS,
+    LUMPED,
+    MASS,
+    REFERENCE,
+    STIFFNESS,
+    Fields,
+    Unknown,
+)
 from restshape.fem.quantity import Observer
 from restshape.fem.space import Space
+from restshape.fem.mass import MassMatrix
 from restshape.fem.supports import dirichlet_of
+from restshape.fem.time_integration import Newmark, Rayleigh, TimeIntegration
+from restshape.physics.elasticity.base_excitation import GroundMotion
 from restshape.physics.elasticity.body_load import require_density
 from restshape.physics.elasticity.loads import PlaneLoads
-from restshape.physics.elasticity.quantities import PlaneQuantities
+from restshape.physics.elasticity.quantities import MotionQuantities, PlaneQuantities
 from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
 from restshape.physics.elasticity.stress import PlaneStresses, plane_compliance, von_mises
 from restshape.scene.model import Material, Quantity, Scene
 from restshape.scene.plan import Plan
 
-MASSES = {"consistent": "mass", "lumped": "lumped_mass"}
+MASSES = {CONSISTENT: "mass", LUMPED: "lumped_mass"}
 
 
 def lame(material: Material, model: str) -> tuple[float, float]:
@@ -93,6 +107,21 @@ class PlaneSolid:
         lame, shear, thickness, _ = self.materials.T
         return float(np.nanmax((lame + 2.0 * shear) * thickness))
 
+    @property
+    def load_steps(self) -> int:
+        """Steps of load that are tried at most where the law is not linear."""
+        return self.plan.settings("large_deformation").load_steps
+
+    @property
+    def loaded(self) -> bool:
+        """Whether there is any load."""
+        return self.gravity is not None or bool(self.scene.loads)
+
+    @property
+    def loaded_inside(self) -> bool:
+        """Whether there is a load on the volume."""
+        return self.gravity is not None or bool(self.loads.body.of_cells)
+
     def update(self) -> None:
         """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
         if self.varies:
@@ -122,10 +151,10 @@ class PlaneSolid:
             return [Integral(self.element, X, cells, self.stiffness_params)]
         if kind == REFERENCE:
             return [Integral(self.small, X, cells, self.stiffness_params)]
-        return [self.inertia(self.plan.settings("dynamics").mass)] if kind == MASS else []
+        return [self._mass(f"{self.plan.settings('dynamics').mass} mass" if kind == MASS else kind)]
 
-    def inertia(self, mass: str) -> Integral:
-        """The integral of the mass of the cells, "consistent" or "lumped" onto the diagonal.
+    def _mass(self, kind: str) -> Integral:
+        """The integral of the mass of the cells, `CONSISTENT` or `LUMPED`.
 
         Lumped by the sums of rows; of second order, where those of corners are 0, by the diagonal scaled to the mass.
 
@@ -141,7 +170,7 @@ class PlaneSolid:
                 f"{self.scene.path}: material",
                 'give each material its rho, e.g. rho = "2400 kg/m^3"',
             )
-        element = _kernels.Element(f"{MASSES[mass]}_{SHAPES[self.space.cells.shape[1]][0]}")
+        element = _kernels.Element(f"{MASSES[kind]}_{SHAPES[self.space.cells.shape[1]][0]}")
         return Integral(element, self.space.X, self.space.cells, by_cell((density * thickness)[:, None], region))
 
     def add_nodal_loads(self, out: np.ndarray, sign: float, cells: np.ndarray | None = None) -> None:
@@ -175,6 +204,26 @@ class PlaneSolid:
         """
         functions = PlaneQuantities(self)
         return Observer({name: functions(name, quantity) for name, quantity in quantities.items()}, functions.refresh)
+
+    @staticmethod
+    def time_integration(plan: Plan, before: TimeIntegration | None, now: float) -> TimeIntegration:
+        """Newmark's method, Rayleigh damping and the ground's motion, as the plan asks for them."""
+        settings, ground = plan.settings("dynamics"), plan.settings("ground")
+        scheme = Newmark(settings.beta, settings.gamma, settings.time_step)
+        excitation = None
+        if ground is not None:
+            excitation = GroundMotion(ground, before.excitation if before else None, now)
+        return TimeIntegration(scheme, settings.steps, Rayleigh.of(plan.settings("damping")), excitation)
+
+    def motion_observer(self, quantities: Mapping[str, Quantity], mass: MassMatrix) -> Observer:
+        """What evaluates quantities of a displacement x (n, 2) [m] and a `fem.time_integration.Motion`.
+
+        Raises:
+            UserError: a quantity has no meaning, or none where it is asked for.
+        """
+        functions = MotionQuantities(self, mass.energies)
+        made = {name: functions(name, quantity) for name, quantity in quantities.items()}
+        return Observer(made, functions.refresh, [name for name, q in quantities.items() if q.take == "peak"])
 
     def error_estimate(self) -> RecoveryEstimate:
         """The recovery-based estimate in the energy norm, of small or large strains."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -117,21 +116,6 @@ class PlaneQuantities:
             cells = cells_around(self.space, nodes)
             self._around[name] = (self.space.topology, cells)
         return cells
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """What quantities of a solid that moves see beside its displacement.
-
-    Args:
-        v: (n, 2) velocities relative to the ground [m/s].
-        edit: work of all edits so far [J].
-        remesh: energy that new meshes have added to the motion so far [J].
-    """
-
-    v: np.ndarray
-    edit: float = 0.0
-    remesh: float = 0.0
 
 
 class MotionQuantities(PlaneQuantities):

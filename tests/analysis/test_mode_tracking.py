@@ -1,17 +1,15 @@
-"""Modes keep their numbers by their shape."""
+"""Modes keep their ids by their shape."""
 
 import numpy as np
 
-from restshape.analysis.mode_tracking import Following
+from restshape.analysis.mode_tracking import ModeIds
 
 
 def followed(before, after):
-    """Numbers of `after` when `before` were numbered from 1."""
-    following = Following()
-    following.begin(len(before), np.arange(len(before)))
+    """Ids of `after` when `before` had theirs from 1."""
     after, heavy = after.copy(), after.copy()
-    following(before, after, heavy, np.ones(len(before)))
-    return following.numbers, after
+    ids = ModeIds.first(len(before), np.arange(len(before))).track(before, after, heavy, np.ones(len(before)))
+    return ids.ids, after
 
 
 def test_modes_that_cross_exchange_their_ranks_and_keep_their_numbers():
@@ -37,11 +35,9 @@ def test_a_stranger_that_looks_a_little_like_a_lost_mode_does_not_get_its_number
 
 
 def test_modes_on_another_mesh_are_compared_in_its_mass():
-    following = Following()
-    following.begin(2, np.arange(2))
     after = np.eye(2)[[1, 0]]
-    following(3.0 * np.eye(2), after, after.copy(), np.full(2, 9.0))
-    assert list(following.numbers) == [2, 1]
+    ids = ModeIds.first(2, np.arange(2)).track(3.0 * np.eye(2), after, after.copy(), np.full(2, 9.0))
+    assert list(ids.ids) == [2, 1]
 
 
 def test_modes_that_turn_in_a_pair_keep_the_nearer_number():
@@ -51,6 +47,4 @@ def test_modes_that_turn_in_a_pair_keep_the_nearer_number():
 
 
 def test_first_numbers_go_to_the_modes_that_are_asked_for():
-    following = Following()
-    following.begin(4, np.array([1, 3]))
-    assert list(following.numbers) == [3, 1, 4, 2]
+    assert list(ModeIds.first(4, np.array([1, 3])).ids) == [3, 1, 4, 2]
