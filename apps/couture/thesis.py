@@ -110,7 +110,8 @@ def stepped(size: str, length: float, steps: int = STEPS) -> tuple[int, float]:
     sheet = analysis.problem
     equations = ClothEquations(sheet, PETSc.COMM_SELF, Stages())
     even = Steps(length, longest=length, most=WARM + steps)
-    moving = KineticDamping(PETSc.COMM_SELF, "steps_", equations, sheet.lumped.mass, analysis.x.shape, equations.rows, even)
+    shape, rows = analysis.x.shape, equations.rows
+    moving = KineticDamping(PETSc.COMM_SELF, "steps_", equations, equations.mass, shape, rows, even)
     times: list[float] = []
 
     def note(x: np.ndarray, norm: float) -> bool:

@@ -31,7 +31,8 @@ def test_rest_is_measured_by_what_the_solver_did_not_compute(tmp_path):
     made, rows = played(Trial(tmp_path), square(0.06, pinned("c", "d")))
     assert all(statements(made, rows).values())
     # Where it does not rest differences notice, whatever a row says.
-    made.analysis.x[made.analysis.problem.corner_number, 2] += 1e-4 * np.arange(len(made.analysis.problem.corner_number))
+    corners = made.analysis.problem.corner_number
+    made.analysis.x[corners, 2] += 1e-4 * np.arange(len(corners))
     found = statements(made, rows)
     failed = [must for must, holds in found.items() if not holds]
     assert failed == ["residual by differences of the energy at most 0.00015"]

@@ -55,7 +55,8 @@ class ColdStart:
     def find(self, most: int, report: ConvergenceReport) -> np.ndarray:
         """Positions (n, 3) near an equilibrium, in so many steps at most."""
         problem = self.solver.problem
-        own = [self._replacement(m, level) for level, m in enumerate(self.meshes if self.replaced else self.meshes[:-1])]
+        replaced = self.meshes if self.replaced else self.meshes[:-1]
+        own = [self._replacement(mesh, level) for level, mesh in enumerate(replaced)]
         solvers = own if self.replaced else [*own, self.solver]
 
         def prolong(level: int, x: np.ndarray) -> np.ndarray:

@@ -173,7 +173,7 @@ class EquilibriumSolver:
         return False
 
     def refine(self, x: np.ndarray, report: ConvergenceReport) -> bool:
-        """Newton's method from x (n, 3) near an equilibrium, which is changed where it finds one; tells whether it does."""
+        """Newton's method from x (n, 3) near an equilibrium, which it is set to where one is found; tells whether."""
         scale, start = self.scale(x), x.copy()
         try:
             outcome = self.newton.solve(x, self.goal * scale, scale, searched=True, rounding=self.rounding)

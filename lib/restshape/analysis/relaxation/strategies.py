@@ -24,7 +24,9 @@ ROUNDS = 200
 """Runs of a method, between which friction follows, after which it is given up."""
 
 
-def moved(solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport, damping: str = "kinetic") -> ConvergenceReport:
+def moved(
+    solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport, damping: str = "kinetic"
+) -> ConvergenceReport:
     """Motion alone, with kinetic damping, until it converges."""
     if damping == "kinetic":
         return _in_rounds(solver, solver.moving, lambda: solver.moving.snes.getIterationNumber(), x, most, report)
@@ -38,11 +40,19 @@ def moved(solver: EquilibriumSolver, x: np.ndarray, most: int, report: Convergen
         moving.free()
 
 
-def descended(solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport, kind: str, stabilised: bool = True) -> ConvergenceReport:
+def descended(
+    solver: EquilibriumSolver,
+    x: np.ndarray,
+    most: int,
+    report: ConvergenceReport,
+    kind: str,
+    stabilised: bool = True,
+) -> ConvergenceReport:
     """One kind of SNES alone, until it converges."""
     equations = solver.equations
     equations.stabilised, equations.inertia = stabilised, FREELY
-    descent = Descent(solver.comm, f"drape_{kind}_", equations, x.shape, equations.rows, kind, reach=solver.motion.reach)
+    reach = solver.motion.reach
+    descent = Descent(solver.comm, f"drape_{kind}_", equations, x.shape, equations.rows, kind, reach=reach)
     descent.on_step = solver.descent.on_step
     try:
         return _in_rounds(solver, descent, lambda: descent.steps, x, most, report)
@@ -52,7 +62,12 @@ def descended(solver: EquilibriumSolver, x: np.ndarray, most: int, report: Conve
 
 
 def _in_rounds(
-    solver: EquilibriumSolver, method: KineticDamping | Descent, steps: Callable[[], int], x: np.ndarray, most: int, report: ConvergenceReport
+    solver: EquilibriumSolver,
+    method: KineticDamping | Descent,
+    steps: Callable[[], int],
+    x: np.ndarray,
+    most: int,
+    report: ConvergenceReport,
 ) -> ConvergenceReport:
     """Runs of a method from x (n, 3), which is changed, with friction following in between, until all converges."""
     for _ in range(ROUNDS):
