@@ -191,7 +191,7 @@ application = Application(
     },
     implied=CLOTH,
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.relaxation.analysis:DrapeAnalysis",
+    analysis="restshape.analysis.relaxation.analysis:RelaxationAnalysis",
     thesis="restshape_apps.couture.thesis:rows",
     validation="restshape_apps.couture.validation:CASES",
     stability="restshape_apps.couture.stability:CASES",

@@ -14,7 +14,7 @@ from counted import begin_log, happened, kernels, tally, watched
 from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag, meshed, write_scene, write_script
 
 from restshape import _kernels
-from restshape.analysis.relaxation.analysis import DrapeAnalysis
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.steady import StaticAnalysis
 from restshape.analysis.transient import TransientAnalysis
@@ -202,7 +202,7 @@ def wasteful(solve):
         (TransientAnalysis, "vibration", "gravity"),
         (TransientAnalysis, "vibration", "ground"),
         (ModalAnalysis, "metallophone", "in_plane_modes"),
-        (DrapeAnalysis, "couture", "contact"),
+        (RelaxationAnalysis, "couture", "contact"),
     ],
 )
 def test_the_law_notices_what_is_computed_without_being_asked_for(tmp_path, monkeypatch, analysis, app, effect):

@@ -42,7 +42,7 @@ class Cloth:
         self.params = [membrane_params(C, (0.0, 0.0, -0.1)), params, None]
         self.rng = np.random.default_rng(4)
         self.x = np.column_stack([X, np.zeros(len(X))]) + 0.05 * self.rng.uniform(-1, 1, (len(X), 3))
-        self.contact.lag(self.x)
+        self.contact.update_friction(self.x)
 
     def terms(self, x):
         energy, table = self.contact.potential(x)

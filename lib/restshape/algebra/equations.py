@@ -19,7 +19,7 @@ class Equations(Protocol):
 
     @property
     def version(self) -> object:
-        """Another one whenever r or its tangent may be another at the same x, or the tangent's matrix is overwritten."""
+        """Another one whenever r or its tangent may be others at the same x, or the matrix is overwritten."""
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set `out` (n, f) to r; 0 at constrained unknowns."""

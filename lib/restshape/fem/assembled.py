@@ -34,10 +34,17 @@ class Assembled:
             integral.add_residual(x, out, subset if integral.block == 0 else None)
         return out
 
-    def tangent(self, x: np.ndarray, right_side: np.ndarray | None = None) -> PETSc.Mat:
-        """The tangent at x (n, f); the residual is added to `right_side` (n, f) in the same pass where it is given."""
+    def tangent(self, x: np.ndarray, right_side: np.ndarray | None = None, kept: bool = False) -> PETSc.Mat:
+        """The tangent at x (n, f); the residual is added to `right_side` (n, f) in the same pass where it is given.
+
+        With `kept` the tangent contains that of the sum of which `keep` was called last.
+        """
         terms = [integral.term(x, 1.0, -1.0) for integral in self.integrals]
-        return self.operator.assemble(terms, None if right_side is None else right_side.ravel())
+        return self.operator.assemble(terms, None if right_side is None else right_side.ravel(), kept)
+
+    def keep(self, x: np.ndarray) -> None:
+        """Let the operator keep the tangent at x (n, f), for other sums with the same operator to start from."""
+        self.operator.keep([integral.term(x) for integral in self.integrals])
 
     def system(self, x: np.ndarray, right_side: np.ndarray) -> PETSc.Mat:
         """The tangent at x (n, f); `right_side` (n, f) loses the residual there in the same pass."""

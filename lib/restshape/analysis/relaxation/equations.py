@@ -5,59 +5,60 @@ from petsc4py import PETSc
 
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
-from restshape.physics.cloth.sheet import Sheet
+from restshape.fem.assembled import Assembled
+from restshape.physics.cloth.problem import ClothProblem
 
-HELD_UP = 0.02
+SUPPORTING = 0.02
 """Inertia of the tangent of descents, over that of a pendulum as long as the cloth, g/L: without any, cloth that lies
 loosely has motions that nothing resists."""
 WEIGHTLESS = 1.0
 """The same inertia [1/s^2] where there is no weight."""
 
 
-class Assembly:
-    """A matrix of a sheet, anew for each place of it, with the pattern and the constant terms kept.
+class KeptOperator:
+    """Tangents of a problem, with the pattern and the constant terms kept while its stiffness is the same.
 
     Args:
-        sheet: whose nodes may move, and whose membrane may be softened.
+        problem: whose nodes may move, and whose membrane may be softened.
         comm: PETSc communicator.
         stages: takes the times of patterns and values.
         backend: of the operator.
+
+    Attributes:
+        patterned: it has been asked for a tangent.
     """
 
-    def __init__(self, sheet: Sheet, comm: PETSc.Comm, stages: Stages, backend: str | None) -> None:
-        self.stages, self.sheet, self.operator = stages, sheet, Operator(comm, 3, sheet.node_offsets, backend)
-        self.patterned = False
-        self.begin()
-
-    def begin(self) -> None:
-        """Take in that nodes, stiffness or supports have changed."""
-        self.current = False
+    def __init__(self, problem: ClothProblem, comm: PETSc.Comm, stages: Stages, backend: str | None) -> None:
+        self.stages, self.problem = stages, problem
+        self.operator = Operator(comm, 3, problem.space.node_offsets, backend)
+        self.patterned, self._version, self._constant = False, -1, False
 
     def matrix(self, x: np.ndarray, stabilised: bool, inertia: float) -> PETSc.Mat:
         """The tangent at x (n, 3) [m], with or without its compressed part, plus `inertia` [1/s^2] times the mass."""
         with self.stages("values"):
-            if not self.current:
+            if self._version != self.problem.stiffness_version:
                 self._prepare()
-            terms = self.sheet.terms(x, stabilised, inertia)
-            return self.operator.assemble(terms, None, kept=bool(self.constant))
+            integrals = self.problem.tangent_integrals(stabilised, inertia)
+            return Assembled(integrals, self.operator).tangent(x, kept=self._constant)
 
     def _prepare(self) -> None:
+        problem = self.problem
         if self.patterned:
-            self.operator.set_constraints(self.sheet.mask)
+            self.operator.set_constraints(problem.boundary.mask)
         else:
             with self.stages("pattern"):
-                self.operator.set_topology(self.sheet.blocks, self.sheet.mask)
-        self.constant = self.sheet.constant_terms()
-        if self.constant:
-            self.operator.keep(self.constant)
-        self.patterned = self.current = True
+                self.operator.set_topology(problem.blocks(), problem.boundary.mask)
+        self._constant = problem.quadratic_bending
+        if self._constant:
+            Assembled(problem.bending_integrals(), self.operator).keep(np.zeros((problem.n_nodes, 3)))
+        self.patterned, self._version = True, problem.stiffness_version
 
 
 class ClothEquations:
-    """Forces out of balance of a sheet, as `algebra.newton`, `kinetic_damping` and `descent` want them.
+    """The residual of cloth, as `algebra.newton`, `kinetic_damping` and `descent` want it.
 
     Args:
-        sheet: whose nodes may move, and whose membrane may be softened.
+        problem: whose nodes may move, and whose membrane may be softened.
         comm: PETSc communicator.
         stages: takes the times of patterns and values.
         backend: of the operators; by default, on one rank, motion may have one in blocks of nodes.
@@ -68,24 +69,23 @@ class ClothEquations:
 
     potential = True
 
-    def __init__(self, sheet: Sheet, comm: PETSc.Comm, stages: Stages, backend: str | None = None) -> None:
-        self.sheet, self.stages = sheet, stages
-        self.tangents = Assembly(sheet, comm, stages, backend)
+    def __init__(self, problem: ClothProblem, comm: PETSc.Comm, stages: Stages, backend: str | None = None) -> None:
+        self.problem, self.stages = problem, stages
+        self.tangents = KeptOperator(problem, comm, stages, backend)
         own = comm.size == 1 and backend is None
-        self.steps = Assembly(sheet, comm, stages, "bcsr") if own else self.tangents
-        self.stabilised, self.inertia, self._changes = True, self.held_up, 0
+        self.steps = KeptOperator(problem, comm, stages, "bcsr") if own else self.tangents
+        self.stabilised, self.inertia = True, self.supporting_inertia
 
     @property
-    def held_up(self) -> float:
-        """Inertia [1/s^2] that is small beside what moves the cloth."""
-        size = float(np.ptp(self.sheet.X, axis=0).max())
-        return HELD_UP * float(np.linalg.norm(self.sheet.g)) / size or WEIGHTLESS
-
-    @property
-    def version(self) -> tuple[int, ...]:
+    def version(self) -> tuple[object, int]:
         """Another one whenever forces or the true tangent's matrix may be others at the same positions."""
-        contact = self.sheet.contact
-        return self._changes, self.tangents.operator.version, contact.version if contact else 0
+        return self.problem.version, self.tangents.operator.version
+
+    @property
+    def supporting_inertia(self) -> float:
+        """Inertia [1/s^2] that is small beside what moves the cloth."""
+        size = float(np.ptp(self.problem.X, axis=0).max())
+        return SUPPORTING * float(np.linalg.norm(self.problem.g)) / size or WEIGHTLESS
 
     @property
     def rows(self) -> slice:
@@ -94,24 +94,23 @@ class ClothEquations:
 
     @property
     def held(self) -> np.ndarray:
-        """Unknowns, of all 3 n, that never change."""
-        return self.sheet.held
+        """Unknowns, of all 3 n, that are constrained."""
+        return self.problem.boundary.constrained
 
-    def begin(self) -> None:
-        """Take in that nodes, stiffness or supports have changed."""
-        self._changes += 1
-        self.tangents.begin()
-        self.steps.begin()
+    @property
+    def mass(self) -> np.ndarray:
+        """Of the nodes (n,) [kg]."""
+        return self.problem.lumped.mass
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
-        """Set `out` (n, 3) [N] to the forces out of balance at positions x (n, 3) [m]."""
+        """Set `out` (n, 3) [N] to the residual at positions x (n, 3) [m]."""
         with self.stages("values"):
-            self.sheet.residual(x, out)
+            self.problem.residual(x, out)
 
     def energy(self, x: np.ndarray) -> float:
         """Potential energy [J]."""
         with self.stages("values"):
-            return self.sheet.energy(x)
+            return self.problem.energy(x)
 
     def assemble(self, x: np.ndarray, out: np.ndarray | None) -> PETSc.Mat:
         """The true tangent at x (n, 3) [m]; `out` as in `residual`."""

@@ -10,7 +10,7 @@ from restshape.scene.bodies import Body
 Frame = tuple[np.ndarray, np.ndarray]
 
 
-def placed(body: Body) -> Frame:
+def body_axes(body: Body) -> Frame:
     """The origin (3,) [m] of a body of numbers, and the matrix (3, 3) that takes its own coordinates to space."""
     form = body.form
     match body.kind:
@@ -26,7 +26,7 @@ def placed(body: Body) -> Frame:
             return np.array(form.point), _axes(np.array(form.normal))
 
 
-def carried(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
+def moved_with(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
     """Where points (n, 3) [m] on a body are after it has moved; a body of another kind carries none.
 
     Args:
@@ -34,7 +34,7 @@ def carried(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
     """
     if before.kind != after.kind or before.form == after.form:
         return points
-    (from_, A), (to, B) = placed(before), placed(after)
+    (from_, A), (to, B) = body_axes(before), body_axes(after)
     if before.kind in ("capsule", "plane"):
         B = _turn(A[:, 0], B[:, 0]) @ _axes(A[:, 0]) * np.linalg.norm(B, axis=0)
     return (points - from_) @ np.linalg.inv(A).T @ B.T + to

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,8 +13,48 @@ POTENTIAL = 12
 """Parameters of the element potential_point1: a place, the gradient there, the second derivatives xx yy zz yz xz xy."""
 
 
+@dataclass(frozen=True, eq=False)
+class FrictionHistory:
+    """What friction remembers; each update makes another one.
+
+    Args:
+        anchors: (bodies, n, 3) [m].
+        normals: (bodies, n, 3) of the surfaces at the last update.
+        limits: (bodies, n) largest forces of friction [N].
+    """
+
+    anchors: np.ndarray
+    normals: np.ndarray
+    limits: np.ndarray
+
+    @classmethod
+    def none(cls, bodies: int, nodes: int) -> FrictionHistory:
+        """The history of nodes that have touched nothing."""
+        shape = (bodies, nodes)
+        return cls(np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape))
+
+    def mapped(
+        self, before: np.ndarray, after: np.ndarray, interpolate: Callable[[np.ndarray], np.ndarray]
+    ) -> FrictionHistory:
+        """The history on other nodes: the ways from anchors, and which nodes are pressed.
+
+        Args:
+            before, after: (m, 3) and (n, 3) where the nodes of both are [m].
+            interpolate: takes values (m, f) at the nodes of before to the others (n, f).
+        """
+        found = FrictionHistory.none(len(self.anchors), len(after))
+        for k, (anchors, limits) in enumerate(zip(self.anchors, self.limits)):
+            values = interpolate(np.column_stack([before - anchors, limits]))
+            found.anchors[k], found.limits[k] = after - values[:, :3], np.maximum(values[:, 3], 0.0)
+        return found
+
+    def pressed(self, body: int) -> bool:
+        """Whether a body with friction pressed any node at the last update."""
+        return bool(self.limits[body].any())
+
+
 class Contact:
-    """What bodies do to nodes. Between two calls of `lag` it is a potential of the positions.
+    """What bodies do to nodes. With one history of friction it is a potential of the positions.
 
     Args:
         bodies: of `restshape._kernels.Body`; they may be replaced as they move.
@@ -22,7 +63,7 @@ class Contact:
         friction: coefficient, of all bodies or one of each; slip: way along the surface at which it is all there [m].
 
     Attributes:
-        anchors: (bodies, n, 3) [m]; they move in `lag` only.
+        history: of friction; it changes in `update_friction` only.
 
     Source: docs/theory.md, section "Cloth".
     """
@@ -39,56 +80,24 @@ class Contact:
         self.bodies = list(bodies)
         self.area, self.stiffness, self.thickness = area, stiffness, thickness
         self.friction, self.slip = np.broadcast_to(friction, len(self.bodies)), slip
-        shape = (len(self.bodies), len(area))
-        self.anchors, self._normals = np.zeros((*shape, 3)), np.zeros((*shape, 3))
-        self._limits, self.version = np.zeros(shape), 0
+        self.history = FrictionHistory.none(len(self.bodies), len(area))
 
-    def take(self, other: Contact) -> None:
-        """Take anchors, normals and normal forces from contact of the same nodes with the same bodies."""
-        self.restore(other.history())
-
-    def history(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Copies of all that friction remembers, for `restore`."""
-        return self.anchors.copy(), self._normals.copy(), self._limits.copy()
-
-    def restore(self, history: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
-        """Remember what `history` has told."""
-        self.anchors[:], self._normals[:], self._limits[:] = history
-        self.version += 1
-
-    def inherit(
-        self, other: Contact, before: np.ndarray, after: np.ndarray, carry: Callable[[np.ndarray], np.ndarray]
-    ) -> None:
-        """Take the ways from anchors, and which nodes are pressed, from contact of other nodes with the same bodies.
-
-        Args:
-            other: the contact of (m,) nodes.
-            before, after: (m, 3) and (n, 3) where the nodes of both are [m].
-            carry: takes values (m, f) at its nodes to these (n, f).
-        """
-        for k, (anchors, limits) in enumerate(zip(other.anchors, other._limits)):
-            found = carry(np.column_stack([before - anchors, limits]))
-            self.anchors[k], self._limits[k] = after - found[:, :3], np.maximum(found[:, 3], 0.0)
-
-    def pressed(self, body: int) -> bool:
-        """Tell whether a body with friction pressed any node when `lag` was called last."""
-        return bool(self._limits[body].any())
-
-    def lag(self, x: np.ndarray) -> float:
-        """Take normals and normal forces for friction from x, and drag the anchors; returns the farthest way [m]."""
-        dragged = 0.0
-        self.version += 1
+    def update_friction(self, x: np.ndarray) -> float:
+        """Take normals and normal forces from x (n, 3), and drag the anchors; returns the largest slip distance [m]."""
+        before, slipped = self.history, 0.0
+        anchors, normals, limits = before.anchors.copy(), before.normals.copy(), before.limits.copy()
         for k, body in enumerate(self.bodies):
-            force, self._normals[k] = body.pressing(x, self.area, self.stiffness, self.thickness)
-            fresh = self._limits[k] == 0.0
-            self.anchors[k][fresh] = x[fresh]
-            self._limits[k] = self.friction[k] * force
-            way = _kernels.drag_anchors(x, self.anchors[k], self._normals[k], self._limits[k], self.slip)
-            dragged = max(dragged, way)
-        return dragged
+            force, normals[k] = body.pressing(x, self.area, self.stiffness, self.thickness)
+            fresh = limits[k] == 0.0
+            anchors[k][fresh] = x[fresh]
+            limits[k] = self.friction[k] * force
+            way = _kernels.drag_anchors(x, anchors[k], normals[k], limits[k], self.slip)
+            slipped = max(slipped, way)
+        self.history = FrictionHistory(anchors, normals, limits)
+        return slipped
 
     def passed(self, x: np.ndarray, way: np.ndarray) -> bool:
-        """Tell whether points (n, 3) that go on along a way (3,) touch no body any more: all bodies are convex."""
+        """Whether points (n, 3) that go on along a way (3,) touch no body any more: all bodies are convex."""
         for body in self.bodies:
             distance, gradient, _ = body.distance(x)
             if distance.min() <= self.thickness or (gradient @ way).min() < 0.0:
@@ -104,8 +113,9 @@ class Contact:
         """
         out = np.zeros((len(x), POTENTIAL))
         out[:, :3] = x
-        energy = 0.0
+        energy, history = 0.0, self.history
         for k, body in enumerate(self.bodies):
             energy += body.add_contact(x, self.area, self.stiffness, self.thickness, out, curved)
-            energy += _kernels.add_friction(x, self.anchors[k], self._normals[k], self._limits[k], self.slip, out)
+            anchors, normals, limits = history.anchors[k], history.normals[k], history.limits[k]
+            energy += _kernels.add_friction(x, anchors, normals, limits, self.slip, out)
         return energy, out

@@ -20,7 +20,7 @@ def rotation(angles: tuple[float, float, float]) -> np.ndarray:
     return R
 
 
-class Laid:
+class InitialPlacement:
     """Where the flat cloth lies before it falls.
 
     Args:

@@ -1,5 +1,9 @@
 """Parameters of cloth: what the elements of membranes, bending and contact take."""
 
+from __future__ import annotations
+
+from dataclasses import dataclass
+
 import numpy as np
 
 UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))
@@ -46,3 +50,24 @@ def lumped(X: np.ndarray, corners: np.ndarray, density: float | np.ndarray = 1.0
     u, v = b - a, c - a
     share = density * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 6.0
     return np.bincount(corners.ravel(), np.repeat(share, 3), minlength=len(X))
+
+
+@dataclass(frozen=True, eq=False)
+class Lumped:
+    """What the nodes of cloth stand for.
+
+    Args:
+        area: (n,) [m^2]; density: (ne,) mass by area [kg/m^2] of the triangles; mass: (n,) [kg], 0 for slopes.
+        load: norm of the weight at free unknowns [N].
+    """
+
+    area: np.ndarray
+    density: np.ndarray
+    mass: np.ndarray
+    load: float
+
+    @classmethod
+    def of(cls, X: np.ndarray, corners: np.ndarray, density: np.ndarray, g: np.ndarray) -> Lumped:
+        """What nodes at X (n, 2) [m] stand for; g (n, 3) [m/s^2] is the acceleration of each, 0 where prescribed."""
+        mass = lumped(X, corners, density)
+        return cls(lumped(X, corners), density, mass, float(np.linalg.norm(mass[:, None] * g)))

@@ -1,89 +1,84 @@
 """Quantities of interest of cloth: numbers that a scene asks for, taken from its positions."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.fem.averages import mean_over
 from restshape.fem.entity_sets import observed_nodes
-from restshape.fem.quantity import REDUCTIONS, area
-from restshape.physics.cloth.sheet import Sheet
+from restshape.fem.quantity import Observer, area, reduction
+from restshape.physics.cloth.problem import ClothProblem
 from restshape.scene.model import Quantity
 
 AXES = "xyz"
 
 
-class ClothObserver:
-    """Evaluates the quantities of a scene for cloth.
+def observer(problem: ClothProblem, quantities: Mapping[str, Quantity]) -> Observer:
+    """What evaluates the quantities of a scene at positions x (n, 3) [m] of its cloth.
 
-    Args:
-        sheet: the cloth.
-        quantities: by name, as in the scene.
-        flat: (corners, 3) where the cloth was cut [m], from which displacements are counted.
+    Displacements are counted from where the cloth was cut, as the mesh lies now.
 
     Raises:
         UserError: a quantity has no meaning for cloth, or names a place that is not there.
     """
+    return Observer({name: _function(problem, name, quantity) for name, quantity in quantities.items()})
 
-    def __init__(self, sheet: Sheet, quantities: dict[str, Quantity], flat: np.ndarray) -> None:
-        self.sheet, self.mesh, self.flat = sheet, sheet.mesh, flat
-        self.functions = {name: self._function(name, quantity) for name, quantity in quantities.items()}
 
-    def __call__(self, x: np.ndarray) -> dict[str, float]:
-        """All quantities at positions x (n, 3) [m]."""
-        return {name: float(function(x)) for name, function in self.functions.items()}
+def reactions(problem: ClothProblem, x: np.ndarray) -> np.ndarray:
+    """Forces (corners, 3) [N] of supports on the nodes at x (n, 3)."""
+    out = np.empty_like(x)
+    problem.unconstrained_residual(x, out)
+    return problem.corners(out)
 
-    def _function(self, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
-        if quantity.area:
-            cells = self.mesh.cells_of(quantity.at) if quantity.at else slice(None)
-            return lambda x: area(self.mesh, cells)
-        if quantity.energy:
-            return self._energy(name, quantity)
-        if not (quantity.displacement or quantity.reaction):
-            raise UserError(
-                f"cloth has no quantity of the kind {quantity.kind!r}",
-                f"quantities.{name}",
-                "use displacement, reaction, energy or area",
-            )
-        nodes = observed_nodes(self.mesh, name, quantity)
-        if quantity.reaction:
-            column = AXES.index(quantity.reaction)
-            return lambda x: self.reactions(x)[nodes, column].sum()
-        return self._displacement(quantity, nodes)
 
-    def reactions(self, x: np.ndarray) -> np.ndarray:
-        """Forces (corners, 3) [N] of supports on the nodes."""
-        out = np.empty_like(x)
-        self.sheet.unheld(x, out)
-        return self.sheet.corners(out)
+def _function(problem: ClothProblem, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+    mesh = problem.mesh
+    if quantity.area:
+        cells = mesh.cells_of(quantity.at) if quantity.at else slice(None)
+        return lambda x: area(mesh, cells)
+    if quantity.energy:
+        return _energy(problem, name, quantity)
+    if not (quantity.displacement or quantity.reaction):
+        raise UserError(
+            f"cloth has no quantity of the kind {quantity.kind!r}",
+            f"quantities.{name}",
+            "use displacement, reaction, energy or area",
+        )
+    nodes = observed_nodes(mesh, name, quantity)
+    if quantity.reaction:
+        column = AXES.index(quantity.reaction)
+        return lambda x: reactions(problem, x)[nodes, column].sum()
+    return _displacement(problem, quantity, nodes)
 
-    def _displacement(self, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
-        take = mean_over(self.mesh, quantity.at, nodes) if quantity.take == "mean" else REDUCTIONS[quantity.take]
 
-        def moved(x: np.ndarray) -> np.ndarray:
-            return (self.sheet.corners(x) - self.flat)[nodes]
+def _displacement(
+    problem: ClothProblem, quantity: Quantity, nodes: np.ndarray | slice
+) -> Callable[[np.ndarray], float]:
+    take = reduction(problem.mesh, quantity, nodes)
+    flat = np.column_stack([problem.mesh.X, np.zeros(len(problem.mesh.X))])
 
-        if quantity.displacement == "magnitude":
-            return lambda x: take(np.linalg.norm(moved(x), axis=1))
-        column = AXES.index(quantity.displacement)
-        return lambda x: take(moved(x)[:, column])
+    def moved(x: np.ndarray) -> np.ndarray:
+        return (problem.corners(x) - flat)[nodes]
 
-    def _energy(self, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
-        kinds = {
-            "strain": lambda x: self.sheet.stretching(x) + self.sheet.bent(x),
-            "membrane": self.sheet.stretching,
-            "bending": self.sheet.bent,
-            "potential": self.sheet.energy,
-        }
-        if quantity.energy not in kinds:
-            raise UserError(
-                f"cloth at rest has no {quantity.energy!r} energy",
-                f"quantities.{name}.energy",
-                f"use one of: {', '.join(kinds)}",
-            )
-        if quantity.at is not None:
-            raise UserError("energies of cloth are those of all of it", f"quantities.{name}.at", "leave it out")
-        return kinds[quantity.energy]
+    if quantity.displacement == "magnitude":
+        return lambda x: take(np.linalg.norm(moved(x), axis=1))
+    column = AXES.index(quantity.displacement)
+    return lambda x: take(moved(x)[:, column])
+
+
+def _energy(problem: ClothProblem, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+    kinds = {
+        "strain": lambda x: problem.membrane_energy(x) + problem.bending_energy(x),
+        "membrane": problem.membrane_energy,
+        "bending": problem.bending_energy,
+        "potential": problem.energy,
+    }
+    if quantity.energy not in kinds:
+        raise UserError(
+            f"cloth at rest has no {quantity.energy!r} energy",
+            f"quantities.{name}.energy",
+            f"use one of: {', '.join(kinds)}",
+        )
+    if quantity.at is not None:
+        raise UserError("energies of cloth are those of all of it", f"quantities.{name}.at", "leave it out")
+    return kinds[quantity.energy]

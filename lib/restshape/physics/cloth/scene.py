@@ -1,4 +1,4 @@
-"""What a scene of cloth says about a sheet on one mesh: stiffness, mass, supports, bodies, and where it starts."""
+"""What a scene says about its cloth on one mesh: stiffness, mass, supports, bodies, and where it starts."""
 
 from __future__ import annotations
 
@@ -9,23 +9,25 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.supports import supports
+from restshape.physics.cloth.boundary import ClothSupports
 from restshape.physics.cloth.contact import Contact
-from restshape.physics.cloth.fabric import fabric
-from restshape.physics.cloth.initial_placement import Laid, rotation
-from restshape.physics.cloth.sheet import Fabric, Held, Sheet
+from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.initial_placement import InitialPlacement, rotation
+from restshape.physics.cloth.materials import fabric_of
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.supports import supports_of
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
 
 @dataclass(frozen=True)
-class SheetArguments:
-    """What a sheet is made from.
+class ClothArguments:
+    """What the problem of cloth is made from.
 
     Args:
         fabric: stiffness and mass; one matrix and one number where all cells agree.
-        held: supports.
+        supports: on this mesh.
         g: (3,) acceleration [m/s^2].
         bodies: each with its coefficient of friction, in the scene's order.
         contact: settings of the effect; None: nothing touches, and there are no bodies.
@@ -33,14 +35,14 @@ class SheetArguments:
     """
 
     fabric: Fabric
-    held: Held
+    supports: ClothSupports
     g: np.ndarray
     bodies: list[tuple[_kernels.Body, float]]
     contact: Any
     start: np.ndarray
 
 
-def sheet_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> SheetArguments:
+def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
     """What a scene says about its cloth on a mesh.
 
     Raises:
@@ -48,40 +50,40 @@ def sheet_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> SheetArguments:
     """
     gravity = plan.settings("gravity")
     contact = plan.settings("contact")
-    laid = Laid(scene.start, scene.parameters)
-    held = supports(scene, mesh, laid)
-    return SheetArguments(
-        fabric=fabric(scene, plan, mesh),
-        held=held,
+    placement = InitialPlacement(scene.start, scene.parameters)
+    supports = supports_of(scene, mesh, placement)
+    return ClothArguments(
+        fabric=fabric_of(scene, plan, mesh),
+        supports=supports,
         g=np.array(gravity.g if gravity else (0.0, 0.0, 0.0)),
         bodies=[] if contact is None else touched(scene),
         contact=contact,
-        start=np.where(held.mask, held.places, laid.scattered(mesh)),
+        start=np.where(supports.mask, supports.places, placement.scattered(mesh)),
     )
 
 
-def sheet_of(mesh: Mesh, arguments: SheetArguments) -> Sheet:
-    """The sheet of a scene on a mesh."""
-    sheet = Sheet(mesh, arguments.fabric, arguments.held, arguments.g)
+def cloth_problem(mesh: Mesh, arguments: ClothArguments) -> ClothProblem:
+    """The problem of a scene's cloth on a mesh."""
+    problem = ClothProblem(mesh, arguments.fabric, arguments.supports, arguments.g)
     if arguments.bodies:
         settings = arguments.contact
-        sheet.contact = Contact(
+        problem.contact = Contact(
             [body for body, _ in arguments.bodies],
-            sheet.area[sheet.number],
+            problem.lumped.area[problem.corner_number],
             settings.stiffness,
             settings.thickness,
             [friction for _, friction in arguments.bodies],
             settings.slip,
         )
-    return sheet
+    return problem
 
 
-def set_contact(sheet: Sheet, arguments: SheetArguments) -> None:
+def set_contact(problem: ClothProblem, arguments: ClothArguments) -> None:
     """Let contact be with bodies, and of values, that are others; friction remembers what it did."""
-    contact, settings = sheet.contact, arguments.contact
+    contact, settings = problem.contact, arguments.contact
     contact.bodies = [body for body, _ in arguments.bodies]
     contact.friction = np.array([friction for _, friction in arguments.bodies])
-    contact.area = sheet.area[sheet.number]
+    contact.area = problem.lumped.area[problem.corner_number]
     contact.stiffness, contact.thickness, contact.slip = settings.stiffness, settings.thickness, settings.slip
 
 

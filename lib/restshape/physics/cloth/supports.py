@@ -1,4 +1,4 @@
-"""Where supports of a scene hold cloth on one mesh: places, slopes across edges, planes of symmetry."""
+"""Where supports of a scene constrain cloth on one mesh: places, slopes across edges, planes of symmetry."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.mesh.hinges import border_cells, normals
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.initial_placement import Laid
+from restshape.physics.cloth.boundary import ClothSupports
+from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.fem.entity_sets import facets_on, nodes_on
-from restshape.physics.cloth.sheet import Held
 from restshape.fem.values import Nodal
 from restshape.scene.model import Scene, Support
 
@@ -18,13 +18,13 @@ ALIKE = 1e-9
 """Places that differ by no more, over the size of the cloth, are the same."""
 
 
-def supports(scene: Scene, mesh: Mesh, laid: Laid) -> Held:
-    """Where the scene's supports hold the cloth.
+def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement) -> ClothSupports:
+    """Where the scene's supports constrain the cloth.
 
     Raises:
-        UserError: two of them clash, or one holds a slope or a plane of symmetry where there is no edge for it.
+        UserError: two of them clash, or one prescribes a slope or a plane of symmetry where there is no edge for it.
     """
-    places = laid.places(mesh.X)
+    places = placement.places(mesh.X)
     given = np.full(places.shape, np.nan)
     clamped, mirrored = [np.empty(0, dtype=np.int32)], [np.empty(0, dtype=np.int32)]
     axes = [np.empty(0, dtype=np.int32)]
@@ -37,21 +37,21 @@ def supports(scene: Scene, mesh: Mesh, laid: Laid) -> Held:
                 continue
             axis = AXES.index(direction)
             moved = Nodal(value, scene.parameters, where)(mesh.X[nodes])
-            _hold(given, nodes, axis, places[nodes, axis] + moved, mesh, f"{scene.path}: {where}")
+            _prescribe(given, nodes, axis, places[nodes, axis] + moved, mesh, f"{scene.path}: {where}")
         if support.symmetry:
             where = f"supports.{name}.symmetry"
             edges, axis = _edges(scene, mesh, support, where), AXES.index(support.symmetry)
             _require_plane(scene, places, nodes, axis, where)
-            _hold(given, nodes, axis, places[nodes, axis], mesh, f"{scene.path}: {where}")
+            _prescribe(given, nodes, axis, places[nodes, axis], mesh, f"{scene.path}: {where}")
             mirrored.append(edges)
             axes.append(np.full(len(edges), axis, dtype=np.int32))
     mask = (~np.isnan(given)).astype(np.uint8)
     clamped = np.unique(np.concatenate(clamped))
-    return Held(
+    return ClothSupports(
         mask=mask,
         places=np.where(mask, given, 0.0),
         clamped=clamped,
-        slopes=laid.slopes(normals(mesh.X, border_cells(mesh.cells, mesh.cell_edges, clamped)[1])),
+        slopes=placement.slopes(normals(mesh.X, border_cells(mesh.cells, mesh.cell_edges, clamped)[1])),
         mirrored=np.concatenate(mirrored),
         axes=np.concatenate(axes),
     )
@@ -91,7 +91,7 @@ def _require_plane(scene: Scene, places: np.ndarray, nodes: np.ndarray, axis: in
         )
 
 
-def _hold(given: np.ndarray, nodes: np.ndarray, axis: int, places: np.ndarray, mesh: Mesh, where: str) -> None:
+def _prescribe(given: np.ndarray, nodes: np.ndarray, axis: int, places: np.ndarray, mesh: Mesh, where: str) -> None:
     """Note the places (k,) [m] of nodes on an axis in `given` (n, 3); refuse others than are there already."""
     before = given[nodes, axis]
     clash = np.flatnonzero(np.abs(places - before) > ALIKE * _size(mesh.X))

@@ -9,7 +9,7 @@ from restshape.scene.bodies import Body
 
 PIERCED = 0.5
 """Part of a body's smallest size by which it is deeper in a triangle where it comes through; less is a chord's sag."""
-MOST_PLACES = 24
+MOST_SAMPLES = 24
 """Places along the side of a triangle that are looked at for a body between its nodes."""
 
 
@@ -25,13 +25,13 @@ def size_of(body: Body) -> float:
             return np.inf
 
 
-def depths(kernels: Sequence[_kernels.Body], x: np.ndarray) -> list[float]:
+def penetrations(kernels: Sequence[_kernels.Body], x: np.ndarray) -> list[float]:
     """How far [m] the deepest of the nodes x (n, 3) [m] is below the surface of each body; 0 where none is."""
     return [max(0.0, -float(kernel.distance(x)[0].min())) for kernel in kernels]
 
 
-def piercing(bodies: Sequence[Body], kernels: Sequence[_kernels.Body], x: np.ndarray) -> list[bool]:
-    """Tell of each body whether it is between the corners of one of the triangles x (ne, 3, 3) [m].
+def tunnelling(bodies: Sequence[Body], kernels: Sequence[_kernels.Body], x: np.ndarray) -> list[bool]:
+    """Whether each body is between the corners of one of the triangles x (ne, 3, 3) [m].
 
     Args:
         bodies: of numbers alone; kernels: the same ones as the kernels take them.
@@ -41,13 +41,13 @@ def piercing(bodies: Sequence[Body], kernels: Sequence[_kernels.Body], x: np.nda
 
 
 def _comes_through(body: _kernels.Body, size: float, x: np.ndarray) -> bool:
-    """Tell whether a body of this size [m] is between the corners of one of the triangles x (ne, 3, 3) [m]."""
+    """Whether a body of this size [m] is between the corners of one of the triangles x (ne, 3, 3) [m]."""
     if not np.isfinite(size):
         return False
     longest = float(np.linalg.norm(x - np.roll(x, 1, axis=1), axis=2).max())
     middles = x.mean(axis=1)
     near = x[body.distance(middles)[0] < longest]
-    n = int(np.clip(np.ceil(2.0 * longest / size), 3, MOST_PLACES))
+    n = int(np.clip(np.ceil(2.0 * longest / size), 3, MOST_SAMPLES))
     i, j = (part.ravel() for part in np.mgrid[: n + 1, : n + 1])
     inside = np.column_stack([i, j, n - i - j])[i + j <= n] / n
     places = np.einsum("pi,eij->epj", inside, near).reshape(-1, 3)
