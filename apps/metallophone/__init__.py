@@ -84,7 +84,7 @@ application = Application(
         "regions": REGIONS,
     },
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.modal:ModalAnalysis",
+    analysis="restshape.physics.vibrating_bodies:modal_analysis",
     validation="restshape_apps.metallophone.validation:CASES",
     stability="restshape_apps.metallophone.stability:CASES",
     thesis="restshape_apps.metallophone.thesis:rows",

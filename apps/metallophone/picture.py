@@ -12,9 +12,9 @@ import numpy as np
 from restshape_apps.metallophone.stage import add_scene, analysed
 
 from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.pitch import note
 from restshape.errors import UserError
 from restshape.mesh.space import LagrangeSpace
-from restshape.physics.elasticity.pitch import note
 from restshape.report.modes import draw_modes, draw_outline_density
 from restshape.sensitivity.modal import stands_alone
 from restshape.sensitivity.outline import outline_density

@@ -104,9 +104,9 @@ def test_mode_that_the_start_knows_nothing_of_is_counted_and_found():
     first, _ = auto.solve(K, M, rigid, 2, True)
     # The lowest mode is taken out of all that is remembered, and a symmetric matrix never mixes it in again.
     auto.history = [first.modes[1:].copy()]
-    auto.uncounted = 10**6
+    auto.unchecked = 10**6
     found, report = auto.solve(K, M, rigid, 2, False)
-    assert report.missed == 1
+    assert report.missed_modes == 1
     assert found.values[:2] == pytest.approx(chain_values(40, 2), rel=1e-10)
 
 
@@ -121,7 +121,7 @@ def test_first_frame_of_equal_bodies_has_each_eigenvalue_as_often_as_there_are_b
     )
     exact = np.repeat(4.0 * np.sin(np.arange(1, n + 1) * np.pi / (2 * (n + 1))) ** 2, copies)
     assert found.values[:count] == pytest.approx(exact[:count], rel=1e-10)
-    assert report.counted and np.all(found.residuals[:count] <= 1e-8)
+    assert report.inertia_checked and np.all(found.residuals[:count] <= 1e-8)
 
 
 @pytest.mark.parametrize("method", ["auto", "direct"])
@@ -134,8 +134,8 @@ def test_body_whose_mode_comes_down_is_found_where_a_count_is_asked_for(method):
     for frame in range(9):
         softer = 60.0 * 0.5**frame
         K = matrix(np.block([[chain, still], [still, softer * chain]]))
-        found, report = own.solve(K, mass, rigid, 2, frame == 0, certain=frame == 8)
-    assert report.counted
+        found, report = own.solve(K, mass, rigid, 2, frame == 0, verify=frame == 8)
+    assert report.inertia_checked
     assert found.values[:2] == pytest.approx(softer * lowest, rel=1e-9)
 
 

@@ -21,9 +21,9 @@ def test_a_lost_mode_is_found_by_the_next_count(tmp_path):
     lost = state.modes.vectors[0]
     stiff = products(state.rest.problem, lost[None], state.rest.x, state.sign)[0]
     solver.history = [block[1:] - (block[1:] @ stiff.T) * lost for block in solver.history]
-    solver.uncounted, solver.known = COUNT_EVERY, 2
+    solver.unchecked, solver.known = COUNT_EVERY, 2
     found = design.move(1e-6 * np.sin(design.X))
-    assert design.analysis.state.report.missed >= 1
+    assert design.analysis.state.report.missed_modes >= 1
     np.testing.assert_allclose(found, design.load_factors, rtol=1e-3)
 
 

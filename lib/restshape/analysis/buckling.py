@@ -104,8 +104,8 @@ class BucklingAnalysis:
             if self.rest.state is not before.rest:
                 report = self._solve(frame, report)
             if not report.iterations:
-                self.state = replace(self.state, report=replace(self.state.report, missed=0))
-            if frame.settled and self.solver.uncounted:
+                self.state = replace(self.state, report=replace(self.state.report, missed_modes=0))
+            if frame.settled and self.solver.unchecked:
                 report = self._verify(report)
         except (ReplayProblem, UserError):
             self.rest.rollback(before.rest)
@@ -191,7 +191,7 @@ class BucklingAnalysis:
         found, report = self.solver.solve(stiffness, geometric, constrained, count, state.most, new_system, verify)
         with self.context.stages("observe"):
             modes = self._with_ids(state, found)
-        if report.counted:
+        if report.inertia_checked:
             self.verified.take(state.rest.space)
         return replace(state, modes=modes, predicted=False, report=report)
 

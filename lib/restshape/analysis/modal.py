@@ -22,6 +22,7 @@ from restshape.analysis.verified_shape import VerifiedShape
 from restshape.errors import ReplayProblem, UserError
 
 if TYPE_CHECKING:
+    from restshape.fem.eigenproblem import Maker
     from restshape.fem.problem import Fields
     from restshape.fem.space import Space
     from restshape.scene.model import Scene
@@ -37,6 +38,7 @@ class ModalAnalysis:
         scene: what the user wrote.
         plan: which effects are on.
         context: what all parts of the replay share.
+        make: makes the body that vibrates, of scene, plan and plane mesh.
 
     Attributes:
         state: the modes, and what they are of.
@@ -49,8 +51,8 @@ class ModalAnalysis:
     estimated = "frequencies"
     why_not = ""
 
-    def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:
-        self.context = context
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: Maker) -> None:
+        self.context, self.make = context, make
         self.solver = EigenSolver(context.policy.solver, scene.solve.tolerance, context.calibration, context.stages)
         self.verified = VerifiedShape()
         self.state = ModalState(plan)
@@ -97,7 +99,7 @@ class ModalAnalysis:
             self.solver.restart(before.modes.vectors if len(before.modes.values) else None)
             raise
         self.interrupted = False
-        if self.state.report.counted:
+        if self.state.report.inertia_checked:
             self.verified.take(mesh)
         return self._report()
 
@@ -139,18 +141,18 @@ class ModalAnalysis:
 
     def compare_cold(self) -> Comparison:
         """Matrices and frequencies beside those of a solve with nothing kept; relative."""
-        return compare_cold(self.state, self.context)
+        return compare_cold(self.state, self.context, self.make)
 
     # --- a frame ------------------------------------------------------------------------------------------------------
 
     def _unchanged(self, frame: Frame) -> LinearReport:
         """A frame that is the last one again: solved only where the hand rests, and nothing has been verified yet."""
-        if frame.settled and self.solver.uncounted:
+        if frame.settled and self.solver.unchecked:
             self.state = self._verify()
             self.verified.take(self.state.space)
             return self._report()
         report = self.state.report
-        report = replace(report, age=report.age + 1, missed=0)
+        report = replace(report, age=report.age + 1, missed_modes=0)
         self.state = replace(self.state, report=report)
         return LinearReport(0, False, report.age, report.method)
 
@@ -160,7 +162,7 @@ class ModalAnalysis:
 
     def _solve(self, frame: Frame, rebind: bool) -> ModalState:
         if rebind:
-            state, previous = bound(self.state, self.solver, frame, self.context)
+            state, previous = bound(self.state, self.solver, frame, self.context, self.make)
         else:
             state, previous = self.state, followed(self.state, self.solver, frame, self.context.stages)
         with self.context.stages("values"):

@@ -11,13 +11,14 @@ from restshape.analysis.frame import Frame
 from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.modal_state import ModalState
 from restshape.application import application
+from restshape.fem.eigenproblem import Eigenproblem, Maker
 from restshape.mesh.transfer import transfer
-from restshape.physics.elasticity.vibrating_body import VibratingBody
-from restshape.physics.vibrating_bodies import vibrating_body
 from restshape.scene.plan import plan as planned
 
 
-def bound(state: ModalState, solver: EigenSolver, frame: Frame, context: Context) -> tuple[ModalState, np.ndarray]:
+def bound(
+    state: ModalState, solver: EigenSolver, frame: Frame, context: Context, make: Maker
+) -> tuple[ModalState, np.ndarray]:
     """The state with a new body, and the last modes (k, n f) on its nodes; none where they are of another kind.
 
     Args:
@@ -25,6 +26,7 @@ def bound(state: ModalState, solver: EigenSolver, frame: Frame, context: Context
         solver: begins a new system with these modes.
         frame: with another mesh, or other values.
         context: what all parts of the replay share.
+        make: makes the body.
 
     Raises:
         UserError: the scene makes no sense for a vibrating body.
@@ -32,7 +34,7 @@ def bound(state: ModalState, solver: EigenSolver, frame: Frame, context: Context
     old, before = state.body, state.modes.vectors
     with context.stages("pattern"):
         plan = planned(frame.scene, application(frame.scene.app))
-        body = vibrating_body(frame.scene, plan, frame.mesh, context.policy.lumped_mass)
+        body = make(frame.scene, plan, frame.mesh, context.policy.lumped_mass)
         matrices = ModalMatrices(body)
     solver.tolerance = frame.scene.solve.tolerance
     mask = body.boundary.mask
@@ -72,13 +74,13 @@ def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stage
     return modes
 
 
-def _interpolated(body: VibratingBody, modes: np.ndarray, frame: Frame) -> np.ndarray:
+def _interpolated(body: Eigenproblem, modes: np.ndarray, frame: Frame) -> np.ndarray:
     """Modes (k, n f) at the new places of nodes of flipped edges."""
     fields = [body.space.interpolate(mode.reshape(-1, len(body.axes)), frame.interpolations) for mode in modes]
     return np.stack(fields).reshape(modes.shape)
 
 
-def _on_new_mesh(old: VibratingBody, modes: np.ndarray, frame: Frame) -> np.ndarray:
+def _on_new_mesh(old: Eigenproblem, modes: np.ndarray, frame: Frame) -> np.ndarray:
     """Modes (k, n f) of an old body on a new mesh, column by column."""
     n, fields = len(old.plane.X), [mode.reshape(-1, len(old.axes)) for mode in modes]
     shapes = [old.by_plane_nodes(old.space.interpolate(field, frame.interpolations)).reshape(n, -1) for field in fields]

@@ -9,15 +9,15 @@ from restshape.algebra.pencil import Deflation, Pencil
 from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.modal_state import ModalState, frequencies
-from restshape.physics.vibrating_bodies import vibrating_body
+from restshape.fem.eigenproblem import Maker
 
 COLD = 1e-10
 """Residual that a cold solve for comparison goes down to."""
 
 
-def compare_cold(state: ModalState, context: Context) -> Comparison:
+def compare_cold(state: ModalState, context: Context, make: Maker) -> Comparison:
     """Largest differences of the matrices' entries and of frequencies from a solve with nothing kept; relative."""
-    body = vibrating_body(state.scene, state.plan, state.space, context.policy.lumped_mass)
+    body = make(state.scene, state.plan, state.space, context.policy.lumped_mass)
     cold = ModalMatrices(body, "coo").assemble()
     pairs = zip(state.matrices.gather(), (whole_matrix(mat, PETSc.COMM_SELF) for mat in cold))
     entries = max(matrix_difference(*pair) for pair in pairs)

@@ -4,7 +4,7 @@ import numpy as np
 
 from restshape.analysis.modal_matrices import products
 from restshape.analysis.modal_state import ModalState
-from restshape.physics.elasticity.mode_estimate import ModeEstimate
+from restshape.fem.eigenproblem import ModeEstimate
 
 
 def residual_norm(state: ModalState) -> float:

@@ -7,7 +7,8 @@ from petsc4py import PETSc
 from restshape.algebra.gather import whole_matrix
 from restshape.algebra.operator import Operator
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import MASS, STIFFNESS, Problem
+from restshape.fem.eigenproblem import Eigenproblem
+from restshape.fem.problem import MASS, STIFFNESS
 
 
 class ModalMatrices:
@@ -18,7 +19,7 @@ class ModalMatrices:
         backend: of the operators.
     """
 
-    def __init__(self, problem: Problem, backend: str | None = None) -> None:
+    def __init__(self, problem: Eigenproblem, backend: str | None = None) -> None:
         self.problem = problem
         offsets, mask = np.array([0, len(problem.space.X)], dtype=np.int32), problem.boundary.mask
         self.operators = [Operator(PETSc.COMM_SELF, mask.shape[1], offsets, backend) for _ in range(2)]
@@ -50,7 +51,7 @@ class ModalMatrices:
         return tuple(whole_matrix(operator.mat, PETSc.COMM_SELF) for operator in self.operators)
 
 
-def products(problem: Problem, modes: np.ndarray) -> np.ndarray:
+def products(problem: Eigenproblem, modes: np.ndarray) -> np.ndarray:
     """K phi and M phi (2, k, n f) of modes (k, n f), without matrices; forces at constrained unknowns are in them."""
     shape, found = problem.boundary.mask.shape, np.empty((2, *modes.shape))
     for kind, out in zip((STIFFNESS, MASS), found):

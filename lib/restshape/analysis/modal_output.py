@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from restshape.analysis.modal_state import ModalState
+from restshape.analysis.pitch import note
 from restshape.errors import UserError
 from restshape.fem.problem import Fields
-from restshape.fem.space import Space
-from restshape.physics.elasticity.pitch import note
 from restshape.fem.quantity import area
+from restshape.fem.space import Space
 from restshape.scene.model import Quantity
 
 
@@ -32,8 +32,8 @@ def row(state: ModalState) -> dict[str, Any]:
         "tone": tone,
         "cents": cents,
         "track": " ".join(map(str, state.ids)),
-        "counted": int(state.report.counted),
-        "missed": state.report.missed,
+        "counted": int(state.report.inertia_checked),
+        "missed": state.report.missed_modes,
         "elements": len(state.body.space.cells),
     }
 

@@ -11,9 +11,9 @@ from restshape.algebra.eigen import EigenReport
 from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.mode_search import FoundModes
 from restshape.analysis.mode_tracking import ModeIds
+from restshape.fem.eigenproblem import Eigenproblem
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
-from restshape.physics.elasticity.vibrating_body import VibratingBody
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -70,7 +70,7 @@ class ModalState:
     space: Mesh | LagrangeSpace | None = None
     topology: int = -1
     geometry: int = -1
-    body: VibratingBody | None = None
+    body: Eigenproblem | None = None
     matrices: ModalMatrices | None = None
     modes: Modes = field(default_factory=Modes.none)
     solved: Modes | None = None

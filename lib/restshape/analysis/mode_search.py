@@ -9,7 +9,7 @@ from restshape.algebra.clusters import cluster_end
 from restshape.algebra.eigen import EigenReport, EigenSolver
 from restshape.analysis.mode_tracking import ModeIds, normalise_signs
 from restshape.errors import ReplayProblem
-from restshape.physics.elasticity.vibrating_body import VibratingBody
+from restshape.fem.eigenproblem import Eigenproblem
 
 NORMAL = 0.5
 """Share of the kinetic energy beyond which a mode counts as out of the plane."""
@@ -43,7 +43,7 @@ class ModeSearch:
     """
 
     solver: EigenSolver
-    body: VibratingBody
+    body: Eigenproblem
     modes: int
     in_plane: bool
 

@@ -1,5 +1,7 @@
-"""The body that a scene lets vibrate, by the model that its plan names."""
+"""The body that a scene lets vibrate, by the model that its plan names, and the analysis of its modes."""
 
+from restshape.analysis.analysis import Context
+from restshape.analysis.modal import ModalAnalysis
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.physics.elasticity.vibrating_body import VibratingBody
@@ -10,6 +12,11 @@ from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
 LAYERS = 1
+
+
+def modal_analysis(scene: Scene, plan: Plan, context: Context) -> ModalAnalysis:
+    """The analysis of free vibrations; arguments as of any `Analysis`."""
+    return ModalAnalysis(scene, plan, context, vibrating_body)
 
 
 def vibrating_body(scene: Scene, plan: Plan, plane: Mesh | LagrangeSpace, lumped: bool) -> VibratingBody:

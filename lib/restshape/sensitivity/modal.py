@@ -16,6 +16,7 @@ from restshape.fem.problem import MASS, STIFFNESS
 if TYPE_CHECKING:
     from restshape.analysis.analysis import Context
     from restshape.analysis.modal_state import ModalState
+    from restshape.fem.eigenproblem import Maker
 
 COINCIDE, ROUNDING = 100.0, 1e-9
 """Eigenvalues whose distance, as a share of themselves, is below that many squares of the tolerance of residuals, or
@@ -31,6 +32,7 @@ class Solved(Protocol):
     state: ModalState
     solver: EigenSolver
     context: Context
+    make: Maker
 
 
 def design_products(analysis: Solved, modes: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -7,8 +7,8 @@ import numpy as np
 
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import MASS, STIFFNESS, Problem
-from restshape.physics.vibrating_bodies import vibrating_body
+from restshape.fem.eigenproblem import Eigenproblem
+from restshape.fem.problem import MASS, STIFFNESS
 from restshape.scene.load import revise
 from restshape.sensitivity.modal import Solved, known_modes, rates
 
@@ -77,7 +77,7 @@ def _differenced(analysis: Solved, key: str, value: float, step: float) -> np.nd
     state, known, ends = analysis.state, known_modes(analysis), []
     for changed in (value + step, value - step):
         scene = revise(state.scene, *_revision(analysis, key, changed))
-        body = vibrating_body(scene, state.plan, state.space, analysis.context.policy.lumped_mass)
+        body = analysis.make(scene, state.plan, state.space, analysis.context.policy.lumped_mass)
         ends.append([_products(body, state.modes.vectors[known], kind) for kind in (STIFFNESS, MASS)])
     stiff, heavy = ((ahead - behind) / (2.0 * step) for ahead, behind in zip(*ends))
     if not (np.isfinite(stiff).all() and np.isfinite(heavy).all()):
@@ -125,7 +125,7 @@ def _revision(analysis: Solved, key: str, value: float) -> tuple[str, Any]:
     return whole, [value if k == int(place) else known for k, known in enumerate(around)]
 
 
-def _products(problem: Problem, modes: np.ndarray, kind: str) -> np.ndarray:
+def _products(problem: Eigenproblem, modes: np.ndarray, kind: str) -> np.ndarray:
     """K phi or M phi (k, n f) of modes (k, n f), of the integrals of a kind."""
     assembled, boundary, found = Assembled(problem.integrals(kind)), problem.boundary, np.empty_like(modes)
     for mode, row in zip(modes, found):

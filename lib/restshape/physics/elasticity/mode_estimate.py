@@ -22,7 +22,7 @@ COMPONENTS = [0, 1, 5, 2, 3, 4]
 """Rows of Voigt's order for stresses xx, yy, xy, zz, yz, xz."""
 
 
-class ModeEstimate(ABC):
+class RecoveryModeEstimate(ABC):
     """The recovery-based estimate of the errors of modes: their squares in the energy norm.
 
     Args:
@@ -43,7 +43,7 @@ class ModeEstimate(ABC):
         return self.body.stiffness.stress(np.ascontiguousarray(mode.reshape(-1, len(self.body.axes))), points)
 
 
-class PlaneModeEstimate(ModeEstimate):
+class PlaneModeEstimate(RecoveryModeEstimate):
     """Of a solid in the plane, whose stresses are recovered as at rest."""
 
     def __init__(self, body: VibratingPlane) -> None:
@@ -67,7 +67,7 @@ class PlaneModeEstimate(ModeEstimate):
         return np.array(found)
 
 
-class SolidModeEstimate(ModeEstimate):
+class SolidModeEstimate(RecoveryModeEstimate):
     """Of a body of tetrahedra, on each region by itself."""
 
     def __init__(self, body: VibratingSolid) -> None:

@@ -21,7 +21,7 @@ from restshape.physics.elasticity.vibrating_materials import materials_by_region
 from restshape.scene.model import Scene
 
 if TYPE_CHECKING:
-    from restshape.physics.elasticity.mode_estimate import ModeEstimate
+    from restshape.physics.elasticity.mode_estimate import RecoveryModeEstimate
 
 CONSTRAINED = 1e-9
 """A rigid motion of which less than this is left at the supports is free."""
@@ -136,7 +136,7 @@ class VibratingBody(ABC):
         return weighted[:, :, column].sum(axis=1) / weighted.sum(axis=(1, 2))
 
     @abstractmethod
-    def error_estimate(self) -> ModeEstimate:
+    def error_estimate(self) -> RecoveryModeEstimate:
         """What estimates the errors of its modes."""
 
     # --- parts --------------------------------------------------------------------------------------------------------

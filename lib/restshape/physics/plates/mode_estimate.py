@@ -8,14 +8,14 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.fem.recovery import NodalFlux
-from restshape.physics.elasticity.mode_estimate import ModeEstimate
+from restshape.physics.elasticity.mode_estimate import RecoveryModeEstimate
 from restshape.physics.elasticity.stiffness import plane_stress, stiffness_of
 
 if TYPE_CHECKING:
     from restshape.physics.plates.vibrating_plate import VibratingPlate
 
 
-class PlateModeEstimate(ModeEstimate):
+class PlateModeEstimate(RecoveryModeEstimate):
     """Of a plate, from its moments alone.
 
     The element does not conform, so that its frequencies come out too low or too high: this tells how much they may be
