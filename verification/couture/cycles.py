@@ -22,8 +22,8 @@ from petsc4py import PETSc
 
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
+from restshape.algebra.stages import Stages
 from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.analysis.relaxation.equilibrium import SLIPPING, EquilibriumSolver
 from restshape.analysis.relaxation.report import ConvergenceReport
