@@ -23,6 +23,7 @@ from petsc4py import PETSc
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import Stages
+from restshape.algebra.traits import Traits
 from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.analysis.relaxation.equilibrium import SLIPPING, EquilibriumSolver
 from restshape.analysis.relaxation.report import ConvergenceReport
@@ -158,7 +159,8 @@ def move(sheet: ClothProblem, x: np.ndarray, manner: Manner, most: int) -> Cours
 def settle(sheet: ClothProblem, x: np.ndarray) -> Course:
     """The course of a cloth by descent and Newton's method from x (n, 3), which is changed."""
     course, stages = Course(), Stages()
-    linear = LinearSolver(PETSc.COMM_SELF, "cycles_linear_", "auto", REST, Calibration.load(), stages)
+    traits = Traits(fields=3, dimension=3)
+    linear = LinearSolver(PETSc.COMM_SELF, "cycles_linear_", "auto", REST, Calibration.load(), stages, traits=traits)
     rest = EquilibriumSolver(sheet, PETSc.COMM_SELF, stages, linear, REST, prefix="cycles_")
     rest.on_iterate = lambda _, residual: course.residuals.append(residual)
     course.at_rest = rest.converge(x, 3 * AFTER, ConvergenceReport()).converged

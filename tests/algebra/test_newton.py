@@ -8,6 +8,7 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
 from restshape.algebra.newton_convergence import INDEFINITE, MOST_SEARCHED
 from restshape.algebra.stages import Stages
+from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
 COUPLED = np.array([[2.0, 1.0, 0.0], [0.5, 3.0, -1.0], [0.0, 1.0, 2.0]])
@@ -49,7 +50,7 @@ class System:
 def newton_of(system, n, method="direct", tolerance=1e-10):
     calibration = Calibration.load()
     linear = LinearSolver(
-        PETSc.COMM_SELF, "newton_test_", method, tolerance, calibration, Stages(), symmetric=system.potential
+        PETSc.COMM_SELF, "newton_test_", method, tolerance, calibration, Stages(), traits=Traits(system.potential)
     )
     newton = Newton(PETSc.COMM_SELF, "newton_test_", linear, (n, 1), slice(0, n))
     newton.take(system)

@@ -15,12 +15,15 @@ class Projection:
         comm: PETSc communicator.
         directions: how many increments are kept.
 
+    Attributes:
+        pays: what it saves is more than what it costs; callers say so.
+
     Source: P. F. Fischer, Projection techniques for iterative solution of A x = b with successive right-hand sides,
         1998; here A changes too, so that the products with it are made anew.
     """
 
     def __init__(self, comm: PETSc.Comm, directions: int) -> None:
-        self.comm, self.directions = comm, directions
+        self.comm, self.directions, self.pays = comm, directions, False
         self.last: np.ndarray | None = None
         self.count = 0
         self.vectors: list[PETSc.Vec] = []

@@ -78,7 +78,7 @@ def preconditioner(solver: LinearSolver, rows: slice) -> Operation:
     comm, pc = solver.comm, solver.ksp.getPC()
 
     def apply(r: np.ndarray) -> np.ndarray:
-        if not (solver.ready and solver.size.unknowns == len(r)):
+        if not (solver.kept.ready and solver.kept.size.unknowns == len(r)):
             return r.copy()
         full = np.zeros_like(r)
         size = (rows.stop - rows.start, len(r))

@@ -163,7 +163,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         time = state.time + scheme.dt
         with self.context.stages("values"):
             equations.start(state, self._shaking(state.time), self._shaking(time))
-        newton.begin(new_system, stale, system.places if problem.rigid_motions else None)
+        newton.begin(new_system, stale, system.places if self.solver.traits.rigid_motions else None)
         x = self._guess(state)
         least = least_scale(problem, x, self.solver.tolerance)
         scale = max(equations.load_norm, equations.force_norm, least)
@@ -214,7 +214,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
             COLD * self.solver.tolerance,
             context.calibration,
             context.stages,
-            symmetric=self.solver.symmetric,
+            traits=self.solver.traits,
         )
         cold = self._system_of(body, state.integration, "coo", solver)
         equations, newton, before, now = cold.equations, cold.newton, state.previous, state.now

@@ -106,7 +106,7 @@ class SteadyAnalysis:
             context.stages,
             memory=solve.factor_memory,
             directions=self._directions(),
-            symmetric=self.state.plan.solver.symmetric,
+            traits=self.make.traits(self.state.plan),
         )
 
     def _directions(self) -> int:
@@ -341,7 +341,7 @@ class SteadyAnalysis:
     @property
     def _rigid_places(self) -> np.ndarray | None:
         """This rank's nodes, where rigid motions are what coarse grids must know."""
-        return self.state.system.places if self.state.problem.rigid_motions else None
+        return self.state.system.places if self.solver.traits.rigid_motions else None
 
     def _force_scale(self, x: np.ndarray) -> float:
         """Internal forces at the unknowns x (n, f), but not less than what round-off lets a residual tell."""

@@ -139,7 +139,7 @@ class TransientAnalysis:
             context.calibration,
             context.stages,
             memory=scene.solve.factor_memory,
-            symmetric=self.state.plan.solver.symmetric,
+            traits=self.make.traits(self.state.plan),
         )
 
     def solve(self, frame: Frame) -> LinearReport:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from restshape.algebra.traits import Traits
 from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.integral import Integral
@@ -59,9 +60,8 @@ class Problem(Protocol):
         space: nodes and cells of the unknowns, by reference; its nodes may move.
         unknowns: fields of each node, in the order of the columns.
         boundary: prescribed unknowns.
-        symmetric: whether every tangent is symmetric; definite: and positive definite where the problem is stable.
+        symmetric: whether every tangent is symmetric.
         linear: whether the integrals are linear in the unknowns.
-        rigid_motions: whether rigid motions of the body cost no energy, as coarse grids must know.
         varies: whether `update` has anything to do when nodes move.
         stiffest: of all coefficients of the stiffness, integrated over the thickness, the largest.
     """
@@ -72,9 +72,7 @@ class Problem(Protocol):
     unknowns: tuple[Unknown, ...]
     boundary: Dirichlet
     symmetric: bool
-    definite: bool
     linear: bool
-    rigid_motions: bool
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None: ...
 
@@ -121,6 +119,10 @@ class Problem(Protocol):
 
     def fields(self, x: np.ndarray) -> Fields:
         """What a recording shows of the unknowns x (n, f)."""
+
+    @staticmethod
+    def traits(plan: Plan) -> Traits:
+        """What it declares of its linear systems under a plan."""
 
     @staticmethod
     def blank_fields(space: Space) -> Fields:

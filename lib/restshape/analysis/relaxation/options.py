@@ -10,6 +10,7 @@ import numpy as np
 
 from restshape.algebra.kinetic_damping import Steps
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.traits import Traits
 from restshape.analysis.analysis import Context
 from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
 from restshape.mesh.mesh import Mesh
@@ -81,6 +82,7 @@ class RelaxationOptions:
             context.calibration,
             context.stages,
             memory=self.scene.solve.factor_memory,
+            traits=Traits(fields=3, dimension=3),
         )
         # A complete factor of a small matrix costs less than the iterations without one.
         small = settings.way == "auto" and problem.n_nodes <= SMALL

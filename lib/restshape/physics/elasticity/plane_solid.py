@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from restshape import _kernels
+from restshape.algebra.traits import Traits
 from restshape.errors import UserError
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.facets import SHAPES
@@ -72,7 +73,6 @@ class PlaneSolid:
 
     name = "solid"
     unknowns = (Unknown("displacement", "m", ("x", "y")),)
-    definite = rigid_motions = True
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
         shape, model = SHAPES[space.cells.shape[1]][0], plan.settings("solid").model
@@ -204,6 +204,11 @@ class PlaneSolid:
         """
         functions = PlaneQuantities(self)
         return Observer({name: functions(name, quantity) for name, quantity in quantities.items()}, functions.refresh)
+
+    @staticmethod
+    def traits(plan: Plan) -> Traits:
+        """What it declares of its linear systems under a plan."""
+        return Traits(symmetric=plan.solver.symmetric)
 
     @staticmethod
     def time_integration(plan: Plan, before: TimeIntegration | None, now: float) -> TimeIntegration:
