@@ -272,9 +272,7 @@ def arrays_of(root: h5py.Group) -> dict[str, Iterator[np.ndarray]]:
     steps = root["Steps"]
     n = int(steps.attrs["NSteps"])
     part = steps["PartOffsets"][:n]
-    counts = {
-        kind: root[f"NumberOf{kind}"][()][part] if n else [] for kind in ("Points", "Cells", "ConnectivityIds")
-    }
+    counts = {kind: root[f"NumberOf{kind}"][()][part] if n else [] for kind in ("Points", "Cells", "ConnectivityIds")}
 
     def slices(data: h5py.Dataset, starts: h5py.Dataset, kind: str) -> Iterator[np.ndarray]:
         places = zip(starts[:n].reshape(-1).tolist(), np.asarray(counts[kind]).tolist(), strict=True)
