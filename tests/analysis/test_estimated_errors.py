@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from modal import SCENES
-from restshape_apps.metallophone.reference import mindlin
-from restshape_apps.solid.second_order import SCENES as SOLIDS
+from restshape_verification.metallophone.reference import mindlin
+from restshape_verification.solid.second_order import SCENES as SOLIDS
 from scipy.sparse.linalg import eigsh
 from small_scenes import make_replay, rows_of
 from vibrating import dynamics, idle, tower

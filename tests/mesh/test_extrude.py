@@ -15,7 +15,7 @@ from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.space import LagrangeSpace
 from restshape.scene.expressions import Expression
 from restshape.scene.model import MeshSpec, ShapeSpec
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 WEDGE = Expression("h0*(1 + x/2)")
 
@@ -26,7 +26,7 @@ def disc(size: float = 0.3, ranks: int = 1):
     ends = [*itertools.pairwise(corners), ("d", "a")]
     edges = {f"{a}{b}": {"arc": [a, b], "bulge": float(np.tan(np.pi / 8))} for a, b in ends}
     spec = ShapeSpec.model_validate({"vertices": corners, "edges": edges, "outline": list(edges)})
-    return generate(Outline.from_spec(spec), MeshSpec(size=size), ranks)
+    return generate(outline_from_spec(spec), MeshSpec(size=size), ranks)
 
 
 def square():

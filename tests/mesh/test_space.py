@@ -15,6 +15,7 @@ from restshape.mesh.space import SOUND, LagrangeSpace, quadratic_basis, reseated
 from restshape.mesh.transfer import Transfer, transfer
 from restshape.scene.model import MeshSpec
 from restshape.shape import gesture as gestures
+from restshape.shape.build import outline_from_spec
 
 A = np.array([[1.0, -2.0], [0.5, 3.0]])
 
@@ -262,9 +263,8 @@ def check_bounds(space: LagrangeSpace) -> None:
 def test_a_new_mesh_straightens_sides_that_would_fold_their_triangle():
     # A sliver under a bulging side: a spline that dips to the opposite corner's height.
     from restshape.scene.model import ShapeSpec
-    from restshape.shape.outline import Outline
 
-    outline = Outline.from_spec(ShapeSpec.model_validate({
+    outline = outline_from_spec(ShapeSpec.model_validate({
         "vertices": {"a": [0, 0], "b": [1, 0], "c": [1, 1], "d": [0, 1]},
         "edges": {
             "low": {"spline": ["a", "b"], "through": [[0.5, 0.3]]}, "right": {"line": ["b", "c"]},

@@ -22,7 +22,7 @@ from restshape.policy import policy
 from restshape.scene.load import load_scene
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.scene.plan import plan
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 SCENES = Path(__file__).parents[2] / "apps" / "couture" / "scenes"
 C = 300.0 * np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
@@ -36,7 +36,7 @@ def square(size=0.13):
     names = list(corners)
     edges = {f"{a}{b}": {"line": [a, b]} for a, b in zip(names, [*names[1:], names[0]])}
     spec = ShapeSpec.model_validate({"outline": list(edges), "vertices": corners, "edges": edges})
-    return generate(Outline.from_spec(spec, Path()), MeshSpec(size=size))
+    return generate(outline_from_spec(spec, Path()), MeshSpec(size=size))
 
 
 def loose(mesh, kind):
@@ -48,7 +48,7 @@ def loose(mesh, kind):
 def settled(name, mesh, overrides):
     """The analysis of a scene's first frame, on a mesh of the scene where none is given."""
     scene = load_scene(SCENES / f"{name}.toml", overrides)
-    mesh = mesh or generate(Outline.from_spec(scene.shape, scene.folder), scene.mesh)
+    mesh = mesh or generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
     planned, none = plan(scene, application("couture")), np.empty(0, dtype=np.int32)
     found = DrapeAnalysis(scene, planned, PETSc.COMM_SELF, policy("auto"), Calibration.load(), Stages())
     found.solve(Frame(mesh, none, None, scene, (None, (0.0, 0.0)), settled=True))
@@ -112,7 +112,7 @@ def test_uniform_strain_has_no_error(kind):
 
 def test_materials_that_meet_have_no_error_of_their_own(tmp_path):
     scene = cloth(tmp_path, PIN)
-    mesh = generate(Outline.from_spec(scene.shape, scene.folder), scene.mesh)
+    mesh = generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
     assert len(np.unique(mesh.cell_region)) == 2
     inside = (mesh.cell_region > 0)[:, None, None]
     none = np.zeros((len(mesh.X), 3))

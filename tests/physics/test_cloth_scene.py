@@ -14,7 +14,7 @@ from restshape.physics.sheet import Sheet
 from restshape.scene.load import revise
 from restshape.scene.model import Material
 from restshape.scene.plan import plan
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 COUTURE = application("couture")
 TURNED = """
@@ -30,7 +30,7 @@ WOVEN = {
 
 
 def meshed(scene):
-    return generate(Outline.from_spec(scene.shape, scene.folder), scene.mesh)
+    return generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
 
 
 def arguments(folder, *parts, overrides=()):

@@ -43,9 +43,8 @@ class Foresight:
     def __init__(self, analysis: Any, moving: MovingMesh, session: EditSession, policy: Policy) -> None:
         if application(session.scene.app).cloth:
             raise UserError("cloth is not predicted yet: all its frames are solved", "--predict linear", "leave it out")
-        if application(session.scene.app).planks:
-            what = "furniture is not predicted: forces of feet and joints are solved for in each frame"
-            raise UserError(what, "--predict linear", "leave it out")
+        if why_not := getattr(analysis, "why_not_predicted", ""):
+            raise UserError(why_not, "--predict linear", "leave it out")
         if not hasattr(analysis, "accept"):
             raise UserError(
                 "only bodies at rest and modes are predicted: a motion depends on its past, not on its shape alone",

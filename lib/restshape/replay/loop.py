@@ -81,7 +81,7 @@ class Replay:
         self.foretold: Any = None
         self.estimating = True
         self.limits = limits_of(scene.quantities)
-        self.kinds = {name: quantity.kind for name, quantity in scene.quantities.items()}
+        self.dimensions = {name: quantity.dimension for name, quantity in scene.quantities.items()}
         self.row: dict[str, Any] = {}
 
     @classmethod
@@ -171,7 +171,7 @@ class Replay:
             "elements": len((self.analysis if self.known else self.moving).mesh.cells),
             "note": self.foresight.note if self.foresight else "",
             "verdict": verdict(self.limits, quantities),
-            "broken": "; ".join(breaches(self.limits, quantities, self.kinds)) if quantities else "",
+            "broken": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
             **{f"q_{name}": value for name, value in quantities.items()},
         }
 
@@ -239,10 +239,10 @@ class Replay:
         return found
 
     def _set_up(self, scene: Scene, script: Script, application: Application) -> tuple[Any, Any]:
-        """The session, and what follows its shapes: a mesh, or planks, which have none."""
+        """The session, and what follows its shapes: a mesh, or models of the session's own."""
         imported, outline = self._imported(scene)
         session = session_of(scene, script, outline)
-        if application.planks:
+        if application.session:
             return session, session.models()
         moving = MovingMesh(
             session.outline,
