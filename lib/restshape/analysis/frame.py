@@ -19,7 +19,7 @@ class Frame:
         old_mesh: the mesh before this one, when the mesh was made anew in this frame.
         scene: with the values that hold now.
         hand: the gesture, and the place of the hand in its coordinates.
-        interpolations: second order: what flips did to nodes in the middle of edges of the mesh that was solved on last.
+        interpolations: second order: what flips did to nodes in the middle of edges of the space solved on last.
         settled: an edit has come to its end in this frame, or before it.
     """
 
