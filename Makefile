@@ -2,6 +2,7 @@
 .PHONY: setup demo test results lint format clean
 
 restshape := .venv/bin/restshape
+kernels := $(shell find lib/kernels apps/*/kernels -name '*.?pp')
 plate := apps/solid/scenes/plate.toml
 plate_edits := apps/solid/edits/plate.jsonl
 cantilever := apps/cantilever/scenes/cantilever.toml
@@ -45,14 +46,14 @@ results: setup
 	$(restshape) bench order $(plate) --json results/bench-order.json
 	$(restshape) replay $(cantilever) --edits $(cantilever_edits) --out results/cantilever.vtkhdf
 	$(restshape) report results/cantilever.vtkhdf --animation none
-	.venv/bin/python -m restshape_apps.bridge.study --picture results/bridge-study.png
+	.venv/bin/python -m restshape_verification.bridge.study --picture results/bridge-study.png
 	$(restshape) bench predict $(cantilever) --out results --json results/bench-predict.json
 	$(restshape) bench derivative $(cantilever) --out results --json results/bench-derivative.json
-	.venv/bin/python -m restshape_apps.vibration.resonance --picture results/vibration-resonance.png
+	.venv/bin/python -m restshape_verification.vibration.resonance --picture results/vibration-resonance.png
 	.venv/bin/python -m restshape_apps.metallophone.picture $(fish) --out results/metallophone-modes.png \
 		--rasp results/metallophone-rasp.png
 	.venv/bin/python -m restshape_apps.metallophone.sound $(fish) --out results/metallophone-fish.wav --seconds 1
-	.venv/bin/python -m restshape_apps.metallophone.accuracy --picture results/metallophone-accuracy.png
+	.venv/bin/python -m restshape_verification.metallophone.accuracy --picture results/metallophone-accuracy.png
 	$(restshape) replay $(couture)/scenes/sphere.toml --edits $(couture)/edits/sphere-drag.jsonl --out results/couture.vtkhdf
 	$(restshape) report results/couture.vtkhdf --animation none
 	.venv/bin/python -m restshape_apps.couture.picture results/couture.vtkhdf --frames 0 24 61 \
@@ -63,7 +64,7 @@ results: setup
 	.venv/bin/python tests/physics/bending_kinds.py --picture results/couture-bending.png
 	$(restshape) bench drape $(couture)/scenes/sphere.toml --set effects.cloth.bending=hinge --frames 20 \
 		--picture results/bench-drape.png
-	.venv/bin/python -m restshape_apps.couture.cycles --picture results/couture-cycles.png
+	.venv/bin/python -m restshape_verification.couture.cycles --picture results/couture-cycles.png
 	.venv/bin/python -m restshape_apps.solid.picture apps/solid/scenes/column.toml --out results/column-modes.png
 	$(restshape) bench eigen $(bar) --set effects.modal.modes=5 --json results/bench-eigen.json
 	$(restshape) accuracy $(plate) $(cantilever) $(bridge) $(building) $(fish) $(canvas) $(furniture_table) \
@@ -76,14 +77,14 @@ lint:
 	@scripts/setup.sh develop
 	.venv/bin/python -m ruff check
 	.venv/bin/python -m ruff format --check
-	.venv/bin/clang-format --dry-run -Werror lib/kernels/*.?pp
+	.venv/bin/clang-format --dry-run -Werror $(kernels)
 
 format:
 	@scripts/setup.sh develop
 	.venv/bin/python -m ruff check --fix
 	.venv/bin/python -m ruff format
-	.venv/bin/clang-format -i lib/kernels/*.?pp
+	.venv/bin/clang-format -i $(kernels)
 
 clean: # keeps .venv
-	rm -rf build .pytest_cache .ruff_cache .hypothesis lib/restshape/_kernels.*.so results/*.vtkhdf
-	find lib apps tests -name __pycache__ -type d -exec rm -rf {} +
+	rm -rf build .pytest_cache .ruff_cache .hypothesis lib/restshape/_kernels.*.so apps/*/_kernels.*.so results/*.vtkhdf
+	find lib apps studies verification tests -name __pycache__ -type d -exec rm -rf {} +

@@ -1,4 +1,6 @@
-"""Builds the extension module `restshape._kernels` against PETSc's C library and Eigen.
+"""Builds `restshape._kernels` against PETSc's C library and Eigen, and the extension modules of applications.
+
+Only what depends on a changed file is compiled: the compiler notes beside each object what it has read.
 
 Environment:
   PETSC_DIR, PETSC_ARCH   use that PETSc instead of the one petsc4py was built with
@@ -15,18 +17,20 @@ import re
 import subprocess
 import sys
 import sysconfig
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from setuptools import setup
+from setuptools.command.build_ext import build_ext
 
 try:
-    from pybind11.setup_helpers import ParallelCompile, Pybind11Extension, build_ext
+    from pybind11.setup_helpers import Pybind11Extension
 except ImportError:
     raise SystemExit("pybind11 is missing: pip install 'pybind11>=2.11,<4'") from None
 
 KERNELS = Path("lib/kernels")
+APPLICATIONS = Path("apps")
 BUILD = Path("build/kernels") / sysconfig.get_config_var("SOABI")
-OPTIONS = BUILD / "options.txt"
 
 
 def petsc_root() -> tuple[str, str]:
@@ -117,43 +121,59 @@ def cgal_folder() -> str | None:
     return None
 
 
-def kernels_extension() -> Pybind11Extension:
-    """The extension module, with PETSc's library found at run time where it was found now."""
-    includes, library_dirs, library = petsc_paths()
-    cgal = cgal_folder()
+def compile_flags() -> list[str]:
+    """Options of the compiler that decide what the code does and how fast."""
     portable = os.environ.get("RESTSHAPE_PORTABLE", "0") not in ("", "0")
-    flags = [
-        "-O3",
-        "-g0",
-        "-Wall",
-        "-Wno-maybe-uninitialized",
-        "-fno-math-errno",
-        *([] if portable else ["-march=native"]),
-    ]
+    return ["-O3", "-g0", "-Wall", "-fno-math-errno", *([] if portable else ["-march=native"])]
+
+
+def system_headers(cgal: str | None) -> list[str]:
+    """Options for the headers of others, which the compiler shall not warn of."""
+    # The default folder must not come before those of the compiler itself.
+    folders = [eigen_folder(), *([cgal] if cgal not in (None, "/usr/include") else [])]
+    options = [word for folder in folders for word in ("-isystem", folder)]
+    return [*options, "-include", str(KERNELS / "intrinsics.hpp")]
+
+
+def kernels_extension() -> Pybind11Extension:
+    """The library's module, with PETSc's library found at run time where it was found now."""
+    includes, library_dirs, library = petsc_paths()
+    cgal, flags = cgal_folder(), compile_flags()
     return Pybind11Extension(
         "restshape._kernels",
-        sorted(str(path) for path in KERNELS.rglob("*.cpp")),
+        sources_in(KERNELS),
         include_dirs=[str(KERNELS), *includes],
         library_dirs=library_dirs,
         runtime_library_dirs=library_dirs,
         libraries=[library],
-        depends=[*sorted(str(path) for path in KERNELS.rglob("*.hpp")), str(OPTIONS)],
         define_macros=[("RESTSHAPE_FLAGS", f'"{" ".join(flags)}"'), ("RESTSHAPE_CGAL", "1" if cgal else "0")],
-        extra_compile_args=[
-            *flags,
-            "-isystem",
-            eigen_folder(),
-            # The default folder must not come before those of the compiler itself.
-            *(["-isystem", cgal] if cgal not in (None, "/usr/include") else []),
-            *mpi_flags("compile", "-I|-D|-pthread"),
-        ],
+        extra_compile_args=[*flags, *system_headers(cgal), *mpi_flags("compile", "-I|-D|-pthread")],
         extra_link_args=mpi_flags("link", "-L|-l|-Wl|-pthread"),
         cxx_std=17,
     )
 
 
-def note_options(extension: Pybind11Extension) -> None:
-    """Writes down what the objects are compiled with; a newer note than an object makes that object stale."""
+def application_extensions() -> list[Pybind11Extension]:
+    """A module `_kernels` for each application that has C++ of its own; it may include the library's headers."""
+    return [
+        Pybind11Extension(
+            f"restshape_apps.{folder.parent.name}._kernels",
+            sources_in(folder),
+            include_dirs=[str(folder), str(KERNELS)],
+            extra_compile_args=[*compile_flags(), *system_headers(None)],
+            cxx_std=17,
+        )
+        for folder in sorted(APPLICATIONS.glob("*/kernels"))
+    ]
+
+
+def sources_in(folder: Path) -> list[str]:
+    """All C++ files of a folder and of those in it."""
+    return sorted(str(path) for path in folder.rglob("*.cpp"))
+
+
+def note_options(extension: Pybind11Extension) -> Path:
+    """Writes down what a module's objects are compiled with; a newer note than an object makes that object stale."""
     # With -march=native the CPU is one of the options: the compiler tells what it takes it for.
     question = [os.environ.get("CXX", "g++"), "--version", "-Q", "--help=target", *extension.extra_compile_args]
     try:
@@ -162,15 +182,25 @@ def note_options(extension: Pybind11Extension) -> None:
         raise SystemExit(f"no C++ compiler: install {question[0]}, or name yours with CC and CXX") from None
     keys = ("include_dirs", "library_dirs", "libraries", "define_macros", "extra_compile_args", "extra_link_args")
     text = "\n".join([*(f"{key} {getattr(extension, key)}" for key in keys), sys.executable, compiler])
-    if not OPTIONS.exists() or OPTIONS.read_text() != text:
-        OPTIONS.parent.mkdir(parents=True, exist_ok=True)
-        OPTIONS.write_text(text)
+    note = BUILD / extension.name / "options.txt"
+    if not note.exists() or note.read_text() != text:
+        note.parent.mkdir(parents=True, exist_ok=True)
+        note.write_text(text)
+    return note
 
 
-def stale(built: str, source: str) -> bool:
-    """Tell whether an object file is older than its source, any header, or the compiler's options."""
-    inputs = [source, str(OPTIONS), *(str(path) for path in KERNELS.rglob("*.hpp"))]
-    return not os.path.exists(built) or os.path.getmtime(built) < max(map(os.path.getmtime, inputs))
+def dependencies(built: Path) -> list[Path]:
+    """The source and the headers that an object was compiled from, as the compiler noted them beside it."""
+    text = built.with_suffix(".d").read_text().replace("\\\n", " ")
+    return [Path(name.replace("\\ ", " ")) for name in re.split(r"(?<!\\)\s+", text.partition(":")[2]) if name]
+
+
+def stale(built: Path, options: Path) -> bool:
+    """Tell whether an object file is older than anything it was compiled from, or than the compiler's options."""
+    try:
+        return built.stat().st_mtime < max(path.stat().st_mtime for path in [options, *dependencies(built)])
+    except FileNotFoundError:
+        return True
 
 
 class BuildKernels(build_ext):
@@ -181,11 +211,28 @@ class BuildKernels(build_ext):
         super().finalize_options()
         self.build_temp = str(BUILD)
 
-    def build_extensions(self) -> None:
-        """Compiles what is stale, two files at once, and links."""
-        note_options(self.extensions[0])
-        with ParallelCompile("RESTSHAPE_BUILD_JOBS", default=2, needs_recompile=stale):
-            super().build_extensions()
+    def build_extension(self, extension: Pybind11Extension) -> None:
+        """Compiles what is stale, a few files at once, and links."""
+        options = note_options(extension)
+        objects = {source: (BUILD / source).with_suffix(".o") for source in extension.sources}
+        todo = [source for source, built in objects.items() if stale(built, options)]
+        numbered = enumerate(todo, 1)
+        with ThreadPoolExecutor(int(os.environ.get("RESTSHAPE_BUILD_JOBS", "2"))) as pool:
+            list(pool.map(lambda item: self.compile(extension, item[1], f"[{item[0]}/{len(todo)}]"), numbered))
+        extension.sources, extension.depends = [], [str(built) for built in objects.values()]
+        extension.extra_objects = extension.depends
+        super().build_extension(extension)
+
+    def compile(self, extension: Pybind11Extension, source: str, place: str) -> None:
+        """Compiles one file, and has the compiler note what it reads."""
+        print(place, source.partition("kernels" + os.sep)[2], flush=True)
+        self.compiler.compile(
+            [source],
+            output_dir=self.build_temp,
+            macros=extension.define_macros,
+            include_dirs=extension.include_dirs,
+            extra_postargs=[*extension.extra_compile_args, "-MMD"],
+        )
 
 
-setup(ext_modules=[kernels_extension()], cmdclass={"build_ext": BuildKernels})
+setup(ext_modules=[kernels_extension(), *application_extensions()], cmdclass={"build_ext": BuildKernels})

@@ -7,8 +7,10 @@ import argparse
 import json
 from dataclasses import asdict
 
-from restshape_apps.furniture.misses import FIRST_ONLY, LARGER, POINTS, SMALL, UNLIMITED, Grid
-from restshape_apps.furniture.times import (
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_verification.furniture.misses import FIRST_ONLY, LARGER, POINTS, SMALL, UNLIMITED, Grid
+from restshape_verification.furniture.times import (
     COLUMNS,
     Column,
     Time,
@@ -21,9 +23,7 @@ from restshape_apps.furniture.times import (
     timed,
 )
 
-from restshape.analysis.plank_equilibrium import PlankEquilibrium
 from restshape.guidance.force_space import forecast
-from restshape.physics.furniture import Furniture
 
 Numbers = dict[str, float | Time | tuple[int, ...]]
 

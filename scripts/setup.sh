@@ -58,6 +58,7 @@ check_tools() {
 }
 
 make_venv() {
+    echo "setup: virtual environment $venv"
     local version='import sys; print(sys.version_info[:2], sys.prefix != sys.base_prefix)'
     if ! cmp -s <("$venv/bin/python" -c "$version" 2>/dev/null) <("$python" -c "$version" | sed 's/False/True/'); then
         rm -rf "$venv"
@@ -77,17 +78,18 @@ pip_install() {
 }
 
 install_packages() {
-    echo "setup: Python packages into $venv"
+    echo "setup: build tools into $venv"
     pip_install 'setuptools>=64,<100' wheel 'pybind11>=2.11,<4'
-    # First by itself, where the compiler's messages are seen; pip then finds it built.
+    # First by themselves, where the compiler's messages are seen; pip then finds it built.
     build_extension
+    echo "setup: what pip installs for ${extras[*]}"
     pip_install --no-build-isolation --editable ".[$(IFS=, && echo "${extras[*]}")]"
 }
 
 build_extension() {
-    echo "setup: extension module"
+    echo "setup: extension modules"
     "$venv/bin/python" setup.py -q build_ext --inplace ||
-        fail "the extension module does not build" "read the message above; docs/install.md names what the build needs"
+        fail "an extension module does not build" "read the message above; docs/install.md names what the build needs"
 }
 
 verify() {
@@ -107,7 +109,7 @@ PYTHON
 }
 
 packages_state() { state_of setup.cfg setup.py pyproject.toml scripts/setup.sh scripts/distribution.sh; }
-kernels_state() { state_of setup.py lib/kernels/*.[ch]pp; }
+kernels_state() { state_of setup.py $(find lib/kernels apps/*/kernels -name '*.[ch]pp' | sort); }
 unchanged() { # what
     [ "$(cat "$venv/$1.state" 2>/dev/null)" = "$("${1%%-*}_state" 2>/dev/null)" ]
 }

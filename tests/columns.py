@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from restshape_apps.solid.hard_scenes import FOOT, HINGES, PUSHED, TWINS, column, euler
+from restshape_verification.solid.hard_scenes import FOOT, HINGES, PUSHED, TWINS, column, euler
 from small_scenes import make_replay, write_scene
 
 from restshape.analysis.buckling import BucklingAnalysis

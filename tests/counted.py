@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import Any
 
 from petsc4py import PETSc
+from restshape_studies.bench.events import EventCounts
+from restshape_studies.explain.filled import stored
+from restshape_studies.explain.paired import Counted
 from slepc4py import SLEPc
 
 from restshape import _kernels
 from restshape.application import application
-from restshape.bench.events import EventCounts
 from restshape.calibration import Calibration
-from restshape.explain.filled import stored
-from restshape.explain.paired import Counted
 from restshape.policy import policy
 from restshape.replay.request import Request
 from restshape.scene.load import load_scene

@@ -1,6 +1,6 @@
 """Small scenes for tests, beside those that hard cases are made of."""
 
-from restshape.stability.scenery import (
+from restshape_studies.stability.scenery import (
     BLOCK,
     CLAMPED,
     HEAD,

@@ -1,64 +1,65 @@
 """The README's example is what a reader can type in and run."""
 
+import json
 import re
 import shlex
 from pathlib import Path
 
 import pytest
 
-from restshape.cli.main import COMMANDS, main
+from restshape.cli.main import all_commands, main
 
-README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+SCENES = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
 
 
-def block(language: str) -> str:
-    """The README's only code block in that language."""
-    (found,) = re.findall(rf"```{language}\n(.*?)```", README, re.S)
+def block(page: str, language: str) -> str:
+    """The page's only code block in that language."""
+    (found,) = re.findall(rf"```{language}\n(.*?)```", page, re.S)
     return found
 
 
-@pytest.fixture
-def example(tmp_path, monkeypatch):
-    (tmp_path / "bracket.toml").write_text(block("toml"))
-    (tmp_path / "bracket.jsonl").write_text(block("json"))
+def commands(page: str) -> list[str]:
+    """The lines of the page's shell blocks that run restshape."""
+    shell = "".join(re.findall(r"```sh\n(.*?)```", page, re.S))
+    return [line for line in shell.splitlines() if line.startswith("restshape ")]
+
+
+def write(page: str, folder: Path) -> None:
+    (folder / "bracket.toml").write_text(block(page, "toml"))
+    (folder / "bracket.jsonl").write_text(block(page, "json"))
+
+
+@pytest.mark.parametrize(
+    ("page", "names"), [(README, ["check", "replay", "report"]), (SCENES, ["check", "replay", "report", "script"])]
+)
+def test_the_commands_of_the_example_run(page, names, tmp_path, monkeypatch, capsys):
+    write(page, tmp_path)
     monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def test_the_commands_of_the_example_run(example, capsys):
-    shell = "".join(re.findall(r"```sh\n(.*?)```", README.split("## What accuracy costs")[0], re.S))
-    lines = [line for line in shell.splitlines() if line.startswith("restshape ")]
-    assert [shlex.split(line)[1] for line in lines] == ["check", "replay", "report", "script"]
+    lines = commands(page)
+    assert [shlex.split(line)[1] for line in lines] == names
     for line in lines:
         assert main(shlex.split(line)[1:]) == 0, line
     assert "0 refused" in capsys.readouterr().out
-    assert (example / "bracket-report" / "frames.png").stat().st_size > 10_000
+    assert (tmp_path / "bracket-report" / "frames.png").stat().st_size > 10_000
 
 
-def test_the_example_carries_its_load(example, capsys):
+def test_the_example_carries_its_load(tmp_path, monkeypatch):
+    write(SCENES, tmp_path)
+    monkeypatch.chdir(tmp_path)
     assert main(["replay", "bracket.toml", "--json", "summary.json"]) == 0
-    import json
-
-    force = json.loads((example / "summary.json").read_text())["quantities"]["wall_force"][0]
+    force = json.loads((tmp_path / "summary.json").read_text())["quantities"]["wall_force"][0]
     arm = 0.3 * 0.12 - 0.5 * 0.3 * 0.06  # hull of the four corners, less what the arc and the hole take away
     weight = (force - 2000.0) / (7850 * 9.81 * 0.008)
     assert 0.8 * arm < weight < 1.2 * arm
 
 
+def test_the_readme_fits_two_screens():
+    assert len(README.splitlines()) <= 120
+
+
 def test_every_command_named_exists():
-    named = set(re.findall(r"^\| `restshape (\w+)", README, re.M))
-    assert named <= set(COMMANDS)
-
-
-def test_the_commands_of_furniture_run(tmp_path, monkeypatch, capsys):
-    (tmp_path / "apps").symlink_to(Path(__file__).parents[1] / "apps")
-    monkeypatch.chdir(tmp_path)
-    lines = [
-        line for line in README.split("## Furniture")[1].split("```")[1].splitlines() if line.startswith("restshape ")
-    ]
-    assert [shlex.split(line)[1] for line in lines] == ["replay", "report", "script"]
-    for line in lines:
-        assert main(shlex.split(line)[1:]) == 0, line
-    assert main(["check", "apps/furniture/scenes/chair-1.toml", "back.jsonl"]) == 0
-    assert " 0 refused" in capsys.readouterr().out
-    assert (tmp_path / "table-report" / "guidance.png").stat().st_size > 10_000
+    table = README.split("## Commands")[1].split("##")[0]
+    rows = re.findall(r"^\| (`[^|]+) \|", table, re.M)
+    assert {word for row in rows for word in re.findall(r"`(?:restshape )?(\w+)", row)} == set(all_commands())

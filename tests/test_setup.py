@@ -43,7 +43,8 @@ def test_pin_is_a_range_with_both_bounds(requirement: str) -> None:
 
 def test_packages_are_the_folders() -> None:
     listed = setup_cfg()["options"]["packages"].split()
-    roots = {"restshape": ROOT / "lib" / "restshape", "restshape_apps": ROOT / "apps"}
+    roots = {"restshape": ROOT / "lib" / "restshape"}
+    roots |= {f"restshape_{name}": ROOT / name for name in ("apps", "studies", "verification")}
     found = [
         ".".join([name, *init.parent.relative_to(folder).parts])
         for name, folder in roots.items()

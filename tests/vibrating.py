@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from restshape_apps.vibration.hard_scenes import (
+from restshape_verification.vibration.hard_scenes import (
     HEAD,
     HELD,
     QUANTITIES,

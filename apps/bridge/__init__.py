@@ -21,8 +21,5 @@ application = Application(
     implied=SOLID,
     folder=Path(__file__).parent,
     analysis="restshape.physics.elasticity.analyses:steady_analysis",
-    validation="restshape_apps.bridge.validation:CASES",
-    stability="restshape_apps.bridge.stability:CASES",
-    thesis="restshape_apps.bridge.thesis:rows",
     orders=(1, 2),
 )

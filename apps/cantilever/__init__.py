@@ -22,8 +22,5 @@ application = Application(
     implied=SOLID,
     folder=Path(__file__).parent,
     analysis="restshape.physics.elasticity.analyses:steady_analysis",
-    validation="restshape_apps.cantilever.validation:CASES",
-    stability="restshape_apps.cantilever.stability:CASES",
-    thesis="restshape_apps.cantilever.thesis:rows",
     orders=(1, 2),
 )

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 from restshape_apps.couture.thin_bodies import borne, may_come_through
 
-from restshape.application import Application, Decision, Effect, Knob
+from restshape.application import Application, Decision, Effect
 from restshape.errors import UserError
 from restshape.scene.body_columns import body_columns
 from restshape.scene.implied import CLOTH
@@ -192,12 +192,8 @@ application = Application(
     implied=CLOTH,
     folder=Path(__file__).parent,
     analysis="restshape.analysis.relaxation.analysis:RelaxationAnalysis",
-    thesis="restshape_apps.couture.thesis:rows",
-    validation="restshape_apps.couture.validation:CASES",
-    stability="restshape_apps.couture.stability:CASES",
     directions=("x", "y", "z", "slope"),
     cloth=True,
     nested=True,
     columns="restshape_apps.couture:columns",
-    knobs=(Knob("effects.cloth.bending", values=("morley", "hinge", "nonlinear"), reference="morley", grid=True),),
 )

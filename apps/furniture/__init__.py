@@ -9,11 +9,13 @@ from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
+from restshape_apps.furniture.physics.fasteners import fastener, wood
+from restshape_apps.furniture.scene.extension import EXTENSION
+from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
+from restshape_apps.furniture.session.grammar import GRAMMAR
 
-from restshape.application import Application, Decision, Effect, Implied
+from restshape.application import Application, Decision, Effect, Implied, Reporting, ScriptLines
 from restshape.errors import UserError
-from restshape.physics.fasteners import fastener, wood
-from restshape.scene.furniture import SUGGESTIONS_BYTES
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -147,10 +149,20 @@ application = Application(
         "suggestions": _guided("suggestions", "suggestions for what does not hold"),
     },
     folder=Path(__file__).parent,
-    analysis="restshape.guidance.furnishing:FurnitureAnalysis",
-    session="restshape.guidance.plank_session:PlankSession",
-    validation="restshape_apps.furniture.validation:CASES",
-    stability="restshape_apps.furniture.stability:CASES",
-    thesis="restshape_apps.furniture.thesis:rows",
+    scene=EXTENSION,
+    analysis="restshape_apps.furniture.analysis.furnishing:FurnitureAnalysis",
+    session="restshape_apps.furniture.session.plank_session:PlankSession",
     columns="restshape_apps.furniture:columns",
+    solver="restshape_apps.furniture.physics.solver:solver_plan",
+    check="restshape_apps.furniture.cli.check_planks:checked",
+    lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.compose_planks:PlankComposer"),
+    report=Reporting(
+        summary="restshape_apps.furniture.report.guided:summary",
+        tables="restshape_apps.furniture.cli.guidance:print_guidance",
+        pictures="restshape_apps.furniture.cli.report:draw",
+        true_scale="planks are drawn where they are",
+        arguments="restshape_apps.furniture.cli.report:arguments",
+        check="restshape_apps.furniture.cli.report:check",
+    ),
+    explain="restshape_apps.furniture.cli.frame_parts:FRAME_PARTS",
 )

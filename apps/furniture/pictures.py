@@ -12,19 +12,19 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.guidance.support_planks import support_planks
+from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import PIECES, scales, table
 from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
+from restshape_apps.furniture.report.force_space import Region, draw_forces, draw_region, region_marks
+from restshape_apps.furniture.report.furniture import Slide, add_use_bar, bounds, draw_piece
+from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import toppling
 
 from restshape.errors import UserError
 from restshape.guidance.combination_search import Limits, Suggestion
-from restshape.guidance.suggestions import suggest
-from restshape.guidance.support_planks import support_planks
-from restshape.physics.furniture import Furniture
-from restshape.report.force_space import Region, draw_forces, draw_region, region_marks
-from restshape.report.furniture import Slide, add_use_bar, bounds, draw_piece
 from restshape.report.style import INK, LEVELS, REFUSED, new_figure
-from restshape.shape.planks import Piece
 
 SHOWN = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")
 SIDES = 3
@@ -88,7 +88,7 @@ def suggestions(path: Path, name: str = "table") -> None:
     supports = support_planks(furniture)
     if not (found or supports):
         raise UserError(f"{name} has no suggestions: it is {verdict}", "--piece", "choose a piece that breaks or falls")
-    every = [one.piece(furniture) for one in found] + [one.piece for one in supports[:1]]
+    every = [furniture.moved(one.gamma) for one in found] + [one.piece for one in supports[:1]]
     furniture.test()
     box = bounds(furniture.piece, *every)
     count = 1 + len(every)

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import numpy as np
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.shape.plank_scene import piece_of
+from restshape_apps.furniture.shape.planks import Load, Piece, Plank, feet_near, joints_near, weight
 
-from restshape.physics.furniture import Furniture
 from restshape.scene.load import load_scene
-from restshape.shape.plank_scene import piece_of
-from restshape.shape.planks import Load, Piece, Plank, feet_near, joints_near, weight
 
 NEAR = 0.015
 """How far drawn ends may be from what they are joined to [m]."""

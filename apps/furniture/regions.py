@@ -3,16 +3,17 @@
 from collections.abc import Callable
 
 import numpy as np
+from restshape_apps.furniture.guidance.force_space import contact_space, durability_space, stability_space
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture
 from restshape_apps.furniture.pieces import table
+from restshape_apps.furniture.report.force_space import Ray, Region
+from restshape_apps.furniture.report.furniture import Slide
+from restshape_apps.furniture.shape.design_modes import DesignModes
 
 from restshape.errors import UserError
-from restshape.guidance.force_space import LONGEST, contact_space, durability_space, stability_space
+from restshape.guidance.force_space import LONGEST
 from restshape.guidance.ranges import valid_ranges
-from restshape.guidance.suggestions import suggest
-from restshape.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture
-from restshape.report.force_space import Ray, Region
-from restshape.report.furniture import Slide
-from restshape.shape.design_modes import DesignModes
 
 STEPS = 121
 SHOWN = 4
@@ -41,7 +42,7 @@ def slid(furniture: Furniture, words: str, low: float, high: float) -> Slide:
     valid = furniture.test().valid
     modes = modes_of(furniture)
     direction = modes.direction(np.array([mode(modes, words)]), np.array([1.0]))
-    ranges = valid_ranges(furniture, direction, low, high, samples=97)
+    ranges = valid_ranges(furniture.kernel, direction, low, high, samples=97)
     furniture.test()
     return Slide(direction, 0.0, ranges, low, high, valid)
 

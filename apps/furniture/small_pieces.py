@@ -2,8 +2,7 @@
 
 import numpy as np
 from restshape_apps.furniture.pieces import cantilever
-
-from restshape.shape.planks import Foot, Joint, Piece, Plane, Plank, feet_near, joints_near, weight
+from restshape_apps.furniture.shape.planks import Foot, Joint, Piece, Plane, Plank, feet_near, joints_near, weight
 
 THIN = 1e-4
 """Thickness of legs that stand on a line or a point [m]."""

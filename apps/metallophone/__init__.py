@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from restshape.application import Application, Decision, Effect, Implied, Knob
+from restshape.application import Application, Decision, Effect, Implied
 from restshape.errors import UserError
 from restshape.scene.implied import GRAIN, REGIONS
 from restshape.scene.model import Scene
@@ -85,15 +85,8 @@ application = Application(
     },
     folder=Path(__file__).parent,
     analysis="restshape.physics.vibrating_bodies:modal_analysis",
-    validation="restshape_apps.metallophone.validation:CASES",
-    stability="restshape_apps.metallophone.stability:CASES",
-    thesis="restshape_apps.metallophone.thesis:rows",
     orders=(2, 1),
     directions=("x", "y", "z", "rx", "ry"),
     layered=True,
     columns="restshape_apps.metallophone:columns",
-    knobs=(
-        Knob("effects.modal.model", ("solid", "plate"), reference="solid", grid=True),
-        Knob("mesh.layers", (1, 2, 3), reference=2),
-    ),
 )

@@ -150,9 +150,6 @@ application = Application(
     implied=SOLID,
     folder=Path(__file__).parent,
     analysis="restshape.physics.elasticity.analyses:steady_analysis",
-    validation="restshape_apps.solid.validation:CASES",
-    stability="restshape_apps.solid.stability:CASES",
-    thesis="restshape_apps.solid.thesis:rows",
     orders=(1, 2),
     columns="restshape_apps.solid:columns",
 )

@@ -13,7 +13,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
-from restshape.application import Application, Effect, Knob
+from restshape.application import Application, Effect
 from restshape.scene.implied import SOLID
 from restshape.scene.units import UnitError
 from restshape.scene.values import Length, Strict, number_of
@@ -102,12 +102,6 @@ application = Application(
     implied=SOLID,
     folder=Path(__file__).parent,
     analysis="restshape.physics.elasticity.analyses:transient_analysis",
-    validation="restshape_apps.vibration.validation:CASES",
-    stability="restshape_apps.vibration.stability:CASES",
     orders=(1, 2),
     transient=True,
-    knobs=(
-        Knob("effects.dynamics.time_step", factors=(2.0, 0.5), reference=0.25, against="effects.dynamics.steps"),
-        Knob("effects.dynamics.mass", ("consistent", "lumped"), reference="consistent"),
-    ),
 )

@@ -19,7 +19,6 @@ void bind_outline(py::module_&);
 void bind_space(py::module_&);
 void bind_fields(py::module_&);
 void bind_force_space(py::module_&);
-void bind_planks(py::module_&);
 void bind_thickness(py::module_&);
 void bind_second_order(py::module_&);
 
@@ -41,7 +40,6 @@ PYBIND11_MODULE(_kernels, m) {
     bind_space(m);
     bind_fields(m);
     bind_force_space(m);
-    bind_planks(m);
     bind_thickness(m);
     bind_second_order(m);
 }

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
@@ -10,12 +11,16 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-from pydantic import BaseModel
-
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from restshape.scene.extension import SceneExtension
     from restshape.scene.model import Scene
+
+Rows = Sequence[Mapping[str, Any]]
+"""Of the frames of a replay, each with its columns by name."""
 
 
 @dataclass(frozen=True)
@@ -97,27 +102,60 @@ class Implied:
 
 
 @dataclass(frozen=True)
-class Knob:
-    """A key of a scene that studies of accuracy vary, one at a time.
+class ScriptLines:
+    """Lines of text that `restshape script` makes edit scripts of, where a session is the application's own.
 
     Args:
-        key: dotted, such as ``effects.modal.model``.
-        values: tried in place of the scene's own, which must be one of them, or left out.
-        factors: of the scene's own number, in place of values.
-        reference: value in the reference that errors are counted from, the scene's own where that is a larger number;
-            for factors a factor. None: the scene's own.
-        against: a whole number that is divided by the same factor, so that their product stays.
-        effect: the knob means something only with this effect; empty where it always does.
-        grid: each value is tried with every mesh size, not with the scene's own alone.
+        grammar: what lines may be, for people.
+        composer: path ``module:attribute`` of the `shape.compose.Composer` of a scene.
     """
 
-    key: str
-    values: tuple[Any, ...] = ()
-    factors: tuple[float, ...] = ()
-    reference: Any = None
-    against: str = ""
-    effect: str = ""
-    grid: bool = False
+    grammar: str
+    composer: str
+
+
+@dataclass(frozen=True)
+class Reporting:
+    """What is reported of replays besides what all have; each a path ``module:attribute`` of a function.
+
+    Args:
+        summary: of `Rows`, the keys that their summary has besides.
+        tables: prints tables of `Rows`.
+        pictures: draws a recording into a folder, as the options of `restshape report` say; the paths of its pictures.
+        true_scale: why what is drawn cannot be exaggerated; no path.
+        arguments: adds options to the parser of `restshape report`; empty: there are none.
+        check: raises a `UserError` of options that make no sense; empty: all do.
+    """
+
+    summary: str
+    tables: str
+    pictures: str
+    true_scale: str
+    arguments: str = ""
+    check: str = ""
+
+    def summarised(self, rows: Rows) -> dict[str, Any]:
+        """The keys that a summary of these rows has besides."""
+        return _attribute(self.summary)(rows) if rows else {}
+
+    def print_tables(self, rows: Rows) -> None:
+        """Prints the tables of these rows."""
+        if rows:
+            _attribute(self.tables)(rows)
+
+    def add_arguments(self, parser: ArgumentParser) -> None:
+        """Adds options to `restshape report`."""
+        if self.arguments:
+            _attribute(self.arguments)(parser)
+
+    def check_arguments(self, options: Namespace) -> None:
+        """Makes sure that the options make sense."""
+        if self.check:
+            _attribute(self.check)(options)
+
+    def draw(self, recording: Any, folder: Path, options: Namespace) -> list[Path]:
+        """Draws a recording; the paths of the pictures."""
+        return _attribute(self.pictures)(recording, folder, options)
 
 
 @dataclass(frozen=True)
@@ -130,20 +168,24 @@ class Application:
         effects: every effect that its scenes may name.
         folder: holds ``scenes/*.toml`` and ``edits/*.jsonl``.
         analysis: path ``module:attribute`` of its analysis class, imported at the first solve.
-        validation: path ``module:attribute`` of its validation cases by name.
-        thesis: path ``module:attribute`` of the function that gives its rows of the thesis's tables.
         orders: element orders that it supports.
         directions: that supports may fix.
         layered: bodies have a thickness, which may be a formula, and layers of elements over it.
         nested: its fields, of first order, may live on a mesh nested in coarser ones.
         cloth: it knows sheets in space: bodies, a start, planes of symmetry, a bending stiffness.
-        session: path ``module:attribute`` of the class that edits what has neither outline nor mesh, which are planks;
-            empty for all others. Of a scene and a script it makes their frames, and models of them.
+        scene: what its scenes and edit scripts may hold besides; None: nothing.
+        session: path ``module:attribute`` of the maker of an `OwnSession` of a scene, a script and this application;
+            empty where what is edited has an outline and a mesh.
+        solver: path ``module:attribute`` of the function that plans solvers of a scene, the effects that are on and
+            their settings; empty: `scene.solver.solver_plan`.
+        check: path ``module:attribute`` of the function that gives what a scene with a session of its own holds, of a
+            scene and its plan: for programs, and as rows for people.
+        lines: what `restshape script` understands; None: what it understands of shapes.
+        report: None: nothing but what all have.
+        explain: path ``module:attribute`` of what each part of a frame is, by its name, in `restshape explain`.
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
-        stability: path ``module:attribute`` of its hard cases by name.
         transient: a frame goes on from the one before it, so that none can be left out.
-        knobs: what studies of accuracy vary besides mesh, order, tolerance and policy.
         implied: parts of its physics that follow from a scene without being named, by name.
     """
 
@@ -152,44 +194,45 @@ class Application:
     effects: dict[str, Effect]
     folder: Path
     analysis: str
-    validation: str = ""
-    thesis: str = ""
     orders: tuple[int, ...] = (1,)
     directions: tuple[str, ...] = ("x", "y")
     layered: bool = False
     nested: bool = False
     cloth: bool = False
+    scene: SceneExtension | None = None
     session: str = ""
+    solver: str = ""
+    check: str = ""
+    lines: ScriptLines | None = None
+    report: Reporting | None = None
+    explain: str = ""
     columns: str = ""
-    stability: str = ""
     transient: bool = False
-    knobs: tuple[Knob, ...] = ()
     implied: dict[str, Implied] = field(default_factory=dict)
 
-    @property
-    def planks(self) -> bool:
-        """Whether its objects are made of planks, which have no mesh."""
-        return bool(self.session)
-
     def make_session(self) -> Callable[..., Any]:
-        """The class of sessions of planks, imported now."""
+        """The maker of an `OwnSession`, imported now."""
         return _attribute(self.session)
+
+    def own_solver(self) -> Callable[..., Any] | None:
+        """The function that gives the `SolverPlan` of its scenes, imported now; None: it has none of its own."""
+        return _attribute(self.solver) if self.solver else None
+
+    def checked(self, scene: Scene, effects: Any) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+        """What a scene with a session of its own holds: for programs, and as rows for people."""
+        return _attribute(self.check)(scene, effects)
+
+    def composer(self) -> Callable[..., Any]:
+        """The composer of its edit scripts, imported now."""
+        return _attribute(self.lines.composer)
+
+    def frame_parts(self, usual: Mapping[str, str]) -> Mapping[str, str]:
+        """What each part of a frame is, by its name."""
+        return _attribute(self.explain) if self.explain else usual
 
     def make_analysis(self) -> Callable[..., Any]:
         """The factory of this application's analysis, imported now."""
         return _attribute(self.analysis)
-
-    def cases(self) -> dict[str, Callable[..., Any]]:
-        """The validation cases by name, imported now."""
-        return _attribute(self.validation) if self.validation else {}
-
-    def thesis_rows(self, timed: bool = True) -> list[dict[str, Any]]:
-        """The thesis's numbers beside ours, measured now; not `timed`: those alone that no clock decides."""
-        return _attribute(self.thesis)(timed) if self.thesis else []
-
-    def hard_cases(self) -> dict[str, Any]:
-        """The cases of `restshape stability` by name, imported now."""
-        return _attribute(self.stability) if self.stability else {}
 
     def own_columns(self, scene: Scene) -> dict[str, Any]:
         """Names and types of the columns that only this application has."""
@@ -219,5 +262,6 @@ def application(name: str, where: str = "app") -> Application:
     """
     known = applications()
     if name not in known:
-        raise UserError(f"no application is named {name!r}", where, f"use one of: {', '.join(known)}")
+        do = f"use one of: {', '.join(known)}, or install the one that it is for"
+        raise UserError(f"no application is installed that is named {name!r}", where, do)
     return known[name]

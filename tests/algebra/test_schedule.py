@@ -5,13 +5,13 @@ from itertools import combinations
 import numpy as np
 import pytest
 from petsc4py import PETSc
+from restshape_studies.bench.regret import measure
 from small_scenes import across, drag, plate, write_scene, write_script
 
 from restshape.algebra.schedule import best_schedule
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
-from restshape.replay.regret import measure
 from restshape.replay.request import Request
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script

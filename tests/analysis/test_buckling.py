@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from columns import FOOT, HINGES, PUSHED, column, euler, solved
-from restshape_apps.solid.buckling import elastic_column
+from restshape_verification.solid.buckling import elastic_column
 from scipy.linalg import eigh
 
 from restshape.analysis.buckling_matrices import products

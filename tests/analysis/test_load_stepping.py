@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from large import beam, solid
 from petsc4py import PETSc
-from restshape_apps.solid.elastica import stretched_elastica
+from restshape_verification.solid.elastica import stretched_elastica
 from scipy.integrate import solve_bvp
 from small_scenes import make_replay, rows_of, write_scene
 

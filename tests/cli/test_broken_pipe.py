@@ -3,15 +3,15 @@
 import json
 
 import pytest
-from furniture_scenes import write_bench, write_edits
+from small_scenes import across, drag, plate, write_scene, write_script
 
 from restshape.application import applications
 from restshape.cli.options import print_table
 
 COMMANDS = {
-    "check": ("check", "bench.toml", "edits.jsonl"),
-    "replay": ("replay", "bench.toml", "--edits", "edits.jsonl"),
-    "explain": ("explain", "bench.toml", "--seconds", "0"),
+    "check": ("check", "plate.toml", "edits.jsonl"),
+    "replay": ("replay", "plate.toml", "--edits", "edits.jsonl"),
+    "explain": ("explain", "plate.toml", "--seconds", "0"),
     "list": ("list",),
     "schema": ("schema", "scene"),
     "info": ("info",),
@@ -21,8 +21,8 @@ COMMANDS = {
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_reader_that_has_gone_ends_a_command_quietly(tmp_path, start_restshape, name):
-    write_bench(tmp_path)
-    write_edits(tmp_path, {"do": "press", "on": "left", "parameter": "move z"}, {"do": "drag", "by": 0.1, "frames": 3})
+    write_scene(tmp_path, plate(), "plate.toml")
+    write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.55, 0.5), 3)))
     process = start_restshape(*COMMANDS[name])
     process.stdout.close()
     said = [line for line in process.stderr if not line.startswith("note: ")]
@@ -38,8 +38,8 @@ def test_messages_that_nobody_reads_end_a_command_as_well(start_restshape):
 
 
 def test_what_a_replay_is_asked_to_write_is_there_although_nobody_reads(tmp_path, start_restshape):
-    write_bench(tmp_path)
-    process = start_restshape("replay", "bench.toml", "--json", "found.json", "--csv", "found.csv")
+    write_scene(tmp_path, plate(), "plate.toml")
+    process = start_restshape("replay", "plate.toml", "--json", "found.json", "--csv", "found.csv")
     process.stdout.close()
     assert process.wait() == 141
     assert json.loads((tmp_path / "found.json").read_text())["frames"] == 1

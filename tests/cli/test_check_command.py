@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 from cloths import BALL, write_cloth
-from furniture_scenes import BENCH, write_bench
 
 from restshape.application import applications
 from restshape.cli.main import main
@@ -176,27 +175,3 @@ def test_check_tells_of_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
 def test_the_schema_takes_gravity_in_the_plane_and_in_space():
     gravity = scene_schema()["properties"]["effects"]["properties"]["gravity"]
     assert {model["properties"]["g"]["minItems"] for model in gravity["anyOf"]} == {2, 3}
-
-
-def test_check_tells_planks_joints_and_loads_of_furniture_in_space(tmp_path, capsys):
-    # Drawn against x: its z points down.
-    drawn = BENCH.replace("from = [-0.6, 0, 0.51]\nto = [0.6, 0, 0.51]", "from = [0.6, 0, 0.51]\nto = [-0.6, 0, 0.51]")
-    text = drawn.replace('mass = "20 kg"', 'mass = "20 kg"\nat = [0.5, 0, 0.5]')
-    limit = '[quantities]\nlong = { length = "x", at = "top", limit = "90 cm" }\n'
-    assert check(write_bench(tmp_path, text + limit), "--json", tmp_path / "check.json") == 0
-    told = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
-    board = "1200 x 300 x 20 mm of pine, middle at (0, 0, 0.51) m; x along -x, y along +y, z along -z"
-    assert f"plank top {board}" in told and "weight box 200 N on top at (-0.6, 0, 0.5) m" in told
-    # A fastener each 20 mm along the 300 mm.
-    assert any(line.startswith("joint left +x on top +z, 300 mm long, 15 'screw'") for line in told)
-    assert "quantity long sum of length x at top, holds up to 900 mm" in told
-    assert any(line.startswith("limits restshape replay") for line in told)
-    found = json.loads((tmp_path / "check.json").read_text())
-    assert found["planks"]["top"]["axes"] == [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]
-
-
-def test_check_refuses_quantities_of_joints_that_are_not_there(tmp_path, capsys):
-    text = '[quantities]\nfree = { use = "pull", at = "top +x" }\n'
-    assert check(write_bench(tmp_path, BENCH + text)) == 2
-    told = capsys.readouterr().err
-    assert "quantities.free.at (line" in told and "no joint at 'top +x'" in told

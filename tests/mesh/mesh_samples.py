@@ -7,6 +7,7 @@ from scipy.spatial import Delaunay
 
 from restshape.mesh.mesh import Mesh
 from restshape.scene.model import ShapeSpec
+from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 
 L_SHAPE = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]
@@ -24,7 +25,7 @@ def polygon_outline(corners, holes=None, regions=None, points=None) -> Outline:
         "regions": {name: {"polygon": polygon} for name, polygon in (regions or {}).items()},
         "points": points or {},
     }
-    return Outline.from_spec(ShapeSpec.model_validate(spec))
+    return outline_from_spec(ShapeSpec.model_validate(spec))
 
 
 def mesh_of(outline: Outline, X: np.ndarray, cells: np.ndarray) -> Mesh:

@@ -15,7 +15,7 @@ from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.space import LagrangeSpace
 from restshape.scene.expressions import Expression
 from restshape.scene.model import MeshSpec, ShapeSpec
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 WEDGE = Expression("h0*(1 + x/2)")
 
@@ -26,7 +26,7 @@ def disc(size: float = 0.3, ranks: int = 1):
     ends = [*itertools.pairwise(corners), ("d", "a")]
     edges = {f"{a}{b}": {"arc": [a, b], "bulge": float(np.tan(np.pi / 8))} for a, b in ends}
     spec = ShapeSpec.model_validate({"vertices": corners, "edges": edges, "outline": list(edges)})
-    return generate(Outline.from_spec(spec), MeshSpec(size=size), ranks)
+    return generate(outline_from_spec(spec), MeshSpec(size=size), ranks)
 
 
 def square():
@@ -186,7 +186,7 @@ def test_thickness_must_be_positive():
         PlateMesh(square(), Expression("log(x)"))
 
 
-def test_reseated_field_is_the_old_one_at_the_new_place():
+def test_interpolated_field_is_the_old_one_at_the_new_place():
     """A quadratic field of the place in the plane, with a different one in each level."""
     mesh = square()
     mesh.X[:, 0] += 0.5 * mesh.X[:, 1]
@@ -199,7 +199,7 @@ def test_reseated_field_is_the_old_one_at_the_new_place():
     before = field(body.X)
     flips, changed = Reconnection(mesh).flip(mesh.X)
     space.reconnect(changed)
-    after = body.interpolate(before, space.reseats)
+    after = body.interpolate(before, space.interpolations)
     space.place()
     body.follow(changed)
     assert flips > 0

@@ -12,13 +12,14 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.generate import generate
 from restshape.mesh.mesh import Mesh
 from restshape.scene.model import MeshSpec, ShapeSpec
+from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 
 
 def polygon(corners, **more) -> Outline:
     """A polygon whose edges are e0, e1, ... between the corners p0, p1, ..."""
     n = len(corners)
-    return Outline.from_spec(
+    return outline_from_spec(
         ShapeSpec(
             vertices={f"p{i}": list(p) for i, p in enumerate(corners)},
             edges={f"e{i}": {"line": [f"p{i}", f"p{(i + 1) % n}"]} for i in range(n)},
@@ -36,7 +37,7 @@ def plate(centre=0.7, **more) -> Outline:
 
 def bent() -> Outline:
     """A shape with a spline, an arc and a polyline."""
-    return Outline.from_spec(
+    return outline_from_spec(
         ShapeSpec(
             vertices={"a": [0, 0], "b": [1, 0], "c": [1, 1]},
             edges={
@@ -181,7 +182,7 @@ def test_a_region_may_share_edges_with_the_outline():
         outline=["ab", "bc", "cd", "de", "ef", "fa"],
         regions={"left": {"loop": ["ab", "be", "ef", "fa"]}},
     )
-    mesh = generate(Outline.from_spec(spec), MeshSpec(size=0.2))
+    mesh = generate(outline_from_spec(spec), MeshSpec(size=0.2))
     assert 0.5 * doubled_areas(mesh)[mesh.cells_of("left")].sum() == pytest.approx(1.0, rel=1e-12)
     assert np.allclose(mesh.X[mesh.nodes_of("be"), 0], 1.0)
 

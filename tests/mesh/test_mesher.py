@@ -16,6 +16,7 @@ from restshape.mesh import delaunay
 from restshape.mesh.generate import generate
 from restshape.mesh.mesh import Mesh
 from restshape.scene.model import MeshSpec, ShapeSpec
+from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 
 MESHERS = ["gmsh", pytest.param("cgal", marks=pytest.mark.skipif(not _kernels.has_cgal, reason="built without CGAL"))]
@@ -25,7 +26,7 @@ needs_cgal = pytest.mark.skipif(not _kernels.has_cgal, reason="built without CGA
 def polygon(corners, **more) -> Outline:
     """A polygon whose edges are e0, e1, ... between the corners p0, p1, ..."""
     n = len(corners)
-    return Outline.from_spec(
+    return outline_from_spec(
         ShapeSpec(
             vertices={f"p{i}": [float(x) for x in p] for i, p in enumerate(corners)},
             edges={f"e{i}": {"line": [f"p{i}", f"p{(i + 1) % n}"]} for i in range(n)},
@@ -43,7 +44,7 @@ def plate(x: float = 0.7, radius: float = 0.2) -> Outline:
 
 def crescent() -> Outline:
     """Two arcs of different bulge, and a spline between them."""
-    return Outline.from_spec(
+    return outline_from_spec(
         ShapeSpec(
             vertices={"a": [0, 0], "b": [2, 0], "c": [1, 1.2]},
             edges={

@@ -14,6 +14,7 @@ from restshape.mesh.quality import areas
 from restshape.mesh.reconnect import edges_between
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.shape import gesture as gestures
+from restshape.shape.build import outline_from_spec
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditFrame
@@ -31,7 +32,7 @@ def plate(radius: float = 0.12, x: float = 0.3) -> Outline:
         "outline": ["bottom", "right", "top", "left"],
         "holes": {"window": {"circle": {"center": [x, 0.5], "radius": radius}}},
     }
-    return Outline.from_spec(ShapeSpec.model_validate(spec))
+    return outline_from_spec(ShapeSpec.model_validate(spec))
 
 
 class Hand:
@@ -201,7 +202,7 @@ def test_bulging_an_arc_is_followed_without_a_linear_basis():
 
 def test_the_shape_changes_its_layout_and_the_mesh_its_size():
     mesh, hand, _ = begin("harmonic")
-    other = Outline.from_spec(ShapeSpec.model_validate({
+    other = outline_from_spec(ShapeSpec.model_validate({
         "vertices": {"a": [0.0, 0.0], "b": [1.0, 0.0], "c": [0.0, 1.0]},
         "edges": {"e": {"line": ["a", "b"]}, "f": {"line": ["b", "c"]}, "g": {"line": ["c", "a"]}},
         "outline": ["e", "f", "g"],

@@ -15,6 +15,7 @@ from restshape.mesh.quality import areas
 from restshape.mesh.transfer import transfer
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.shape import gesture as gestures
+from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 
 A = np.array([[1.0, -2.0, 0.3], [0.5, 3.0, -1.0]])
@@ -33,7 +34,7 @@ def curved_outline() -> Outline:
         "outline": ["low", "right", "top", "left"],
         "regions": {"disc": {"circle": {"center": [0.6, 0.5], "radius": 0.25}}},
     }
-    return Outline.from_spec(ShapeSpec.model_validate(shape))
+    return outline_from_spec(ShapeSpec.model_validate(shape))
 
 
 def fault(mesh: Mesh) -> str:
@@ -103,7 +104,7 @@ def test_a_bent_side_that_spoils_its_triangles_stays_straight_on_all_levels():
         "edges": {"arc": {"arc": ["a", "b"], "bulge": -0.4}, "r": {"line": ["b", "c"]}, "l": {"line": ["c", "a"]}},
         "outline": ["arc", "r", "l"],
     }
-    outline = Outline.from_spec(ShapeSpec.model_validate(shape))
+    outline = outline_from_spec(ShapeSpec.model_validate(shape))
     mesh = Mesh.build(
         outline.points, np.array([[0, 1, 2]]), outline, facets=np.array([[0, 1], [1, 2], [2, 0]]),
         facet_edge=np.arange(3), node_edge=np.array([0, 0, 1]), node_param=np.array([0.0, 1.0, 1.0]),

@@ -7,12 +7,12 @@ from restshape.mesh.generate import generate
 from restshape.mesh.numbering import hilbert_keys, node_order
 from restshape.mesh.partition import cell_parts, node_owners
 from restshape.scene.model import MeshSpec, ShapeSpec
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 
 @pytest.fixture(scope="module")
 def outline():
-    return Outline.from_spec(
+    return outline_from_spec(
         ShapeSpec(
             vertices={"a": [0, 0], "b": [2, 0], "c": [2, 1], "d": [0, 1]},
             edges={name: {"line": list(name)} for name in ("ab", "bc", "cd", "da")},

@@ -19,6 +19,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS, isotropic_bending, lumped, morley_params
 from restshape.scene.model import MeshSpec, ShapeSpec
+from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 
 KINDS = ("equilateral", "diagonal", "crossed", "jittered", "unstructured")
@@ -39,7 +40,7 @@ def rectangle(width: float, height: float) -> Outline:
         "edges": {name: {"line": ends} for name, ends in lines.items()},
         "outline": list(lines),
     }
-    return Outline.from_spec(ShapeSpec.model_validate(spec))
+    return outline_from_spec(ShapeSpec.model_validate(spec))
 
 
 def triangle_rows(columns: int, rows: int, width: float) -> tuple[np.ndarray, np.ndarray]:

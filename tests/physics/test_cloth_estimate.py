@@ -9,25 +9,25 @@ from cloths import PIN, cloth
 from petsc4py import PETSc
 
 from restshape.algebra.stages import Stages
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.analysis.relaxation.binding import bind
 from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.generate import generate
 from restshape.mesh.nested import NestedMesh
-from restshape.physics.cloth.error_estimate import ClothEstimate
-from restshape.physics.cloth.patch_curvature import PatchCurvature
 from restshape.physics.cloth.boundary import ClothSupports
+from restshape.physics.cloth.error_estimate import ClothEstimate
 from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.patch_curvature import PatchCurvature
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.policy import policy
 from restshape.scene.load import load_scene
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.scene.plan import plan
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 SCENES = Path(__file__).parents[2] / "apps" / "couture" / "scenes"
 C = 300.0 * np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
@@ -41,7 +41,7 @@ def square(size=0.13):
     names = list(corners)
     edges = {f"{a}{b}": {"line": [a, b]} for a, b in zip(names, [*names[1:], names[0]])}
     spec = ShapeSpec.model_validate({"outline": list(edges), "vertices": corners, "edges": edges})
-    return generate(Outline.from_spec(spec, Path()), MeshSpec(size=size))
+    return generate(outline_from_spec(spec, Path()), MeshSpec(size=size))
 
 
 def context():
@@ -58,7 +58,7 @@ def loose(mesh, kind):
 def settled(name, mesh, overrides):
     """The analysis of a scene's first frame, on a mesh of the scene where none is given."""
     scene = load_scene(SCENES / f"{name}.toml", overrides)
-    mesh = mesh or generate(Outline.from_spec(scene.shape, scene.folder), scene.mesh)
+    mesh = mesh or generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
     planned, none = plan(scene, application("couture")), np.empty(0, dtype=np.int32)
     found = RelaxationAnalysis(scene, planned, context())
     found.solve(Frame(mesh, none, None, scene, (None, (0.0, 0.0)), settled=True))
@@ -121,7 +121,7 @@ def test_uniform_strain_has_no_error(kind):
 
 def test_materials_that_meet_have_no_error_of_their_own(tmp_path):
     scene = cloth(tmp_path, PIN)
-    mesh = generate(Outline.from_spec(scene.shape, scene.folder), scene.mesh)
+    mesh = generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
     assert len(np.unique(mesh.cell_region)) == 2
     inside = (mesh.cell_region > 0)[:, None, None]
     none = np.zeros((len(mesh.X), 3))

@@ -7,14 +7,14 @@ from cloths import BALL, CONTACT, PIN, cloth
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
-from restshape.physics.cloth.scene import cloth_arguments
-from restshape.physics.cloth.materials import bending, membrane
 from restshape.physics.cloth.initial_placement import rotation
+from restshape.physics.cloth.materials import bending, membrane
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.scene import cloth_arguments
 from restshape.scene.load import revise
 from restshape.scene.model import Material
 from restshape.scene.plan import plan
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 COUTURE = application("couture")
 TURNED = """
@@ -30,7 +30,7 @@ WOVEN = {
 
 
 def meshed(scene):
-    return generate(Outline.from_spec(scene.shape, scene.folder), scene.mesh)
+    return generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
 
 
 def arguments(folder, *parts, overrides=()):

@@ -9,7 +9,7 @@ from restshape import _kernels
 from restshape.mesh.generate import generate
 from restshape.mesh.mesh import Mesh
 from restshape.scene.model import MeshSpec, ShapeSpec
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 
 def rectangle(width: float, height: float, size: float) -> Mesh:
@@ -28,7 +28,7 @@ def disc(radius: float, size: float) -> Mesh:
 
 def _mesh(corners: dict, edges: dict, size: float) -> Mesh:
     shape = {"vertices": corners, "edges": edges, "outline": list(edges)}
-    return generate(Outline.from_spec(ShapeSpec.model_validate(shape)), MeshSpec(size=size))
+    return generate(outline_from_spec(ShapeSpec.model_validate(shape)), MeshSpec(size=size))
 
 
 def matrix(name: str, X: np.ndarray, cells: np.ndarray, params: np.ndarray) -> sp.csr_matrix:

@@ -22,7 +22,7 @@ from restshape.report.levels import stage_shares
 from restshape.report.outlines import border
 from restshape.report.scenery import scenery
 from restshape.report.style import length_unit, si
-from restshape.report.tables import level_table, quantity_table, thesis_table
+from restshape.report.tables import level_table, quantity_table
 from restshape.report.timeline import draw_timeline
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "replay"))
@@ -233,19 +233,3 @@ def test_numbers_carry_si_prefixes(value, unit, text):
 
 def test_lengths_on_axes_suit_the_part():
     assert [length_unit(size)[1] for size in (12.0, 1.2, 0.3, 2e-4)] == ["m", "m", "mm", "µm"]
-
-
-def test_thesis_tables_are_markdown():
-    rows = [
-        {"table": "4.2", "row": "level 1", "quantity": "frames", "thesis": 117, "ours": 120, "unit": ""},
-        {"table": "4.2", "row": "level 3", "quantity": "frames", "thesis": 3, "ours": None, "unit": ""},
-        {"table": "4.3", "row": "a|b", "quantity": "rate", "thesis": 105.0, "ours": 2345.678, "unit": "1/s"},
-    ]
-    assert thesis_table(rows) == (
-        "## Table 4.2\n\n"
-        "| row | quantity | thesis | ours | unit |\n| --- | --- | ---: | ---: | --- |\n"
-        "| level 1 | frames | 117 | 120 |  |\n| level 3 | frames | 3 |  |  |\n\n"
-        "## Table 4.3\n\n"
-        "| row | quantity | thesis | ours | unit |\n| --- | --- | ---: | ---: | --- |\n"
-        "| a\\|b | rate | 105 | 2346 | 1/s |\n"
-    )

@@ -3,6 +3,7 @@
 import pytest
 from cloths import BALL, CONTACT, PIN, cloth, write_cloth
 from pydantic import ValidationError
+from restshape_studies.explain.without import without
 
 from restshape.application import application
 from restshape.errors import UserError
@@ -10,7 +11,6 @@ from restshape.scene.bodies import Body
 from restshape.scene.load import load_scene, revise
 from restshape.scene.model import Material, Support
 from restshape.scene.plan import plan
-from restshape.scene.without import without
 
 COUTURE = application("couture")
 

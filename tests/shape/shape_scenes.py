@@ -8,6 +8,7 @@ from small_scenes import CURVED
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene, ShapeSpec
 from restshape.scene.script import Script, load_script
+from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 
 PLATE = {
@@ -28,12 +29,12 @@ PLATE = {
 
 def plate() -> Outline:
     """A plate with an edge of every kind, a round hole, a region and an embedded point."""
-    return Outline.from_spec(ShapeSpec.model_validate(PLATE))
+    return outline_from_spec(ShapeSpec.model_validate(PLATE))
 
 
 def shape(**tables) -> Outline:
     """The outline of plain tables."""
-    return Outline.from_spec(ShapeSpec.model_validate(tables))
+    return outline_from_spec(ShapeSpec.model_validate(tables))
 
 
 def square(**tables) -> Outline:

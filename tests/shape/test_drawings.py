@@ -7,6 +7,7 @@ from shape_scenes import plate, shape
 
 from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
+from restshape.shape.build import outline_from_spec
 from restshape.shape.dxf import write_dxf
 from restshape.shape.outline import Outline
 
@@ -27,7 +28,7 @@ Physical Surface("patch") = {{2}};
 
 
 def read(path, **more) -> Outline:
-    return Outline.from_spec(ShapeSpec.model_validate({"file": path.name, **more}), path.parent)
+    return outline_from_spec(ShapeSpec.model_validate({"file": path.name, **more}), path.parent)
 
 
 def drawing(path, unit: int, scale: float) -> None:

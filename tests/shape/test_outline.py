@@ -7,8 +7,8 @@ from shape_scenes import PLATE, plate, shape, square
 
 from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
+from restshape.shape.build import outline_from_spec
 from restshape.shape.curves import bulge_through
-from restshape.shape.outline import Outline
 from restshape.shape.validity import problem
 
 S = np.linspace(0.0, 1.0, 41)
@@ -106,7 +106,7 @@ def test_loops_keep_the_material_on_their_left():
     signs = {loop.name: np.sign(outline.loop_area(i)) for i, loop in enumerate(outline.loops)}
     assert signs == {"outline": 1.0, "window": -1.0, "patch": 1.0}
     tables = {**PLATE, "outline": ["left", "top", "right", "bottom"]}
-    turned = Outline.from_spec(ShapeSpec.model_validate(tables))
+    turned = outline_from_spec(ShapeSpec.model_validate(tables))
     assert turned.loop_area(0) == pytest.approx(outline.loop_area(0), rel=1e-14)
 
 

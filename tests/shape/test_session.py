@@ -8,6 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from plain_check import fault
+from restshape_studies.stability.edit_strategies import gestures, single_edits
 from shape_scenes import plate, scene_and_script, square
 from small_scenes import CURVED
 
@@ -15,7 +16,6 @@ from restshape.scene.script import EVENTS
 from restshape.shape import gesture as movements
 from restshape.shape.session import EditSession
 from restshape.shape.validity import MotionCheck, problem
-from restshape.stability.strategies import gestures, single_edits
 
 
 def frames_of(folder, *events):

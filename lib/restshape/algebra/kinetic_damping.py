@@ -120,8 +120,6 @@ class KineticDamping:
     def set_mass(self, mass: np.ndarray) -> None:
         """Take in the masses (n,) of the nodes [kg]."""
         self.mass = mass[:, None]
-        # What has none, such as slopes, moves at once however short a step is.
-        self.has_mass = mass > 0.0
 
     @property
     def iterations(self) -> int:
@@ -204,7 +202,8 @@ class KineticDamping:
                 if not steps.adaptive:
                     return x + d, d / h, potential
                 after = self.motion.energy(x + d)
-                far = np.abs(d[self.has_mass]).max(initial=0.0) > steps.reach
+                # What has no mass, such as slopes, moves at once however short a step is.
+                far = np.abs(d[self.mass[:, 0] > 0.0]).max(initial=0.0) > steps.reach
                 gained = not after + self._kinetic(d / h) <= before + SLACK * abs(before)
                 if not (far or gained):
                     break

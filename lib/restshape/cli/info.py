@@ -13,6 +13,7 @@ from restshape import __version__
 from restshape.calibration import Calibration, own_path
 from restshape.cli.options import add_json, check_output, open_json, print_table, write_json
 from restshape.errors import UserError
+from restshape.surroundings import start_petsc
 
 SUMMARY = "show versions, how things were built, and the machine"
 PACKAGES = ("numpy", "scipy", "gmsh", "meshio", "ezdxf", "pydantic", "matplotlib", "vtk")
@@ -59,7 +60,7 @@ def software(options: list[str]) -> tuple[int, dict[str, dict[str, Any]]]:
         import petsc4py
         import slepc4py
 
-        petsc4py.init(options)
+        start_petsc(options)
         from petsc4py import PETSc
         from slepc4py import SLEPc
 

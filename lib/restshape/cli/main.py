@@ -8,27 +8,16 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
+from importlib.metadata import entry_points
+from types import ModuleType
 
 from restshape import __version__
 from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
 
-COMMANDS = (
-    "new",
-    "script",
-    "check",
-    "list",
-    "schema",
-    "info",
-    "replay",
-    "report",
-    "explain",
-    "validate",
-    "stability",
-    "accuracy",
-    "bench",
-    "tables",
-)
+COMMANDS = ("new", "script", "check", "list", "schema", "info", "replay", "report")
+GROUP = "restshape.commands"
+"""Entry points of further commands: modules with SUMMARY, `arguments` and `run`, listed by their PLACE in the help."""
 LAST_WORD = 2.0
 """Seconds that the first rank has for its message."""
 EXIT_CODES = (
@@ -38,8 +27,27 @@ UNREAD = 128 + signal.SIGPIPE
 """What a shell says of a program that ends because nobody reads its output any more."""
 
 
-def parser_for(commands: tuple[str, ...]) -> argparse.ArgumentParser:
-    """The argument parser, with the full arguments of the commands given and names only of the others."""
+def command(name: str) -> ModuleType | None:
+    """The module of a command, imported now; None where there is no such command."""
+    if name in COMMANDS:
+        return import_module(f"restshape.cli.{name}")
+    return next((entry.load() for entry in entry_points(group=GROUP, name=name)), None)
+
+
+def all_commands() -> dict[str, ModuleType]:
+    """The modules of all commands by name, imported now, in the order of the help."""
+    own = {name: import_module(f"restshape.cli.{name}") for name in COMMANDS}
+    others = {entry.name: entry.load() for entry in entry_points(group=GROUP) if entry.name not in own}
+    return own | dict(sorted(others.items(), key=lambda item: (item[1].PLACE, item[0])))
+
+
+def parser_for(commands: dict[str, ModuleType], listed: bool = False) -> argparse.ArgumentParser:
+    """The argument parser of the commands given, modules by name.
+
+    Args:
+        commands: the modules.
+        listed: for the help that lists them, without the arguments of any.
+    """
     parser = argparse.ArgumentParser(
         prog="restshape",
         description="Simulates an object while its rest shape is being edited.",
@@ -47,11 +55,11 @@ def parser_for(commands: tuple[str, ...]) -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"restshape {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for name in commands:
-        module = import_module(f"restshape.cli.{name}")
+    for name, module in commands.items():
         sub = subparsers.add_parser(name, help=module.SUMMARY, description=module.SUMMARY, epilog=EXIT_CODES)
-        module.arguments(sub)
-        sub.set_defaults(run=module.run)
+        if not listed:
+            module.arguments(sub)
+            sub.set_defaults(run=module.run)
     return parser
 
 
@@ -69,10 +77,13 @@ def _run(words: list[str]) -> int:
     """The exit code of the words of a command line, with a message where something is wrong."""
     petsc = words[words.index("--") + 1 :] if "--" in words else []
     words = words[: words.index("--")] if "--" in words else words
-    named = tuple(word for word in words[:1] if word in COMMANDS)
-    args = parser_for(named or COMMANDS).parse_args(words)
+    named = {word: module for word in words[:1] if (module := command(word))}
+    args = (parser_for(named) if named else parser_for(all_commands(), listed=True)).parse_args(words)
     args.petsc, args.words = petsc, words
     try:
+        from restshape.cli.options import permit
+
+        permit(args)
         return args.run(args)
     except UserError as error:
         if first_rank():

@@ -1,24 +1,20 @@
 """What commands share: options on scenes, tables for people, JSON for programs."""
 
+from __future__ import annotations
+
 import argparse
 import json
-import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
-
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
+from typing import TYPE_CHECKING, Any
 
 from restshape.application import application
-from restshape.cli.ranks import first_rank, launched
+from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
-from restshape.scene.load import load_scene
-from restshape.scene.model import Scene
+from restshape.scene.permits import allow, trust_scripts
 
-ENDLESS = 1_000_000
-"""Columns of a table where there is no terminal: a row is one line there, for `grep` and `awk`."""
+if TYPE_CHECKING:
+    from restshape.scene.model import Scene
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +23,18 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 
 def add_set(parser: argparse.ArgumentParser) -> None:
-    """Adds ``--set key=value``, which may come several times."""
+    """Adds ``--set key=value``, which may come several times, and what scenes may name and run."""
+    parser.add_argument(
+        "--allow-path",
+        metavar="DIR",
+        action="append",
+        default=[],
+        type=Path,
+        help="let the scene name files in this folder, not only beside itself (may be given several times)",
+    )
+    parser.add_argument(
+        "--trust-geo", action="store_true", help="let gmsh run a whole .geo file, which may then do anything"
+    )
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -50,19 +57,35 @@ def read_scene(args: argparse.Namespace) -> Scene:
     Raises:
         UserError: a bad scene, or an output that cannot be written.
     """
+    from restshape.scene.load import load_scene
+
     open_json(args)
     return load_scene(args.scene, args.set)
+
+
+def permit(args: argparse.Namespace) -> None:
+    """Lets scenes do what the command line permits.
+
+    Raises:
+        UserError: it names a folder that is not there.
+    """
+    for folder in getattr(args, "allow_path", ()):
+        if not folder.is_dir():
+            raise UserError("there is no such folder", f"--allow-path {folder}", "name the folder of the scene's file")
+        allow(folder)
+    if getattr(args, "trust_geo", False):
+        trust_scripts()
 
 
 def require_mesh(scene: Scene, why: str) -> None:
     """Makes sure that a scene has a mesh.
 
     Raises:
-        UserError: it is of planks, for which the command has no meaning, as `why` tells.
+        UserError: its application needs none, and the command has no meaning for it, as `why` tells.
     """
-    if application(scene.app).planks:
+    if application(scene.app).session:
         do = "name a scene of another application; restshape replay tells times and residuals of this one"
-        raise UserError(f"a piece of furniture has no mesh: {why}", str(scene.path), do)
+        raise UserError(f"a scene of {scene.app!r} has no mesh: {why}", str(scene.path), do)
 
 
 def open_json(args: argparse.Namespace) -> None:
@@ -107,21 +130,6 @@ def write_json(args: argparse.Namespace, data: Any) -> None:
         raise UserError(what, "--json", "name another file") from error
 
 
-class Output(Console):
-    """A console that leaves it to the caller what a pipe means whose reader has gone."""
-
-    def on_broken_pipe(self) -> None:
-        """Raises the error that there was."""
-        raise BrokenPipeError
-
-
-def console() -> Console:
-    """Where tables go: as wide as the terminal, or as wide as they come where there is none, or a launcher's."""
-    terminal = sys.stdout.isatty() and not launched()
-    width = None if terminal else ENDLESS
-    return Output(file=sys.stdout, force_terminal=terminal, width=width, highlight=False, soft_wrap=False)
-
-
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]], right: Sequence[str] = ()) -> None:
     """Prints a table: ruled on a terminal, elsewhere aligned plain text, a row a line.
 
@@ -131,6 +139,11 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]
         rows: one cell a column; numbers are shown with six digits.
         right: heads of the columns to align to the right.
     """
+    from rich.table import Table
+    from rich.text import Text
+
+    from restshape.cli.console import console
+
     out = console()
     box = {} if out.is_terminal else {"box": None, "pad_edge": False, "padding": (0, 2, 0, 0)}
     table = Table(header_style="bold", **box)

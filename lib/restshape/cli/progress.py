@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from restshape.cli.options import Output
+from restshape.cli.console import Output
 
 
 @contextmanager

@@ -3,9 +3,6 @@
 from restshape.scene.model import Scene
 from restshape.scene.quantity import Quantity, with_unit
 
-OF_THE_BODY = ("frequency", "mode", "load_factor", "margin")
-"""Quantities that belong to no place."""
-
 
 def quantity_rows(scene: Scene) -> list[tuple[str, str]]:
     """A row a quantity of a scene: its name, and what it is of."""
@@ -16,7 +13,8 @@ def quantity_words(quantity: Quantity) -> str:
     """What a quantity is of, where, and within which limits it holds."""
     kind, value = quantity.kind, getattr(quantity, quantity.kind)
     what = kind.replace("_", " ") if value is True else f"{kind.replace('_', ' ')} {value}"
-    place = what if kind in OF_THE_BODY else f"{quantity.take} of {what} at {quantity.at or 'all'}"
-    limit = f", holds up to {with_unit(kind, quantity.limit)}" if quantity.limit is not None else ""
-    limit += f", holds from {with_unit(kind, quantity.at_least)} on" if quantity.at_least is not None else ""
+    place = what if quantity.kinds[kind].whole else f"{quantity.take} of {what} at {quantity.at or 'all'}"
+    of = quantity.dimension
+    limit = f", holds up to {with_unit(of, quantity.limit)}" if quantity.limit is not None else ""
+    limit += f", holds from {with_unit(of, quantity.at_least)} on" if quantity.at_least is not None else ""
     return f"{place}{limit}"

@@ -7,12 +7,12 @@ from math import log2
 from pathlib import Path
 from typing import Any
 
-from restshape.cli.guidance import print_guidance
+from restshape.application import Application, application
 from restshape.cli.options import add_scene, check_output, print_table, read_scene, write_json
-from restshape.cli.progress import progress
 from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
+from restshape.surroundings import start_petsc
 
 KINDS = ("none", "linear")
 LEVELS = {
@@ -45,9 +45,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Replay; 0 when all frames were replayed, 1 when parity fails, 2 on bad input."""
-    from restshape.application import application
     from restshape.calibration import Calibration
-    from restshape.cli.bench import script_of
+    from restshape.cli.shipped import script_of
     from restshape.replay.request import Request
     from restshape.scene.plan import plan
     from restshape.scene.script import Script, load_script
@@ -102,9 +101,8 @@ def _start_recorder(path: Path, request: Any) -> Any:
 
 def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any]:
     """Start PETSc, run all frames, and sum up."""
-    import petsc4py
-
-    petsc4py.init(["restshape", *args.petsc])
+    start_petsc(args.petsc)
+    from restshape.cli.progress import progress
     from restshape.replay.run import run_replay
 
     with progress(quiet=not first_rank()) as on_frame:
@@ -141,7 +139,7 @@ def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> in
     """Print the tables, write the JSON file, and give the exit code."""
     # What is printed may find nobody who reads it.
     write_json(args, {key: value for key, value in summary.items() if key != "rows"})
-    print_summary(summary)
+    print_summary(summary, request.application)
     if request.script.error:
         kept = "replayed and recorded" if args.out else "replayed"
         frames = summary["frames"]
@@ -150,8 +148,8 @@ def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> in
     return 1 if args.parity and not summary["parity"]["holds"] else 0
 
 
-def print_summary(summary: dict[str, Any]) -> None:
-    """Print the tables of a summary."""
+def print_summary(summary: dict[str, Any], application: Application) -> None:
+    """Print the tables of a summary of a replay of an application."""
     print(
         f"{summary['frames']} frames, {summary['refused']} refused, {summary['unknowns']} unknowns, "
         f"{summary['elements']} elements, policy {summary['policy']}, {summary['ranks']} rank(s)"
@@ -186,7 +184,8 @@ def print_summary(summary: dict[str, Any]) -> None:
     if verdict := summary["verdict"]:
         last = f"{verdict['last']} at the end{verdict['broken'] and ' for ' + verdict['broken']}"
         print(f"verdict: {last}; holds in {verdict['holds']} frames, fails in {verdict['fails']}")
-    print_guidance(summary["rows"])
+    if application.report:
+        application.report.print_tables(summary["rows"])
     if "parity" in summary:
         parity = summary["parity"]
         print(

@@ -4,17 +4,12 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from restshape.cli.guidance import print_guidance
+from restshape.application import Application, applications
 from restshape.cli.options import add_json, open_json, print_table, write_json
 from restshape.errors import UserError
-from restshape.replay.guided import guidance, is_guided
 
 SUMMARY = "tables and pictures of a recording"
 _FORMATS = ("gif", "mp4", "none")
-MOVING = 24
-"""Frames of furniture that are animated at most."""
-SEARCHES = 3
-"""Searches for suggestions that are drawn where nobody says otherwise."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,14 +18,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="DIR", type=Path, help="folder for pictures (default: beside the recording)")
     parser.add_argument("--frames", metavar="N", type=int, default=6, help="frames on the contact sheet (default 6)")
     parser.add_argument("--animation", choices=_FORMATS, default="gif", help="kind of animation (default gif)")
-    parser.add_argument(
-        "--searches",
-        metavar="N",
-        type=int,
-        default=SEARCHES,
-        help=f"of furniture: searches for suggestions that are drawn, the last ones (default {SEARCHES})",
-    )
     parser.add_argument("--scale", metavar="S", type=float, help="exaggeration (default: 8 %% of the size)")
+    for app in applications().values():
+        if app.report:
+            app.report.add_arguments(parser)
     add_json(parser)
 
 
@@ -39,8 +30,9 @@ def run(args: argparse.Namespace) -> int:
     open_json(args)
     if args.frames < 1:
         raise UserError("at least one frame must be shown", "--frames", "--frames 6")
-    if args.searches < 0:
-        raise UserError("there are no fewer than 0", "--searches", "--searches 0 draws no suggestions")
+    for app in applications().values():
+        if app.report:
+            app.report.check_arguments(args)
     if args.scale is not None and not 0.0 < args.scale < float("inf"):
         raise UserError("the exaggeration must be greater than 0", "--scale", "--scale 1 draws true displacements")
     if args.recording.is_dir():
@@ -56,8 +48,10 @@ def run(args: argparse.Namespace) -> int:
         folder = args.out or args.recording.with_name(f"{args.recording.stem}-report")
         if folder.exists() and not folder.is_dir():
             raise UserError("this is a file, and pictures need a folder", str(folder), "choose another --out")
-        data = _tables(recording)
-        pictures = _draw(recording, folder, args)
+        # A recording opens also where its application is not installed.
+        application = applications().get(recording.header.get("app", ""))
+        data = _tables(recording, application)
+        pictures = _draw(recording, folder, args, application)
     print()
     for picture in pictures:
         print(f"wrote {picture}")
@@ -65,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _tables(recording: Any) -> dict[str, Any]:
+def _tables(recording: Any, application: Application | None) -> dict[str, Any]:
     """Prints the tables and gives them back for programs."""
     from restshape.report.tables import estimate_table, level_table, quantity_table, refused, rest_counts, rows_of
 
@@ -89,11 +83,11 @@ def _tables(recording: Any) -> dict[str, Any]:
         heads = ("quantity", "first", "last", "min", "max")
         print_table("quantities", heads, map(_quantity, quantities), right=heads[1:])
     told = {}
-    if is_guided(recording.table):
+    if application and application.report:
         rows = rows_of(recording)
         print()
-        print_guidance(rows)
-        told["guidance"] = guidance(rows)
+        application.report.print_tables(rows)
+        told = application.report.summarised(rows)
     return {
         "frames": recording.n,
         "refused": stopped,
@@ -121,30 +115,31 @@ def _short(value: Any) -> Any:
     return f"{value:.3g}" if isinstance(value, float) else value
 
 
-def _draw(recording: Any, folder: Path, args: argparse.Namespace) -> list[Path]:
+def _draw(recording: Any, folder: Path, args: argparse.Namespace, application: Application | None) -> list[Path]:
     """Draws all pictures; their paths."""
     from restshape.report.drape import shows_cloth
     from restshape.report.levels import draw_levels
     from restshape.report.timeline import draw_timeline
 
-    cloth, planks = shows_cloth(recording), is_guided(recording.table)
-    if (cloth or planks) and args.scale is not None:
-        what = "planks are drawn where they are" if planks else "cloth is drawn where it lies"
+    cloth = shows_cloth(recording)
+    own, meshed = (application.report, not application.session) if application else (None, True)
+    if (cloth or own) and args.scale is not None:
+        what = own.true_scale if own else "cloth is drawn where it lies"
         raise UserError(f"{what}, not exaggerated", "--scale", "leave --scale out")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         pictures = [folder / "timeline.png"]
-        draw_timeline(recording, pictures[0])
-        # Planks have no mesh to reuse; where bodies move, and the pattern stays, there are no levels.
-        if recording.n > 1 and not planks and not (cloth and not recording.table["level"][1:].any()):
+        draw_timeline(recording, pictures[0], iterations=meshed)
+        # Without a mesh there is none to reuse; where bodies move, and the pattern stays, there are no levels.
+        if recording.n > 1 and meshed and not (cloth and not recording.table["level"][1:].any()):
             pictures.insert(0, folder / "levels.png")
             draw_levels(recording, pictures[0])
         if recording.dimension == 2:
             moving = None if args.animation == "none" else folder / f"animation.{args.animation}"
             (_draw_cloth if cloth else _draw_plane)(recording, args, folder / "frames.png", moving)
             pictures = [folder / "frames.png", *pictures, *filter(None, [moving])]
-        elif planks:
-            pictures = [*_draw_planks(recording, args, folder), *pictures]
+        elif own:
+            pictures = [*own.draw(recording, folder, args), *pictures]
     except OSError as error:
         raise UserError(f"pictures cannot be written: {error.strerror}", str(folder), "choose another --out") from error
     return pictures
@@ -179,24 +174,3 @@ def _draw_cloth(recording: Any, args: argparse.Namespace, still: Path, moving: P
     draw_drape_frames(recording, shown, common, still)
     if moving:
         draw_drape_animation(recording, animated, common, moving)
-
-
-def _draw_planks(recording: Any, args: argparse.Namespace, folder: Path) -> list[Path]:
-    """Draws furniture: telling frames, what guidance told over all of them, suggestions, and an animation."""
-    from restshape.report.animation import animated_frames
-    from restshape.report.piece_animation import draw_piece_animation
-    from restshape.report.piece_frames import draw_piece_frames, telling_frames
-    from restshape.report.piece_ideas import draw_suggestions, searches
-    from restshape.report.piece_ranges import draw_guidance
-
-    draw_piece_frames(recording, telling_frames(recording, args.frames), folder / "frames.png")
-    draw_guidance(recording, folder / "guidance.png")
-    pictures = [folder / "frames.png", folder / "guidance.png"]
-    told = searches(recording)
-    for i in told[max(len(told) - args.searches, 0) :]:
-        pictures.append(folder / f"suggestions-{i}.png")
-        draw_suggestions(recording, int(i), pictures[-1])
-    if args.animation != "none":
-        pictures.append(folder / f"animation.{args.animation}")
-        draw_piece_animation(recording, animated_frames(recording, MOVING), pictures[-1])
-    return pictures

@@ -2,16 +2,13 @@
 
 import argparse
 import json
+from functools import reduce
+from operator import or_
 from pathlib import Path
-from typing import Any
-
-from pydantic import TypeAdapter
+from typing import Annotated, Any
 
 from restshape.application import applications
 from restshape.cli.options import check_output
-from restshape.scene.model import Scene
-from restshape.scene.plank_events import PlankEvent
-from restshape.scene.script import Event, Header
 
 SUMMARY = "write the JSON schema of a scene or of a line of an edit script"
 
@@ -36,7 +33,11 @@ def run(args: argparse.Namespace) -> int:
 
 def scene_schema() -> dict[str, Any]:
     """The JSON schema of a scene, with the effects of all installed applications."""
-    schema = Scene.model_json_schema()
+    from restshape.scene.extension import joined
+    from restshape.scene.registered import extended_applications
+
+    extensions = [app.scene for app in extended_applications().values()]
+    schema = joined(extensions).scene_type.model_json_schema()
     names = sorted(applications())
     schema["properties"]["app"] = {"enum": names, "title": "App"}
     effects = {name: _effect(name) for app in applications().values() for name in app.effects}
@@ -53,7 +54,16 @@ def _effect(name: str) -> dict[str, Any]:
 
 
 def script_schema() -> dict[str, Any]:
-    """The JSON schema of one line of an edit script: the header, or an event, also of furniture."""
-    schema = TypeAdapter(Header | Event | PlankEvent).json_schema()
+    """The JSON schema of one line of an edit script: the header, or an event of any installed application."""
+    from pydantic import Field, TypeAdapter
+
+    from restshape.scene.registered import extended_applications
+    from restshape.scene.script import Event, Header, events_of
+
+    lines = Header | Event
+    for app in extended_applications().values():
+        if app.scene.events:
+            lines |= Annotated[reduce(or_, events_of(app).values()), Field(discriminator="do")]
+    schema = TypeAdapter(lines).json_schema()
     title = "one line of a restshape edit script"
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **schema}

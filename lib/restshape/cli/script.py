@@ -1,22 +1,30 @@
 """`restshape script`: an edit script from short lines of text."""
 
+from __future__ import annotations
+
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from restshape.application import application
+from restshape.application import application, applications
 from restshape.cli.options import add_scene, check_output, read_scene, write_json
-from restshape.scene.model import Scene
-from restshape.shape.compose import GRAMMAR, PLANK_GRAMMAR, Composition, compose, composed
-from restshape.shape.outline import Outline
+
+if TYPE_CHECKING:
+    from restshape.scene.model import Scene
+    from restshape.shape.compose import Composition
+    from restshape.shape.outline import Outline
 
 SUMMARY = "write an edit script from lines such as 'hole window by 0.8 0 in 160 frames, hand-like'"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments of this command."""
+    from restshape.shape.compose import GRAMMAR
+
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    grammars = f"{GRAMMAR}\n\nof furniture:\n{PLANK_GRAMMAR}"
+    own = [f"of {name}:\n{app.lines.grammar}" for name, app in applications().items() if app.lines]
+    grammars = "\n\n".join([GRAMMAR, *own])
     parser.description = f"{SUMMARY}\n\n{grammars}\n\n60 frames are a second of edit time."
     add_scene(parser)
     parser.add_argument("lines", metavar="LINE", nargs="+", help="what to do, one edit an argument, in order")
@@ -43,10 +51,11 @@ def run(args: argparse.Namespace) -> int:
 
 def _composed(scene: Scene, args: argparse.Namespace) -> Composition:
     """The script that the lines describe."""
-    if application(scene.app).planks:
-        from restshape.guidance.compose_planks import PlankComposer
+    from restshape.shape.compose import compose, composed
 
-        return composed(PlankComposer(scene), args.lines)
+    app = application(scene.app)
+    if app.lines:
+        return composed(app.composer()(scene), args.lines)
     return compose(scene, args.lines, args.seed, _imported_outline(scene))
 
 

@@ -1,10 +1,14 @@
 """What is odd about a script, told before it is replayed many times: refused edits, another scene's name."""
 
+from __future__ import annotations
+
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from restshape.scene.model import Scene
-from restshape.scene.script import Script
+if TYPE_CHECKING:
+    from restshape.scene.model import Scene
+    from restshape.scene.script import Script
 
 
 def note_script(scene: Scene, script: Script, path: Path) -> None:

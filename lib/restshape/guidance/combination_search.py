@@ -1,17 +1,14 @@
-"""A search for combinations of few design modes that make a piece valid: rays in force space, then the full test."""
+"""A search for combinations of few freedoms that make a design valid: rays in force space, then the full test."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations as choose
 
 import numpy as np
 
-from restshape.guidance.force_space import LONGEST, ForceSpace, combinations
-from restshape.guidance.relinearised import relinearised
+from restshape.guidance.force_space import LONGEST, combinations
+from restshape.guidance.searched import Searched
 from restshape.guidance.whole_way import may_alone, nearest_valid, places_within, stretch
-from restshape.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture
-from restshape.shape.design_modes import DesignModes
-from restshape.shape.planks import Piece
 
 INSIDE = np.array([0.03, 0.15, 0.4, 0.8])
 """Where along the predicted span a combination is tested."""
@@ -34,9 +31,6 @@ COARSE = 5e-3
 FINE = 1e-6
 """How well ends of those are known that are shown."""
 
-FORCELESS = LOST | OVERLAPPING | UNSTABLE
-"""Flaws that are found without an equilibrium."""
-
 REPRESENTED = 0.1
 """Where in its range a suggestion is shown."""
 
@@ -46,17 +40,17 @@ WITHOUT = (0.0, 0.5, 1.0)
 
 @dataclass(frozen=True)
 class Suggestion:
-    """A way to make the piece valid: slide t along a direction.
+    """A way to make a design valid: slide t along a direction.
 
     Args:
         modes: numbers of the modes it combines.
         parts: unit direction in them.
-        direction: (n, 8) change of the design parameters by a unit of t.
+        direction: change of the design parameters by a unit of t.
         t: where it is shown.
         span: range of t around it where the full test holds; one that ends at `LONGEST` may go on.
         outside: invalid parameters next to both ends; the end itself where it may go on.
         words: what each mode does.
-        valid: the full test holds; else the piece is stable, but a joint still breaks.
+        valid: the full test holds; else it does for some flaws only.
     """
 
     modes: tuple[int, ...]
@@ -70,12 +64,8 @@ class Suggestion:
 
     @property
     def gamma(self) -> np.ndarray:
-        """Design parameters (n, 8) of what is shown."""
+        """Change of the design parameters to what is shown."""
         return self.t * self.direction
-
-    def piece(self, furniture: Furniture) -> Piece:
-        """The piece that is shown."""
-        return furniture.moved(self.gamma)
 
     @property
     def beyond(self) -> bool:
@@ -104,34 +94,25 @@ class Limits:
 
 
 class Search:
-    """One search in the force space of a piece.
+    """One search in the force space of a design.
 
     Args:
-        furniture, modes: the piece and what may change.
-        forces: what makes the force space of a piece.
+        searched: the design and what may change.
         wanted: flaws that count.
         limits: how much it may do.
-        alone: numbers of modes whose whole way has been looked along before, for the same flaws.
+        alone: numbers of freedoms whose whole way has been looked along before, for the same flaws.
 
     Attributes:
-        tried: combinations tried of each number of modes.
+        tried: combinations tried of each number of freedoms.
         led: combinations taken up that lead into the box.
         tested, mended: tested in full; directions that were looked for again, and of them `vain` for nothing.
-        simple: single modes hold.
+        simple: single freedoms hold.
     """
 
-    def __init__(
-        self,
-        furniture: Furniture,
-        modes: DesignModes,
-        forces: Callable[[Furniture, DesignModes], ForceSpace],
-        wanted: int,
-        limits: Limits,
-        alone: frozenset[int] = frozenset(),
-    ) -> None:
-        self.furniture, self.modes, self.forces, self.wanted, self.limits = furniture, modes, forces, wanted, limits
-        furniture.test()
-        self.space = forces(furniture, modes)
+    def __init__(self, searched: Searched, wanted: int, limits: Limits, alone: frozenset[int] = frozenset()) -> None:
+        self.searched, self.test, self.modes = searched, searched.test, searched.modes
+        self.wanted, self.limits = wanted, limits
+        self.space = searched.space()
         self.tried: tuple[int, ...] = ()
         self.led = self.tested = self.mended = self.vain = 0
         self.alone, self.simple = alone, False
@@ -157,7 +138,7 @@ class Search:
             self._continue(found, known)
         least = [one for one in found.values() if not any(set(modes) < set(one.modes) for modes in found)]
         order = most_different(*self._numbers(least), shown)
-        places = places_within(self.furniture.count, len(order))
+        places = places_within(self.searched.parts, len(order))
         return [self._finer(least[k], places) for k in order]
 
     def _of(self, rays: list, count: int, most: int, shown: int) -> list[Suggestion]:
@@ -187,11 +168,12 @@ class Search:
         able = may_alone(self.space)
         left = [k for k in able if k not in self.alone and (k,) not in found and (k,) not in known]
         self.alone |= able.keys()
-        flaws = int(self.furniture.kernel.scan(np.zeros((self.furniture.count, 8)), np.zeros(1), self.wanted)[0][0])
+        still = self.modes.direction(np.zeros(0, dtype=int), np.zeros(0))
+        flaws = int(self.test.scan(still, np.zeros(1), self.wanted)[0][0])
         for k in left:
             mode = np.array([k])
             direction = self.modes.direction(mode, np.ones(1))
-            pair = nearest_valid(self.furniture, direction, able[k], flaws, self.wanted)
+            pair = nearest_valid(self.test, direction, able[k], flaws, self.wanted)
             if pair:
                 bad, good = map(abs, pair)
                 one = self.confirmed(mode, np.sign(pair[1:]), np.array([good, good]), (bad, good))
@@ -240,7 +222,7 @@ class Search:
         if self.vain >= self.limits.mended - self.simple:
             return None
         self.mended += 1
-        end = relinearised(self.furniture, self.modes, modes, float(span[0]) * parts, self.wanted)
+        end = self.searched.relinearised(modes, float(span[0]) * parts, self.wanted)
         one = None if end is None else self._to(modes, end)
         self.vain += one is None
         return one
@@ -264,13 +246,8 @@ class Search:
 
     def _onward(self, modes: np.ndarray, start: np.ndarray, barred: Sequence[tuple[int, ...]]) -> list:
         """A mode and one more, with how far (2,) to go in both, by derivatives where the first has gone."""
-        gamma = self.modes.direction(modes, start)
-        if self.furniture.test(gamma, LOST | OVERLAPPING).flaws & (LOST | OVERLAPPING):
-            return []
-        moved = Furniture(self.furniture.moved(gamma), self.furniture.compliance)
-        moved.test()
-        space = self.forces(moved, self.modes.after(gamma, moved.piece))
-        if not np.isfinite(space.K).all():
+        space = self.searched.space_after(self.modes.direction(modes, start))
+        if space is None or not np.isfinite(space.K).all():
             return []
         # What works with the first mode, or alone, has been found.
         rest = [set(one) - {int(modes[0])} for one in barred]
@@ -312,7 +289,7 @@ class Search:
                 return None
         t = np.unique(np.concatenate([known, enters + INSIDE * (leaves - enters), enters * BEYOND]))
         t = np.concatenate([[0.0], t[(t > 0.0) & (t <= LONGEST)]])
-        # The piece as it is has a flaw that is wanted away.
+        # The design as it is has a flaw that is wanted away.
         first = next((k for k in range(1, len(t)) if self._good(direction, t[k : k + 1])[0]), 0)
         if not first:
             return None
@@ -332,7 +309,7 @@ class Search:
 
     def _finer(self, one: Suggestion, places: int) -> Suggestion:
         """The same with its range looked at more closely, and the ends of that as they are shown."""
-        span, bad = stretch(self.furniture, one.direction, one.span, one.t, self.wanted, places)
+        span, bad = stretch(self.test, one.direction, one.span, one.t, self.wanted, places)
         outside = tuple(out if cut is None else cut for out, cut in zip(one.outside, bad))
         one = replace(one, span=span, outside=(outside[0], outside[1]))
         if all(abs(end - out) <= FINE for end, out in zip(one.span, one.outside)):
@@ -345,26 +322,26 @@ class Search:
         """The last valid and the first invalid parameter between a valid and an invalid one, or those if they agree.
 
         If what is wrong beyond needs no forces, that alone is bisected, for the full test takes long just before a
-        piece falls. The piece must hold at the end that is found, or where a bracket is narrow already half way to it.
+        design fails. It must hold at the end that is found, or where a bracket is narrow already half way to it.
         """
         if abs(bad - good) <= tolerance:
             return good, bad
         if abs(bad - good) > COARSE > tolerance:
             good, bad = self._end(direction, good, bad, COARSE)
-        flaws = int(self.furniture.kernel.scan(direction, np.array([bad]), FORCELESS & self.wanted)[0][0])
+        flaws = int(self.test.scan(direction, np.array([bad]), self.searched.forceless & self.wanted)[0][0])
         if flaws:
-            ends = self.furniture.kernel.bisect(direction, good, bad, tolerance, flaws)[:2]
+            ends = self.test.bisect(direction, good, bad, tolerance, flaws)[:2]
             place = ends[0] if abs(bad - good) > COARSE else 0.5 * (good + ends[0])
             if self._good(direction, np.array([place]))[0]:
                 return ends
-        return self.furniture.kernel.bisect(direction, good, bad, tolerance, self.wanted)[:2]
+        return self.test.bisect(direction, good, bad, tolerance, self.wanted)[:2]
 
     def _shown(self, direction: np.ndarray, span: tuple[float, float], tested: float) -> float:
         t = span[0] + REPRESENTED * (span[1] - span[0])
         return t if self._good(direction, np.array([t]))[0] else tested
 
     def _good(self, direction: np.ndarray, t: np.ndarray) -> np.ndarray:
-        return self.furniture.kernel.scan(direction, t, self.wanted)[0] == 0
+        return self.test.scan(direction, t, self.wanted)[0] == 0
 
 
 def most_different(vectors: np.ndarray, widths: np.ndarray, count: int) -> list[int]:

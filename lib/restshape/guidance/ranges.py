@@ -5,17 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.guidance.force_space import ForceSpace
-from restshape.physics.furniture import ALL, Furniture
+from restshape.guidance.full_test import EVERY_FLAW, FullTest
 
 SAMPLES = 192
-"""Tests over the way that is looked at: apart by less than planks are thick, which must not go through one another."""
+"""Tests over the way that is looked at: apart by less than parts are thick, which must not go through one another."""
 AROUND = 0.02
 """How far on both sides of a predicted end samples are put, in parts of its distance."""
 
 
 @dataclass(frozen=True)
 class Ranges:
-    """Where a piece is valid along a direction.
+    """Where a design is valid along a direction.
 
     Args:
         intervals: (k, 2) from and to; an end that is one of the limits is open.
@@ -44,20 +44,20 @@ def predicted_ends(space: ForceSpace, direction: np.ndarray) -> np.ndarray:
 
 
 def valid_ranges(
-    furniture: Furniture,
+    test: FullTest,
     direction: np.ndarray,
     low: float,
     high: float,
     hints: np.ndarray | None = None,
     samples: int = SAMPLES,
     tolerance: float = 1e-6,
-    wanted: int = ALL,
+    wanted: int = EVERY_FLAW,
 ) -> Ranges:
-    """Where the piece is valid for design parameters t times `direction`, low <= t <= high.
+    """Where a design is valid for design parameters t times `direction`, low <= t <= high.
 
     Args:
-        furniture: its piece is that of t = 0.
-        direction: (n, 8) change of the design parameters by a unit of t.
+        test: of the design at t = 0.
+        direction: change of the design parameters by a unit of t.
         hints: parameters where an end is expected, such as `predicted_ends`.
         samples: evenly spaced, besides 0 and those around hints.
         tolerance: of an end, in parts of the whole of `low` to `high`.
@@ -69,13 +69,13 @@ def valid_ranges(
         places += [near * (1.0 - AROUND), near * (1.0 + AROUND)]
     t = np.unique(np.concatenate(places))
     t = t[(t >= low) & (t <= high)]
-    flaws = furniture.kernel.scan(direction, t, wanted)[0]
+    flaws = test.scan(direction, t, wanted)[0]
     good = flaws == 0
     turns = np.flatnonzero(good[1:] != good[:-1])
     ends, tests = [], len(t)
     for k in turns:
         bracket = (t[k], t[k + 1]) if good[k] else (t[k + 1], t[k])
-        end, _, more = furniture.kernel.bisect(direction, *bracket, tolerance * (high - low), wanted)
+        end, _, more = test.bisect(direction, *bracket, tolerance * (high - low), wanted)
         ends, tests = [*ends, end], tests + more
     marks = np.concatenate([[low] if good[0] else [], ends, [high] if good[-1] else []])
     return Ranges(marks.reshape(-1, 2), t, flaws, tests)

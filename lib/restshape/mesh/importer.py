@@ -91,6 +91,8 @@ def _read(path: Path) -> meshio.Mesh:
     # meshio waits for ever for the first card of a deck without any.
     if kind == "nastran" and not has_grid(path):
         raise UserError("there is no GRID card after BEGIN BULK", str(path), "export the nodes too")
+    if kind == "abaqus":
+        _refuse_includes(path)
     for name, shape in PLANE_ELEMENTS.items():
         abaqus_to_meshio_type.setdefault(name, shape)
     # meshio prints why it fails before it leaves.
@@ -102,6 +104,15 @@ def _read(path: Path) -> meshio.Mesh:
         reason = printed.getvalue() if isinstance(failure, SystemExit) else str(failure)
         why = f" ({reason.strip().splitlines()[0]})" if reason.strip() else ""
         raise UserError(f"this is no {kind} mesh that can be read{why}", str(path), "export it again") from None
+
+
+def _refuse_includes(path: Path) -> None:
+    """Refuses a deck that reads other files, which no scene has named."""
+    with path.open(encoding="utf-8", errors="replace") as lines:
+        for number, line in enumerate(lines, start=1):
+            if line.lstrip().upper().startswith("*INCLUDE"):
+                what = "*INCLUDE reads another file, which is not done"
+                raise UserError(what, f"{path} (line {number})", "put all of the mesh into one file")
 
 
 def _triangles(read: meshio.Mesh, path: Path, unit: float) -> Triangles:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
@@ -11,6 +10,7 @@ import gmsh
 import numpy as np
 
 from restshape.errors import ReplayProblem
+from restshape.surroundings import start_gmsh
 
 OPTIONS = {
     "General.Terminal": 0,
@@ -36,10 +36,7 @@ TRIANGLE = 2
 @contextmanager
 def model() -> Iterator[None]:
     """An empty gmsh model, removed at the end; gmsh itself stays, for starting it costs more than a mesh."""
-    if not gmsh.isInitialized():
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
-        # gmsh lets a broken pipe kill the process, and with it the message of what went wrong.
-        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    start_gmsh()
     for key, value in OPTIONS.items():
         gmsh.option.setNumber(key, value)
     gmsh.model.add("restshape")

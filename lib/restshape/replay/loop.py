@@ -81,7 +81,7 @@ class Replay:
         self.expected: Any = None
         self.estimating = True
         self.limits = limits_of(scene.quantities)
-        self.kinds = {name: quantity.kind for name, quantity in scene.quantities.items()}
+        self.dimensions = {name: quantity.dimension for name, quantity in scene.quantities.items()}
         self.row: dict[str, Any] = {}
 
     @classmethod
@@ -171,25 +171,27 @@ class Replay:
             "elements": len((self.analysis.space if self.known else self.moving.mesh).cells),
             "note": self.prediction.note if self.prediction else "",
             "verdict": verdict(self.limits, quantities),
-            "broken": "; ".join(breaches(self.limits, quantities, self.kinds)) if quantities else "",
+            "broken": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
             **{f"q_{name}": value for name, value in quantities.items()},
         }
 
     def _solve(self, edit: EditFrame, advance: Advance, solved: bool) -> LinearReport:
         """Solve a frame; `solved` tells whether the one before was."""
         mesh, hand = self.moving.field_mesh, (edit.gesture, tuple(edit.c))
-        reseats = self.analysis.space.reseats if self.analysis.space else ()
+        interpolations = self.analysis.space.interpolations if self.analysis.space else ()
         # Flips of a frame that failed are not known any more.
         changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
         if self.prediction:
             self.prediction.start(edit)
         # On a new mesh, or one whose middle nodes have gone elsewhere, nothing is left to compare with.
-        stays = advance.level < 3 and advance.old_mesh is None and not reseats
+        stays = advance.level < 3 and advance.old_mesh is None and not interpolations
         self.expected = self.prediction.predicted if self.prediction and stays else None
-        report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand, reseats, edit.settled))
+        report = self.analysis.solve(
+            Frame(mesh, changed, advance.old_mesh, edit.scene, hand, interpolations, edit.settled)
+        )
         self.solved = self.known = True
-        if mesh.reseats:
-            mesh.reseats = ()
+        if mesh.interpolations:
+            mesh.interpolations = ()
         if self.prediction:
             found = report.iterations or report.refreshed
             idle = edit.change == "none" and not (self.prediction.shown or found)
@@ -237,10 +239,10 @@ class Replay:
         return found
 
     def _set_up(self, scene: Scene, script: Script, application: Application) -> tuple[Any, Any]:
-        """The session, and what follows its shapes: a mesh, or planks, which have none."""
+        """The session, and what follows its shapes: a mesh, or models of the session's own."""
         imported, outline = self._imported(scene)
         session = session_of(scene, script, outline)
-        if application.planks:
+        if application.session:
             return session, session.models()
         moving = MovingMesh(
             session.outline,

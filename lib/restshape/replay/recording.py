@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.replay.containment import refuse_other_files
 from restshape.replay.vtkhdf import FORMAT, PARTS, checksum
 
 _ATTEMPTS, _PAUSE = 20, 0.05
@@ -45,7 +46,11 @@ class Recording:
         self.path = Path(path)
         self._file = self._open()
         try:
+            refuse_other_files(self._file, self.path)
             self._read_frame_index()
+        except UserError:
+            self._file.close()
+            raise
         except (KeyError, OSError, ValueError) as error:
             self._file.close()
             what = f"this is no recording, or it is damaged ({error})"

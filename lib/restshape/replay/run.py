@@ -21,6 +21,7 @@ from restshape.replay.request import Request
 from restshape.replay.summary import summarise
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
+from restshape.surroundings import petsc_options
 
 
 def run_replay(
@@ -46,7 +47,8 @@ def run_replay(
     first = comm.rank == 0
     replay = _replay(request, recorder)
     if recorder:
-        recorder.add_header({"ranks": comm.size, "petsc": list(PETSc.Sys.getVersion())})
+        version = list(PETSc.Sys.getVersion())
+        recorder.add_header({"ranks": comm.size, "petsc": version, "petsc_in_effect": petsc_options()})
     check = Parity(replay) if parity else None
     rows, interrupted = [], False
     names = list(columns(list(request.scene.quantities), request.application.own_columns(request.scene)))
@@ -65,6 +67,8 @@ def run_replay(
                 raise
             interrupted = True
     summary = summarise(rows, request.policy.name, comm.size, replay.analysis.estimated) | {"interrupted": interrupted}
+    if request.application.report:
+        summary |= request.application.report.summarised(rows)
     if check:
         summary["parity"] = check.summary()
     return summary

@@ -1,15 +1,14 @@
-"""The session of a script: of a shape with an outline, or of planks."""
-
-from typing import Any
+"""The session of a script: of a shape with an outline, or of the application's own kind."""
 
 from restshape.application import application as application_named
 from restshape.scene.model import Scene
 from restshape.scene.script import Script
 from restshape.shape.outline import Outline
+from restshape.shape.protocol import Session
 from restshape.shape.session import EditSession
 
 
-def session_of(scene: Scene, script: Script, outline: Outline | None = None) -> Any:
+def session_of(scene: Scene, script: Script, outline: Outline | None = None) -> Session:
     """The session that turns a script's events into frames.
 
     Args:
@@ -18,9 +17,9 @@ def session_of(scene: Scene, script: Script, outline: Outline | None = None) -> 
         outline: the shape, when it does not come from the scene (imported meshes).
 
     Raises:
-        UserError: the scene's shape, or its piece, is not valid.
+        UserError: what the scene starts from is not valid.
     """
     application = application_named(scene.app)
-    if application.planks:
+    if application.session:
         return application.make_session()(scene, script, application)
     return EditSession(scene, script, outline=outline)

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from restshape.replay.columns import STAGES
-from restshape.replay.guided import guidance, is_guided
 from restshape.replay.verdict import counted
 
 
@@ -97,6 +96,5 @@ def summarise(rows: list[dict[str, Any]], policy: str, ranks: int, estimated: st
             key[2:]: [known(row[key]) for row in rows] for key in (rows[0] if rows else {}) if key.startswith("q_")
         },
         **({"rest": rested} if (rested := rest(rows)) else {}),
-        **({"guidance": guidance(rows)} if rows and is_guided(rows[0]) else {}),
         "rows": rows,
     }

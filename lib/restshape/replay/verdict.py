@@ -40,19 +40,20 @@ def broken(limits: Limits, quantities: Mapping[str, float]) -> list[str]:
     return [name for name, (least, most) in limits.items() if quantities[name] < least or quantities[name] > most]
 
 
-def breaches(limits: Limits, quantities: Mapping[str, float], kinds: Mapping[str, str]) -> list[str]:
+def breaches(limits: Limits, quantities: Mapping[str, float], dimensions: Mapping[str, str]) -> list[str]:
     """What each quantity beyond its limits is, and what it may be, such as ``sag is 3.2 mm, at most 3 mm``.
 
     Args:
         limits, quantities: as in `verdict`.
-        kinds: of the quantities, by name.
+        dimensions: of the quantities, by name.
     """
     told = []
     for name in broken(limits, quantities):
         least, most = limits[name]
         word, bound = ("at least", least) if quantities[name] < least else ("at most", most)
         # As many digits as tell the two apart.
-        texts = ((with_unit(kinds[name], quantities[name], n), with_unit(kinds[name], bound, n)) for n in (4, 8, 16))
+        of = dimensions[name]
+        texts = ((with_unit(of, quantities[name], n), with_unit(of, bound, n)) for n in (4, 8, 16))
         value, limit = next((pair for pair in texts if pair[0] != pair[1]), (quantities[name], bound))
         told.append(f"{name} is {value}, {word} {limit}")
     return told

@@ -161,7 +161,7 @@ class VtkHdfWriter:
     def _write_header(self) -> None:
         if "header" in self.own:
             del self.own["header"]
-        # The order of tables tells the order of what is in them, such as planks.
+        # The order of tables tells the order of what is in them.
         text = json.dumps(self._header, allow_nan=False).encode()
         self.own.create_dataset("header", data=np.frombuffer(text, dtype="u1"))
 

@@ -1,7 +1,6 @@
 """What a recording says in numbers: time a level, quantities; and tables in Markdown."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -134,21 +133,6 @@ def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], right:
     rules = ["---:" if name in right else "---" for name in columns]
     lines = [_line(columns), _line(rules), *(_line([_cell(value) for value in row]) for row in rows)]
     return "\n".join(lines) + "\n"
-
-
-def thesis_table(rows: Iterable[Mapping[str, Any]]) -> str:
-    """Markdown: a section a table of the thesis, its numbers beside ours.
-
-    Args:
-        rows: dicts with table ("4.2"), row, quantity, thesis, ours, unit; rows of one table follow each other.
-    """
-    names = ("row", "quantity", "thesis", "ours", "unit")
-    sections = []
-    for table, members in groupby(rows, key=lambda row: str(row["table"])):
-        cells = [[member.get(name) for name in names] for member in members]
-        heading = table.capitalize() if table.startswith("figure") else f"Table {table}"
-        sections.append(f"## {heading}\n\n{markdown_table(names, cells, right=('thesis', 'ours'))}")
-    return "\n".join(sections)
 
 
 def _line(cells: Sequence[str]) -> str:

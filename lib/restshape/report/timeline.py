@@ -6,7 +6,6 @@ from textwrap import shorten
 import numpy as np
 from matplotlib.axes import Axes
 
-from restshape.replay.guided import is_guided
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, RESTLESS, VALUES, new_figure
@@ -16,25 +15,24 @@ NARROW, WIDE = 5.0, 100.0
 """Below the first ratio of the times their axis is linear, from the second on decades alone have labels."""
 
 
-def draw_timeline(recording: Recording, path: Path) -> None:
-    """Writes the picture as a PNG."""
+def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> None:
+    """Writes the picture as a PNG, with a panel of iterations where the solver iterates."""
     figure = new_figure(10.0, 5.2)
-    # Forces of planks are solved for directly.
-    shown = (1, 2) if is_guided(recording.table) else (1, 2, 1.4)
+    shown = (1, 2, 1.4) if iterations else (1, 2)
     panels = figure.subplots(len(shown), 1, sharex=True, height_ratios=shown)
     levels, times = panels[:2]
     frames = np.arange(recording.n)
     level = np.nan_to_num(column(recording, "level")).astype(int)
     stopped, ahead = refused(recording), predicted(recording)
     restless = column(recording, "at_rest", 1.0) == 0
-    ms, iterations = column(recording, "ms"), column(recording, "iterations")
+    ms, counts = column(recording, "ms"), column(recording, "iterations")
     kind = np.where(with_values(recording), VALUES, level)
     for k in (k for k in LEVELS if k in kind):
         look = {"linestyle": "none", "marker": LEVEL_MARKS[k], "color": LEVELS[k], "markersize": 3.5}
         levels.plot([], [], label=LEVEL_NAMES[k], **look)
         # Hollow where nothing was solved.
         for chosen, fill in ((kind == k) & ~ahead, LEVELS[k]), ((kind == k) & ahead, "white"):
-            for axes, values in zip(panels, (level, ms, iterations)):
+            for axes, values in zip(panels, (level, ms, counts)):
                 axes.plot(frames[chosen], values[chosen], markerfacecolor=fill, **look)
     for axes in panels:
         axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
@@ -44,7 +42,7 @@ def draw_timeline(recording: Recording, path: Path) -> None:
     levels.set(ylabel="level", yticks=(0, 1, 2, 3), ylim=(-0.5, 3.5))
     _scale_times(times, ms)
     if len(panels) == 3:
-        most = max(1.0, np.nanmax(iterations, initial=1.0))
+        most = max(1.0, np.nanmax(counts, initial=1.0))
         panels[2].set(ylabel="iterations", ylim=(-0.06 * most, 1.15 * most))
         panels[2].yaxis.get_major_locator().set_params(integer=True)
     panels[-1].set_xlabel("frame")

@@ -1,13 +1,15 @@
 """What models alone cannot check in a scene: names that refer to each other, coverage, sense."""
 
+import os.path
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from restshape.application import Application
 from restshape.scene.cloth_checks import check_cloth, formulas_of_bodies
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
-from restshape.scene.furniture_checks import check_furniture, refuse_furniture
 from restshape.scene.model import EdgeLoop, Load, Scene
+from restshape.scene.permits import may_name
 from restshape.scene.source import Source, suggestion
 
 ALONG = ("edge", "hole", "region", "outline", "group")
@@ -25,11 +27,19 @@ def check_scene(scene: Scene, application: Application, source: Source) -> None:
     Raises:
         UserError: the first thing that makes no sense.
     """
-    if application.planks:
+    if application.session:
         _check_parameters(scene, source)
-        check_furniture(scene, source)
-        return
-    refuse_furniture(scene, application, source)
+    else:
+        _check_shaped(scene, application, source)
+    if application.scene and application.scene.check:
+        application.scene.check(scene, source)
+
+
+def _check_shaped(scene: Scene, application: Application, source: Source) -> None:
+    """Checks a scene with an outline and a mesh."""
+    for key in ("material", "mesh"):
+        if key not in scene.model_fields_set:
+            raise source.error((key,), f"the key {key!r} is missing", "add it")
     _check_names(scene, source)
     _check_shape(scene, source)
     _check_parameters(scene, source)
@@ -56,13 +66,27 @@ def _check_names(scene: Scene, source: Source) -> None:
             taken[name] = f"the {kind} shape.{key}.{name}"
 
 
+def _check_file(key: tuple[str, str], file: str, source: Source) -> None:
+    """Refuses a file that is not there, or that the scene may not name."""
+    if source.recorded:
+        what, do = f"the recording names the file {file!r}, and no file but the recording is read", "replay its scene"
+        raise source.error(key, what, do)
+    path = source.path.parent / file
+    if file not in source.named and not may_name(path, source.path.parent):
+        link = " through a link" if Path(os.path.abspath(path)).is_relative_to(source.path.parent.absolute()) else ""
+        what = f"the file {file!r} lies outside of the scene's folder{link}"
+        do = f"put it beside the scene, or allow its folder: --allow-path {path.resolve().parent}"
+        raise source.error(key, what, do)
+    if not path.is_file():
+        raise source.error(key, f"there is no file {str(path)!r}", "paths are relative to the scene's folder")
+
+
 def _check_shape(scene: Scene, source: Source) -> None:
     """Refuses a shape that is missing, or edges and loops of things that are not there."""
     shape = scene.shape
     for key, file in (("shape", shape.file), ("mesh", scene.mesh.file)):
-        if file and not (path := source.path.parent / file).is_file():
-            do = "paths are relative to the scene's folder"
-            raise source.error((key, "file"), f"there is no file {str(path)!r}", do)
+        if file:
+            _check_file((key, "file"), file, source)
     if scene.mesh.file:
         if shape.outline or shape.file:
             raise source.error(("mesh", "file"), "the scene has a shape and a mesh file", "keep one of the two")

@@ -12,14 +12,15 @@ from restshape.application import Application, application
 from restshape.errors import UserError
 from restshape.scene.checks import check_scene
 from restshape.scene.dimensions import check_units
+from restshape.scene.foreign import refuse_foreign
 from restshape.scene.model import FORMAT, VERSION, Scene
 from restshape.scene.plan import plan
 from restshape.scene.problems import user_error
+from restshape.scene.registered import extended_applications
 from restshape.scene.source import Source, read_text, split_key, suggestion
 
-NAMED = ("parameters", "material", "supports", "loads", "bodies", "goal", "planks", "weights", "pushes", "quantities")
+NAMED = ("parameters", "material", "supports", "loads", "bodies", "goal", "quantities")
 NAMED_OF_SHAPE = ("vertices", "edges", "holes", "regions", "points", "groups")
-NAMED_TABLES = (*((key,) for key in NAMED), *(("shape", key) for key in NAMED_OF_SHAPE))
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
@@ -39,12 +40,14 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     except tomllib.TOMLDecodeError as error:
         raise _syntax_error(error, path) from error
     _check_format(raw, path)
-    keys = []
+    keys, named = [], []
     for override in overrides:
         key, value = parse_override(override)
         put(raw, key, value, f"--set {override}")
         keys.append(key)
-    return _scene(raw, Source(path, text, tuple(keys)))
+        if key[1:] == ("file",):
+            named.append(str(value))
+    return _scene(raw, Source(path, text, tuple(keys), tuple(named)))
 
 
 def recorded_scene(raw: dict[str, Any], path: Path) -> Scene:
@@ -52,13 +55,13 @@ def recorded_scene(raw: dict[str, Any], path: Path) -> Scene:
 
     Args:
         raw: as `Scene.raw` gave them.
-        path: for messages; files that the scene names are looked for beside it.
+        path: for messages.
 
     Raises:
-        UserError: they make no scene.
+        UserError: they make no scene, or name a file.
     """
     _check_format(raw, path)
-    return _scene(raw, Source(path, "", ()))
+    return _scene(raw, Source(path, recorded=True))
 
 
 def revise(scene: Scene, key: str, value: Any) -> Scene:
@@ -76,7 +79,7 @@ def revise(scene: Scene, key: str, value: Any) -> Scene:
     raw = _branched(scene.raw, parts)
     put(raw, parts, value, f"set {key}")
     revised = _scene(raw, scene._source.overriding(parts))
-    shared = {name: getattr(scene, name) for name in Scene.model_fields if name != parts[0]}
+    shared = {name: getattr(scene, name) for name in type(scene).model_fields if name != parts[0]}
     if revised.mesh.order != scene.mesh.order:
         # The change makes the plan decide on another order.
         shared.pop("mesh", None)
@@ -133,6 +136,7 @@ def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str) -> No
     if not key:
         raise UserError("there is no key", where, "write a dotted key such as material.steel.E")
     here: Any = raw
+    tables = _named_tables()
     for depth, part in enumerate(key):
         last = depth == len(key) - 1
         if isinstance(here, list):
@@ -146,12 +150,19 @@ def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str) -> No
             raise UserError(
                 f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
             )
-        elif key[:depth] in NAMED_TABLES and part not in here:
+        elif key[:depth] in tables and part not in here:
             raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, suggestion(part, sorted(here)))
         if last:
             here[part] = value
         else:
             here = here[part] if isinstance(here, list) else here.setdefault(part, {})
+
+
+def _named_tables() -> set[tuple[str, ...]]:
+    """Keys of tables whose own keys are names that a scene gives."""
+    extensions = [app.scene for app in extended_applications().values()]
+    added = (key for extension in extensions for key, section in extension.sections.items() if section.named)
+    return {*((key,) for key in (*NAMED, *added)), *(("shape", key) for key in NAMED_OF_SHAPE)}
 
 
 def _syntax_error(error: tomllib.TOMLDecodeError, path: Path) -> UserError:
@@ -177,11 +188,16 @@ def _check_format(raw: dict[str, Any], path: Path) -> None:
 
 def _scene(raw: dict[str, Any], source: Source) -> Scene:
     """The validated scene of plain tables."""
+    # Which tables there may be is known from the application, where the scene names one.
+    named = raw.get("app")
+    app = application(named, f"{source.path.name}: app") if isinstance(named, str) else None
+    if app:
+        refuse_foreign(raw, app, source)
+    kind = app.scene.scene_type if app and app.scene else Scene
     try:
-        scene = Scene.model_validate(raw)
+        scene = kind.model_validate(raw)
     except ValidationError as error:
-        raise user_error(error, source, Scene) from error
-    app = application(scene.app, f"{source.path.name}: app")
+        raise user_error(error, source, kind) from error
     effects = {}
     for name, settings in scene.effects.items():
         if name not in app.effects:

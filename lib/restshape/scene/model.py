@@ -18,7 +18,6 @@ from pydantic import (
 from restshape.errors import UserError
 from restshape.scene.bodies import Body, Start
 from restshape.scene.expressions import Expression, Value
-from restshape.scene.furniture import Fastening, Floor, Joints, PlankSpec, PushSpec, WeightSpec, Wood
 from restshape.scene.materials import NAMES, named
 from restshape.scene.quantity import Quantity
 from restshape.scene.source import Source, split_key
@@ -384,7 +383,7 @@ class Goal(Strict):
 class Scene(Strict):
     """A whole scene: object, material, effects, supports, loads, mesh, solution and what is observed.
 
-    Furniture has planks in place of a shape, and no mesh.
+    Applications add tables of their own: `scene.extension.SceneExtension`.
     """
 
     format: Literal["restshape-scene"]
@@ -400,13 +399,6 @@ class Scene(Strict):
     bodies: dict[Name, Body] = {}
     start: Start | None = None
     goal: dict[Name, Goal] = {}
-    wood: Wood = Wood()
-    fastener: Fastening = Fastening()
-    planks: dict[Name, PlankSpec] = {}
-    joints: Joints = Joints()
-    floor: Floor = Floor()
-    weights: dict[Name, WeightSpec] = {}
-    pushes: dict[Name, PushSpec] = {}
     mesh: MeshSpec = MeshSpec()
     solve: SolveSpec = SolveSpec()
     quantities: dict[Name, Quantity] = {}
@@ -423,6 +415,11 @@ class Scene(Strict):
     def raw(self) -> dict[str, Any]:
         """The plain tables that the scene was built from, overrides included."""
         return self._raw
+
+    @property
+    def sections(self) -> dict[str, Any]:
+        """The tables that the scene's application adds, by key, with defaults filled in."""
+        return {key: getattr(self, key) for key in type(self).model_fields if key not in Scene.model_fields}
 
     @property
     def folder(self) -> Path:

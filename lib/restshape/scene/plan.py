@@ -85,7 +85,8 @@ def plan(scene: Scene, application: Application) -> Plan:
         tolerances += [decision.tolerance] if decision.tolerance is not None else []
     on = frozenset(effect.name for effect in planned if effect.on)
     implied = tuple(_implied(name, effect, scene, on) for name, effect in application.implied.items())
-    solver = solver_plan(scene, on, {effect.name: effect.settings for effect in planned})
+    planner = application.own_solver() or solver_plan
+    solver = planner(scene, on, {effect.name: effect.settings for effect in planned})
     usual = (application.orders[0], f"the usual one of {application.name}")
     order, order_why = next((asked for asked in orders if asked[0] in application.orders), usual)
     tolerance = min(tolerances, default=None)

@@ -8,12 +8,11 @@ from typing import Annotated, Any, Literal, NoReturn, Self, get_args
 
 from pydantic import Field, ValidationError, model_validator
 
-from restshape.application import application
+from restshape.application import Application, application
 from restshape.errors import UserError
 from restshape.scene.bodies import POINTS, Body
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
-from restshape.scene.plank_events import PLANK_EVENTS
 from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, suggestion
 from restshape.scene.units import article, length_unit
@@ -191,6 +190,8 @@ Event = Annotated[
 EVENTS: dict[str, type[EventLine]] = {
     model.model_fields["do"].annotation.__args__[0]: model for model in get_args(get_args(Event)[0])
 }
+PLAIN_EVENTS: dict[str, type[EventLine]] = {"idle": Idle, "analyse": Analyse, "undo": Undo, "redo": Redo}
+"""Events that every session has."""
 TAKING_HOLD = ("press", "pull")
 HELD = ("drag", "release", "idle", "set", "analyse")
 """What may happen while the hand holds something."""
@@ -245,9 +246,9 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
     lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if line.strip()]
     if not lines:
         raise UserError("the edit script is empty", path.name, _first_line())
-    planks = scene is not None and application(scene.app).planks
+    known = EVENTS if scene is None else events_of(application(scene.app))
     bodies = scene.bodies if scene is not None else {}
-    reader = _Reader(path, text.endswith("\n"), lines[-1][0], PLANK_EVENTS if planks else EVENTS, bodies)
+    reader = _Reader(path, text.endswith("\n"), lines[-1][0], known, bodies)
     header = reader.header(*lines[0])
     _check_analysis(header, scene, path, lines[0][0])
     try:
@@ -260,6 +261,16 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
             raise
         reader.error = error
     return Script(header, tuple(reader.events), reader.torn, reader.error, _warnings(header, scene), path)
+
+
+def events_of(application: Application) -> dict[str, type[EventLine]]:
+    """The events of an application's edit scripts: its own, and those of shapes unless it has sessions of its own."""
+    return {**(application.scene.events if application.scene else {}), **shared_events(application)}
+
+
+def shared_events(application: Application) -> dict[str, type[EventLine]]:
+    """The events of its edit scripts that other applications have too."""
+    return PLAIN_EVENTS if application.session else EVENTS
 
 
 def _first_line() -> str:

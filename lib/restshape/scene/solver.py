@@ -52,8 +52,6 @@ def solver_plan(scene: Scene, on: On, settings: dict[str, Any]) -> SolverPlan:
     """The plan of a scene whose effects `on` are simulated, with the settings of each by name."""
     if "modal" in on:
         return _vibrations(settings["modal"])
-    if "nails" in on:
-        return _furniture()
     if "cloth" in on:
         return _drape(settings["drape"])
     moving = "dynamics" in on
@@ -97,14 +95,6 @@ def _vibrations(modal: Any) -> SolverPlan:
     return SolverPlan(
         "eigenvalues", (system,), f"free vibrations: the {modal.modes} lowest modes of K phi = lambda M phi"
     )
-
-
-def _furniture() -> SolverPlan:
-    """Planks on springs: displacements and forces of joints at once."""
-    why = "forces of joints are unknowns beside displacements: the mixed form stays well conditioned for stiff joints"
-    system = System("Newton's steps", INDEFINITE, "preonly", "lu", why)
-    contacts = "contacts push and rub, and joints turn with their planks"
-    return SolverPlan("nonlinear", (system,), f"{contacts}: Newton's method")
 
 
 def _drape(drape: Any) -> SolverPlan:

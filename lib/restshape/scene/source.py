@@ -56,11 +56,15 @@ class Source:
         path: the file, for messages.
         text: what it holds; empty when the tables did not come from text.
         overridden: dotted keys given on the command line or by an edit, which stand on no line.
+        named: files that the command line names itself, wherever they lie.
+        recorded: the tables come from a recording, which names no file that is read.
     """
 
     path: Path
     text: str = ""
     overridden: tuple[tuple[str, ...], ...] = ()
+    named: tuple[str, ...] = ()
+    recorded: bool = False
     lines: dict[tuple[str, ...], int] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:

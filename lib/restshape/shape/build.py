@@ -2,25 +2,32 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.scene.permits import scripts_trusted
 from restshape.shape.curves import bulge_through
 from restshape.shape.draft import Draft, DraftEdge, add_circle, add_loop, add_polygon
 from restshape.shape.outline import Outline
 from restshape.shape.validity import problem
 
 
-def outline_from_spec(spec: Any, scene_dir: Path) -> Outline:
+def outline_from_spec(spec: Any, scene_dir: Path | str = ".") -> Outline:
     """The outline that a ``ShapeSpec`` describes, in one piece and valid.
 
+    Args:
+        spec: a ``ShapeSpec``, the ``[shape]`` of a scene.
+        scene_dir: folder that ``shape.file`` is relative to.
+
     Raises:
-        UserError: with the key below ``shape`` that is wrong.
+        UserError: open, crossing or degenerate loops, unknown or repeated names, unreadable file; with the key below
+            ``shape`` that is wrong.
     """
-    spec = with_file(spec, scene_dir)
+    spec = with_file(spec, Path(scene_dir))
     if spec.outline is None:
         raise UserError("the shape has no outline", "shape.outline", "list the edges of the outer loop in order")
     draft = Draft(vertices={name: (float(p[0]), float(p[1])) for name, p in spec.vertices.items()})
@@ -52,7 +59,8 @@ def with_file(spec: Any, scene_dir: Path) -> Any:
     from restshape.shape.geo import read_geo
 
     path = Path(spec.file) if Path(spec.file).is_absolute() else scene_dir / spec.file
-    readers = {".dxf": read_dxf, ".geo": read_geo, ".geo_unrolled": read_geo}
+    geo = partial(read_geo, trusted=scripts_trusted())
+    readers = {".dxf": read_dxf, ".geo": geo, ".geo_unrolled": geo}
     if path.suffix.lower() not in readers:
         raise UserError(f"no outline can be read from {path.name}", "shape.file", "use a .dxf or .geo file")
     if not path.is_file():

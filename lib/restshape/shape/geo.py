@@ -2,111 +2,46 @@
 
 from __future__ import annotations
 
-import re
-import signal
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from restshape.errors import UserError
-from restshape.shape.curves import bulge_through
-from restshape.shape.soup import Curve, shape_data
+from restshape.shape.geo_model import curves_of, gmsh_model
+from restshape.shape.geo_process import curves_apart
+from restshape.shape.geo_script import draw
+from restshape.shape.geo_words import MOST_BYTES
+from restshape.shape.soup import shape_data
 
-SPLINE_POINTS = 33
-"""Points that stand for a curve that is neither line nor arc."""
 
-
-def read_geo(path: Path) -> dict[str, Any]:
+def read_geo(path: Path, trusted: bool = False) -> dict[str, Any]:
     """The plain tables of a ``[shape]`` from a Gmsh .geo file in metres, through the gmsh package.
 
     Curves that bound surfaces (all curves where there is no surface) make the loops; the largest is the outline. A loop
     that bounds a surface of its own is a region, any other a hole. Physical Curve and Surface names become names of
     edges, groups and regions. Lines and circle arcs are exact, other curves interpolate 33 points.
 
-    Raises:
-        UserError: unreadable, not in the plane, or open loops.
-    """
-    import gmsh
+    Args:
+        path: the file.
+        trusted: gmsh runs the whole script, in a process of its own; otherwise only statements that draw are read.
 
-    ours = not gmsh.isInitialized()
-    if ours:
-        gmsh.initialize(["-noenv"], readConfigFiles=False, interruptible=False)
-        # gmsh lets a broken pipe kill the process, and with it the message of what went wrong.
-        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
-    quiet = gmsh.option.getNumber("General.Terminal")
-    gmsh.model.add(f"restshape: {path.name}")
-    gmsh.option.setNumber("General.Terminal", 0)
-    try:
-        _open(gmsh, path)
-        soup = _curves(gmsh.model, path.name)
-    finally:
-        gmsh.option.setNumber("General.Terminal", quiet)
-        if ours:
-            gmsh.finalize()
-        else:
-            gmsh.model.remove()
+    Raises:
+        UserError: unreadable, a statement that is not read, not in the plane, or open loops.
+    """
+    if trusted:
+        return shape_data(curves_apart(path), path.name)
+    text = _text(path)
+    with gmsh_model(path) as gmsh:
+        draw(gmsh, text, path.name)
+        soup = curves_of(gmsh.model, path.name)
     return shape_data(soup, path.name)
 
 
-def _open(gmsh: Any, path: Path) -> None:
+def _text(path: Path) -> str:
+    with path.open("rb") as file:
+        data = file.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise UserError(f"the file is longer than {MOST_BYTES} bytes", path.name, "draw less, or mesh it with gmsh")
     try:
-        gmsh.merge(str(path))
-    # gmsh reports every failure as a bare Exception, so nothing narrower can be caught.
-    except Exception as error:
-        raise UserError(f"gmsh cannot read it: {error}", path.name, "try it with gmsh itself") from error
-
-
-def _curves(model: Any, where: str) -> list[Curve]:
-    names = _names(model)
-    surfaces = {s: {abs(c) for _, c in model.getBoundary([(2, s)], oriented=False)} for _, s in model.getEntities(2)}
-    bounding = set().union(*surfaces.values()) if surfaces else {c for _, c in model.getEntities(1)}
-    regions = _regions(surfaces, names)
-    soup = []
-    for tag in sorted(bounding):
-        kind = model.getType(1, tag)
-        low, high = (float(bound[0]) for bound in model.getParametrizationBounds(1, tag))
-        count = {"Line": 2, "Circle": 3}.get(kind, SPLINE_POINTS)
-        xyz = np.array(model.getValue(1, tag, np.linspace(low, high, count))).reshape(-1, 3)
-        if np.abs(xyz[:, 2]).max() > 1e-9 * (np.ptp(xyz) or 1.0):
-            raise UserError(f"curve {tag} does not lie in the plane z = 0", where, "draw in the plane")
-        xy = np.ascontiguousarray(xyz[:, :2])
-        label, region = names.get((1, tag), ""), regions.get(tag)
-        for points, form, bulge in _pieces(kind, xy):
-            soup.append(Curve(points, form, label, bulge, f"curve {tag}", region))
-    return soup
-
-
-def _pieces(kind: str, xy: np.ndarray) -> list[tuple[np.ndarray, str, float]]:
-    if kind == "Line":
-        return [(xy, "line", 0.0)]
-    closed = np.hypot(*(xy[0] - xy[-1])) < 1e-9 * np.ptp(xy)
-    if kind == "Circle" and not closed:
-        return [(xy[[0, 2]], "arc", bulge_through(xy[0], xy[1], xy[2]))]
-    if kind == "Circle":
-        return [(xy[[0, 1]], "arc", 1.0), (xy[[1, 2]], "arc", 1.0)]
-    if closed:
-        half = len(xy) // 2
-        return [(xy[: half + 1], "spline", 0.0), (xy[half:], "spline", 0.0)]
-    return [(xy, "spline", 0.0)]
-
-
-def _names(model: Any) -> dict[tuple[int, int], str]:
-    """Names of Physical groups by (dimension, entity)."""
-    names = {}
-    for dimension, group in model.getPhysicalGroups():
-        name = re.sub(r"[^A-Za-z0-9_-]+", "_", model.getPhysicalName(dimension, group))
-        for tag in model.getEntitiesForPhysicalGroup(dimension, group):
-            if name:
-                names[dimension, int(tag)] = name
-    return names
-
-
-def _regions(surfaces: dict[int, set[int]], names: dict[tuple[int, int], str]) -> dict[int, str]:
-    """Names of regions by curve: surfaces whose whole boundary is also a part of another surface's."""
-    regions = {}
-    for surface, boundary in surfaces.items():
-        if any(boundary < other for tag, other in surfaces.items() if tag != surface):
-            name = names.get((2, surface), f"region{surface}")
-            regions.update(dict.fromkeys(boundary, name))
-    return regions
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise UserError("this is not a text file", path.name, "save it as UTF-8") from error

@@ -6,8 +6,6 @@ import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -117,21 +115,6 @@ class Outline:
     def __init__(self, layout: Layout, points: np.ndarray, bulges: np.ndarray) -> None:
         self.layout, self.points, self.bulges = layout, points, bulges
         self._area: float | None = None
-
-    @classmethod
-    def from_spec(cls, spec: Any, scene_dir: Path | str = ".") -> Outline:
-        """The outline that a scene's ``[shape]`` describes.
-
-        Args:
-            spec: a ``ShapeSpec``.
-            scene_dir: folder that ``shape.file`` is relative to.
-
-        Raises:
-            UserError: open, crossing or degenerate loops, unknown or repeated names, unreadable file.
-        """
-        from restshape.shape.build import outline_from_spec
-
-        return outline_from_spec(spec, Path(scene_dir))
 
     @property
     def vertex_names(self) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""What sessions of shapes and of furniture share: when the frames of a script are, and what can be undone."""
+"""What sessions of all kinds share: when the frames of a script are, and what can be undone."""
 
 from __future__ import annotations
 

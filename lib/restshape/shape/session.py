@@ -17,6 +17,7 @@ from restshape.scene.script import Script
 from restshape.shape import body_hold, surgery
 from restshape.shape import gesture as gestures
 from restshape.shape.body_hold import BodyHold, hold_body
+from restshape.shape.build import outline_from_spec
 from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
 from restshape.shape.handpath import resampled
@@ -75,7 +76,7 @@ class EditSession(ScriptSession):
         self, scene: Scene, script: Script, application: Application | None = None, outline: Outline | None = None
     ) -> None:
         super().__init__(scene, script, application)
-        self.outline = outline if outline is not None else Outline.from_spec(scene.shape, scene.folder)
+        self.outline = outline if outline is not None else outline_from_spec(scene.shape, scene.folder)
         refuse_lost_names(scene, self.outline)
         self._columns = self._application.own_columns(scene)
         self._hold: Hold | BodyHold | None = None

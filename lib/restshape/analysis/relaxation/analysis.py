@@ -1,5 +1,7 @@
 """Cloth that is relaxed, frame after frame, on pattern, factors and positions that are kept."""
 
+# More modules than most have: here all parts of a relaxation meet.
+
 from __future__ import annotations
 
 from dataclasses import replace
@@ -14,18 +16,15 @@ from restshape.analysis.relaxation.binding import bind
 from restshape.analysis.relaxation.comparison import compare_cold
 from restshape.analysis.relaxation.options import RelaxationOptions, Watch
 from restshape.analysis.relaxation.relaxing import relax
-from restshape.analysis.relaxation.row import row_of
+from restshape.analysis.relaxation.row import Row
 from restshape.analysis.relaxation.state import RelaxationState
-from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Fields
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.error_estimate import ClothEstimate
 from restshape.physics.cloth.problem import ClothProblem
-from restshape.scene.body_columns import body_columns
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
-from restshape.scene.plan import plan as planned
 
 
 class RelaxationAnalysis:
@@ -57,7 +56,7 @@ class RelaxationAnalysis:
         self.bound: RelaxationState | None = None
         self.interrupted, self.age = False, 0
         self.watch: Watch = lambda *_: None
-        self._body_columns = list(body_columns(scene.bodies))
+        self._row = Row(scene.bodies)
         self._origin: RelaxationState | None = None
         self._observed: tuple[RelaxationState | None, dict[str, float]] = (None, {})
         self._estimate: ClothEstimate | None = None
@@ -105,9 +104,8 @@ class RelaxationAnalysis:
 
     def _options(self, scene: Scene, new_values: bool) -> RelaxationOptions:
         """How the cloth of a scene is relaxed."""
-        plan = planned(scene, application(scene.app)) if new_values else self.state.plan
-        bodies = tuple(body.settled(scene.parameters) for body in scene.bodies.values())
-        return RelaxationOptions(self.context, plan, scene, bodies, lambda *iterate: self.watch(*iterate))
+        known = None if new_values else self.state.plan
+        return RelaxationOptions.of(self.context, scene, known, lambda *iterate: self.watch(*iterate))
 
     @property
     def _preconditioner(self) -> str:
@@ -148,7 +146,7 @@ class RelaxationAnalysis:
 
     def row(self) -> dict[str, Any]:
         """Columns of the frame's row that only this analysis has."""
-        return row_of(self.state, self._body_columns)
+        return self._row(self.state)
 
     def residual_norm(self) -> float:
         """The residual over the weight; norms at free unknowns."""

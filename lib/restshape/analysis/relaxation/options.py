@@ -13,6 +13,7 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.traits import Traits
 from restshape.analysis.analysis import Context
 from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
+from restshape.application import application
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.scene import ClothArguments, cloth_arguments
@@ -20,6 +21,7 @@ from restshape.physics.cloth.tunnelling import size_of
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
+from restshape.scene.plan import plan as planned
 
 PASSED = 0.5
 """Part of the smallest size of a body that a node goes in one step: it must not come out on the other side."""
@@ -48,6 +50,13 @@ class RelaxationOptions:
     scene: Scene
     bodies: tuple[Body, ...]
     watch: Watch
+
+    @classmethod
+    def of(cls, context: Context, scene: Scene, known: Plan | None, watch: Watch) -> RelaxationOptions:
+        """The options of a scene, whose plan may be known already."""
+        plan = known or planned(scene, application(scene.app))
+        bodies = tuple(body.settled(scene.parameters) for body in scene.bodies.values())
+        return cls(context, plan, scene, bodies, watch)
 
     @property
     def settings(self) -> Any:
@@ -89,8 +98,6 @@ class RelaxationOptions:
         preconditioner = "ilu" if context.policy.name == "thesis" else "cholesky" if small else "sor"
         steps = Steps(FIRST_STEP, reach=self.reach, most=100, preconditioner=preconditioner)
         backend = context.policy.backend
-        solver = EquilibriumSolver(
-            problem, context.comm, context.stages, linear, settings.rest, steps, backend, prefix
-        )
+        solver = EquilibriumSolver(problem, context.comm, context.stages, linear, settings.rest, steps, backend, prefix)
         solver.on_iterate = lambda x, residual: self.watch(solver, x, residual)
         return solver

@@ -2,21 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import compress
 from typing import Any
 
 from restshape.analysis.relaxation.state import RelaxationState
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.tunnelling import penetrations, tunnelling
-from restshape.scene.body_columns import body_row
+from restshape.scene.bodies import Body
+from restshape.scene.body_columns import body_columns, body_row
 from restshape.scene.model import Scene
 
 
-def row_of(state: RelaxationState, body_columns: Sequence[str]) -> dict[str, Any]:
-    """The columns that only cloth has."""
-    report, problem, bodies = state.report, state.problem, state.scene.bodies
-    notes, deepest = [*convergence_notes(state)], 0.0
+class Row:
+    """Makes the columns that only cloth has.
+
+    Args:
+        bodies: of the first scene by name, whose numbers have columns.
+    """
+
+    def __init__(self, bodies: Mapping[str, Body]) -> None:
+        self.body_columns = list(body_columns(bodies))
+
+    def __call__(self, state: RelaxationState) -> dict[str, Any]:
+        """The columns at a state."""
+        bodies, report = state.scene.bodies, state.report
+        notes, deepest = _notes(state)
+        return {
+            "at_rest": int(report.converged),
+            "stable": -1 if report.stable is None else int(report.stable),
+            "steps": report.steps,
+            "factors": report.factors,
+            "dragged": report.slip,
+            "deepest": deepest,
+            "note": "; ".join(notes),
+            **body_row(dict(zip(bodies, state.bodies)), self.body_columns),
+        }
+
+
+def _notes(state: RelaxationState) -> tuple[list[str], float]:
+    """What there is to say of a state, and the depth [m] of the deepest node in a body."""
+    problem, bodies = state.problem, state.scene.bodies
+    notes, deepest = convergence_notes(state), 0.0
     if problem.contact:
         corners, kernels = problem.corners(state.x), problem.contact.bodies
         through = tunnelling(state.bodies, kernels, corners[problem.mesh.cells])
@@ -24,16 +51,7 @@ def row_of(state: RelaxationState, body_columns: Sequence[str]) -> dict[str, Any
         depths = penetrations(kernels, corners)
         deepest = max(depths, default=0.0)
         notes += [*state.notes, *penetration_notes("lies", problem, state.scene, depths)]
-    return {
-        "at_rest": int(report.converged),
-        "stable": -1 if report.stable is None else int(report.stable),
-        "steps": report.steps,
-        "factors": report.factors,
-        "dragged": report.slip,
-        "deepest": deepest,
-        "note": "; ".join(notes),
-        **body_row(dict(zip(bodies, state.bodies)), list(body_columns)),
-    }
+    return notes, deepest
 
 
 def convergence_notes(state: RelaxationState) -> list[str]:

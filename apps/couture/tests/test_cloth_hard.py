@@ -1,0 +1,187 @@
+"""Hard cases of cloth: their own measures can fail, and what a fall, a rest and a small body are told by, by hand."""
+
+import numpy as np
+import pytest
+from cloths import BALL, CONTACT, PIN, cloth, write_cloth
+from petsc4py import PETSc
+from restshape_apps.couture.thin_bodies import BORNE, borne
+from restshape_studies.stability.case import Trial
+from restshape_verification.couture.hard_scenes import (
+    GRAVITY,
+    ball,
+    differenced,
+    floor,
+    pinned,
+    played,
+    resting,
+    square,
+)
+
+from restshape import _kernels
+from restshape.algebra.descent import Descent
+from restshape.application import application
+from restshape.errors import UserError
+from restshape.physics.cloth.contact import Contact
+from restshape.scene.load import load_scene, revise
+from restshape.scene.plan import plan
+
+COUTURE = application("couture")
+BAR = """
+[bodies.bar]
+capsule = { start = [0.2, -0.5, -0.3], end = [0.2, 1.5, -0.3], radius = "4 mm" }
+"""
+
+
+def statements(made, rows):
+    return {s.must: s.holds for s in resting(made, rows)}
+
+
+def test_rest_is_measured_by_what_the_solver_did_not_compute(tmp_path):
+    made, rows = played(Trial(tmp_path), square(0.06, pinned("c", "d")))
+    assert all(statements(made, rows).values())
+    # Where it does not rest differences notice, whatever a row says.
+    corners = made.analysis.problem.corner_number
+    made.analysis.x[corners, 2] += 1e-4 * np.arange(len(corners))
+    found = statements(made, rows)
+    failed = [must for must, holds in found.items() if not holds]
+    assert failed == ["residual by differences of the energy at most 0.00015"]
+    # Every unknown or a few of them tell the same norm.
+    assert differenced(made, most=60) == pytest.approx(differenced(made), rel=0.5)
+
+
+def test_differences_of_the_energy_are_the_residual(tmp_path):
+    made, _ = played(Trial(tmp_path), square(0.06, pinned("c")))
+    made.analysis.x[made.analysis.problem.corner_number, 2] *= 1.01
+    assert differenced(made, most=10**6) == pytest.approx(made.analysis.residual_norm(), rel=1e-5)
+
+
+def test_a_fall_ends_at_once_and_is_told(tmp_path):
+    made, (row,) = played(Trial(tmp_path), square(0.06, ball(1.0, 1.0), CONTACT))
+    assert row["at_rest"] == 0 and row["stable"] == -1 and row["steps"] < 200
+    assert row["note"].startswith("not at rest: residual ") and row["note"].endswith("it falls without end")
+    # In free fall the forces out of balance are the weight.
+    assert made.analysis.residual_norm() == pytest.approx(row["residual"])
+
+
+def test_too_few_steps_are_told(tmp_path):
+    _, (row,) = played(Trial(tmp_path), square(0.03, ball(0.15, 0.15), CONTACT), overrides=["effects.drape.steps=2"])
+    assert row["at_rest"] == 0 and "2 steps are over" in row["note"] and "of the weight" in row["note"]
+
+
+@pytest.mark.parametrize(
+    ("place", "way", "passed"),
+    [
+        ((0.0, 0.0, 1.0), (0, 0, -1), False),  # above the ball
+        ((0.0, 0.0, -1.0), (0, 0, -1), True),  # below it
+        ((0.9, 0.0, 0.5), (0, 0, -1), False),  # beside it, higher: a vertical line misses, but nobody asks for lines
+        ((0.9, 0.0, -0.01), (0, 0, -1), True),  # beside it, lower than its middle
+        ((0.0, 0.0, -0.305), (0, 0, -1), False),  # touching from below
+        ((0.0, 0.0, 1.0), (0, 0, 1), True),  # above it, and rising
+    ],
+)
+def test_what_goes_away_from_a_ball(place, way, passed):
+    contact = Contact([_kernels.Body.sphere((0, 0, 0), 0.3)], np.ones(1), 1e4, 0.01)
+    assert contact.passed(np.array([place]), np.array(way, float)) == passed
+
+
+def test_a_floor_below_is_not_passed_and_a_support_holds(tmp_path):
+    under, beside = np.array([[0, 0, -5.0]]), np.array([0, 0, -9.81])
+    plane = _kernels.Body.plane((0, 0, -6.0), (0, 0, 1))
+    assert not Contact([plane], np.ones(1), 1e4, 0.01).passed(under, beside)
+    made, _ = played(Trial(tmp_path), square(0.06, pinned("c")))
+    sheet = made.analysis.problem
+    assert not sheet.falls(made.analysis.x)
+    sheet.supports.mask[:] = False
+    assert sheet.falls(made.analysis.x)
+    # Held along x alone it falls, for gravity is along z.
+    sheet.supports.mask[:, 0] = True
+    assert sheet.falls(made.analysis.x)
+    sheet.supports.mask[0, 2] = True
+    assert not sheet.falls(made.analysis.x)
+
+
+def test_what_a_small_body_bears(tmp_path):
+    """All of 1 m x 1 m on a ball of 0.5 m: 4 times its weight by area, with half to spare 6; on a bar of 8 mm 187.5."""
+    assert borne(cloth(tmp_path, BALL, CONTACT)) == (BORNE, "")
+    times, why = borne(cloth(tmp_path, BALL, BAR, CONTACT))
+    assert times == pytest.approx(1.5 / 0.008) and "bodies.bar" in why
+    scene = cloth(tmp_path, BALL, CONTACT, overrides=('bodies.ball.sphere.radius="5 cm"',))
+    assert borne(scene)[0] == pytest.approx(1.5 / 0.1**2)
+    boxed = cloth(tmp_path, "[bodies.box]\nbox = { center = [0, 0, -1], half = [0.02, 3, 4] }", CONTACT)
+    assert borne(boxed)[0] == pytest.approx(1.5 / 0.04)
+    plane = cloth(tmp_path, "[bodies.floor]\nplane = { point = [0, 0, -1], normal = [0, 0, 1] }", CONTACT)
+    assert borne(plane) == (BORNE, "")
+    settings = plan(boxed, COUTURE).settings("contact")
+    assert settings.stiffness == pytest.approx(8 * 37.5 * 400 * 0.5e-3 * 9.81 / 2e-3)
+
+
+def test_bodies_that_come_through_between_nodes_are_warned_of(tmp_path):
+    scene = cloth(tmp_path, BALL, BAR, CONTACT)
+    (warning,) = plan(scene, COUTURE).warnings
+    assert "bodies.bar" in warning and "bodies.ball" not in warning and "mesh.size" in warning
+    # Nodes 9 mm apart, and some a quarter more, meet what is 8 mm and two thicknesses of 2 mm across.
+    assert plan(revise(scene, "mesh.size", 0.009), COUTURE).warnings == ()
+    assert plan(revise(scene, "mesh.size", 0.01), COUTURE).warnings
+
+
+def test_cloth_that_does_not_resist_bending_has_no_slopes(tmp_path):
+    limp = cloth(tmp_path, PIN, overrides=("material.cotton.bending=0",))
+    assert plan(limp, COUTURE).settings("cloth").bending == "none"
+    given = revise(limp, "effects.cloth", {"bending": "hinge"})
+    assert plan(given, COUTURE).settings("cloth").bending == "hinge"
+    path = write_cloth(tmp_path, PIN, '[material.silk]\nE = 1e6\nnu = 0\nrho = 1\nthickness = 1e-4\nregion = "patch"\n')
+    with pytest.raises(UserError, match="does not resist bending"):
+        plan(load_scene(path, ["material.silk.bending=0"]), COUTURE)
+
+
+def test_cloth_without_mass_or_hold_comes_to_an_end(tmp_path):
+    """Nothing holds its tangent up, neither supports nor mass: its stability is left open, and it ends."""
+    text = square(0.1, kind="nonlinear").replace("500 kg/m^3", "0 kg/m^3").replace(GRAVITY, "")
+    _, (row,) = played(Trial(tmp_path), text)
+    assert row["at_rest"] == 1 and row["stable"] == 0
+
+
+class Valley:
+    """The energy of a quartic valley, whose tangent is another one after each step."""
+
+    held = np.empty(0, dtype=int)
+
+    def __init__(self):
+        self.matrix = PETSc.Mat().createAIJ((3, 3), nnz=3)
+        self.matrix.setUp()
+
+    def energy(self, x):
+        return float(((x[0] - [1.0, 2.0, 3.0]) ** 4 / 4 + x[0] ** 2 / 2).sum())
+
+    def residual(self, x, out):
+        out[0] = (x[0] - [1.0, 2.0, 3.0]) ** 3 + x[0]
+
+    def tangent(self, x):
+        for k in range(3):
+            for m in range(3):
+                self.matrix.setValue(k, m, float(3 * (x[0, k] - k - 1.0) ** 2 + 1.0) * (k == m))
+        self.matrix.assemble()
+        return self.matrix
+
+
+def test_a_descent_does_not_remember_another_one():
+    """The second run from a place is the first one again, to the last digit, whatever was between."""
+    descent = Descent(PETSc.COMM_SELF, "test_forgetful_", Valley(), (1, 3), slice(0, 3))
+    ends = []
+    for start in ([5.0, -3.0, 0.0], [1.0, 1.0, 9.0], [5.0, -3.0, 0.0]):
+        x = np.array([start])
+        assert descent.run(x, 1e-6, 40) <= 1e-6
+        ends.append((descent.steps, x.tolist()))
+    assert ends[0] == ends[2] != ends[1]
+    # x + (x - a)^3 = 0 has one real root: for a = 1 about 0.3177.
+    assert ends[0][1][0][0] == pytest.approx(0.31767219617, abs=1e-6)
+    descent.destroy()
+
+
+def test_nodes_go_no_farther_than_bodies_are_small(tmp_path):
+    """A ball that shrinks to a tenth lets nodes go a tenth as far in one step."""
+    events = [{"do": "set", "key": "bodies.ball.sphere.radius", "value": 0.01}]
+    made = Trial(tmp_path).replay(square(0.06, ball(0.15, 0.15), floor(-0.3), CONTACT), events)
+    reach = [made.analysis.state.solver.descent.reach for _ in made.frames()]
+    assert reach == pytest.approx([0.05, 0.005])
+    assert made.analysis.state.solver.moving.steps.reach == pytest.approx(0.005)

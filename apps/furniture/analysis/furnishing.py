@@ -1,0 +1,313 @@
+"""Furniture under the hand, frame after frame: verdict, forces, valid range of what is dragged, suggestions."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
+from restshape_apps.furniture.guidance.design import Design, Idea, Ideas, Way, words_at
+from restshape_apps.furniture.physics.derivatives import stability_derivative
+from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, Verdict
+from restshape_apps.furniture.physics.plank_bending import plank_bending
+from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities, require_places
+from restshape_apps.furniture.physics.plank_words import held_by_springs
+from restshape_apps.furniture.physics.uncounted_moments import uncounted_moments
+from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
+from restshape_apps.furniture.session.boards import Boards
+
+from restshape.algebra.linear_report import LinearReport
+from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.frame import Frame
+from restshape.errors import ReplayProblem
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+NONE = (np.nan, np.nan)
+
+
+class FurnitureAnalysis:
+    """What holds and what breaks in a piece of furniture while it is edited.
+
+    The model of a piece, its solver and what guidance finds are kept from frame to frame while the hand changes one
+    parameter of it; nothing found in one frame changes what another one finds.
+
+    Args:
+        scene: what the user wrote.
+        plan: which effects are on.
+        context: what all parts of the replay share; each rank does the same, for the equations are few.
+
+    Attributes:
+        verdict: of the last frame.
+        forces: of each case; empty where joints are lost or no equilibrium was found.
+
+    Source: docs/theory.md, section 11.
+    """
+
+    estimated = "nothing: planks are rigid here, and a model without a mesh has no error of one"
+    predictor = None
+    why_not = "furniture is not predicted: forces of feet and joints are solved for in each frame"
+
+    def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:
+        self.plan, self.policy, self.stages = plan, context.policy, context.stages
+        self.scene: Scene | None = None
+        self.space: Boards | None = None
+        self.tolerance = scene.solve.tolerance
+        self.design: Design | None = None
+        self.equilibrium: PlankEquilibrium | None = None
+        self.gamma = np.zeros((0, 8))
+        self.verdict = Verdict(0, 0.0, 0.0, 0.0)
+        self.forces: list[Forces] = []
+        self.use = np.zeros(0)
+        self.sag = np.zeros(0)
+        self.bent = np.nan
+        self.margin = np.nan
+        self.worst = 0.0
+        self.seconds = 0.0
+        self.way: Way | None = None
+        self.at = np.nan
+        self.ranged_seconds = np.nan
+        self.ideas = Ideas()
+        self.note = self.sprung = self.uncounted = ""
+        self.age = 0
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of one case: displacements and turns of planks, forces of joints."""
+        return self.equilibrium.mixed.size if self.equilibrium else 0
+
+    def solve(self, frame: Frame) -> LinearReport:
+        """Bring verdict, forces and guidance up to date with a frame."""
+        boards: Boards = frame.mesh
+        shown = boards.frame
+        if self.scene is None:
+            require_places(frame.scene.quantities, shown.design.piece)
+        same = self.design is shown.design and np.array_equal(self.gamma, shown.gamma) and self.space is not None
+        if same and not self.policy.regenerate:
+            steps, refreshed = 0, False
+            self.age += 1
+        else:
+            steps, refreshed = self._stand(shown.design, shown.gamma)
+        self.space, self.scene, self.note = boards, frame.scene, shown.note
+        self._look(shown)
+        return LinearReport(0, refreshed, self.age, "lu", steps)
+
+    def _stand(self, design: Design, gamma: np.ndarray) -> tuple[int, bool]:
+        """Verdict and forces of a design at parameters (n, 8): Newton steps, and whether the solver was made anew."""
+        fresh = design is not self.design or self.policy.regenerate
+        if fresh:
+            with self.stages("pattern"):
+                if self.equilibrium:
+                    self.equilibrium.destroy()
+                self.equilibrium = PlankEquilibrium(design.furniture)
+            self.age = 0
+        self.age += not fresh
+        self.design, self.gamma = design, gamma.copy()
+        furniture, steps = design.furniture, 0
+        with self.stages("values"):
+            furniture.kernel.forget()
+            self.verdict = furniture.test(gamma)
+        with self.stages("krylov"):
+            steps = self._balance(gamma)
+            # What the forces say is the answer, and sag an effect: no stage of quantities.
+            self._measure(furniture)
+            self.uncounted = uncounted_moments(furniture, self.forces, gamma) if self.forces else ""
+        return steps, fresh
+
+    def _balance(self, gamma: np.ndarray) -> int:
+        """Equilibria of all cases by SNES, and the Newton steps that they took."""
+        start, self.forces, steps, self.worst, sprung = perf_counter(), [], 0, 0.0, []
+        if not self.verdict.flaws & LOST:
+            try:
+                for case in range(len(self.design.furniture.cases)):
+                    self.forces.append(self.equilibrium.solve(case))
+                    steps += self.equilibrium.steps
+                    sprung += [case] if self.equilibrium.sprung else []
+                    self.worst = max(self.worst, self.equilibrium.last / (self.equilibrium.scale or 1.0))
+            except ReplayProblem:
+                # The verdict tells that it has none.
+                self.forces, self.worst = [], np.nan
+        self.seconds = perf_counter() - start
+        self.sprung = held_by_springs(self.design.piece, sprung if self.forces else [])
+        return steps
+
+    def _measure(self, furniture: Furniture) -> None:
+        """What the forces say of each plank, and of the piece."""
+        planks = len(furniture.piece.planks)
+        self.use, self.sag = np.zeros(planks), np.full(planks, np.nan)
+        self.bent = self.margin = np.nan
+        if not self.forces:
+            self.use[:] = np.nan
+            return
+        for forces in self.forces:
+            worst = np.maximum(forces.pull_use, forces.shear_use)
+            for k, joint in enumerate(furniture.piece.joints):
+                for plank in (joint.i, joint.j):
+                    self.use[plank] = max(self.use[plank], worst[k])
+        still = np.zeros((1, 8 * planks))
+        rows = [stability_derivative(furniture, still, case)[0] for case in range(len(self.forces))]
+        self.margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
+        if self.plan.on("bending"):
+            self._bend(furniture)
+
+    def _bend(self, furniture: Furniture) -> None:
+        """Sag of each plank, and the largest use of bending strength, over all cases."""
+        if self.gamma.any():
+            # Beams are those of a piece at no change of its design parameters.
+            furniture = Furniture(furniture.moved(self.gamma), furniture.compliance)
+            furniture.test()
+        cases = range(len(self.forces))
+        found = [[plank_bending(furniture, k, case) for case in cases] for k in range(len(self.use))]
+        self.sag = np.array([max(one.sag for one in each) for each in found])
+        self.bent = max(one.use for each in found for one in each)
+
+    def _look(self, shown: Any) -> None:
+        """Guidance: the range of what the hand holds, and suggestions once it has let an invalid piece go."""
+        asked = self.design.guidance
+        self.way, self.at, self.ranged_seconds = shown.gesture, shown.c[0], np.nan
+        if self.way is not None and asked.ranges:
+            start = perf_counter()
+            self.way.ranges  # noqa: B018
+            self.ranged_seconds = perf_counter() - start
+        free = shown.settled and not shown.gamma.any()
+        self.ideas = self.design.ideas if free and not self.verdict.valid else Ideas()
+
+    def observe(self) -> dict[str, float]:
+        """The scene's quantities of interest."""
+        if not self.scene.quantities:
+            return {}
+        piece, geometry = self.design.piece, self.design.furniture.geometry(self.gamma)
+        return plank_quantities(self.scene.quantities, Observed(piece, geometry, self.forces, self.sag, self.margin))
+
+    def row(self) -> dict[str, Any]:
+        """The columns that only furniture has, and its verdict."""
+        found, low, high = self._ranges()
+        words = words_at(self.design.furniture, self.verdict, self.gamma)
+        return {
+            "verdict": "holds" if self.verdict.valid else "fails",
+            "broken": "; ".join(words),
+            "flaws": self.verdict.flaws,
+            "use": float(np.nanmax(self.use)) if self.forces else np.nan,
+            "margin": self.margin,
+            "missing": self.verdict.missing,
+            "sag": float(np.nanmax(self.sag)) if np.isfinite(self.sag).any() else np.nan,
+            "bending_use": self.bent,
+            "parameter": self.way.name if self.way else "",
+            "at": self.at if self.way else np.nan,
+            "range_low": low,
+            "range_high": high,
+            "ranges": found,
+            "inside": self._inside(),
+            "tried": self.ideas.tried,
+            "tested": self.ideas.tested,
+            "suggested": len(self.ideas.found),
+            "suggestions": _listed(self.ideas.found),
+            "no_suggestions": self.ideas.why,
+            "ms_equilibrium": 1e3 * self.seconds,
+            "ms_range": 1e3 * self.ranged_seconds,
+            "ms_suggestions": 1e3 * self.ideas.seconds if self.ideas.found else np.nan,
+            "note": "; ".join(filter(None, [self.note, self.sprung, self.uncounted])),
+        }
+
+    def _ranges(self) -> tuple[str, float, float]:
+        """The valid ranges of the parameter under the hand as text, and the ends of the one at the hand, or nearest."""
+        if self.way is None or not self.design.guidance.ranges:
+            return "", *NONE
+        intervals = self.way.ranges.intervals
+        if not len(intervals):
+            return "none", *NONE
+        text = "; ".join(self._marked(low, high) for low, high in intervals)
+        far = np.maximum(intervals[:, 0] - self.at, self.at - intervals[:, 1])
+        low, high = intervals[int(np.argmin(far))]
+        return text, float(low), float(high)
+
+    def _inside(self) -> int:
+        """1: the piece is valid at the hand; 0: it is not; -1: it is, but farther than ranges were looked for."""
+        if self.way is None:
+            return -1
+        known = not self.design.guidance.ranges or self.way.low <= self.at <= self.way.high
+        return int(self.verdict.valid) if known or not self.verdict.valid else -1
+
+    def _marked(self, low: float, high: float) -> str:
+        """A valid range as text; an end that is as far as was looked at is marked."""
+        ends = (low, low <= self.way.low), (high, high >= self.way.high)
+        return " to ".join(f"{value:.6g}{' or beyond' if is_open else ''}" for value, is_open in ends)
+
+    def fields(self) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """Displacements (8 n, 3) [m] of corners under the weights; use of the worst joint of each plank, and sag."""
+        planks = len(self.use)
+        moved = np.full((8 * planks, 3), np.nan)
+        if self.forces:
+            u, X = self.forces[0].u, self.space.X.reshape(planks, 8, 3)
+            arms = X - X.mean(axis=1, keepdims=True)
+            moved = (u[:, None, :3] + np.cross(np.broadcast_to(u[:, None, 3:], arms.shape), arms)).reshape(-1, 3)
+        cells = {"use": self.use, "valid": np.full(planks, float(self.verdict.valid))}
+        if self.plan.on("bending"):
+            cells["sag"] = self.sag
+        return {"displacement": np.ascontiguousarray(moved)}, cells
+
+    def blank_fields(self, mesh: Boards) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """The same fields where nothing is known."""
+        names = ["use", "valid", *(["sag"] if self.plan.on("bending") else [])]
+        cells = {name: np.full(len(mesh.cells), np.nan) for name in names}
+        return {"displacement": np.full(mesh.X.shape, np.nan)}, cells
+
+    def residual_norm(self) -> float:
+        """The largest residual of a case in parts of the loads."""
+        return self.worst
+
+    def errors(self) -> dict[str, float]:
+        """None: see `estimated`."""
+        return {}
+
+    def compare_cold(self) -> Comparison:
+        """How far tangents and forces are from those of a model made from nothing; for `replay --parity`."""
+        if not self.forces:
+            return Comparison(0.0, 0.0)
+        furniture = Furniture(self.design.piece, self.design.furniture.compliance)
+        # A new solver looks at the piece as it was drawn.
+        cold = PlankEquilibrium(furniture)
+        furniture.test(self.gamma)
+        self.design.furniture.geometry(self.gamma)
+        entries = difference = 0.0
+        for case, warm in enumerate(self.forces):
+            fresh = cold.solve(case)
+            tangents = [_tangent(cold, case, fresh), _tangent(self.equilibrium, case, warm)]
+            entries = max(entries, _relative(*tangents))
+            pairs = ((getattr(fresh, name), getattr(warm, name)) for name in ("u", "tension", "bending", "shear"))
+            difference = max(difference, *(_relative(*pair) for pair in pairs))
+        cold.destroy()
+        return Comparison(entries, difference)
+
+
+def _tangent(equilibrium: PlankEquilibrium, case: int, forces: Forces) -> np.ndarray:
+    """Values of the tangent at the equilibrium of a case."""
+    kernel, law = equilibrium.furniture.kernel, int(forces.one_sided)
+    kernel.set_state(case, np.ascontiguousarray(forces.u).ravel(), law)
+    values = np.zeros(len(equilibrium.values))
+    equilibrium.mixed.tangent(case, law, equilibrium.mixed.join(case), values, equilibrium.furniture.compliance.shift)
+    return values
+
+
+def _relative(one: np.ndarray, other: np.ndarray) -> float:
+    """The largest difference over the largest number."""
+    size = max(float(np.abs(one).max(initial=0.0)), 1e-300)
+    return float(np.abs(one - other).max(initial=0.0)) / size
+
+
+def _listed(ideas: Sequence[Idea]) -> str:
+    """The JSON text of suggestions, as many as there is room for; empty without any."""
+    told = [_told(k, idea) for k, idea in enumerate(ideas, 1)]
+    while len(text := json.dumps(told)) > SUGGESTIONS_BYTES:
+        told.pop()
+    return text if told else ""
+
+
+def _told(number: int, idea: Idea) -> dict[str, Any]:
+    """A suggestion for programs."""
+    t, low, high = (float(f"{value:.6g}") for value in (idea.t, *idea.span))
+    told = {"number": number, "words": idea.words, "t": t, "range": [low, high], "valid": idea.valid}
+    return told | {"unit": idea.unit, "beyond": idea.beyond[1]} | ({"rest": idea.rest} if idea.rest else {})

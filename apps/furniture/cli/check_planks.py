@@ -1,0 +1,136 @@
+"""What `restshape check` says of a piece of furniture."""
+
+from typing import Any
+
+import numpy as np
+from restshape_apps.furniture.guidance.design import Design
+from restshape_apps.furniture.physics.plank_quantities import require_places
+from restshape_apps.furniture.session.plank_session import PlankSession
+from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Plank
+
+from restshape.cli.quantity_words import quantity_rows
+from restshape.errors import UserError
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+from restshape.scene.script import Script
+
+
+def checked(scene: Scene, effects: Plan) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+    """What the scene holds: for programs, and as rows for people.
+
+    Raises:
+        UserError: planks make no piece, or a quantity is of an end that nothing joins.
+    """
+    design = PlankSession(scene, Script.empty(scene)).design
+    try:
+        require_places(scene.quantities, design.piece)
+    except UserError as error:
+        raise scene.located(error) from error
+    return held_piece(scene, effects, design), described_piece(scene, effects, design)
+
+
+def held_piece(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
+    """What the scene holds, for programs."""
+    piece, verdict = design.piece, design.furniture.test()
+    names, geometry = [plank.name for plank in piece.planks], design.furniture.geometry()
+    return {
+        "scene": str(scene.path),
+        "app": scene.app,
+        "title": scene.title,
+        "planks": {
+            plank.name: {
+                "center": plank.centre.tolist(),
+                "size": plank.size.tolist(),
+                "axes": plank.axes.T.tolist(),
+                "wood": plank.wood,
+            }
+            for plank in piece.planks
+        },
+        "joints": [
+            {
+                "plank": names[joint.i],
+                "end": SIDES[joint.side],
+                "to": names[joint.j],
+                "face": SIDES[joint.face],
+                "fastener": joint.fastener,
+                "length": float(length),
+                "fasteners": int(count),
+            }
+            for joint, length, count in zip(piece.joints, geometry.length, geometry.nails)
+        ],
+        "feet": [{"plank": names[foot.plank], "side": SIDES[foot.side]} for foot in piece.feet],
+        "mass": float(geometry.mass.sum()),
+        "valid": verdict.valid,
+        "flaws": list(verdict.words),
+        "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
+        "weights": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.weights},
+        "pushes": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.pushes},
+        "warnings": list(effects.warnings),
+        "quantities": list(scene.quantities),
+        "solve": scene.solve.model_dump(),
+    }
+
+
+def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[str, str]]:
+    """What the scene holds, for people."""
+    piece, verdict = design.piece, design.furniture.test()
+    names, geometry = [plank.name for plank in piece.planks], design.furniture.geometry()
+    rows = [("planks", f"{len(piece.planks)}: {', '.join(names)}")]
+    rows += [(f"plank {plank.name}", _board(plank)) for plank in piece.planks]
+    nails = int(geometry.nails.sum())
+    rows.append(("joints", f"{len(piece.joints)}, with {nails} fasteners {scene.fastener.name!r}"))
+    rows += [
+        (f"joint {names[joint.i]} {SIDES[joint.side]}", _joint(joint, names, length, int(count)))
+        for joint, length, count in zip(piece.joints, geometry.length, geometry.nails)
+    ]
+    rows.append(("feet", ", ".join(f"{names[foot.plank]} {SIDES[foot.side]}" for foot in piece.feet) or "none"))
+    rows.append(("mass", f"{geometry.mass.sum():.6g} kg of {scene.wood.name}"))
+    rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
+    rows += [(f"weight {load.name}", _told(load, piece)) for load in piece.weights]
+    rows += [(f"push {load.name}", _told(load, piece)) for load in piece.pushes]
+    rows.append(("floor", f"height {scene.floor.height:g} m, friction {scene.floor.friction:g}"))
+    rows += quantity_rows(scene)
+    if any(q.limit is not None or q.at_least is not None for q in scene.quantities.values()):
+        rows.append(("limits", "restshape replay looks at those of quantities; the verdict here is that of the piece"))
+    free = len(design.freedoms)
+    rows.append(("freedoms", f"{free} of {8 * len(names)} design parameters keep all joints closed"))
+    rows.append(("verdict", "; ".join(verdict.words) or "valid"))
+    return rows + [("warning", warning) for warning in effects.warnings]
+
+
+def _board(plank: Plank) -> str:
+    """Length, width and thickness of a plank, and where its axes point."""
+    length, width, thickness = (f"{1e3 * size:.4g}" for size in plank.size)
+    axes = ", ".join(f"{name} {_direction(axis)}" for name, axis in zip("xyz", plank.axes.T))
+    return f"{length} x {width} x {thickness} mm of {plank.wood}, middle at {_place(plank.centre)}; {axes}"
+
+
+def _joint(joint: Joint, names: list[str], length: float, count: int) -> str:
+    """What a joint holds, how long it is, and by how many fasteners."""
+    by = f"{count} {joint.fastener!r}"
+    return f"on {names[joint.j]} {SIDES[joint.face]}, {1e3 * length:.4g} mm long, {by}"
+
+
+def _told(load: Load, piece: Piece) -> str:
+    """How much a load is, and where."""
+    plank = piece.planks[load.plank]
+    place = plank.centre + plank.axes @ (np.array(load.place) * plank.size)
+    return f"{float(np.linalg.norm(load.force)):.6g} N on {plank.name} at {_place(place)}"
+
+
+def _place(place: np.ndarray) -> str:
+    """A place in space in metres."""
+    return f"({', '.join(_short(value) for value in place)}) m"
+
+
+def _direction(axis: np.ndarray) -> str:
+    """Where an axis points: along one of space, or its three components."""
+    k = int(np.argmax(np.abs(axis)))
+    if abs(axis[k]) > 1.0 - 1e-9:
+        return f"along {'+' if axis[k] > 0.0 else '-'}{'xyz'[k]}"
+    return f"along ({', '.join(_short(value) for value in axis)})"
+
+
+def _short(value: float) -> str:
+    """A number to a tenth of a thousandth, without a minus sign before nought."""
+    return f"{round(float(value), 4) + 0.0:g}"

@@ -1,0 +1,107 @@
+"""What `restshape replay` prints of the guidance that furniture was given."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from restshape_apps.furniture.guidance.amounts import UNITS
+from restshape_apps.furniture.report.guided import VALUE, beyond, found, intervals, runs, searches, unit_of
+
+from restshape.cli.options import print_table
+
+MOST = 12
+"""Rows of a table at most."""
+NAMED = 8
+"""Frames that are named at most."""
+Ranges = Mapping[tuple[int, str, str], list[int]]
+
+
+def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
+    """Prints verdicts, the valid ranges of each parameter that was under the hand, and all suggestions."""
+    _print_verdicts(rows)
+    ranges: dict[tuple[int, str, str], list[int]] = {}
+    for row in rows:
+        if row.get("ranges"):
+            ranges.setdefault((row["line"], row["parameter"], row["ranges"]), []).append(row["inside"])
+    if ranges:
+        heads = ("line", "parameter under the hand", "valid from where it was taken", "frames", "of them valid")
+        cells = [
+            (line, name, _valid(name, text), len(inside), inside.count(1))
+            for (line, name, text), inside in _few(ranges).items()
+        ]
+        print_table("valid ranges", heads, cells, right=(heads[0], *heads[3:]))
+    for same in searches(rows):
+        if same[0].get("suggestions"):
+            _print_suggestions(same)
+        else:
+            print(f"no suggestions in {_frames(same)}: {same[0]['no_suggestions']}")
+    if any(VALUE.search(row["broken"]) for row in rows):
+        print("limits of quantities count in verdicts; ranges and suggestions judge the piece alone")
+
+
+def _print_verdicts(rows: Sequence[Mapping[str, Any]]) -> None:
+    """Prints from which frame to which the piece holds, and what is wrong with it elsewhere."""
+    spans = runs(rows)
+    cells = [
+        (first["line"], f"{first['index']} to {last['index']}" if last is not first else f"{first['index']}", words)
+        for first, last, words in spans[:MOST]
+    ]
+    if len(spans) > MOST:
+        cells.append(("", "...", f"and {len(spans) - MOST} more: see the recording, --csv or --json"))
+    print_table("verdicts", ("line", "frames", "the piece"), cells, right=("line",))
+
+
+def _valid(parameter: str, text: str) -> str:
+    """Ranges as people read them."""
+    factor, unit = UNITS[unit_of(parameter)]
+    spans = [
+        " to ".join(f"{factor * end:+.6g}{' or beyond' if mark else ''}" for end, mark in zip(ends, open_)) + f" {unit}"
+        for ends, open_ in zip(intervals(text), beyond(text))
+    ]
+    return "; ".join(spans) or "nothing"
+
+
+def _frames(same: Sequence[Mapping[str, Any]]) -> str:
+    """Which frames, in words: the first with its line, then as many as there is room for."""
+    first, *others = same
+    place = f"frame {first['index']}, line {first['line']}"
+    if not others:
+        return place
+    named = ", ".join(str(row["index"]) for row in others[:NAMED])
+    more = len(others) - NAMED
+    return f"{place} (and in {named}{f' and {more} more' if more > 0 else ''})"
+
+
+def _print_suggestions(same: Sequence[Mapping[str, Any]]) -> None:
+    """Prints the suggestions that hold for these frames."""
+    row = same[0]
+    heads = ("number", "what it does", "valid range of what it names first", "holds")
+    cells = [(one["number"], one["words"], _span(one), _holds(one)) for one in found(row)]
+    # For a piece in parts no combinations are searched.
+    tried = f"; {row['tried']} combinations tried" if row["tried"] else ""
+    print_table(f"suggestions in {_frames(same)}: {row['broken']}{tried}", heads, cells, right=heads[:1])
+
+
+def _holds(one: Mapping[str, Any]) -> str:
+    """Whether a piece holds after a suggestion, or what is still wrong with it."""
+    if one["valid"]:
+        return "yes"
+    return f"in part; still {one['rest']}" if one.get("rest") else "in part"
+
+
+def _span(one: Mapping[str, Any]) -> str:
+    """The range of a suggestion as people read it; a plank that is added has none."""
+    if not one["unit"]:
+        return ""
+    factor, unit = UNITS[one["unit"]]
+    low, high = (factor * end for end in one["range"])
+    return f"{low:.4g} to {high:.4g} {unit}{' or beyond' if one['beyond'] else ''}"
+
+
+def _few(ranges: Ranges) -> Ranges:
+    """The ranges, of each line the last one alone where there are too many."""
+    if len(ranges) <= MOST:
+        return ranges
+    last: dict[int, tuple[tuple[int, str, str], list[int]]] = {}
+    for key, inside in ranges.items():
+        last[key[0]] = key, [*last.get(key[0], (key, []))[1], *inside]
+    return dict(list(last.values())[:MOST])

@@ -1,0 +1,1 @@
+"""Suggestions: what would mend a piece that does not hold."""

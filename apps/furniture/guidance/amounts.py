@@ -1,0 +1,86 @@
+"""Changes of planks in plain words: how many millimetres or degrees, and which way."""
+
+import numpy as np
+from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
+
+DIGITS = 3
+ALONG = 0.3
+"""Least cosine with an axis of the room for a direction to be named by it."""
+
+STRAIGHT = 1.0 - 1e-9
+"""Least cosine with an axis of the room for a line to be told as that axis."""
+
+UNITS = {"m": (1e3, "mm"), "rad": (180.0 / np.pi, "deg")}
+"""What people read in place of a unit of design parameters."""
+
+
+def unit_of(number: int) -> str:
+    """The unit of a design parameter."""
+    return "rad" if 3 <= number < 6 else "m"
+
+
+def parameters(piece: Piece, direction: np.ndarray) -> list[tuple[int, int]]:
+    """Planks and numbers of the design parameters that a direction (n, 8) changes, that which changes most first.
+
+    Moves and lengths count in parts of the piece's size, turns in radians.
+    """
+    scale = np.where([unit_of(number) == "m" for number in range(8)], piece.size, 1.0)
+    share = np.abs(direction) / scale
+    return sorted(((int(p), int(f)) for p, f in np.argwhere(direction)), key=lambda one: (-round(share[one], 9), one))
+
+
+def named(piece: Piece, direction: np.ndarray) -> str:
+    """What a direction (n, 8) changes, without amounts."""
+    return " + ".join(f"{piece.planks[p].name}: {FREEDOMS[f]}" for p, f in parameters(piece, direction))
+
+
+def in_words(piece: Piece, change: np.ndarray, digits: int = DIGITS) -> str:
+    """What a change (n, 8) of the design parameters does, plank by plank, with amounts and directions."""
+    return "; ".join(_one(piece, p, f, float(change[p, f]), digits) for p, f in parameters(piece, change))
+
+
+def amount(value: float, unit: str, digits: int = DIGITS) -> str:
+    """A number [m or rad] as people read it."""
+    factor, name = UNITS[unit]
+    text = np.format_float_positional(factor * value, digits, unique=False, fractional=False, trim="-")
+    return f"{text} {name}"
+
+
+def along(way: np.ndarray) -> str:
+    """The line that a unit vector (3,) lies in, whichever way along it: an axis of the room, or a direction."""
+    k = int(np.argmax(np.abs(way)))
+    if abs(way[k]) > STRAIGHT:
+        return f"along {'xyz'[k]}"
+    parts = np.round(way * np.sign(way[k]), DIGITS) + 0.0
+    return f"along ({', '.join(f'{part:g}' for part in parts)})"
+
+
+def _one(piece: Piece, p: int, number: int, change: float, digits: int) -> str:
+    """What the change of one design parameter does."""
+    plank, (kind, axis) = piece.planks[p], FREEDOMS[number].split()
+    column, sign = "xyz".index(axis), "-" if change < 0.0 else "+"
+    far = amount(abs(change), unit_of(number), digits)
+    if kind == "length":
+        longer = "longer" if change > 0.0 else "shorter"
+        return f"{plank.name} {far} {longer} along its {axis} ({_ends(piece, p, column)})"
+    way = room_words(np.sign(change) * plank.axes[:, column])
+    if kind == "move":
+        return f"{plank.name} moved {far} along its {sign}{axis} (towards {way})"
+    return f"{plank.name} turned {far} about its {sign}{axis} (about {way})"
+
+
+def _ends(piece: Piece, p: int, axis: int) -> str:
+    """Which end of a plank is free to go when its length along an axis changes."""
+    held = {joint.side for joint in piece.joints if joint.i == p} | {f.side for f in piece.feet if f.plank == p}
+    free = [side for side in (2 * axis, 2 * axis + 1) if side not in held]
+    return " and ".join(f"at {_side(piece.planks[p], side)}" for side in free)
+
+
+def _side(plank: Plank, side: int) -> str:
+    return room_words((1.0 if side % 2 else -1.0) * plank.axes[:, side // 2])
+
+
+def room_words(way: np.ndarray) -> str:
+    """The axes of the room that a unit vector (3,) goes along."""
+    order = [k for k in np.argsort(-np.abs(way), kind="stable") if abs(way[k]) > ALONG]
+    return " and ".join(f"{'-' if way[k] < 0.0 else '+'}{'xyz'[k]}" for k in order)

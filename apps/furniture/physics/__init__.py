@@ -1,0 +1,1 @@
+"""Forces, strengths and bending of planks and what joins them."""

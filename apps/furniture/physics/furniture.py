@@ -1,0 +1,241 @@
+"""Furniture: the compiled model of a piece, its tests, and what they found."""
+
+from dataclasses import astuple, dataclass, field
+
+import numpy as np
+from restshape_apps.furniture import _kernels
+from restshape_apps.furniture.physics import plank_words
+from restshape_apps.furniture.physics.fasteners import fastener, wood
+from restshape_apps.furniture.physics.plank_words import Findings
+from restshape_apps.furniture.shape.planks import Joint, Piece
+
+from restshape.errors import UserError
+
+LOST, OVERLAPPING, UNSTABLE, WEAK, UNBALANCED, APART = 1, 2, 4, 8, 16, 32
+ALL = LOST | OVERLAPPING | UNSTABLE | WEAK | UNBALANCED | APART
+"""Flaws of a piece, as bits: a joint or foot is lost, planks overlap each other or the floor, it falls, a joint breaks,
+no equilibrium, it is in parts."""
+
+
+@dataclass(frozen=True)
+class Compliance:
+    """What the springs of the model yield, and tolerances of its geometry.
+
+    Args:
+        joint_t, joint_r, floor: [m/N], [rad/(N m)], [m/N]. Forces in redundant loops depend on their ratios alone.
+        shift: of the diagonal of a tangent, in parts of the joints' stiffness.
+        least_slant: least cosine between a plank and the normal of what its end meets.
+        gap: of a closed joint [m].
+        least_overlap: least length of a joint [m].
+        interference: of planks that counts as touching [m].
+    """
+
+    joint_t: float = 1e-9
+    joint_r: float = 1e-9
+    floor: float = 1e-9
+    shift: float = 1e-9
+    least_slant: float = 0.25
+    gap: float = 1e-6
+    least_overlap: float = 0.01
+    interference: float = 1e-4
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a test found.
+
+    Args:
+        flaws: bits; 0 is a valid piece.
+        pull, shear: the largest use of a joint's strength, in parts of it.
+        missing: the part of the loads that contacts cannot balance.
+        found: which joints, planks and cases have the flaws; a quick test tells the first.
+        piece: whose they are.
+    """
+
+    flaws: int
+    pull: float
+    shear: float
+    missing: float
+    found: Findings = field(default_factory=Findings, compare=False)
+    piece: Piece | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def valid(self) -> bool:
+        """Tell whether nothing is wrong."""
+        return self.flaws == 0
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What is wrong, in words that name it."""
+        told = {LOST: plank_words.lost, OVERLAPPING: plank_words.overlapping}
+        parted = (plank_words.apart(self.piece),) if self.flaws & APART else ()
+        # Of a piece that cannot be closed nothing else is known.
+        if not np.isinf(self.pull):
+            told |= {UNSTABLE: plank_words.falls, WEAK: plank_words.weak, UNBALANCED: plank_words.unbalanced}
+        return parted + tuple(tell(self.piece, self.found) for bit, tell in told.items() if self.flaws & bit)
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Equilibrium of one case.
+
+    Args:
+        u: (n, 6) displacements [m] and rotation vectors [rad] of the planks.
+        one_sided: contacts only push, and slide beyond Coulomb's limit; else they act as springs both ways.
+        found: the equilibrium was found.
+        contacts: (c, 3) forces on the planks [N], four of each foot.
+        balance: (c, 3) forces inside the friction cones that balance the loads best [N].
+        missing: the part of the loads that these leave.
+        tension, shear, bending: (j,) of each joint: T [N], (j, 2) h_x, h_y [N], h^r_y [N m].
+        twist: (j, 2) moments about x and n [N m].
+        pull_use, shear_use: (j,) in parts of the joint's strength.
+    """
+
+    u: np.ndarray
+    one_sided: bool
+    found: bool
+    contacts: np.ndarray
+    balance: np.ndarray
+    missing: float
+    tension: np.ndarray
+    shear: np.ndarray
+    bending: np.ndarray
+    twist: np.ndarray
+    pull_use: np.ndarray
+    shear_use: np.ndarray
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """The closed geometry of a piece.
+
+    Args:
+        centre, axes, size: (n, 3), (n, 3, 3), (n, 3) of the planks.
+        mass: (n,) [kg].
+        p, n, x, y: (j, 3) place and frame of each joint; n is the outward normal of the face, y runs along the joint.
+        length: (j,) of each joint [m].
+        nails: (j,) fasteners in it.
+        contacts: (c, 3) points, four of each foot.
+        joint_faults, foot_faults: numbers of `plank_words.FAULTS`.
+        overlaps: pairs of planks that pass through each other; a plank and -1 - k where it goes through plane k.
+    """
+
+    centre: np.ndarray
+    axes: np.ndarray
+    size: np.ndarray
+    mass: np.ndarray
+    p: np.ndarray
+    n: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    length: np.ndarray
+    nails: np.ndarray
+    contacts: np.ndarray
+    joint_faults: tuple[int, ...]
+    foot_faults: tuple[int, ...]
+    overlaps: tuple[tuple[int, int], ...]
+
+
+class Furniture:
+    """The model of a piece; design parameters gamma (n, 8) move its planks, and held ends follow.
+
+    Args:
+        piece: planks, joints, feet and loads.
+        compliance: of the springs.
+
+    Raises:
+        UserError: a name is unknown, a fastener does not reach through its plank, or its strength there is not known.
+
+    Source: docs/theory.md, section 11.
+    """
+
+    def __init__(self, piece: Piece, compliance: Compliance | None = None) -> None:
+        if not piece.planks:
+            raise UserError("the piece has no planks", piece.name, "add one")
+        self.piece, self.compliance = piece, compliance or Compliance()
+        planks, n = piece.planks, len(piece.planks)
+        loads = (*piece.weights, *piece.pushes)
+        self.strength = np.array([self._strength(joint) for joint in piece.joints]).reshape(-1, 2)
+        self.lever = np.array([planks[joint.i].size[2] for joint in piece.joints])
+        self.cases = self._cases(len(loads))
+        self.kernel = _kernels.Furniture(
+            np.array([plank.centre for plank in planks], dtype=float),
+            np.array([plank.axes for plank in planks], dtype=float),
+            np.array([plank.size for plank in planks], dtype=float),
+            np.array([wood(plank.wood).density for plank in planks]),
+            np.array([(joint.i, joint.side, joint.j, joint.face) for joint in piece.joints], dtype=np.int32),
+            np.column_stack([np.full(len(piece.joints), piece.spacing), self.strength]),
+            np.array([(foot.plank, foot.side, foot.plane) for foot in piece.feet], dtype=np.int32),
+            np.array([(*plane.point, *plane.normal, plane.mu) for plane in piece.planes], dtype=float),
+            np.array([load.plank for load in loads], dtype=np.int32),
+            np.array([load.place for load in loads], dtype=float),
+            self.cases,
+            np.array(piece.gravity, dtype=float),
+            np.array(astuple(self.compliance)),
+        )
+        self.count = n
+
+    def _strength(self, joint: Joint) -> tuple[float, float]:
+        into, through = self.piece.planks[joint.i], self.piece.planks[joint.j]
+        kind, thickness = fastener(joint.fastener), float(through.size[2])
+        woods = wood(into.wood), wood(through.wood)
+        pull = kind.pull_strength(*woods, thickness, float(into.size[2]))
+        return pull, kind.shear_strength(*woods, thickness)
+
+    def _cases(self, loads: int) -> np.ndarray:
+        weights, pushes = self.piece.weights, self.piece.pushes
+        cases = np.zeros((1 + len(pushes), loads, 3))
+        for k, load in enumerate(weights):
+            cases[:, k] = load.force
+        for c, load in enumerate(pushes):
+            cases[1 + c, len(weights) + c] = load.force
+        return cases
+
+    def test(self, gamma: np.ndarray | None = None, wanted: int = ALL, quick: bool = False) -> Verdict:
+        """What the full test finds at design parameters (n, 8); with `quick` it ends at the first flaw wanted."""
+        flaws, pull, shear, missing, *found = self.kernel.test(gamma, wanted, quick)
+        return Verdict(flaws, pull, shear, missing, Findings(*found), self.piece)
+
+    def geometry(self, gamma: np.ndarray | None = None) -> Geometry:
+        """The closed geometry at design parameters (n, 8), with all overlaps."""
+        raw = self.kernel.shape(gamma)
+        joints = raw["joints"]
+        return Geometry(
+            *(raw[key] for key in ("centre", "axes", "size", "mass")),
+            *(np.ascontiguousarray(joints[:, 3 * k : 3 * k + 3]) for k in range(4)),
+            joints[:, 12],
+            joints[:, 13],
+            raw["contacts"],
+            tuple(raw["joint_faults"]),
+            tuple(raw["foot_faults"]),
+            tuple(raw["overlaps"]),
+        )
+
+    def moved(self, gamma: np.ndarray | None = None) -> Piece:
+        """The piece at design parameters (n, 8), its joints closed."""
+        raw = self.kernel.shape(gamma)
+        return self.piece.placed(raw["centre"], raw["axes"], raw["size"])
+
+    def forces(self, case: int = 0) -> Forces:
+        """Forces of a case at the last test."""
+        raw = self.kernel.forces(case)
+        tension, h_x, h_y, bending, twist_x, twist_n = raw["joints"].T
+        pull, shear = self.strength.T * self.nails()
+        return Forces(
+            raw["x"].reshape(-1, 6),
+            raw["law"] == 1,
+            raw["found"],
+            raw["contacts"],
+            raw["balance"],
+            raw["missing"],
+            tension,
+            np.stack([h_x, h_y], 1),
+            bending,
+            np.stack([twist_x, twist_n], 1),
+            (2.0 * np.abs(bending) / self.lever + tension) / pull,
+            np.hypot(h_x, h_y) / shear,
+        )
+
+    def nails(self) -> np.ndarray:
+        """Fasteners (j,) in each joint, as the last test has them."""
+        return self.kernel.nails()

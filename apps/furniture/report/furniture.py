@@ -1,0 +1,421 @@
+"""Pictures of furniture in space: joints by the use of their strength, forces of feet, weights, suggestions, ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Colormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.patheffects import Normal, Stroke
+from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture
+from restshape_apps.furniture.report.labels import Labels
+from restshape_apps.furniture.report.piece_paint import Window, draw_edges, paint_planks
+from restshape_apps.furniture.shape.planks import Piece, Plank
+
+from restshape.guidance.ranges import Ranges
+from restshape.report.raster import Camera
+from restshape.report.space_axes import draw_box
+from restshape.report.style import BODY, COLOURS, INK, REFUSED, length_unit
+
+AZIMUTH, ELEVATION, FAR = np.radians(-62.0), np.radians(18.0), 6.0
+"""Where the camera is, and its distance in sizes of the piece."""
+COLUMNS = 600
+"""Pixels across a picture of a piece."""
+FOOT, LOAD, MOVED = "#0072b2", INK, "#d55e00"
+NAMES, NAMED_AT = "#444444", 0.22
+"""Colour of the names of planks, and where on their lengths they are."""
+GHOST = 0.38
+"""Of a suggestion's end state, which is not hidden."""
+ROOM = (0.3, 0.14, 0.2, 0.2)
+"""Left, right, below and above the box, in parts of its width in the picture: for numbers and arrows."""
+ROUNDED = 1e-5
+"""Part of the way that was looked at by which ends of a range may be rounded."""
+ARROW, SHORTEST = 0.12, 0.3
+"""The longest arrow of a force, in parts of the piece's size, and the shortest in parts of that."""
+BELOW = 0.9
+"""Part of the room under another plank that the arrow of a load on the one below has at most."""
+WAY = 0.1
+"""The shortest arrow of a way, in parts of the piece's size."""
+LEAST = 1e-4
+"""The shortest way that has one, in parts of the piece's size."""
+NUDGE = 8.0
+"""How far numbers along a side are moved at most where something is drawn over them [points]."""
+
+
+@dataclass(frozen=True)
+class Slide:
+    """What is drawn of an edit along a direction.
+
+    Args:
+        direction: (n, 8) change of the design parameters by a unit of t.
+        t: its end state is shown there; 0 shows none.
+        ranges: where it is valid, shown as an annotation beside the plank that moves most; None: not shown.
+        low, high: of t, as far as it was looked at.
+        valid: the piece as it is is valid: its range is black, else red.
+        at: the piece as it is is that of this t.
+        piece: the end state, where it is another piece, with more planks.
+        unit: factor and unit of t in numbers; None: of the way that the plank goes, or of the angle that it turns by.
+    """
+
+    direction: np.ndarray
+    t: float = 0.0
+    ranges: Ranges | None = None
+    low: float = 0.0
+    high: float = 0.0
+    valid: bool = True
+    at: float = 0.0
+    piece: Piece | None = None
+    unit: tuple[float, str] | None = None
+
+    def end(self, furniture: Furniture) -> Piece | None:
+        """The end state that is shown; None: there is none."""
+        return self.piece or (furniture.moved(self.t * self.direction) if self.t else None)
+
+
+@dataclass
+class PieceView:
+    """The axes, camera and units of one picture.
+
+    Args:
+        axes: to draw in.
+        camera: looks at the piece.
+        size: of the piece [m].
+        columns: pixels across what is painted.
+        reach: of the drawn arrows, to be kept in sight (k, 2).
+    """
+
+    axes: Axes
+    camera: Camera
+    size: float
+    columns: int = COLUMNS
+    reach: list[np.ndarray] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.labels = Labels(self.axes)
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """Where places (n, 3) or (3,) are in the picture."""
+        flat = self.camera.project(np.atleast_2d(places))[0]
+        return flat if np.ndim(places) > 1 else flat[0]
+
+    def arrow(self, start: np.ndarray, end: np.ndarray, colour: str) -> None:
+        """An arrow from a place to another one."""
+        self._arrow(self.at(np.array([start, end])), arrowstyle="-|>", color=colour, lw=1.6, mutation_scale=9)
+
+    def way(self, start: np.ndarray, end: np.ndarray, colour: str, before: bool) -> None:
+        """An arrow of a way from a place to another one, long enough to be seen; it is made longer beyond its end, or
+        before its start."""
+        ends = self.at(np.array([start, end]))
+        along = ends[1] - ends[0]
+        length = float(np.linalg.norm(along))
+        if length < WAY * self.size:
+            along = along * (WAY * self.size / length) if length > 0.0 else np.array([0.0, WAY * self.size])
+            ends = np.array([ends[1] - along, ends[1]] if before else [ends[0], ends[0] + along])
+        halo = [Stroke(linewidth=4.0, foreground="white"), Normal()]
+        self._arrow(ends, arrowstyle="-|>", color=colour, lw=2.0, mutation_scale=10, path_effects=halo)
+
+    def _arrow(self, ends: np.ndarray, **style: Any) -> None:
+        style |= {"shrinkA": 0, "shrinkB": 0}
+        self.axes.annotate("", ends[1], ends[0], arrowprops=style, zorder=8, annotation_clip=False)
+        self.reach.append(ends)
+        self.labels.spare(ends)
+
+    def words(self, place: np.ndarray, text: str, colour: str, up: float, aside: float = 0.0, **look: Any) -> None:
+        """Words beside a place, so many points above and to the right of it, or further where others are there."""
+        box = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.6}
+        word = self.axes.annotate(
+            text,
+            self.at(place),
+            xytext=(aside, up),
+            textcoords="offset points",
+            ha="center" if not aside else "left" if aside > 0 else "right",
+            va="bottom" if up > 0 else "top" if up < 0 else "center",
+            color=colour,
+            bbox=box,
+            zorder=9,
+            annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "lw": 0.5, "color": colour, "shrinkA": 0, "shrinkB": 0},
+            **{"fontsize": 7, **look},
+        )
+        self.labels.add(word)
+
+
+def use_colours() -> tuple[Colormap, Normalize]:
+    """Colours of the use of strength from 0 to 1, and red beyond."""
+    return colormaps[COLOURS].with_extremes(over=REFUSED), Normalize(0.0, 1.0)
+
+
+def add_use_bar(figure: Figure, axes: Axes | Sequence[Axes]) -> None:
+    """Put the colour bar of joints beside axes."""
+    cmap, norm = use_colours()
+    bar = figure.colorbar(ScalarMappable(norm, cmap), ax=axes, extend="max", shrink=0.75, aspect=26, pad=0.01)
+    bar.set_label("use of a joint's strength,\npull or shear [1]; red: it breaks", fontsize=8)
+    bar.ax.tick_params(labelsize=7)
+
+
+def draw_piece(
+    axes: Axes,
+    furniture: Furniture,
+    title: str = "",
+    slide: Slide | None = None,
+    case: int = 0,
+    numbers: bool = True,
+    box: tuple[np.ndarray, np.ndarray] | None = None,
+    columns: int = COLUMNS,
+    names: Collection[str] = (),
+) -> None:
+    """Draw a piece as it is, with its joints, feet and weights.
+
+    Args:
+        axes: emptied and given equal scales.
+        furniture: its model; it is tested here.
+        title: over the picture.
+        slide: an edit of which an end state or a range is shown.
+        case: of the loads.
+        numbers: forces of feet in newtons, and masses, are written beside their arrows.
+        box: corners [m] that hold all, such as those of several pictures side by side.
+        columns: pixels across what is painted.
+        names: of planks that are written at them.
+    """
+    end = slide.end(furniture) if slide else None
+    whole = not furniture.test().flaws & LOST
+    piece = furniture.moved()
+    low, high = box or bounds(piece, *([end] if end else []))
+    camera = Camera.towards(0.5 * (low + high), AZIMUTH, ELEVATION, FAR * float(np.linalg.norm(high - low)))
+    view = PieceView(axes, camera, float((high - low).max()), columns)
+    window = _window(camera, low, high)
+    factor, unit = length_unit(view.size)
+    axes.set_axis_off()
+    sides = draw_box(axes, camera, low, high, factor, unit, _points(axes, window))
+    near = paint_planks(axes, camera, piece.planks, window, columns, BODY, 1.0)
+    draw_edges(axes, camera, piece.planks, near, window, view.size, INK)
+    if end:
+        changed = [plank for plank, other in zip(end.planks, _changed(piece, end)) if other]
+        paint_planks(axes, camera, changed, window, columns, MOVED, GHOST)
+    if whole:
+        # Where a joint is lost, there are no forces.
+        forces = furniture.forces(case)
+        _draw_joints(view, furniture, forces)
+        _draw_feet(view, furniture, forces, numbers)
+    _draw_loads(view, furniture, case, numbers)
+    if end:
+        _draw_moves(view, piece, end, slide.direction)
+    if slide and slide.ranges is not None:
+        _draw_range(view, furniture, slide, slide.ranges)
+    for plank in piece.planks:
+        if plank.name in names:
+            # Beside the middle, where loads often are.
+            place = plank.centre + NAMED_AT * plank.size[0] * plank.axes[:, 0]
+            view.words(place, plank.name, NAMES, 0.0, 0.0, style="italic", fontsize=6.5)
+    for number in sides:
+        number.set_zorder(9)
+        view.labels.add(number, NUDGE)
+    _frame(view, window)
+    if title:
+        axes.set_title(title, fontsize=8.5, loc="left")
+
+
+def bounds(*pieces: Piece) -> tuple[np.ndarray, np.ndarray]:
+    """Two corners (3,) of a box around pieces [m], with some room, down to the floor."""
+    corners = np.concatenate([plank.corners() for piece in pieces for plank in piece.planks])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    room = 0.04 * float((high - low).max())
+    low, high = low - room, high + room
+    low[2] = min(0.0, float(corners[:, 2].min()))
+    return low, high
+
+
+def slenderness(low: np.ndarray, high: np.ndarray) -> float:
+    """Height over width of a picture of what lies in a box (3,) to (3,), with room for its numbers and arrows."""
+    camera = Camera.towards(0.5 * (low + high), AZIMUTH, ELEVATION, FAR * float(np.linalg.norm(high - low)))
+    left, right, bottom, top = _window(camera, low, high)
+    wide = max(right - left, 0.6 * (top - bottom))
+    return (top - bottom + (ROOM[2] + 0.09) * wide) / (right - left + (ROOM[0] + ROOM[1]) * wide)
+
+
+def _points(axes: Axes, window: Window) -> float:
+    """How many points a metre has in the picture, about: it is not laid out yet."""
+    left, right, bottom, top = window
+    wide = max(right - left, 0.6 * (top - bottom))
+    return 72.0 / axes.figure.dpi * axes.bbox.width / (right - left + (ROOM[0] + ROOM[1]) * wide)
+
+
+def _window(camera: Camera, low: np.ndarray, high: np.ndarray) -> Window:
+    ends = np.array([low, high])
+    corners = np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    flat = camera.project(corners)[0]
+    (left, bottom), (right, top) = flat.min(axis=0), flat.max(axis=0)
+    return float(left), float(right), float(bottom), float(top)
+
+
+def _frame(view: PieceView, window: Window) -> None:
+    """Give the axes limits that hold the box with its numbers, and all arrows."""
+    left, right, bottom, top = window
+    wide = max(right - left, 0.6 * (top - bottom))
+    places = np.concatenate([[[left, bottom], [right, top]], *view.reach])
+    (low_x, low_y), (high_x, high_y) = places.min(axis=0), places.max(axis=0)
+    room = [part * wide for part in ROOM]
+    view.axes.set_xlim(min(left - room[0], low_x - 0.05 * wide), max(right + room[1], high_x + 0.05 * wide))
+    view.axes.set_ylim(min(bottom - room[2], low_y - 0.09 * wide), max(top + 0.03 * wide, high_y + 0.09 * wide))
+    view.axes.set_aspect("equal")
+
+
+def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
+    geometry = furniture.geometry()
+    if not len(geometry.p):
+        return
+    cmap, norm = use_colours()
+    use = np.maximum(forces.pull_use, forces.shear_use)
+    half = 0.5 * geometry.length[:, None] * geometry.y
+    lines = [view.at(np.array([p - h, p + h])) for p, h in zip(geometry.p, half)]
+    for line in lines:
+        view.labels.spare(line)
+    wide = np.where(use > 1.0, 5.0, 3.6)
+    view.axes.add_collection(LineCollection(lines, colors="white", linewidths=wide + 1.4, zorder=5), autolim=False)
+    colours = cmap(norm(use))
+    view.axes.add_collection(LineCollection(lines, colors=colours, linewidths=wide, zorder=6), autolim=False)
+    for k in np.flatnonzero(use > 1.0):
+        # Level with its left end.
+        ends = np.array([geometry.p[k] - half[k], geometry.p[k] + half[k]])
+        left = ends[int(np.argmin(view.at(ends)[:, 0]))]
+        view.words(left, f"{np.ceil(100.0 * use[k]) / 100.0:.2f}", REFUSED, 0.0, -4.0)
+
+
+def _draw_feet(view: PieceView, furniture: Furniture, forces: Forces, numbers: bool) -> None:
+    points = furniture.geometry().contacts.reshape(-1, 4, 3)
+    pushed = forces.contacts.reshape(-1, 4, 3)
+    whole = pushed.sum(axis=1)
+    largest = max(float(np.linalg.norm(whole, axis=1).max(initial=0.0)), 1e-300)
+    for place, part, force in zip(points, pushed, whole):
+        size = float(np.linalg.norm(force))
+        if size < 1e-3 * largest:
+            continue
+        # Where the pressure has its middle.
+        weights = np.maximum(np.linalg.norm(part, axis=1), 1e-300)
+        at = weights @ place / weights.sum()
+        tail = at - max(ARROW * size / largest, 0.3 * ARROW) * view.size * force / size
+        view.arrow(tail, at, FOOT)
+        if numbers:
+            view.words(0.4 * tail + 0.6 * at, f"{size:.0f} N", FOOT, 0.0, 5.0)
+
+
+def _draw_loads(view: PieceView, furniture: Furniture, case: int, numbers: bool) -> None:
+    piece, geometry = furniture.piece, furniture.geometry()
+    loads = (*piece.weights, *piece.pushes)
+    acting = [(load, force) for load, force in zip(loads, furniture.cases[case]) if np.any(force)]
+    largest = max((float(np.linalg.norm(force)) for _, force in acting), default=1.0)
+    g = float(np.linalg.norm(piece.gravity))
+    for load, force in acting:
+        k = load.plank
+        at = geometry.centre[k] + geometry.axes[k] @ (np.array(load.place) * geometry.size[k])
+        size = float(np.linalg.norm(force))
+        length = max(ARROW * size / largest, SHORTEST * ARROW) * view.size
+        others = [plank for i, plank in enumerate(piece.planks) if i != k]
+        room = BELOW * _free_way(others, at, -force / size)
+        # Through what lies above, it would seem to be a load of that, and so would words there.
+        tail = at - min(length, max(room, 0.5 * SHORTEST * ARROW * view.size)) * force / size
+        view.arrow(tail, at, LOAD)
+        weight = g > 0.0 and np.allclose(force / size, np.array(piece.gravity) / g)
+        if not weight:
+            # One across the view has next to no arrow.
+            view.axes.plot(*view.at(at)[None].T, "o", ms=3.0, color=LOAD, zorder=8)
+        if numbers:
+            text = f"{size / g:.3g} kg" if weight else vector_words(force)
+            place, up, aside = (0.5 * (tail + at), 0.0, 5.0) if weight and np.isfinite(room) else (tail, 2.0, 0.0)
+            view.words(place, text, LOAD, up, aside)
+
+
+def _free_way(planks: Sequence[Plank], start: np.ndarray, along: np.ndarray) -> float:
+    """How far it is from a place (3,) along a direction (3,) to the first of some planks; infinite if there is none."""
+    nearest = np.inf
+    for plank in planks:
+        place, way = (start - plank.centre) @ plank.axes, along @ plank.axes
+        way = np.where(np.abs(way) < 1e-12, 1e-12, way)
+        ends = np.sort(np.stack([(sign * plank.size / 2.0 - place) / way for sign in (-1.0, 1.0)]), axis=0)
+        first, last = float(ends[0].max()), float(ends[1].min())
+        if first <= last and last > 0.0:
+            nearest = min(nearest, max(first, 0.0))
+    return nearest
+
+
+def vector_words(force: np.ndarray) -> str:
+    """A force [N] as people read it: how much along which axis, or its three components."""
+    size, k = float(np.linalg.norm(force)), int(np.argmax(np.abs(force)))
+    if abs(force[k]) > 0.9999 * size:
+        text = f"{size:.3g} N along {'+' if force[k] > 0.0 else '-'}{'xyz'[k]}"
+    else:
+        text = f"({', '.join(f'{round(float(f), 1) + 0.0:g}' for f in force)}) N"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def in_one_view(panels: Sequence[Axes]) -> None:
+    """Give pictures side by side the same limits, which hold what each of them shows."""
+    across, up = ([limits(axes) for axes in panels] for limits in (Axes.get_xlim, Axes.get_ylim))
+    for axes in panels:
+        axes.set_xlim(min(low for low, _ in across), max(high for _, high in across))
+        axes.set_ylim(min(low for low, _ in up), max(high for _, high in up))
+
+
+def _changed(piece: Piece, end: Piece) -> np.ndarray:
+    """Which planks (n,) an edit moves, lengthens or adds."""
+    moved = [np.abs(a.corners() - b.corners()).max() for a, b in zip(piece.planks, end.planks)]
+    added = [np.inf] * (len(end.planks) - len(piece.planks))
+    return np.array([*moved, *added]) > LEAST * piece.size
+
+
+def _draw_moves(view: PieceView, piece: Piece, end: Piece, direction: np.ndarray) -> None:
+    """Arrows on the planks that an edit is of, at what of them goes furthest; a plank that grows has two."""
+    edited = np.flatnonzero(np.abs(direction).max(axis=1))
+    if not len(edited):
+        # Another piece: what of it goes furthest.
+        far = [float(np.linalg.norm(b.centre - a.centre)) for a, b in zip(piece.planks, end.planks)]
+        edited = [int(np.argmax(far))]
+    for k in edited:
+        before, after = piece.planks[k], end.planks[k]
+        starts, ends = (np.array([plank.end(side) for side in range(4)]) for plank in (before, after))
+        far = np.linalg.norm(ends - starts, axis=1)
+        side = int(np.argmax(far))
+        apart = float(np.dot(ends[side] - starts[side], ends[side ^ 1] - starts[side ^ 1])) < 0.0
+        shrinks = float(np.dot(ends[side] - starts[side], starts[side] - before.centre)) < 0.0
+        for one in (side, side ^ 1) if apart and not direction[k, :6].any() else (side,):
+            if far[one] > LEAST * view.size:
+                view.way(starts[one], ends[one], MOVED, shrinks)
+
+
+def _draw_range(view: PieceView, furniture: Furniture, slide: Slide, ranges: Ranges) -> None:
+    """The way of the plank that moves most, with the part of it that is valid and its ends, in degrees of a turn."""
+    step = 1e-3
+    before, after = furniture.moved(), furniture.moved(step * slide.direction)
+    furniture.test()
+    plank = int(np.argmax(np.abs(slide.direction).max(axis=1)))
+    starts, ends = (np.array([piece.planks[plank].end(side) for side in range(6)]) for piece in (before, after))
+    speeds = (ends - starts) / step
+    side = int(np.argmax(np.linalg.norm(speeds, axis=1)))
+    at, speed = starts[side], speeds[side]
+    turning = float(np.abs(slide.direction[:, 3:6]).max())
+    alone = turning > 0.0 and not np.any(np.delete(slide.direction, (3, 4, 5), axis=1))
+    usual = (np.degrees(turning), "°") if alone else (1e3 * float(np.linalg.norm(speed)), " mm")
+    scale, unit = slide.unit or usual
+    colour = INK if slide.valid else REFUSED
+    at = at - slide.at * speed
+    way = view.at(at + np.array([[slide.low], [slide.high]]) * speed)
+    view.axes.plot(*way.T, color=colour, lw=0.8, ls=(0, (3, 3)), zorder=7, alpha=0.7)
+    across = np.array([way[1, 1] - way[0, 1], way[0, 0] - way[1, 0]])
+    across *= 0.018 * view.size / max(float(np.linalg.norm(across)), 1e-300)
+    for left, right in ranges.intervals:
+        line = view.at(at + np.array([[left], [right]]) * speed)
+        view.axes.plot(*line.T, color=colour, lw=3.2, solid_capstyle="butt", zorder=8)
+        for t, place in zip((left, right), line):
+            is_open = min(abs(t - slide.low), abs(t - slide.high)) < ROUNDED * (slide.high - slide.low)
+            view.axes.plot(*np.array([place - across, place + across]).T, color=colour, lw=1.6, zorder=8)
+            text = f"{'beyond ' if is_open else ''}{t * scale:+.0f}{unit}".replace("-", "\N{MINUS SIGN}")
+            view.words(at + t * speed, text, colour, 9.0 if t == right else -9.0)
+    view.axes.plot(*view.at(at + slide.at * speed)[None].T, "o", ms=5, mfc="white", mec=colour, mew=1.5, zorder=9)
+    view.reach.append(way)

@@ -1,0 +1,186 @@
+"""The contact sheet of furniture: telling frames of a recording, each with its joints, its forces and its range."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import ceil
+from pathlib import Path
+from textwrap import shorten, wrap
+
+import numpy as np
+from restshape_apps.furniture.guidance.amounts import UNITS
+from restshape_apps.furniture.physics.furniture import LOST, Furniture
+from restshape_apps.furniture.report.furniture import Slide, bounds, draw_piece, slenderness
+from restshape_apps.furniture.report.guided import intervals, runs, unit_of
+from restshape_apps.furniture.report.piece_sheet import ACROSS, COLUMNS, EACH, finish_sheet, width_of
+from restshape_apps.furniture.report.piece_verdicts import only_limits, verdict_colour
+from restshape_apps.furniture.session.plank_session import PlankFrame
+
+from restshape.errors import UserError
+from restshape.guidance.ranges import Ranges
+from restshape.replay.recording import Recording
+from restshape.replay.sessions import session_of
+from restshape.replay.verdict import HOLDS
+from restshape.report.frames import scene_name
+from restshape.report.style import new_figure
+from restshape.report.tables import column, refused, rows_of
+from restshape.scene.load import recorded_scene
+from restshape.scene.script import Script, read_script
+
+LETTERS, LINES = 46, 3
+"""Room in a title: letters a line, and lines for what is wrong."""
+MOST_LINES = LINES + 3
+"""Of a title in all."""
+FEW = 10
+"""Planks up to which forces are written beside their arrows."""
+SAME = 1e-6
+"""How far corners of a piece that is made again may be from those of the recording, in parts of its size."""
+MEANING = "joints in colour; blue: forces of feet, black: loads. Planks are named where they are seen first"
+RANGES = (
+    "Thin dashed line: the way of what is under the hand, as far as it was looked at; thick line with ends: its valid "
+    "range, without one nothing of it is valid. Black where the piece holds, red where not; circle: the piece as it is"
+)
+LIMITS = "Purple heading: the piece holds, but a quantity is beyond its limit; ranges are of the piece alone"
+
+
+def badness(recording: Recording) -> np.ndarray:
+    """How far each frame (n,) is from holding: above 1 where a joint breaks or the piece falls; nan: not judged."""
+    tips = 1.0 - column(recording, "margin")
+    worst = np.fmax(column(recording, "use"), tips)
+    judged = np.array([bool(word) for word in recording.table["verdict"]]) & ~refused(recording)
+    # What has lost a joint has no forces, and a part without feet no margin.
+    fails = np.array([word not in ("", HOLDS) for word in recording.table["verdict"]])
+    return np.where(judged, np.where(fails, np.fmax(worst, 1.0), worst), np.nan)
+
+
+def telling_frames(recording: Recording, count: int) -> np.ndarray:
+    """Indices of at most `count` frames: the first and the last that were judged, the worst, those in which a verdict
+    begins, and others spread over the rest."""
+    bad = badness(recording)
+    judged = np.flatnonzero(np.isfinite(bad))
+    if not len(judged):
+        return np.array([0])
+    turns = [int(first["index"]) for first, _, _ in runs(rows_of(recording))]
+    spread = judged[np.linspace(0, len(judged) - 1, max(count, 2)).round().astype(int)]
+    wanted = [int(judged[0]), int(judged[-1]), int(np.nanargmax(bad)), *turns, *spread.tolist()]
+    good = [i for i in dict.fromkeys(wanted) if np.isfinite(bad[i])]
+    return np.array(sorted(good[:count]))
+
+
+def pieces(recording: Recording, wanted: Sequence[int]) -> Iterator[PlankFrame]:
+    """The frames of the recording's session of these numbers, which are in order, each with its piece.
+
+    Raises:
+        UserError: the recording's scene and script make other pieces now.
+    """
+    header, path = recording.header, recording.path
+    scene = recorded_scene(header["scene_values"], path.with_name(Path(header["scene"]).name or "scene"))
+    if "planks" not in scene.sections:
+        raise UserError(f"its frames are of planks, its scene of {scene.app!r}", str(path), "record it again")
+    text, name = header["script_text"], path.with_name(Path(header["script"]).name or "script")
+    script = read_script(text, name, scene, keep_good=True) if text else Script.empty(scene)
+    session, left = session_of(scene, script), list(map(int, wanted))
+    stopped = refused(recording)
+    for frame in session.frames():
+        if not left or frame.index >= recording.n:
+            return
+        if stopped[frame.index] and not frame.refused and frame.change != "none":
+            # It had no solution.
+            session.take_back()
+        if frame.index == left[0]:
+            left.pop(0)
+            _compare(recording, frame)
+            yield frame
+
+
+def _compare(recording: Recording, frame: PlankFrame) -> None:
+    piece = frame.design.furniture.moved(frame.gamma)
+    here, there = np.concatenate([plank.corners() for plank in piece.planks]), recording.points(frame.index)
+    if here.shape != there.shape or np.abs(here - there).max() > SAME * piece.size:
+        what = f"its script makes another piece in frame {frame.index} than was recorded"
+        raise UserError(what, str(recording.path), "record it again with this version of the program")
+
+
+def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, Slide | None, int]:
+    """The model of a frame's piece, the range of what is under the hand, and the case of the loads that is worst."""
+    furniture = Furniture(frame.design.furniture.moved(frame.gamma))
+    verdict, slide = furniture.test(), None
+    text = str(recording.table["ranges"][frame.index])
+    if frame.gesture is not None and text:
+        found = np.array(intervals(text)).reshape(-1, 2)
+        ranges = Ranges(found, np.zeros(0), np.zeros(0), 0)
+        way = frame.gesture
+        factor, unit = UNITS[unit_of(str(recording.table["parameter"][frame.index]))]
+        unit = factor, "°" if unit == "deg" else f" {unit}"
+        slide = Slide(way.direction, 0.0, ranges, way.low, way.high, verdict.valid, frame.c[0], unit=unit)
+    return furniture, slide, 0 if verdict.flaws & LOST else worst_case(furniture)
+
+
+def worst_case(furniture: Furniture) -> int:
+    """The case of the loads in which most is missing of what could balance them, or a joint is used most."""
+    every = [furniture.forces(case) for case in range(len(furniture.cases))]
+    uses = [max(one.pull_use.max(initial=0.0), one.shear_use.max(initial=0.0)) for one in every]
+    missing = np.array([one.missing for one in every])
+    # Rounding decides nothing.
+    return int(np.argmax(missing)) if missing.max() > 1e-6 else int(np.argmax(uses))
+
+
+def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
+    """What a frame is, in lines, and their colour, which tells whether it holds."""
+    table = recording.table
+    lines = [f"frame {i}, t = {recording.times[i]:.2f} s: {table['do'][i]} (line {table['line'][i]})"]
+    if name := str(table["parameter"][i]):
+        factor, unit = UNITS[unit_of(name)]
+        far = f"{factor * float(table['at'][i]):+.4g} {unit}".replace("-", "\N{MINUS SIGN}")
+        lines += wrap(f"{name} {far}", LETTERS, max_lines=1, placeholder=" …")
+    verdict, broken = str(table["verdict"][i]), str(table["broken"][i])
+    words = "holds" if verdict == HOLDS else broken or "not judged"
+    words = f"holds, but {words}" if only_limits(verdict, broken) else words
+    lines += wrap(words, LETTERS, max_lines=LINES, placeholder=" …")
+    words = "\n".join(lines + ([f"loads: the weights, and the push {case}"] if case else []))
+    return words, verdict_colour(verdict, broken)
+
+
+def meaning(recording: Recording, chosen: Sequence[int], ranges: bool) -> str:
+    """What colours and lines in pictures of these frames stand for.
+
+    Args:
+        recording: of furniture.
+        chosen: frames that are shown.
+        ranges: some of them have a range.
+    """
+    table = recording.table
+    limits = any(only_limits(str(table["verdict"][i]), str(table["broken"][i])) for i in chosen)
+    return ". ".join([MEANING, *([RANGES] if ranges else []), *([LIMITS] if limits else [])])
+
+
+def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> None:
+    """Writes the contact sheet as a PNG.
+
+    Args:
+        recording: of furniture.
+        chosen: frames to show, in order.
+        path: of the picture.
+    """
+    frames = list(pieces(recording, chosen))
+    made = [shown_piece(recording, frame) for frame in frames]
+    box = bounds(*(furniture.piece for furniture, _, _ in made))
+    across = min(ACROSS, len(frames))
+    down = ceil(len(frames) / across)
+    figure = new_figure(width_of(across), EACH * (1.0 + slenderness(*box)) * down)
+    panels = figure.subplots(down, across, squeeze=False).ravel()
+    named: set[str] = set()
+    for axes, frame, (furniture, slide, case) in zip(panels, frames, made):
+        few = len(furniture.piece.planks) <= FEW
+        # Each name once, where its plank is seen first.
+        fresh = {plank.name for plank in furniture.piece.planks if few} - named
+        named |= fresh
+        push = furniture.piece.pushes[case - 1].name if case else ""
+        words, colour = caption(recording, frame.index, push)
+        draw_piece(axes, furniture, words, slide, case, few, box, COLUMNS, fresh)
+        axes.set_title(words, fontsize=8.5, loc="left", color=colour)
+    name = shorten(scene_name(recording), 80, placeholder=" …")
+    told = meaning(recording, chosen, any(slide for _, slide, _ in made))
+    lines = wrap(told, int(14 * figure.get_figwidth()))
+    finish_sheet(figure, panels, len(frames), across, "\n".join([name, *lines]))
+    figure.savefig(path)

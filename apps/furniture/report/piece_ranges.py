@@ -1,0 +1,162 @@
+"""What guidance told over the frames of a recording: use of strength, margin, and the parameter under the hand."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from pathlib import Path
+from textwrap import shorten
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from restshape_apps.furniture.guidance.amounts import UNITS
+from restshape_apps.furniture.report.guided import found, intervals, unit_of
+from restshape_apps.furniture.report.piece_verdicts import BEYOND, only_limits, verdict_colour
+
+from restshape.replay.recording import Recording
+from restshape.report.frames import scene_name
+from restshape.report.style import FAINT, INK, REFUSED, new_figure
+from restshape.report.tables import column, rows_of
+
+BAND, LIMIT = "#9ecae1", "#666666"
+ROOM = 0.25
+"""How far beyond its own way a parameter's range is shown, in parts of that way."""
+
+
+def draw_guidance(recording: Recording, path: Path) -> None:
+    """Writes the picture as a PNG: a panel each for use, margin, and the parameters in millimetres and in degrees."""
+    rows = rows_of(recording)
+    holds = _holds(rows)
+    units = [unit for unit in UNITS if any(unit_of(held[0]["parameter"]) == unit for held in holds)]
+    heights = [1.0, 1.0, *[1.5] * len(units)]
+    figure = new_figure(10.0, 1.0 + 1.55 * sum(heights))
+    panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    _draw_numbers(panels[0], recording, "use", "use of strength [1]", 1.0)
+    _draw_numbers(panels[1], recording, "margin", "margin [1]", 0.0)
+    for axes, unit in zip(panels[2:], units):
+        _draw_parameters(axes, [held for held in holds if unit_of(held[0]["parameter"]) == unit], unit)
+    for axes in panels:
+        axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
+        axes.set_axisbelow(True)
+    _mark_searches(panels, rows)
+    panels[-1].set_xlabel("frame")
+    panels[-1].set_xlim(-0.5 - 0.01 * recording.n, recording.n - 0.5 + 0.01 * recording.n)
+    panels[-1].xaxis.get_major_locator().set_params(integer=True)
+    name = shorten(scene_name(recording), 70, placeholder=" …")
+    figure.suptitle(f"{name}: what holds, and how far edits may go", x=0.01, ha="left", color=INK)
+    limits = any(only_limits(row["verdict"], row["broken"]) for row in rows)
+    _legend(figure, bool(units), any(row["suggestions"] for row in rows), limits)
+    figure.align_ylabels()
+    figure.savefig(path)
+
+
+def _holds(rows: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
+    """Frames in a row with one parameter under the hand, or one plank, whichever way it goes."""
+    spans = groupby(rows, key=lambda row: (_undirected(row["parameter"]), row["do"] == "slide"))
+    return [list(span) for (name, _), span in spans if name]
+
+
+def _undirected(name: str) -> str:
+    """What is under the hand, without the direction that a plank is moved along."""
+    return name.split(" along ")[0]
+
+
+def _label(held: list[dict[str, Any]]) -> str:
+    """What is under the hand in all these frames."""
+    names = {row["parameter"] for row in held}
+    return shorten(names.pop() if len(names) == 1 else _undirected(held[0]["parameter"]), 48, placeholder=" …")
+
+
+def _draw_dots(axes: Axes, frames: np.ndarray, values: np.ndarray, rows: list[dict[str, Any]], size: float) -> None:
+    """A dot a frame, which tells by its colour whether the piece holds; diamonds where quantities alone do not."""
+    limits = np.array([only_limits(row["verdict"], row["broken"]) for row in rows])
+    colours = np.array([verdict_colour(row["verdict"], row["broken"]) for row in rows])
+    for mark, chosen, part in (("o", ~limits, 1.0), ("D", limits, 1.3)):
+        axes.scatter(
+            frames[chosen], values[chosen], c=colours[chosen], marker=mark, s=part * size, zorder=3, linewidths=0
+        )
+
+
+def _draw_numbers(axes: Axes, recording: Recording, name: str, label: str, limit: float) -> None:
+    """A number a frame, with the limit on the one side of which the piece does not hold."""
+    values, frames = column(recording, name), np.arange(recording.n)
+    rows = rows_of(recording)
+    axes.plot(frames, values, color=FAINT, linewidth=0.8, zorder=1)
+    _draw_dots(axes, frames, values, rows, 12.0)
+    axes.axhline(limit, color=LIMIT, linewidth=1.0, linestyle="--", zorder=2)
+    shown = np.append(values[np.isfinite(values)], limit)
+    room = 0.1 * max(float(np.ptp(shown)), 1e-12)
+    axes.set(ylabel=label, ylim=(shown.min() - room, shown.max() + room))
+
+
+def _draw_parameters(axes: Axes, holds: list[list[dict[str, Any]]], unit: str) -> None:
+    """What was under the hand in one unit, with its ranges; those go on to where they end or the picture does."""
+    factor, shown = UNITS[unit]
+    at = factor * np.array([row["at"] for held in holds for row in held], dtype=float)
+    least, most = min(0.0, float(np.nanmin(at))), max(0.0, float(np.nanmax(at)))
+    room = ROOM * max(most - least, 1e-9)
+    bottom, top = least - room, most + room
+    for held in holds:
+        frames = np.array([row["index"] for row in held])
+        way = factor * np.array([row["at"] for row in held], dtype=float)
+        for row in held:
+            for low, high in factor * np.array(intervals(row["ranges"])).reshape(-1, 2):
+                axes.fill_between(row["index"] + np.array([-0.5, 0.5]), low, high, color=BAND, linewidth=0, zorder=1)
+        axes.plot(frames, way, color=FAINT, linewidth=0.8, zorder=2)
+        _draw_dots(axes, frames, way, held, 14.0)
+        axes.annotate(
+            _label(held),
+            (frames[0], top),
+            xytext=(0, -2),
+            textcoords="offset points",
+            va="top",
+            fontsize=7.5,
+            bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.8},
+            zorder=4,
+        )
+    axes.axhline(0.0, color=FAINT, linewidth=0.6, zorder=2)
+    axes.set(ylabel=f"from where it was\ntaken [{'°' if shown == 'deg' else shown}]", ylim=(bottom, top))
+
+
+def _mark_searches(panels: list[Axes], rows: list[dict[str, Any]]) -> None:
+    """A line where suggestions were found, with how many."""
+    for row in rows:
+        if row["suggestions"]:
+            for axes in panels:
+                axes.axvline(row["index"], color="#d55e00", linewidth=0.9, linestyle=":", zorder=2)
+            panels[0].annotate(
+                str(len(found(row))),
+                (row["index"], 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(3, 2),
+                textcoords="offset points",
+                fontsize=7.5,
+                color="#d55e00",
+            )
+
+
+def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool) -> None:
+    dot = {"linestyle": "none", "marker": "o", "markersize": 4}
+    marks = [
+        Line2D([], [], color=INK, label="the piece holds", **dot),
+        Line2D([], [], color=REFUSED, label="it does not", **dot),
+    ]
+    if limits:
+        words = "it holds, but a quantity is beyond its limit"
+        marks.append(Line2D([], [], color=BEYOND, label=words, **dot | {"marker": "D"}))
+    marks.append(Line2D([], [], color=LIMIT, linestyle="--", linewidth=1.0, label="limit: use below 1, margin above 0"))
+    marks += (
+        [
+            Patch(
+                facecolor=BAND,
+                label="valid range of what is under the hand" + (", of the piece alone" if limits else ""),
+            )
+        ]
+        if ranges
+        else []
+    )
+    marks += [Line2D([], [], color="#d55e00", linestyle=":", label="suggestions, how many")] if suggested else []
+    figure.legend(handles=marks, loc="outside lower center", ncols=3 if limits else len(marks), fontsize=8)

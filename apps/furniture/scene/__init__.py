@@ -1,0 +1,1 @@
+"""What scenes and edit scripts of furniture hold."""

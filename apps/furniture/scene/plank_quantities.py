@@ -1,0 +1,61 @@
+"""Which quantities furniture has, and of which places."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from restshape.scene.model import Scene
+from restshape.scene.quantity import Quantity, QuantityKind
+from restshape.scene.source import Source, suggestion
+
+OF_PLANKS = {
+    "use": QuantityKind(Literal["pull", "shear", "largest"], "number", "max"),
+    "sag": QuantityKind(Literal[True], "length", "max"),
+    "margin": QuantityKind(Literal[True], "number", "min", whole=True),
+    "mass": QuantityKind(Literal[True], "mass", "sum"),
+    "length": QuantityKind(Literal["x", "y", "z"], "length", "sum"),
+}
+"""Kinds of quantities that furniture adds: use of the strength of joints, sag, margin of what holds the piece down,
+mass, and length along an axis of a plank's own."""
+
+KINDS = ("reaction", *OF_PLANKS)
+"""Kinds of quantities that furniture has."""
+
+ENDS = ("-x", "+x", "-y", "+y", "-z", "+z")
+"""Sides of a plank: the joint of an end, or the foot of a side, is called by the plank's name and that side."""
+
+OF_ENDS = ("use", "reaction")
+"""Kinds that one end may have."""
+
+
+def place_of(quantity: Quantity) -> tuple[str, str]:
+    """The name of the plank at which a quantity is looked at, and the end; both empty: all of the piece."""
+    plank, _, end = (quantity.at or "").partition(" ")
+    return plank, end
+
+
+def check_plank_quantities(scene: Scene, source: Source) -> None:
+    """Checks the quantities of a piece of furniture.
+
+    Raises:
+        UserError: the first thing that makes no sense.
+    """
+    for name, quantity in scene.quantities.items():
+        key, kind = ("quantities", name), quantity.kind
+        if kind not in KINDS:
+            do = f"use one of: {', '.join(KINDS)}"
+            raise source.error((*key, kind), f"furniture has no quantity of the kind {kind!r}", do)
+        if kind == "sag" and "bending" not in scene.effects:
+            raise source.error(
+                (*key, kind), "without bending planks do not sag", "leave it out, or add [effects.bending]"
+            )
+        plank, end = place_of(quantity)
+        place = (*key, "at")
+        if plank and kind == "margin":
+            raise source.error(place, "the margin is that of the whole piece", "leave it out")
+        if plank and plank not in scene.planks:
+            raise source.error(place, f"there is no plank {plank!r}", suggestion(plank, sorted(scene.planks)))
+        if end and kind not in OF_ENDS:
+            raise source.error(place, f"{kind} is that of a whole plank", f'write at = "{plank}"')
+        if end and end not in ENDS:
+            raise source.error(place, f"a plank has no end {end!r}", f"use one of: {', '.join(ENDS)}")

@@ -1,0 +1,1 @@
+"""Edit sessions of furniture."""

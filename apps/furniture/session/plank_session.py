@@ -1,0 +1,342 @@
+"""An edit session of furniture: events of a script turned into frames, each with a piece."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from restshape_apps.furniture.guidance.amounts import amount
+from restshape_apps.furniture.guidance.design import Design, Guidance, Idea, Way
+from restshape_apps.furniture.physics.plank_words import LENGTH
+from restshape_apps.furniture.scene.plank_events import far_turn
+from restshape_apps.furniture.session.boards import MovingBoards
+from restshape_apps.furniture.session.plank_changes import CHANGES, plank_number
+from restshape_apps.furniture.session.plank_frame import Hold, PlankFrame, State
+from restshape_apps.furniture.shape.plank_adoption import adopted
+from restshape_apps.furniture.shape.plank_scene import piece_of, restated
+from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
+
+from restshape.application import Application
+from restshape.errors import UserError
+from restshape.scene.load import revise
+from restshape.scene.model import Scene
+from restshape.scene.plan import plan, refuse_switched
+from restshape.scene.script import Script
+from restshape.shape.handpath import resampled
+from restshape.shape.script_session import ScriptSession, Step
+from restshape.shape.sweep import sweep
+
+TO_A_POINT = "a plank is dragged to a point: use 'to', or press a parameter of it"
+BY_A_NUMBER = "a parameter is dragged by a number: use 'by', or press the plank without a parameter"
+
+STRAIGHT = 9
+"""Decimals of the direction of a hand that count."""
+
+
+class PlankSession(ScriptSession):
+    """Replays a script's events on a scene's piece.
+
+    Args:
+        scene: where the session starts.
+        script: validated events.
+        application: whose effects the scene may name; default: the scene's own.
+
+    Raises:
+        UserError: the scene's piece cannot be had.
+    """
+
+    def __init__(self, scene: Scene, script: Script, application: Application | None = None) -> None:
+        super().__init__(scene, script, application)
+        try:
+            self.design = Design.closed(piece_of(scene), self._guidance())
+        except UserError as error:
+            # What names no place is a fastener that does not suit its planks.
+            raise scene.located(UserError(error.what, error.where or "fastener.name", error.do)) from error
+        self.gamma = self._rest()
+        self.way: Way | None = None
+        self.part = 0.0
+        self._hold: Hold | None = None
+        self._chosen: tuple[Design, Idea] | None = None
+        self._mark()
+
+    def models(self) -> MovingBoards:
+        """What makes a model of each frame."""
+        return MovingBoards()
+
+    @property
+    def held(self) -> Way | None:
+        """The parameter under the hand; None where there is none."""
+        return self.way
+
+    def _carried_out(self, event: Any) -> Iterator[Step]:
+        self.way = self.way if self._hold else None
+        return super()._carried_out(event)
+
+    def take_back(self) -> None:
+        """Restore all as it was before the last step: it has no solution."""
+        self.design, self.scene, self.gamma, self.way, self.part, self._past, self._future, self._chosen = self._before
+
+    def _mark(self) -> None:
+        now = (self.design, self.scene, self.gamma, self.way, self.part)
+        self._before = (*now, self._past, self._future, self._chosen)
+
+    def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> PlankFrame:
+        settled = self._hold is None and (last or step.change == "start")
+        told = (step.change, self.way, (self.part, 0.0), self.scene, step.refused)
+        return PlankFrame(*when, *told, analysed, settled, self.design, self.gamma, step.note)
+
+    def _state(self) -> State:
+        return self.design, self.scene
+
+    # What a hand does.
+
+    def _do_press(self, event: Any) -> Iterator[Step]:
+        try:
+            plank = plank_number(self.design.piece, event.on)
+        except UserError as error:
+            yield self._refusal(error)
+            return
+        free = np.array([(plank, number) in self.design.freedoms for number in range(8)])
+        number = None if event.parameter is None else FREEDOMS.index(event.parameter)
+        if not (free[:3].any() if number is None else free[number]):
+            yield Step("none", self.design.why_fixed(plank, number))
+            return
+        origin = self.design.piece.planks[plank].centre if event.at is None else np.array(event.at)
+        if number is not None:
+            origin, self.way, self.part = np.zeros(3), self.design.parameter(plank, number), 0.0
+        self._hold = Hold((self.design, self.scene), plank, number, origin, origin, free)
+        yield Step("none")
+
+    def _do_drag(self, event: Any) -> Iterator[Step]:
+        hold, count = self._hold, event.frame_count
+        by, wrong = self._by(event)
+        if wrong:
+            yield from self._refused(count, wrong)
+            return
+        path = event.path or [event.to] if by is None else [(by, 0.0, 0.0)]
+        for cursor in map(np.array, resampled(hold.cursor, path, count)):
+            hold.cursor = cursor
+            yield self._drag_to(hold, cursor - hold.origin)
+
+    def _by(self, event: Any) -> tuple[float | None, str]:
+        """How far a parameter is dragged [m or rad], None for a plank; and why it cannot be, if so."""
+        hold, by = self._hold, event.by
+        if hold is None:
+            return None, "nothing is held"
+        if (by is None) != (hold.number is None):
+            return None, TO_A_POINT if hold.number is None else BY_A_NUMBER
+        if by is None:
+            return None, ""
+        name = FREEDOMS[hold.number]
+        turns = name.startswith("turn")
+        amount = by.angle if turns else by.length
+        if amount is None:
+            kinds = ("an angle", "a length") if turns else ("a length", "an angle")
+            return None, f"{name} is dragged by {kinds[0]}, not by {kinds[1]}"
+        return amount, far_turn(amount) if turns else ""
+
+    def _drag_to(self, hold: Hold, shift: np.ndarray) -> Step:
+        """One frame of a drag that is as far as a shift (3,) from where it began."""
+        if hold.number is not None:
+            return self._along(self.way, float(shift[0]))
+        plank = self.design.piece.planks[hold.plank]
+        own = plank.axes.T @ shift
+        blocked = ~hold.free[:3] & (np.abs(own) > 1e-9)
+        own = np.where(hold.free[:3], own, 0.0)
+        far = float(np.linalg.norm(own))
+        left = [FREEDOMS[k] for k in np.flatnonzero(blocked)]
+        note = f"{plank.name} cannot {' or '.join(left)}: left out" if left else ""
+        if far == 0.0:
+            return self._along(self.way, 0.0, note)
+        # A hand that goes straight on goes along one way, whose range is known from its first frame on.
+        unit = np.round(own / far, STRAIGHT) + 0.0
+        back = (0.0 - unit).tobytes()
+        if back in hold.ways:
+            # On the other side of where it was taken it is still the same way.
+            return self._along(hold.ways[back], -far, note)
+        way = hold.ways.get(unit.tobytes())
+        if way is None:
+            direction = np.zeros((len(self.design.piece.planks), 8))
+            direction[hold.plank, :3] = unit
+            towards = ", ".join(f"{part:.3g}" for part in (np.round(plank.axes @ unit, 3) + 0.0).tolist())
+            way = self.design.way(direction, f"{plank.name}: move along ({towards})")
+            hold.ways[unit.tobytes()] = way
+        return self._along(way, far, note)
+
+    def _along(self, way: Way | None, t: float, note: str = "") -> Step:
+        """The frame at a parameter of a way; a plank without length is refused."""
+        gamma = self._rest() if way is None else t * way.direction
+        if np.array_equal(gamma, self.gamma):
+            self.way, self.part = way, t
+            return Step("none", note=note)
+        raw = self.design.furniture.kernel.shape(gamma)
+        least = self.design.furniture.compliance.least_overlap
+        if raw["fault"] == LENGTH or raw["size"].min() <= 0.0:
+            short = np.flatnonzero(~(raw["size"][:, :2].min(axis=1) >= least))
+            names = " and ".join(self.design.piece.planks[k].name for k in short)
+            return Step("none", f"{names} would have no length left: a plank keeps {amount(least, 'm')} at least")
+        self.way, self.part, self.gamma = way, t, gamma
+        return Step("move", note=note)
+
+    def _do_release(self, event: Any) -> Iterator[Step]:
+        hold, self._hold = self._hold, None
+        if hold is None:
+            yield Step("none", "nothing is held")
+            return
+        self._settle()
+        self.way, self.part = None, 0.0
+        self._remember(hold.before)
+        yield Step("none")
+
+    def _do_rotate(self, event: Any) -> Iterator[Step]:
+        yield from self._parameter(event, f"turn {event.about}", lambda plank: event.by)
+
+    def _do_scale(self, event: Any) -> Iterator[Step]:
+        axis = "xy".index(event.along)
+        yield from self._parameter(
+            event, f"length {event.along}", lambda plank: (event.factor - 1.0) * float(plank.size[axis])
+        )
+
+    def _parameter(self, event: Any, name: str, amount: Callable[[Plank], float]) -> Iterator[Step]:
+        """A parameter of a plank changed by an amount in even steps, without a hand."""
+        try:
+            plank = plank_number(self.design.piece, event.on)
+        except UserError as error:
+            yield from self._refused(event.frames, error)
+            return
+        number = FREEDOMS.index(name)
+        if (plank, number) not in self.design.freedoms:
+            yield from self._refused(event.frames, self.design.why_fixed(plank, number))
+            return
+        way = self.design.parameter(plank, number)
+        yield from self._swept(way, 0.0, amount(self.design.piece.planks[plank]), event.frames)
+
+    def _swept(self, way: Way, first: float, last: float, frames: int) -> Iterator[Step]:
+        """Even steps along a way of the present design; the piece at the last one is where further edits begin."""
+        before = self._state()
+        for i in range(1, frames + 1):
+            step = self._along(way, last if i == frames else first + (last - first) * i / frames)
+            if i == frames:
+                self._settle()
+                self._remember(before)
+            yield step
+
+    # Edits of what the piece is made of.
+
+    def _changed(self, event: Any) -> Iterator[Step]:
+        """One frame of an edit that gives another piece."""
+        before = self._state()
+        try:
+            piece, note = CHANGES[event.do](self.design.piece, self.scene, event)
+            self.design = Design.closed(piece, self.design.guidance)
+        except UserError as error:
+            yield self._refusal(error)
+            return
+        self.gamma, self._chosen = self._rest(), None
+        self._remember(before)
+        yield Step("shape", note=note)
+
+    _do_plank = _do_connect = _do_weight = _do_delete = _changed
+
+    # Suggestions.
+
+    def _do_choose(self, event: Any) -> Iterator[Step]:
+        ideas = self.design.ideas.found
+        if event.number > len(ideas):
+            there = f"there are {len(ideas)}" if ideas else "there is none"
+            yield Step("none", f"there is no suggestion {event.number}: {there} for this piece")
+            return
+        before, idea = (self.design, self.scene), ideas[event.number - 1]
+        base = self.design
+        if idea.piece is not None:
+            self.design = Design.closed(_with_own_names(idea.piece), base.guidance)
+            self._chosen = None
+            change = "shape"
+        else:
+            self.design = base.moved(idea.t * idea.direction)
+            self._chosen = base, idea
+            change = "move"
+        self.gamma = self._rest()
+        self._remember(before)
+        yield Step(change, note=f"suggestion {event.number}: {idea.told}")
+
+    def _do_slide(self, event: Any) -> Iterator[Step]:
+        if self._chosen is None:
+            yield from self._refused(event.frames, "no suggestion is chosen that could be slid along")
+            return
+        before, (base, idea) = (self.design, self.scene), self._chosen
+        low, high = idea.span
+        goal = low + event.to * (high - low)
+        way = base.followed(idea)
+        start, self.design, self.gamma = idea.t, base, idea.t * idea.direction
+        for i in range(1, event.frames + 1):
+            step = self._along(way, goal if i == event.frames else start + (goal - start) * i / event.frames)
+            if i == event.frames:
+                self._settle()
+                self._chosen = base, replace(idea, t=goal)
+                self._remember(before)
+            yield step
+
+    # The scene, and what came before.
+
+    def _do_set(self, event: Any) -> Iterator[Step]:
+        wrong = self._why_fixed(event.key) or ("nothing can be set while a plank is held" if self._hold else "")
+        if wrong:
+            yield from self._refused(event.frames, wrong)
+            return
+        before = self._state()
+        try:
+            self.scene = adopted(self.scene, self.design.piece, event.key)
+            part_of = None if event.frames == 1 else sweep(self.scene, event.key, event.value)
+        except UserError as error:
+            self.scene = before[1]
+            yield from self._refused(event.frames, error)
+            return
+        for i in range(1, event.frames + 1):
+            yield self._revised(event, part_of, i / event.frames)
+        if self.design is before[0]:
+            self.scene = before[1]
+        self._remember(before)
+
+    def _revised(self, event: Any, part_of: Any, part: float) -> Step:
+        """One frame of an edit of the scene."""
+        before, design = self.scene, self.design
+        try:
+            self.scene = revise(before, event.key, event.value) if part_of is None else part_of(before, part)
+            refuse_switched(before, self.scene, self._application)
+            self.design = Design.closed(restated(design.piece, before, self.scene), self._guidance())
+        except UserError as error:
+            self.scene, self.design = before, design
+            return self._refusal(error)
+        self.gamma, self._chosen = self._rest(), None
+        return Step("values")
+
+    def _go_to(self, then: State, kind: str) -> Step:
+        self.design, self.scene = then
+        self.gamma, self._chosen = self._rest(), None
+        return Step("shape")
+
+    def _settle(self) -> None:
+        """Let further edits begin with the piece as it is now."""
+        if self.gamma.any():
+            self.design = self.design.moved(self.gamma)
+        self.gamma, self._chosen = self._rest(), None
+
+    def _guidance(self) -> Guidance:
+        asked = plan(self.scene, self._application).settings("guidance")
+        return Guidance(asked.ranges, asked.suggestions, asked.freedoms) if asked else Guidance()
+
+    def _rest(self) -> np.ndarray:
+        return np.zeros((len(self.design.piece.planks), 8))
+
+
+def _with_own_names(piece: Piece) -> Piece:
+    """The piece whose last plank has a name that no other one has."""
+    *others, last = piece.planks
+    taken, name, count = {plank.name for plank in others}, last.name, 1
+    while name in taken:
+        count += 1
+        name = f"{last.name}-{count}"
+    return replace(piece, planks=(*others, replace(last, name=name)))

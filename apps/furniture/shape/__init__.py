@@ -1,0 +1,1 @@
+"""Planks, their joints and their edits."""

@@ -1,0 +1,187 @@
+"""Pieces of furniture from scenes: planks as they were drawn, joined where they are near, with their loads."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from restshape_apps.furniture.scene.furniture import JointSpec, PlankSpec
+from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Plane, Plank, feet_near, joints_near
+
+from restshape.errors import UserError
+from restshape.scene.bodies import number
+from restshape.scene.model import Scene
+
+STANDARD = (0.0, 0.0, -9.80665)
+"""Acceleration [m/s^2] of ``[effects.gravity]`` where it names none."""
+
+
+def piece_of(scene: Scene) -> Piece:
+    """The piece that a scene draws; its joints may be as far from closed as they were drawn.
+
+    Weights weigh as much as ``[effects.gravity]`` makes them, nothing without it; pushes are there with
+    ``[effects.push]`` only.
+
+    Raises:
+        UserError: a plank has no extent, or a joint's end is that of another one.
+    """
+    planks = tuple(_plank(name, spec, scene) for name, spec in scene.planks.items())
+    planes = (Plane((0.0, 0.0, scene.floor.height), (0.0, 0.0, 1.0), scene.floor.friction),)
+    g = _gravity(scene)
+    index = {name: k for k, name in enumerate(scene.planks)}
+    weights = tuple(
+        Load(name, index[w.on], w.at, tuple(number(w.mass, scene.parameters) * a for a in g))
+        for name, w in scene.weights.items()
+    )
+    pushes = tuple(
+        Load(name, index[p.on], p.at, tuple(number(f, scene.parameters) for f in p.force))
+        for name, p in scene.pushes.items()
+    )
+    joints = _joints(scene, planks, index)
+    return Piece(
+        planks,
+        joints,
+        feet_near(planks, scene.joints.reach, planes, joints),
+        planes,
+        weights,
+        pushes if "push" in scene.effects else (),
+        g,
+        scene.fastener.spacing,
+        scene.title or scene.path.stem,
+        scene.joints.reach,
+    )
+
+
+def weighing(scene: Scene, name: str, plank: int, mass: float, at: tuple[float, float, float]) -> Load:
+    """A mass [kg] on a plank, under the scene's gravity."""
+    return Load(name, plank, at, tuple(mass * a for a in _gravity(scene)))
+
+
+def restated(piece: Piece, before: Scene, after: Scene) -> Piece:
+    """A piece that edits have changed, with what its scene says otherwise after a key was set.
+
+    A plank that the scene draws elsewhere or in another size goes there; all others stay where edits have put them.
+    """
+    old, new = piece_of(before), piece_of(after)
+    numbers = {plank.name: k for k, plank in enumerate(piece.planks)}
+    was, wanted = ({plank.name: plank for plank in one.planks} for one in (old, new))
+    planks = tuple(_replanked(plank, was.get(plank.name), wanted.get(plank.name)) for plank in piece.planks)
+    joints = piece.joints
+    if before.fastener.name != after.fastener.name:
+        joints = tuple(
+            replace(joint, fastener=after.fastener.name) if joint.fastener == before.fastener.name else joint
+            for joint in joints
+        )
+    return replace(
+        piece,
+        planks=planks,
+        joints=joints,
+        planes=new.planes,
+        weights=tuple(_reweighed(load, old, new, numbers) for load in piece.weights),
+        pushes=_pushes(piece, old, new),
+        gravity=new.gravity,
+        spacing=new.spacing,
+        reach=new.reach,
+    )
+
+
+def _pushes(piece: Piece, old: Piece, new: Piece) -> tuple[Load, ...]:
+    """The pushes that a scene has now, on the planks of the edited piece; those on planks that are gone are not."""
+    numbers = {plank.name: k for k, plank in enumerate(piece.planks)}
+    here = {push.name: push for push in piece.pushes}
+    had = {push.name: push for push in old.pushes}
+    found = []
+    for push in new.pushes:
+        plank = new.planks[push.plank].name
+        # A push that went with its plank stays away.
+        if plank in numbers and (push.name in here or push.name not in had):
+            found.append(replace(push, plank=numbers[plank]))
+    return tuple(found)
+
+
+def _gravity(scene: Scene) -> tuple[float, float, float]:
+    if "gravity" not in scene.effects:
+        return (0.0, 0.0, 0.0)
+    return tuple(map(float, scene.effects["gravity"].get("g", STANDARD)))
+
+
+def _plank(name: str, spec: PlankSpec, scene: Scene) -> Plank:
+    """One plank as it was drawn."""
+
+    def numbers(values: tuple) -> list[float]:
+        return [number(value, scene.parameters) for value in values]
+
+    (thickness,) = numbers((scene.wood.thickness if spec.thickness is None else spec.thickness,))
+    wood = spec.wood or scene.wood.name
+    if spec.drawn:
+        lines = (numbers(values) for values in (spec.start, spec.to, spec.width))
+        try:
+            return Plank.between(name, *lines, thickness, wood=wood)
+        except UserError as error:
+            raise UserError(error.what, f"planks.{name}", error.do) from error
+    x, y, z = numbers(spec.turn)
+    axes = _turn(2, z) @ _turn(1, y) @ _turn(0, x)
+    return Plank(name, np.array(numbers(spec.center)), axes, np.array([*numbers(spec.size), thickness]), wood)
+
+
+def _turn(axis: int, angle: float) -> np.ndarray:
+    """The rotation (3, 3) about an axis by an angle [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    turn, (a, b) = np.eye(3), ((axis + 1) % 3, (axis + 2) % 3)
+    turn[[a, a, b, b], [a, b, a, b]] = c, -s, s, c
+    return turn
+
+
+def _joints(scene: Scene, planks: tuple[Plank, ...], index: dict[str, int]) -> tuple[Joint, ...]:
+    """The joints that have names, then those of ends that are near faces."""
+    usual = scene.fastener.name
+    found = {}
+    for name, spec in scene.joints.named.items():
+        joint = _joint(spec, index, usual)
+        if (joint.i, joint.side) in found:
+            what = f"the end {spec.end} of {spec.plank!r} has a joint already"
+            raise UserError(what, f"joints.{name}", "give each end one joint")
+        found[joint.i, joint.side] = joint
+    joints = tuple(found.values())
+    if scene.joints.near:
+        return (*joints, *joints_near(planks, scene.joints.reach, fastener=usual, joints=joints))
+    return joints
+
+
+def _joint(spec: JointSpec, index: dict[str, int], usual: str) -> Joint:
+    side, face = SIDES.index(spec.end), SIDES.index(spec.face)
+    return Joint(index[spec.plank], side, index[spec.to], face, spec.fastener or usual)
+
+
+def _replanked(plank: Plank, before: Plank | None, after: Plank | None) -> Plank:
+    """A plank with what its scene says otherwise."""
+    if before is None or after is None:
+        return plank
+    if before.wood != after.wood:
+        plank = replace(plank, wood=after.wood)
+    same = np.array_equal(before.centre, after.centre) and np.array_equal(before.axes, after.axes)
+    if not same or not np.array_equal(before.size[:2], after.size[:2]):
+        return replace(plank, centre=after.centre, axes=after.axes, size=after.size)
+    if before.size[2] != after.size[2]:
+        return replace(plank, size=np.array([*plank.size[:2], after.size[2]]))
+    return plank
+
+
+def _reweighed(load: Load, old: Piece, new: Piece, numbers: dict[str, int]) -> Load:
+    """A weight with what its scene says otherwise of its plank, its mass, its place, and gravity."""
+    first, last = ({one.name: one for one in piece.weights}.get(load.name) for piece in (old, new))
+    if first and last:
+        was, on = old.planks[first.plank].name, new.planks[last.plank].name
+        if was != on:
+            if on not in numbers:
+                raise UserError(f"the plank {on} was deleted", do="name another one")
+            load = replace(load, plank=numbers[on])
+        if first.place != last.place:
+            load = replace(load, place=last.place)
+        if first.force != last.force and (old.gravity == new.gravity or load.force == first.force):
+            return replace(load, force=last.force)
+    size = float(np.dot(old.gravity, old.gravity))
+    if old.gravity == new.gravity or size == 0.0:
+        return load
+    mass = float(np.dot(load.force, old.gravity)) / size
+    return replace(load, force=tuple(mass * a for a in new.gravity))

@@ -1,0 +1,248 @@
+"""Pictures of furniture: what is broken is red, what hides is in front, what is drawn stays in sight."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib import image
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from restshape_apps.furniture import pictures
+from restshape_apps.furniture.guidance.suggestions import suggest
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.pieces import cantilever, scales, table
+from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
+from restshape_apps.furniture.report.force_space import draw_region
+from restshape_apps.furniture.report.furniture import (
+    FOOT,
+    LOAD,
+    MOVED,
+    WAY,
+    Slide,
+    bounds,
+    draw_piece,
+    use_colours,
+    vector_words,
+)
+from restshape_apps.furniture.small_pieces import toppling
+
+from restshape.report.raster import Camera, hits, nearest_faces
+from restshape.report.style import REFUSED, new_figure
+
+
+def drawn(furniture: Furniture, slide: Slide | None = None):
+    """The axes of one picture, laid out, and its pixels."""
+    figure = new_figure(4.0, 3.5)
+    axes = figure.subplots()
+    draw_piece(axes, furniture, "a piece", slide)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return axes, np.asarray(canvas.buffer_rgba())[..., :3]
+
+
+def model(piece) -> Furniture:
+    """A tested model."""
+    furniture = Furniture(piece)
+    furniture.test()
+    return furniture
+
+
+def near(pixels: np.ndarray, colour: str) -> int:
+    """How many pixels have a colour."""
+    return int((np.abs(pixels / 255.0 - to_rgb(colour)).max(axis=2) < 0.02).sum())
+
+
+def test_colours_of_use_end_at_what_a_joint_bears() -> None:
+    cmap, norm = use_colours()
+    assert cmap(norm(1.001))[:3] == pytest.approx(to_rgb(REFUSED))
+    assert cmap(norm(0.999))[:3] != pytest.approx(to_rgb(REFUSED), abs=0.1)
+
+
+@pytest.mark.parametrize(("kilograms", "broken"), [(30.0, 0), (50.0, 1)])
+def test_a_broken_joint_is_red(kilograms: float, broken: int) -> None:
+    axes, pixels = drawn(model(table(kilograms=kilograms)))
+    joints = [c for c in axes.collections if isinstance(c, LineCollection) and c.get_zorder() == 6]
+    red = [np.allclose(colour[:3], to_rgb(REFUSED)) for colour in joints[0].get_colors()]
+    assert sum(red) == broken
+    assert (near(pixels, REFUSED) > 0) is bool(broken)
+
+
+def test_everything_drawn_is_in_sight() -> None:
+    furniture = model(table())
+    axes, pixels = drawn(furniture)
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    arrows = [text for text in axes.texts if text.arrow_patch is not None and not text.get_text()]
+    # Four feet and a weight.
+    assert len(arrows) == 5
+    for arrow in arrows:
+        for x, y in (arrow.xy, arrow.xyann):
+            assert left < x < right
+            assert bottom < y < top
+    box = axes.figure.bbox
+    renderer = axes.figure.canvas.get_renderer()
+    for text in axes.texts:
+        if text.get_text():
+            extent = text.get_window_extent(renderer)
+            assert box.x0 <= extent.x0 and extent.x1 <= box.x1
+            assert box.y0 <= extent.y0 and extent.y1 <= box.y1
+    assert near(pixels, FOOT) > 0
+
+
+def test_written_forces_of_feet_bear_the_weight() -> None:
+    furniture = model(table())
+    axes, _ = drawn(furniture)
+    told = [float(t.get_text()[:-2]) for t in axes.texts if t.get_text().endswith(" N")]
+    weight = (furniture.geometry().mass.sum() + 50.0) * 9.80665
+    # Friction takes part in what is written, which is rounded.
+    assert sum(told) == pytest.approx(weight, rel=0.03)
+    assert [t.get_text() for t in axes.texts if t.get_text().endswith("kg")] == ["50 kg"]
+
+
+def test_an_end_state_is_translucent_and_has_arrows() -> None:
+    furniture = model(table())
+    one = next(s for s in suggest(furniture).found if s.words == ("leg-4: turn y",))
+    axes, _ = drawn(furniture, Slide(one.direction, one.t))
+    ghosts = [shown.get_array() for shown in axes.images if shown.get_zorder() == 4]
+    assert len(ghosts) == 1
+    assert 0 < ghosts[0][..., 3].max() < 128
+    moved = [t for t in axes.texts if t.arrow_patch is not None and t.arrow_patch.get_edgecolor()[:3] == to_rgb(MOVED)]
+    assert len(moved) == 1
+
+
+def colour(arrow) -> tuple[float, ...]:
+    """The colour of an arrow."""
+    return arrow.arrow_patch.get_edgecolor()[:3]
+
+
+def moves(axes) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Start and end of the arrows of what moves."""
+    shown = [t for t in axes.texts if t.arrow_patch is not None and t.arrow_patch.get_edgecolor()[:3] == to_rgb(MOVED)]
+    return [(np.array(arrow.xyann), np.array(arrow.xy)) for arrow in shown]
+
+
+def test_another_piece_has_an_arrow_for_what_goes_and_none_for_what_is_added() -> None:
+    furniture = model(table())
+    piece = furniture.moved()
+    still = np.zeros((len(piece.planks), 8))
+    (*others, last), along = piece.planks, np.array([0.3, 0.0, 0.0])
+    gone = replace(piece, planks=(*others, replace(last, centre=last.centre + along)))
+    axes, _ = drawn(furniture, Slide(still, piece=gone))
+    ((start, end),) = moves(axes)
+    # The camera looks from -y and +x: along x is to the right.
+    assert end[0] - start[0] > 0.2
+    added = replace(piece, planks=(*piece.planks, replace(last, name="new", centre=last.centre + along)))
+    axes, _ = drawn(furniture, Slide(still, piece=added))
+    assert moves(axes) == []
+    (ghost,) = [shown.get_array() for shown in axes.images if shown.get_zorder() == 4]
+    assert 0 < ghost[..., 3].max() < 128
+
+
+def test_a_short_way_has_an_arrow_that_can_be_seen() -> None:
+    furniture = model(table())
+    piece = furniture.moved()
+    still = np.zeros((len(piece.planks), 8))
+    (*others, last), along = piece.planks, np.array([0.002, 0.0, 0.0])
+    near = replace(piece, planks=(*others, replace(last, centre=last.centre + along)))
+    axes, _ = drawn(furniture, Slide(still, piece=near))
+    ((start, end),) = moves(axes)
+    low, high = bounds(piece, near)
+    assert np.linalg.norm(end - start) == pytest.approx(WAY * (high - low).max())
+    assert end[0] > start[0]
+
+
+def test_the_arrow_of_a_load_ends_below_what_lies_above_it() -> None:
+    piece = table()
+    top = next(plank for plank in piece.planks if plank.name == "top")
+    cover = replace(top, name="cover", centre=top.centre + np.array([0.0, 0.0, 0.06]))
+    spans = []
+    for planks in (piece.planks, (*piece.planks, cover)):
+        axes, _ = drawn(model(replace(piece, planks=planks)))
+        (load,) = [
+            t for t in axes.texts if t.arrow_patch is not None and not t.get_text() and colour(t) == to_rgb(LOAD)
+        ]
+        spans.append(load.xyann[1] - load.xy[1])
+    free = 0.06 - top.size[2]
+    assert spans[0] > free > spans[1] > 0.0
+
+
+def test_nearest_faces_are_those_of_triangles() -> None:
+    rng = np.random.default_rng(3)
+    camera = Camera.towards(np.zeros(3), 0.4, 0.3, 8.0)
+    middle, one, other = (rng.normal(size=(12, 3)) for _ in range(3))
+    quads = np.stack([middle - one - other, middle + one - other, middle + one + other, middle - one + other], axis=1)
+    faces = np.arange(48).reshape(12, 4)
+    window = (-3.0, 3.0, -2.0, 2.0)
+    face, near = nearest_faces(camera, quads.reshape(-1, 3), faces, window, 150)
+    split = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
+    found = hits(camera, quads.reshape(-1, 3), split, window, 150)
+    same = face == np.where(found.there, found.triangle % 12, -1)
+    # Rounding decides a pixel on an edge.
+    assert same.mean() > 0.999
+    assert near[same & found.there] == pytest.approx(found.near[same & found.there])
+
+
+def test_a_range_is_black_where_the_piece_is_valid_and_red_where_not() -> None:
+    shown = {}
+    for words, make in RANGES.items():
+        furniture, slide = make()
+        axes, _ = drawn(furniture, slide)
+        shown[words] = {line.get_color() for line in axes.lines if line.get_linewidth() == 3.2}
+        # Numbers at both ends are those of the range, in millimetres.
+        low, high = slide.ranges.intervals[0] * furniture.piece.size * 1e3
+        told = [t.get_text().replace("\N{MINUS SIGN}", "-") for t in axes.texts if t.get_text().endswith(" mm")]
+        assert sorted(float(text.removeprefix("beyond ")[:-3]) for text in told) == pytest.approx([low, high], abs=0.6)
+    assert [REFUSED in colours for colours in shown.values()] == [False, True]
+
+
+def test_a_box_holds_all_pieces() -> None:
+    one, other = table(), cantilever()
+    low, high = bounds(one, other)
+    for piece in (one, other):
+        for plank in piece.planks:
+            assert np.all((plank.corners() >= low - 1e-9) & (plank.corners() <= high + 1e-9))
+
+
+def test_linear_rays_touch_the_true_ones_at_their_start() -> None:
+    for rays in (joint_rays(model(scales()))[0], tipping_rays(model(toppling()))[0]):
+        for ray in rays:
+            assert ray.true[0] == pytest.approx(ray.linear[0], rel=1e-6, abs=1e-9)
+            assert ray.valid.any()
+            assert not ray.valid[0]
+
+
+def test_a_region_is_valid_where_the_full_test_says_so() -> None:
+    furniture = model(toppling())
+    region = linearised_and_true(furniture, ("foot: length x", "beam: length x"), (-0.1, 0.5), (-0.4, 0.2), 9)
+    # The piece as it is falls; with a foot half as long again it stands.
+    assert region.kind[np.argmin(np.abs(region.y)), np.argmin(np.abs(region.x))] == 2
+    assert region.kind[0, -1] == 0
+    assert region.inside[0, -1] > 0.0
+    figure = new_figure(4.0, 3.0)
+    axes = figure.subplots()
+    draw_region(axes, region, "a region")
+    assert "[mm]" in axes.get_xlabel() and "[mm]" in axes.get_ylabel()
+
+
+def test_pictures_are_written(tmp_path, capsys) -> None:
+    words = ["--out", str(tmp_path / "a"), "--only", "forces", "suggestions", "--piece", "scales"]
+    assert pictures.main(words) == 0
+    for name in ("forces", "suggestions"):
+        pixels = image.imread(tmp_path / f"a-{name}.png")
+        assert pixels.shape[0] > 400
+        assert pixels[..., :3].std() > 0.02
+    assert pictures.main(["--out", str(tmp_path / "a"), "--only", "forces", "--joints", "1", "9"]) == 2
+    assert "choose from 0 to 2" in capsys.readouterr().err
+    assert pictures.main(["--out", str(tmp_path / "a"), "--only", "suggestions", "--piece", "chair-1"]) == 2
+
+
+def test_names_and_pushes_are_written_where_they_are_wanted() -> None:
+    figure = new_figure(4.0, 3.5)
+    axes = figure.subplots()
+    furniture = model(table())
+    names = [plank.name for plank in furniture.piece.planks][:2]
+    draw_piece(axes, furniture, names=names)
+    every = {plank.name for plank in furniture.piece.planks}
+    assert {text.get_text() for text in axes.texts} & every == set(names)
+    assert vector_words(np.array([0.0, -60.0, 0.0])) == "60 N along \N{MINUS SIGN}y"
+    assert vector_words(np.array([3.0, 0.0, 4.0])) == "(3, 0, 4) N"

@@ -1,0 +1,153 @@
+"""Bending of planks against beams of Euler and Bernoulli in closed form."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from restshape_apps.furniture.physics.furniture import Compliance, Furniture
+from restshape_apps.furniture.physics.plank_beam import Actions, deflection
+from restshape_apps.furniture.physics.plank_bending import PlankBending, plank_bending
+from restshape_apps.furniture.pieces import cantilever
+from restshape_apps.furniture.shape.planks import Load, Piece, Plane, Plank, feet_near
+from restshape_apps.furniture.small_pieces import bench, laid, nailed_along
+
+G = 9.80665
+
+
+def bent(piece: Piece, plank: int, compliance: Compliance | None = None, case: int = 0) -> PlankBending:
+    """Bending of one plank after a test of the piece."""
+    furniture = Furniture(piece, compliance)
+    furniture.test()
+    return plank_bending(furniture, plank, case)
+
+
+def lifted(found: PlankBending, place: float) -> float:
+    """Deflection at a place [m]."""
+    return float(np.interp(place, found.s, found.deflection))
+
+
+def test_a_cantilever_sags_by_its_load_and_weight() -> None:
+    arm, kilograms = 0.4, 0.3
+    furniture = Furniture(cantilever(arm=arm, kilograms=kilograms))
+    furniture.test()
+    found = plank_bending(furniture, 2)
+    EI = 2.5e9 * 0.06 * 0.012**3 / 12
+    own = furniture.geometry().mass[2] * G / arm
+    assert found.sag == pytest.approx(kilograms * G * arm**3 / (3 * EI) + own * arm**4 / (8 * EI), rel=1e-4)
+    moment = kilograms * G * arm + own * arm**2 / 2
+    assert found.stress == pytest.approx(moment * 0.006 / (0.06 * 0.012**3 / 12), rel=1e-4)
+
+
+def test_a_plank_on_two_supports_sags_between_them() -> None:
+    # Legs that turn freely: thin, without friction; the board hangs over by 0.1 m at each end.
+    furniture = Furniture(bench(0.0, mu=0.0, kilograms=20.0), Compliance(least_overlap=1e-6))
+    furniture.test()
+    found = plank_bending(furniture, 0)
+    EI = 11e9 * 0.3 * 0.02**3 / 12
+    w, P, L, a = furniture.geometry().mass[0] * G / 1.2, 20.0 * G, 1.0, 0.1
+    expected = 5 * w * L**4 / (384 * EI) + P * L**3 / (48 * EI) - w * a**2 / 2 * L**2 / (8 * EI)
+    assert np.abs(np.interp(0.0, found.s, found.deflection)) == pytest.approx(expected, rel=1e-3)
+    assert np.abs(found.moment).max() == pytest.approx(P * L / 4 + w * L**2 / 8 - w * a**2 / 2, rel=1e-3)
+
+
+def test_an_overhang_sags_under_a_mass_at_its_very_end() -> None:
+    # Two supports L apart, a load at the end of an overhang a: P a^2 (L + a) / 3EI at the end, P a L^2 / 16EI up in the
+    # middle; the board has no weight.
+    P, L, a, EI = 20.0, 1.0, 0.1, 11e9 * 0.3 * 0.02**3 / 12
+    board = bench(0.0, mu=0.0, kilograms=0.0)
+    hung = (Load("hung", 0, (0.5, 0.0, 0.0), (0.0, 0.0, -P)), Load("still", 0, (0.0, 0.0, 0.0), (0.0, 0.0, -P)))
+    one, both = (
+        bent(replace(board, weights=loads, gravity=(0.0, 0.0, 0.0)), 0, Compliance(least_overlap=1e-6))
+        for loads in (hung[1:], hung)
+    )
+    end = lifted(both, 0.6) - lifted(one, 0.6)
+    middle = lifted(both, 0.0) - lifted(one, 0.0)
+    assert end == pytest.approx(-P * a**2 * (L + a) / (3 * EI), rel=1e-3)
+    assert middle == pytest.approx(P * a * L**2 / (16 * EI), rel=1e-3)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("place", [-0.6, -0.3, 0.0, 0.6])
+def test_a_plank_that_lies_on_the_floor_does_not_bend(place: float, turned: bool) -> None:
+    piece = laid(place)
+    (plank,) = piece.planks
+    if turned:
+        plank = replace(plank, axes=plank.axes @ np.diag([1.0, -1.0, -1.0]))
+        piece = replace(piece, planks=(plank,), feet=feet_near((plank,)))
+    assert [foot.side for foot in piece.feet] == [5 if turned else 4]
+    found = bent(piece, 0)
+    # On its ends alone it would sag by 10 mm under 30 kg in the middle, and use a third of its strength.
+    between = 30.0 * G * 1.2**3 / (48 * 11e9 * 0.2 * 0.018**3 / 12)
+    assert found.sag < 1e-6 * between and found.use < 1e-5
+
+
+def test_a_plank_that_stands_on_its_long_edge_does_not_bend() -> None:
+    plank = Plank.between("edge", (-0.6, 0, 0.1), (0.6, 0, 0.1), (0, 0, 0.2), 0.018)
+    push = Load("push", 0, (0.0, 0.5, 0.0), (0.0, 0.2, 0.0))
+    piece = Piece((plank,), (), feet_near((plank,)), (Plane(),), (), (push,))
+    assert len(piece.feet) == 1 and piece.feet[0].side in (2, 3)
+    assert bent(piece, 0, case=1).sag == 0.0
+
+
+def test_a_foot_lifts_where_the_post_on_it_turns_it() -> None:
+    """A board on the floor under a post that is pulled over: it lifts behind, and lies flat ahead of some place."""
+    arm, kilograms, half, t = 0.19, 2.0, 0.3, 0.012
+    piece = cantilever(arm=arm, kilograms=kilograms, fastener="nail-thesis")
+    found = bent(piece, 1)
+    EI, per_length = 2.5e9 * 0.2 * t**3 / 12, 700.0 * 0.2 * t * G
+    post, beam = 700.0 * 0.2 * t * piece.planks[0].size[0] * G, 700.0 * 0.06 * t * arm * G
+    down, couple = post + beam + kilograms * G, kilograms * G * (t / 2 + arm) + beam * (t / 2 + arm / 2)
+    # It is flat from c on: all loads behind it have no moment about it.
+    c = max(np.roots([per_length / 2, down + per_length * half, per_length * half**2 / 2 - couple]))
+    far = half + c
+    lift = couple * c * (2 * far - c) / 2 - down * c**2 * (3 * far - c) / 6 - per_length * far**4 / 8
+    assert 0.05 < c < 0.25
+    assert found.sag == pytest.approx(lift / EI, rel=0.01)
+    assert lifted(found, -half) == pytest.approx(found.sag) and abs(lifted(found, half)) < 1e-4 * found.sag
+    assert np.abs(found.moment).max() == pytest.approx(couple - per_length * half**2 / 2, rel=1e-3)
+
+
+def test_a_shelf_that_is_nailed_along_its_long_side_bears_all_along() -> None:
+    EI, L, P = 2.5e9 * 0.2 * 0.012**3 / 12, 1.0, 5.0 * G
+    own = 700.0 * 0.2 * 0.012 * G
+    alone, loaded = bent(nailed_along(0.0), 1), bent(nailed_along(5.0), 1)
+    assert alone.sag < 1e-6 * own * (L / 2) ** 4 / (8 * EI)
+    # Borne evenly, with a load in its middle: P L / 8, and P L^3 / 128EI below its ends.
+    assert np.abs(loaded.moment).max() == pytest.approx(P * L / 8, rel=1e-3)
+    assert loaded.sag == pytest.approx(P * L**3 / (128 * EI), rel=1e-3)
+
+
+def test_the_moment_ends_at_nothing() -> None:
+    # Up to the load times what it displaces, which the beam does not know.
+    furniture = Furniture(bench(0.3, leg=0.02))
+    furniture.test()
+    for plank in range(3):
+        found = plank_bending(furniture, plank)
+        assert abs(found.moment[-1]) < 1e-6 * 20.0 * G * 0.5
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_floor_pushes_only_and_is_not_passed(seed: int) -> None:
+    # What tells a rigid floor that holds nothing: it pushes only, nowhere is the beam below it, and where it is above,
+    # nothing pushes.
+    random = np.random.default_rng(seed)
+    place = np.sort(random.uniform(-0.5, 0.5, 4))
+    force, couple = np.array([-40.0, 12.0, -60.0, 8.0]), random.uniform(-3.0, 3.0, 4)
+    loads = Actions(place, np.array([0.0, 0.1, 0.0, 0.0]), force, couple, np.zeros(4, dtype=bool), -20.0, 1.2)
+    on = loads.on_floor(1.0)
+    assert on is not None
+    pushed, push = on.place[4:], on.force[4:]
+    assert push.min() > 0.0
+    assert push.sum() == pytest.approx(-force.sum() + 20.0 * 1.2, rel=1e-5)
+    assert push @ pushed == pytest.approx(-(force @ place) - couple.sum(), rel=1e-4, abs=1e-4)
+    s = on.stations(201)
+    height = deflection(s, on.moments(s) / 100.0, on.held())
+    assert height.max() > 1e-5
+    # Up to what it bends between pushes 15 mm apart.
+    assert height.min() > -5e-3 * height.max()
+    assert np.abs(np.interp(pushed, s, height)).max() < 2e-3 * height.max()
+
+
+def test_a_floor_cannot_hold_what_falls() -> None:
+    beyond = Actions(np.array([0.7]), np.zeros(1), np.array([5.0]), np.zeros(1), np.zeros(1, dtype=bool), -1.0, 1.2)
+    assert beyond.on_floor(1.0) is None

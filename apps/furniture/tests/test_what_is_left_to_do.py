@@ -1,0 +1,64 @@
+"""What is still wrong with a suggestion, why there is none, and why a plank cannot move, in words."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from restshape_apps.furniture.guidance.design import Design, Guidance
+from restshape_apps.furniture.physics.furniture import UNSTABLE, WEAK, Furniture
+from restshape_apps.furniture.pieces import scales, table
+from restshape_apps.furniture.shape.planks import FREEDOMS
+
+
+def test_what_holds_in_part_tells_what_is_still_wrong() -> None:
+    # A leg beside the top, and a mass that the joints do not bear either.
+    piece = table(kilograms=200.0)
+    gamma = np.zeros((len(piece.planks), 8))
+    gamma[piece.index("leg-1"), 1] = -0.2
+    design = Design(Furniture(piece).moved(gamma))
+    ideas = design.ideas.found
+    assert ideas and not any(idea.valid for idea in ideas)
+    for idea in ideas:
+        assert idea.rest.startswith("weak: joint") and idea.rest in idea.told
+        found = Furniture(design.furniture.moved(idea.t * idea.direction)).test()
+        assert found.flaws == WEAK
+        assert idea.range_words.startswith("nothing more is wrong from")
+
+
+def test_a_suggestion_that_mends_all_tells_of_nothing_more() -> None:
+    ideas = Design(table()).ideas.found
+    assert ideas and all(idea.valid and idea.rest == "" and "still wrong" not in idea.told for idea in ideas)
+
+
+def test_a_piece_that_nothing_stands_under_is_told_so() -> None:
+    design = Design(replace(scales(), feet=()))
+    assert design.furniture.test().flaws & UNSTABLE
+    assert design.ideas.found == ()
+    assert design.ideas.why.startswith("nothing stands on the floor")
+
+
+def test_a_weak_piece_without_a_suggestion_is_told_what_else_helps() -> None:
+    ideas = Design(scales(kilograms=400.0), Guidance(freedoms=1)).ideas
+    assert not ideas.found
+    for remedy in ("[fastener] spacing", "stronger", "lighter load"):
+        assert remedy in ideas.why
+    # Such words must have room in a recording.
+    assert len(ideas.why) <= 240
+
+
+@pytest.mark.parametrize("make", [table, scales])
+def test_a_fixed_parameter_tells_what_is_free_instead(make) -> None:
+    design = Design(make())
+    told = [
+        (plank, number, design.why_fixed(plank, number))
+        for plank in range(len(design.piece.planks))
+        for number in range(8)
+        if (plank, number) not in design.freedoms
+    ]
+    assert told
+    for plank, _, why in told:
+        assert why.startswith(f"{design.piece.planks[plank].name} cannot ")
+        free = why.rpartition("; free: ")[2].split(", ")
+        named = [(plank, FREEDOMS.index(name)) for name in free if name in FREEDOMS]
+        assert named == sorted(one for one in design.freedoms if one[0] == plank)
+    assert any("(lost: " in why for _, _, why in told)

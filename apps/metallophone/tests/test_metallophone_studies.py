@@ -1,0 +1,58 @@
+"""Studies of the metallophone: table 4.4, the accuracy of models, their picture; no time is asserted."""
+
+import json
+
+import pytest
+from restshape_studies.bench.job import Outcome
+from restshape_studies.pictures.accuracy import draw_accuracy
+from restshape_verification.metallophone import accuracy, thesis
+
+
+def test_rows_of_table_44_have_the_thesis_counts(monkeypatch):
+    """The counts are those of the thesis's table, whether timed or not."""
+    rows = thesis.rows(timed=False)
+    assert [(row["thesis"], row["ours"]) for row in rows] == [(2196, 2196), (3192, 3192), (4524, 4524)]
+    plan = thesis.PLAN
+    monkeypatch.setattr(thesis, "PLAN", type(plan)(plan.policies, 1, 6, plan.overrides))
+    monkeypatch.setattr(thesis, "BARS", {100: thesis.BARS[100]})
+    counted, *speeds = thesis.rows()
+    assert counted == rows[0] and [row["thesis"] for row in speeds] == [10.7, 10.7]
+    assert all(row["ours"] > 0 and row["timing"] for row in speeds) and {row["table"] for row in rows} == {"4.4"}
+
+
+def test_each_point_is_as_far_off_as_its_model(tmp_path, monkeypatch):
+    """First-order tetrahedra far too high, plates and Kirchhoff's limit where plate theory has them."""
+    first, plate = accuracy.FAMILIES[2], accuracy.FAMILIES[-1]
+    families = (
+        accuracy.Family(first.name, first.overrides, (8.0,)),
+        accuracy.Family(plate.name, plate.overrides, (8.0,)),
+    )
+    monkeypatch.setattr(accuracy, "FAMILIES", families)
+    monkeypatch.setattr(accuracy, "BARS", {100: accuracy.BARS[100]})
+    (record,) = accuracy.study(5)
+    stiff, good = record["points"]
+    assert stiff["error"] > 0.4 and good["error"] < 0.01
+    # By Euler and Bernoulli.
+    assert record["kirchhoff"]["frequencies"][0] == pytest.approx(2093.56, rel=0.01)
+    # A plate without shear misses about 3 % at the third bending mode.
+    assert record["kirchhoff"]["errors"][4] == pytest.approx(0.03, abs=0.015)
+    picture = tmp_path / "a.png"
+    draw_accuracy([record], picture)
+    assert picture.read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
+
+
+def test_command_writes_what_it_measured(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(accuracy, "FAMILIES", accuracy.FAMILIES[-1:])
+    monkeypatch.setattr(accuracy, "BARS", {200: accuracy.BARS[200]})
+    out = tmp_path / "a.json"
+    assert accuracy.main(["--frames", "5", "--json", str(out)]) == 0
+    records = json.loads(out.read_text())
+    assert [record["length"] for record in records] == [200] and len(records[0]["points"]) == 4
+    assert "Kirchhoff's limit" in capsys.readouterr().out
+
+
+def test_what_cannot_be_measured(monkeypatch, capsys):
+    assert accuracy.main(["--frames", "1"]) == 2
+    monkeypatch.setattr(accuracy, "study", lambda *words: accuracy.replayed(100, (), 5, lambda job: Outcome([], "end")))
+    assert accuracy.main([]) == 2
+    assert "bar end" in capsys.readouterr().err

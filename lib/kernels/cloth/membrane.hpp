@@ -1,0 +1,183 @@
+// Membranes of cloth: triangles of constant strain between material coordinates X in the plane and positions x in
+// space.
+//
+// With G_i the gradients of the barycentric coordinates in X, F = sum of x_i G_i^T and S = C : (F^T F - I)/2 is the
+// tension a unit of material length. Material coordinates are Cartesian, so that S is referred to an orthonormal frame.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fem/shapes.hpp"
+
+namespace restshape {
+
+// What all laws of membranes share.
+struct MembraneParts {
+    static constexpr int nodes = 3, dim = 2, fields = 3;
+    static constexpr bool symmetric = true, has_tangent = true;
+    static constexpr int stress_components = 3;
+    static constexpr int load = 6;  // the first of three parameters
+
+    // Moduli [N/m]: tensions xx, yy, xy by strains xx, yy and twice xy; dead load [N/m^2] of material.
+    static std::vector<std::string> parameters() {
+        return {"C11", "C12", "C22", "C16", "C26", "C66", "bx", "by", "bz"};
+    }
+
+ protected:
+    // Gradients of the barycentric coordinates; returns the area.
+    template <class S>
+    static S gradients(const S* X, S (&G)[3][2]) {
+        return Tri3::gradients(0, X, G);
+    }
+
+    // From sides of the triangle, so that far from the origin nothing is lost to rounding.
+    template <class SX, class Sx, class R>
+    static void deformation(const SX (&G)[3][2], const Sx* x, R (&F)[3][2]) {
+        for (int a = 0; a < 3; ++a) {
+            const Sx first = x[3 + a] - x[a], second = x[6 + a] - x[a];
+            for (int k = 0; k < 2; ++k) F[a][k] = first * G[1][k] + second * G[2][k];
+        }
+    }
+
+    // F^T F as xx, yy, xy.
+    template <class R>
+    static void metric(const R (&F)[3][2], R (&C)[3]) {
+        for (int k = 0; k < 3; ++k) {
+            const int a = k == 1 ? 1 : 0, b = k == 0 ? 0 : 1;
+            C[k] = F[0][a] * F[0][b] + F[1][a] * F[1][b] + F[2][a] * F[2][b];
+        }
+    }
+
+    // Tensions xx, yy, xy of strains xx, yy, xy.
+    template <class R>
+    static void tension(const R (&E)[3], const double* p, R (&S)[3]) {
+        const R twice = 2.0 * E[2];
+        S[0] = E[0] * p[0] + E[1] * p[1] + twice * p[3];
+        S[1] = E[0] * p[1] + E[1] * p[2] + twice * p[4];
+        S[2] = E[0] * p[3] + E[1] * p[4] + twice * p[5];
+    }
+
+    template <class R>
+    static R half_product(const R (&S)[3], const R (&E)[3]) {
+        return 0.5 * (S[0] * E[0] + S[1] * E[1]) + S[2] * E[2];
+    }
+
+    // Forces of P, the tension times the sides that it acts on, and of the load.
+    template <class SX, class R>
+    static void forces(const SX& area, const SX (&G)[3][2], const R (&P)[3][2], const double* p, R* r) {
+        for (int i = 0; i < 3; ++i)
+            for (int a = 0; a < 3; ++a)
+                r[3 * i + a] = (P[a][0] * G[i][0] + P[a][1] * G[i][1]) * area - area * (p[load + a] / 3);
+    }
+
+    // Potential of the load.
+    template <class SX, class Sx>
+    static Common<SX, Sx> load_energy(const SX& area, const Sx* x, const double* p) {
+        Common<SX, Sx> sum(0.0);
+        for (int a = 0; a < 3; ++a) sum -= (x[a] + x[3 + a] + x[6 + a]) * (area * (p[load + a] / 3));
+        return sum;
+    }
+};
+
+// St. Venant-Kirchhoff. The stabilised tangent takes for the tension what is left of it without its negative
+// eigenvalues, which makes it positive semidefinite; the residual, and so the equilibria, are the same.
+// Source: docs/theory.md, section "Cloth"; Teran, Sifakis, Irving and Fedkiw, Symp. Computer Animation (2005) 181.
+template <bool Stabilised>
+struct MembraneElement : MembraneParts {
+    template <class SX, class Sx, class R>
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
+        SX G[3][2];
+        R F[3][2], E[3], S[3], P[3][2];
+        const SX area = gradients(X, G);
+        deformation(G, x, F);
+        strain(F, E);
+        tension(E, p, S);
+        for (int a = 0; a < 3; ++a)
+            for (int k = 0; k < 2; ++k) P[a][k] = F[a][0] * S[k ? 2 : 0] + F[a][1] * S[k ? 1 : 2];
+        forces(area, G, P, p, r);
+    }
+
+    template <class SX, class Sx>
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        using R = Common<SX, Sx>;
+        SX G[3][2];
+        R F[3][2], E[3], S[3];
+        const SX area = gradients(X, G);
+        deformation(G, x, F);
+        strain(F, E);
+        tension(E, p, S);
+        return half_product(S, E) * area + load_energy(area, x, p);
+    }
+
+    // By hand: duals of nine directions would take sixteen lanes.
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
+        constexpr int stride = Dual<9>::lanes;
+        double G[3][2], F[3][2], E[3], S[3], P[3][2], B[9][3], CB[9][3];
+        const double area = gradients(X, G);
+        deformation(G, x, F);
+        strain(F, E);
+        tension(E, p, S);
+        for (int a = 0; a < 3; ++a)
+            for (int k = 0; k < 2; ++k) P[a][k] = F[a][0] * S[k ? 2 : 0] + F[a][1] * S[k ? 1 : 2];
+        forces(area, G, P, p, r);
+        if (Stabilised) keep_tension(S);
+        for (int i = 0; i < 3; ++i)
+            for (int a = 0; a < 3; ++a) {
+                double* b = B[3 * i + a];
+                double* c = CB[3 * i + a];
+                b[0] = F[a][0] * G[i][0];
+                b[1] = F[a][1] * G[i][1];
+                b[2] = F[a][0] * G[i][1] + F[a][1] * G[i][0];
+                c[0] = area * (p[0] * b[0] + p[1] * b[1] + p[3] * b[2]);
+                c[1] = area * (p[1] * b[0] + p[2] * b[1] + p[4] * b[2]);
+                c[2] = area * (p[3] * b[0] + p[4] * b[1] + p[5] * b[2]);
+            }
+        for (int m = 0; m < 9; ++m)
+            for (int n = 0; n < 9; ++n)
+                K[m * stride + n] = B[m][0] * CB[n][0] + B[m][1] * CB[n][1] + B[m][2] * CB[n][2];
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                const double pull =
+                    area * (G[i][0] * (S[0] * G[j][0] + S[2] * G[j][1]) + G[i][1] * (S[2] * G[j][0] + S[1] * G[j][1]));
+                for (int a = 0; a < 3; ++a) K[(3 * i + a) * stride + 3 * j + a] += pull;
+            }
+    }
+
+    // Second Piola-Kirchhoff tensions xx, yy, xy [N/m].
+    static void stress(const double* X, const double* x, const double* p, const double*, double* s) {
+        double G[3][2], F[3][2], E[3], S[3];
+        gradients(X, G);
+        deformation(G, x, F);
+        strain(F, E);
+        tension(E, p, S);
+        for (int k = 0; k < 3; ++k) s[k] = S[k];
+    }
+
+ private:
+    template <class R>
+    static void strain(const R (&F)[3][2], R (&E)[3]) {
+        metric(F, E);
+        E[0] = 0.5 * (E[0] - 1.0);
+        E[1] = 0.5 * (E[1] - 1.0);
+        E[2] = 0.5 * E[2];
+    }
+
+    // Eigenvalues below zero become zero.
+    static void keep_tension(double (&S)[3]) {
+        const double mean = 0.5 * (S[0] + S[1]), half = 0.5 * (S[0] - S[1]),
+                     radius = std::sqrt(half * half + S[2] * S[2]);
+        if (mean >= radius) return;
+        const double top = mean + radius;
+        if (top <= 0.0) {
+            S[0] = S[1] = S[2] = 0.0;
+            return;
+        }
+        const double share = top / (2 * radius);
+        S[0] = share * (radius + half);
+        S[1] = share * (radius - half);
+        S[2] = share * S[2];
+    }
+};
+
+}  // namespace restshape

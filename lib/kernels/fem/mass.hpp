@@ -1,0 +1,172 @@
+// Inertia: residual M x with x the acceleration; its energy is x.Mx/2 (the kinetic energy when x is the velocity).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fem/shapes.hpp"
+
+namespace restshape {
+
+// x.Mx/2 of an element whose residual is M x.
+template <class Element, class SX, class Sx>
+Common<SX, Sx> inertial_energy(const SX* X, const Sx* x, const double* p) {
+    using R = Common<SX, Sx>;
+    R r[Element::nodes * Element::fields];
+    Element::residual(X, x, p, r);
+    R total(0.0);
+    for (int k = 0; k < Element::nodes * Element::fields; ++k) total += 0.5 * (x[k] * r[k]);
+    return total;
+}
+
+// Lumped mass: rows summed onto the diagonal; the basis functions sum to one. Not for second order, where the sums of
+// corners are 0.
+template <class Shape, int Fields>
+struct LumpedMassElement {
+    static constexpr int nodes = Shape::nodes, dim = Shape::dim, fields = Fields;
+    static constexpr bool symmetric = true, has_tangent = true;
+    static constexpr int stress_components = 0;
+
+    // Mass per volume in 3D, density times thickness in 2D.
+    static std::vector<std::string> parameters() { return {"density"}; }
+
+    template <class SX, class Sx, class R>
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
+        for (int k = 0; k < nodes * fields; ++k) r[k] = R(0.0);
+        for (int q = 0; q < Shape::points; ++q) {
+            SX G[nodes][dim];
+            const SX mass = Shape::gradients(q, X, G) * p[0];
+            const auto& N = Shape::table.value[q];
+            for (int i = 0; i < nodes; ++i)
+                for (int a = 0; a < fields; ++a) r[i * fields + a] += x[i * fields + a] * (mass * N[i]);
+        }
+    }
+
+    template <class SX, class Sx>
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        return inertial_energy<LumpedMassElement>(X, x, p);
+    }
+};
+
+// Consistent mass by quadrature.
+template <class Shape, int Fields>
+struct MassElement {
+    static constexpr int nodes = Shape::nodes, dim = Shape::dim, fields = Fields;
+    static constexpr bool symmetric = true, has_tangent = true;
+    static constexpr int stress_components = 0;
+
+    // Mass per volume in 3D, density times thickness in 2D.
+    static std::vector<std::string> parameters() { return {"density"}; }
+
+    template <class SX, class Sx, class R>
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
+        for (int k = 0; k < nodes * fields; ++k) r[k] = R(0.0);
+        for (int q = 0; q < Shape::points; ++q) {
+            const SX mass = Shape::volume(q, X) * p[0];
+            const auto& N = Shape::table.value[q];
+            for (int a = 0; a < fields; ++a) {
+                Sx here = x[a] * N[0];
+                for (int j = 1; j < nodes; ++j) here += x[j * fields + a] * N[j];
+                const R inertia = here * mass;
+                for (int i = 0; i < nodes; ++i) r[i * fields + a] += inertia * N[i];
+            }
+        }
+    }
+
+    // One block of the tangent holds for each component.
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
+        constexpr int n = nodes * fields, stride = Dual<n>::lanes;
+        double M[nodes][nodes] = {};
+        for (int q = 0; q < Shape::points; ++q) {
+            const double mass = Shape::volume(q, X) * p[0];
+            const auto& N = Shape::table.value[q];
+            for (int i = 0; i < nodes; ++i)
+                for (int j = 0; j < nodes; ++j) M[i][j] += mass * N[i] * N[j];
+        }
+        for (int k = 0; k < n * stride; ++k) K[k] = 0.0;
+        for (int i = 0; i < nodes; ++i)
+            for (int a = 0; a < fields; ++a) {
+                r[i * fields + a] = 0.0;
+                for (int j = 0; j < nodes; ++j) {
+                    K[(i * fields + a) * stride + j * fields + a] = M[i][j];
+                    r[i * fields + a] += M[i][j] * x[j * fields + a];
+                }
+            }
+    }
+
+    template <class SX, class Sx>
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        return inertial_energy<MassElement>(X, x, p);
+    }
+};
+
+// Consistent mass of first-order simplices: the integral of N_i N_j is V (1 + [i = j]) / ((d + 1)(d + 2)), exactly.
+template <class Shape, int Fields>
+struct SimplexMassElement {
+    static constexpr int nodes = Shape::nodes, dim = Shape::dim, fields = Fields;
+    static_assert(nodes == dim + 1 && Shape::points == 1, "for first-order simplices with one quadrature point");
+    static constexpr bool symmetric = true, has_tangent = true;
+    static constexpr int stress_components = 0;
+
+    // Mass per volume in 3D, density times thickness in 2D.
+    static std::vector<std::string> parameters() { return {"density"}; }
+
+    template <class SX, class Sx, class R>
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
+        SX G[nodes][dim];
+        const SX share = Shape::gradients(0, X, G) * (p[0] / ((dim + 1) * (dim + 2)));
+        for (int a = 0; a < fields; ++a) {
+            Sx sum = x[a];
+            for (int j = 1; j < nodes; ++j) sum += x[j * fields + a];
+            for (int i = 0; i < nodes; ++i) r[i * fields + a] = (sum + x[i * fields + a]) * share;
+        }
+    }
+
+    template <class SX, class Sx>
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        return inertial_energy<SimplexMassElement>(X, x, p);
+    }
+};
+
+// Lumped mass of second order: the diagonal of the consistent one, scaled to the whole mass. All masses are positive.
+// Source: Hinton, Rock and Zienkiewicz, Earthquake Engng Struct. Dyn. 4 (1976) 245.
+template <class Shape, int Fields>
+struct ScaledMassElement {
+    static constexpr int nodes = Shape::nodes, dim = Shape::dim, fields = Fields;
+    static constexpr bool symmetric = true, has_tangent = true;
+    static constexpr int stress_components = 0;
+
+    // Mass per volume in 3D, density times thickness in 2D.
+    static std::vector<std::string> parameters() { return {"density"}; }
+
+    template <class SX, class Sx, class R>
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
+        SX diagonal[nodes];
+        masses(X, p[0], diagonal);
+        for (int i = 0; i < nodes; ++i)
+            for (int a = 0; a < fields; ++a) r[i * fields + a] = x[i * fields + a] * diagonal[i];
+    }
+
+    template <class SX, class Sx>
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        return inertial_energy<ScaledMassElement>(X, x, p);
+    }
+
+ private:
+    template <class S>
+    static void masses(const S* X, double density, S (&diagonal)[nodes]) {
+        S whole(0.0), sum(0.0);
+        for (int i = 0; i < nodes; ++i) diagonal[i] = S(0.0);
+        for (int q = 0; q < Shape::points; ++q) {
+            const S volume = Shape::volume(q, X);
+            const auto& N = Shape::table.value[q];
+            whole += volume;
+            for (int i = 0; i < nodes; ++i) diagonal[i] += volume * (N[i] * N[i]);
+        }
+        for (int i = 0; i < nodes; ++i) sum += diagonal[i];
+        const S scale = whole * density / sum;
+        for (int i = 0; i < nodes; ++i) diagonal[i] *= scale;
+    }
+};
+
+}  // namespace restshape

@@ -1,0 +1,190 @@
+// Bindings of the mesh kernels: relocation, harmonic maps, Delaunay flips, mean value coordinates, point location.
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "mesh/harmonic.hpp"
+#include "mesh/location.hpp"
+#include "mesh/mean_value.hpp"
+#include "mesh/quality.hpp"
+#include "mesh/smoothing.hpp"
+#include "mesh/triangulation.hpp"
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+namespace {
+
+// No conversion: what is written must reach the caller's array, and a level-1 frame must not copy.
+using Doubles = py::array_t<double, py::array::c_style>;
+using Indices = py::array_t<std::int32_t, py::array::c_style>;
+using Flags = py::array_t<std::uint8_t, py::array::c_style>;
+
+template <class Array>
+void require_rows(const Array& array, py::ssize_t width, const char* name) {
+    if (array.ndim() != 2 || array.shape(1) != width) {
+        throw std::invalid_argument(std::string(name) + " must be an array (n, " + std::to_string(width) + ")");
+    }
+}
+
+void require_same_size(py::ssize_t size, py::ssize_t expected, const char* name) {
+    if (size != expected) throw std::invalid_argument(std::string(name) + " has the wrong size");
+}
+
+py::tuple as_tuple(const restshape::Verdict& verdict) {
+    return py::make_tuple(verdict.min_quality, verdict.inverted, verdict.distorted);
+}
+
+py::tuple check_cells(const Doubles& X, const Indices& cells, double area_floor, double quality_floor) {
+    require_rows(X, 2, "X");
+    require_rows(cells, 3, "cells");
+    return as_tuple(restshape::check_cells(X.data(), cells.data(), cells.shape(0), area_floor, quality_floor));
+}
+
+py::tuple move_and_check(const Doubles& X_reference, const Doubles& Psi, double c0, double c1, Doubles& X,
+                         const Indices& cells, double area_floor, double quality_floor) {
+    require_rows(X, 2, "X");
+    require_rows(cells, 3, "cells");
+    require_same_size(X_reference.size(), X.size(), "X_reference");
+    require_same_size(Psi.size(), 2 * X.size(), "Psi");
+    restshape::move_nodes(X_reference.data(), Psi.data(), c0, c1, X.mutable_data(), X.size());
+    return as_tuple(restshape::check_cells(X.data(), cells.data(), cells.shape(0), area_floor, quality_floor));
+}
+
+py::tuple relax_and_check(const Doubles& X_reference, const Doubles& Psi, double c0, double c1, Doubles& X,
+                          const Indices& cells, const Indices& edge_nodes, const Flags& fixed, int sweeps,
+                          double area_floor, double quality_floor) {
+    require_rows(X, 2, "X");
+    require_rows(cells, 3, "cells");
+    require_rows(edge_nodes, 2, "edge_nodes");
+    require_same_size(X_reference.size(), X.size(), "X_reference");
+    require_same_size(Psi.size(), 2 * X.size(), "Psi");
+    require_same_size(fixed.size(), X.shape(0), "fixed");
+    restshape::move_fixed_nodes(X_reference.data(), Psi.data(), c0, c1, fixed.data(), X.mutable_data(), X.shape(0));
+    restshape::laplacian_sweeps(X.mutable_data(), X.shape(0), edge_nodes.data(), edge_nodes.shape(0), fixed.data(),
+                                sweeps);
+    return as_tuple(restshape::check_cells(X.data(), cells.data(), cells.shape(0), area_floor, quality_floor));
+}
+
+Doubles positive_mean_value(const Doubles& points, const Doubles& vertices, const Indices& segments,
+                            const Doubles& values) {
+    require_rows(points, 2, "points");
+    require_rows(vertices, 2, "vertices");
+    require_rows(segments, 2, "segments");
+    if (values.ndim() != 2) throw std::invalid_argument("values must be an array (vertices, columns)");
+    require_same_size(values.shape(0), vertices.shape(0), "values");
+    for (py::ssize_t i = 0; i < segments.size(); ++i) {
+        const std::int32_t vertex = segments.data()[i];
+        if (vertex < 0 || vertex >= vertices.shape(0))
+            throw std::invalid_argument("segments name a vertex that is not there");
+    }
+    restshape::PositiveMeanValue coordinates(vertices.data(), static_cast<std::int32_t>(vertices.shape(0)),
+                                             segments.data(), static_cast<std::int32_t>(segments.shape(0)));
+    const py::ssize_t width = values.shape(1);
+    Doubles out({points.shape(0), width});
+    for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+        coordinates.interpolate(points.data() + 2 * i, values.data(), width, out.mutable_data() + width * i);
+    }
+    return out;
+}
+
+py::tuple locate(const Doubles& X, const Indices& cells, const Doubles& points) {
+    require_rows(X, 2, "X");
+    require_rows(cells, 3, "cells");
+    require_rows(points, 2, "points");
+    if (cells.shape(0) == 0) throw std::invalid_argument("there are no cells");
+    restshape::Locator locator(X.data(), cells.data(), cells.shape(0));
+    Indices found(points.shape(0));
+    Doubles weights({points.shape(0), py::ssize_t{3}});
+    for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+        found.mutable_data()[i] = locator.locate(points.data() + 2 * i, weights.mutable_data() + 3 * i);
+    }
+    return py::make_tuple(found, weights);
+}
+
+std::unique_ptr<restshape::HarmonicExtension> harmonic_extension(const Doubles& X, const Indices& cells,
+                                                                 const Indices& boundary) {
+    require_rows(X, 2, "X");
+    require_rows(cells, 3, "cells");
+    return std::make_unique<restshape::HarmonicExtension>(X.data(), static_cast<std::int32_t>(X.shape(0)), cells.data(),
+                                                          static_cast<std::int32_t>(cells.shape(0)), boundary.data(),
+                                                          static_cast<std::int32_t>(boundary.size()));
+}
+
+// Keeps the mesh's arrays alive beside the triangulation that works on them.
+class BoundTriangulation {
+ public:
+    BoundTriangulation(Indices cells, Indices cell_edges, Indices edge_nodes, const Flags& fixed)
+        : cells_(std::move(cells)),
+          cell_edges_(std::move(cell_edges)),
+          edge_nodes_(std::move(edge_nodes)),
+          triangulation_(checked(fixed), cell_edges_.mutable_data(), cells_.shape(0), edge_nodes_.mutable_data(),
+                         edge_nodes_.shape(0), fixed.data()) {}
+
+    py::tuple flip_delaunay(const Doubles& X, int max_passes, double quality_floor) {
+        require_rows(X, 2, "X");
+        const auto flips = triangulation_.flip_delaunay(X.data(), max_passes, quality_floor);
+        const auto& changed = triangulation_.changed_cells();
+        return py::make_tuple(flips, Indices(static_cast<py::ssize_t>(changed.size()), changed.data()));
+    }
+
+    static Indices edge_cells(const py::object& self) {
+        const auto& sides = self.cast<const BoundTriangulation&>().triangulation_.edge_cells();
+        return Indices({static_cast<py::ssize_t>(sides.size()), py::ssize_t{2}},
+                       reinterpret_cast<const std::int32_t*>(sides.data()), self);
+    }
+
+ private:
+    std::int32_t* checked(const Flags& fixed) {
+        require_rows(cells_, 3, "cells");
+        require_rows(cell_edges_, 3, "cell_edges");
+        require_rows(edge_nodes_, 2, "edge_nodes");
+        require_same_size(cell_edges_.size(), cells_.size(), "cell_edges");
+        require_same_size(fixed.size(), edge_nodes_.shape(0), "fixed");
+        return cells_.mutable_data();
+    }
+
+    Indices cells_, cell_edges_, edge_nodes_;
+    restshape::Triangulation triangulation_;
+};
+
+}  // namespace
+
+void bind_mesh(py::module_& m) {
+    m.def("check_cells", &check_cells, py::arg("X").noconvert(), py::arg("cells").noconvert(), "area_floor"_a,
+          "quality_floor"_a,
+          "Smallest quality, number of triangles with area <= area_floor, number with quality < quality_floor.");
+    m.def("move_and_check", &move_and_check, py::arg("X_reference").noconvert(), py::arg("Psi").noconvert(), "c0"_a,
+          "c1"_a, py::arg("X").noconvert(), py::arg("cells").noconvert(), "area_floor"_a, "quality_floor"_a,
+          "check_cells after X = X_reference + c0 Psi[0] + c1 Psi[1], written in place.");
+    m.def("relax_and_check", &relax_and_check, py::arg("X_reference").noconvert(), py::arg("Psi").noconvert(), "c0"_a,
+          "c1"_a, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("edge_nodes").noconvert(),
+          py::arg("fixed").noconvert(), "sweeps"_a, "area_floor"_a, "quality_floor"_a,
+          "check_cells after fixed nodes went to X_reference + c0 Psi[0] + c1 Psi[1], and the others `sweeps` times to "
+          "the mean of their neighbours, in place.");
+    m.def("positive_mean_value", &positive_mean_value, py::arg("points").noconvert(), py::arg("vertices").noconvert(),
+          py::arg("segments").noconvert(), py::arg("values").noconvert(),
+          "Values (n, columns) at points inside the segments, by positive mean value coordinates.");
+    m.def("locate", &locate, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("points").noconvert(),
+          "Triangle and barycentric coordinates of every point; points outside are put on the nearest boundary point.");
+    py::class_<restshape::HarmonicExtension>(m, "HarmonicExtension",
+                                             "Carries boundary values into a mesh by Laplace's equation.")
+        .def(py::init(&harmonic_extension), py::arg("X").noconvert(), py::arg("cells").noconvert(),
+             py::arg("boundary").noconvert())
+        .def("solve", &restshape::HarmonicExtension::solve, "values"_a,
+             "Values (n, k) at all nodes from values (nb, k) at the boundary nodes.")
+        .def("stiffen", &restshape::HarmonicExtension::stiffen, "field"_a,
+             "Weights each triangle by the size of the gradient of a field (n, k), and factorizes again.");
+    py::class_<BoundTriangulation>(m, "Triangulation",
+                                   "Delaunay flips in the arrays of a mesh; a flipped edge keeps its number.")
+        .def(py::init<Indices, Indices, Indices, const Flags&>(), py::arg("cells").noconvert(),
+             py::arg("cell_edges").noconvert(), py::arg("edge_nodes").noconvert(), py::arg("fixed").noconvert())
+        .def("flip_delaunay", &BoundTriangulation::flip_delaunay, py::arg("X").noconvert(), "max_passes"_a,
+             "quality_floor"_a = 1.0, "Number of flips and the triangles they changed, ascending.")
+        .def_property_readonly("edge_cells", &BoundTriangulation::edge_cells,
+                               "The two triangles (n_edges, 2) of every edge, -1 where there is none; a live view.");
+}

@@ -1,0 +1,113 @@
+// Fields on a triangle mesh: recovery at nodes, areas.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "fem/calls.hpp"
+#include "mesh/curved.hpp"
+#include "recovery/patch.hpp"
+
+namespace py = pybind11;
+using Reals = py::array_t<double, py::array::c_style>;
+using Ints = py::array_t<int, py::array::c_style>;
+
+namespace {
+
+double area(const double* X, const int* cell) {
+    const double *a = X + 2 * cell[0], *b = X + 2 * cell[1], *c = X + 2 * cell[2];
+    return 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
+}
+
+void recover(const Reals& X, const Ints& cells, const Reals& stress, Reals out) {
+    const py::ssize_t n = X.shape(0), ne = cells.shape(0);
+    if (stress.shape(0) != ne || stress.shape(1) != 4 || out.shape(0) != n || out.shape(1) != 4)
+        throw std::invalid_argument("stress must be (ne, 4) and out (n, 4)");
+    const int stride = static_cast<int>(cells.shape(1));
+    static restshape::Tally& tally = restshape::tallies()["recover"];
+    tally.add(restshape::Purpose::field, ne);
+    restshape::PatchRecovery(X.data(), cells.data(), stride, stress.data(), static_cast<int>(n), static_cast<int>(ne))
+        .run(out.mutable_data());
+}
+
+py::array_t<int> cells_around(const Ints& cells, const Ints& nodes, int node_count) {
+    std::vector<uint8_t> marked(node_count, 0);
+    for (py::ssize_t i = 0; i < nodes.size(); ++i) marked.at(nodes.data()[i]) = 1;
+    std::vector<int> found;
+    for (py::ssize_t e = 0; e < cells.shape(0); ++e) {
+        bool touches = false;
+        for (py::ssize_t i = 0; i < cells.shape(1); ++i)
+            touches |= marked.at(cells.data()[cells.shape(1) * e + i]) != 0;
+        if (touches) found.push_back(static_cast<int>(e));
+    }
+    return py::array_t<int>(static_cast<py::ssize_t>(found.size()), found.data());
+}
+
+// Between the chord of a side and the parabola through its middle, to the right of the way from a to b.
+double area_beyond(const double* X, int a, int b, int middle) {
+    const double *p = X + 2 * a, *q = X + 2 * b, *m = X + 2 * middle;
+    return ((m[0] - 0.5 * (p[0] + q[0])) * (q[1] - p[1]) - (m[1] - 0.5 * (p[1] + q[1])) * (q[0] - p[0])) * 2.0 / 3.0;
+}
+
+double total_area(const Reals& X, const Ints& cells) {
+    double sum = 0.0;
+    for (py::ssize_t e = 0; e < cells.shape(0); ++e) {
+        const int* cell = cells.data() + cells.shape(1) * e;
+        sum += area(X.data(), cell);
+        for (int i = 0; i < 3 && cells.shape(1) == 6; ++i)
+            sum += area_beyond(X.data(), cell[i], cell[(i + 1) % 3], cell[3 + i]);
+    }
+    return sum;
+}
+
+// Tells whether det F <= 0 somewhere in a straight or second-order triangle with these nodes' places.
+bool inverted(const double (*P)[2], int nodes) {
+    if (nodes == 3) {
+        const double Q[6] = {P[0][0], P[0][1], P[1][0], P[1][1], P[2][0], P[2][1]};
+        const int cell[3] = {0, 1, 2};
+        return !(area(Q, cell) > 0.0);
+    }
+    double b[6];
+    restshape::jacobian_coefficients(P, b);
+    // All coefficients positive: so is the Jacobian.
+    if (std::all_of(b, b + 6, [](double value) { return value > 0.0; })) return false;
+    const bool numbers = std::all_of(b, b + 6, [](double value) { return std::isfinite(value); });
+    return !numbers || restshape::least_jacobian(b) <= 0.0;
+}
+
+py::array_t<int> inverted_cells(const Reals& X, const Reals& u, const Ints& cells) {
+    const int nodes = static_cast<int>(cells.shape(1));
+    if ((nodes != 3 && nodes != 6) || X.size() != u.size() || X.shape(1) != 2)
+        throw std::invalid_argument("X and u must be (n, 2), cells (ne, 3) or (ne, 6)");
+    static restshape::Tally& tally = restshape::tallies()["inverted_cells"];
+    tally.add(restshape::Purpose::field, cells.shape(0));
+    std::vector<int> found;
+    for (py::ssize_t e = 0; e < cells.shape(0); ++e) {
+        double P[6][2];
+        for (int i = 0; i < nodes; ++i) {
+            const py::ssize_t node = cells.data()[nodes * e + i];
+            for (int a = 0; a < 2; ++a) P[i][a] = X.data()[2 * node + a] + u.data()[2 * node + a];
+        }
+        if (inverted(P, nodes)) found.push_back(static_cast<int>(e));
+    }
+    return py::array_t<int>(static_cast<py::ssize_t>(found.size()), found.data());
+}
+
+}  // namespace
+
+void bind_fields(py::module_& m) {
+    m.def(
+        "recover", &recover, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("stress").noconvert(),
+        py::arg("out").noconvert(),
+        "Nodal stresses (n, 4) recovered from cell stresses (ne, 4) by fits over patches (Zienkiewicz and Zhu 1992).");
+    m.def("cells_around", &cells_around, py::arg("cells").noconvert(), py::arg("nodes").noconvert(),
+          py::arg("node_count"), "Cells (k,), ascending, of which a corner is one of the nodes.");
+    m.def("total_area", &total_area, py::arg("X").noconvert(), py::arg("cells").noconvert(),
+          "Sum of the signed areas of triangles of first or second order [m^2].");
+    m.def("inverted_cells", &inverted_cells, py::arg("X").noconvert(), py::arg("u").noconvert(),
+          py::arg("cells").noconvert(),
+          "Cells (k,) that the displacement u (n, 2) turns inside out: det F <= 0 somewhere in them.");
+}

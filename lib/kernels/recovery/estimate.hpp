@@ -1,0 +1,114 @@
+// How far stresses of cells are from nodal ones that are interpolated, as energies: the estimate of Zienkiewicz and
+// Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "fem/shapes.hpp"
+
+namespace restshape {
+
+// Shapes with rules that are exact for the square of what is interpolated, on straight sides.
+struct EstimateTri3 : Solid<Linear<2>, TriRule3> {
+    static constexpr int components = 4;
+};
+struct EstimateTri6 : Solid<Quadratic<2>, TriRule6> {
+    static constexpr int components = 4;
+};
+struct EstimateTet4 : Solid<Linear<3>, TetRule4> {
+    static constexpr int components = 6;
+};
+struct EstimateTet10 : Solid<Quadratic<3>, TetRule14> {
+    static constexpr int components = 6;
+};
+
+struct StressOnCells {
+    const double* X;              // (n, dim)
+    const int32_t *cells, *rows;  // (ne, nodes) nodes, and their rows in `nodal`
+    const double* nodal;          // (rows, components)
+    const double* samples;        // (ne, sampled, components)
+    int sampled;                  // points; 1 where stresses are constant in a cell, dim + 1 where they are linear
+    const double* compliance;     // (kinds, components, components)
+    const int32_t* kinds;         // (ne,), or null where all are 0
+    std::ptrdiff_t count;
+};
+
+struct Energies {
+    double distance = 0.0, size = 0.0;
+};
+
+// The stress at point q of what is constant in the cell, or linear between samples near its corners.
+template <class Shape, class Value>
+void stress_between(int q, const double* sample, int sampled, Value& s) {
+    constexpr int components = Shape::components, corners = Shape::dim + 1;
+    s = Eigen::Map<const Value>(sample);
+    if (sampled == 1) return;
+    // A sample's own barycentric coordinate is 1 - dim a, the others are a.
+    constexpr double a = Shape::dim == 3 ? TetRule4::a : 1.0 / 6, range = 1.0 - corners * a;
+    double l[corners];
+    Linear<Shape::dim>::values(Shape::Rule::at[q], l);
+    s *= (l[0] - a) / range;
+    for (int i = 1; i < corners; ++i) s += (l[i] - a) / range * Eigen::Map<const Value>(sample + i * components);
+}
+
+// Integrals of d . C d, of d = nodal - sampled, and of s . C s, of the samples s.
+template <class Shape>
+Energies recovery_energies(const StressOnCells& on) {
+    constexpr int nodes = Shape::nodes, dim = Shape::dim, components = Shape::components;
+    using Value = Eigen::Matrix<double, components, 1>;
+    using Square = Eigen::Matrix<double, components, components, Eigen::RowMajor>;
+    Energies total;
+    for (std::ptrdiff_t e = 0; e < on.count; ++e) {
+        double X[nodes * dim];
+        Value recovered[nodes];
+        for (int i = 0; i < nodes; ++i) {
+            const double* place = on.X + static_cast<size_t>(on.cells[e * nodes + i]) * dim;
+            for (int a = 0; a < dim; ++a) X[i * dim + a] = place[a];
+            recovered[i] = Eigen::Map<const Value>(on.nodal + static_cast<size_t>(on.rows[e * nodes + i]) * components);
+        }
+        const Eigen::Map<const Square> C(on.compliance + (on.kinds ? on.kinds[e] : 0) * components * components);
+        Energies here;
+        double volume = 0.0, size = 0.0;
+        for (int q = 0; q < Shape::points; ++q) {
+            // Of first order all points stand for the same volume.
+            if (q == 0 || Shape::Basis::order > 1) volume = Shape::volume(q, X);
+            const double* sample = on.samples + e * on.sampled * components;
+            Value s;
+            if (on.sampled == Shape::points)
+                s = Eigen::Map<const Value>(sample + q * components);
+            else
+                stress_between<Shape>(q, sample, on.sampled, s);
+            if (q == 0 || on.sampled > 1) size = s.dot(C * s);
+            Value d = -s;
+            for (int i = 0; i < nodes; ++i) d += Shape::table.value[q][i] * recovered[i];
+            here.distance += volume * d.dot(C * d);
+            here.size += volume * size;
+        }
+        total.distance += here.distance;
+        total.size += here.size;
+    }
+    return total;
+}
+
+// Second stress of Piola and Kirchhoff of Cauchy's one in the plane: J F^-1 s F^-T of its components xx yy xy zz.
+template <class Shape>
+void pull_back(const double* X, const double* x, const double* xi, double* s) {
+    constexpr int nodes = Shape::nodes, dim = Shape::dim;
+    double G[nodes][dim], F[2][2] = {{1.0, 0.0}, {0.0, 1.0}}, C[2][2];
+    Shape::gradients_at(xi, X, G);
+    for (int i = 0; i < nodes; ++i)
+        for (int a = 0; a < 2; ++a)
+            for (int k = 0; k < 2; ++k) F[a][k] += x[2 * i + a] * G[i][k];
+    const double J = cofactors(F, C);
+    // The cofactors are J times the inverse transposed.
+    const double c[2][2] = {{s[0], s[2]}, {s[2], s[1]}};
+    double S[2][2] = {};
+    for (int k = 0; k < 2; ++k)
+        for (int l = 0; l < 2; ++l)
+            for (int a = 0; a < 2; ++a)
+                for (int b = 0; b < 2; ++b) S[k][l] += C[a][k] * c[a][b] * C[b][l] / J;
+    s[0] = S[0][0], s[1] = S[1][1], s[2] = S[0][1], s[3] = s[3] * J;
+}
+
+}  // namespace restshape

@@ -1,0 +1,173 @@
+// Superconvergent patch recovery for second-order triangles: nodal stresses from three samples a cell.
+//
+// Around an inner corner a quadratic polynomial is fitted to the samples of the cells there. A mid-side node takes the
+// mean of the polynomials of its ends, a corner on the boundary (and a side between two of them) that of the inner
+// corners of its cells; where there are none, linear fits of its own cells, or of its ends' cells.
+// Source: Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "fem/shapes.hpp"
+
+namespace restshape {
+
+class QuadraticPatchRecovery {
+ public:
+    using Value = Eigen::Array4d;
+    using Samples = TriRule3;  // where cells are sampled
+
+    // X (n, 2), cells (ne, 6), values (ne, samples, 4).
+    QuadraticPatchRecovery(const double* X, const int32_t* cells, const double* values, int n, int ne)
+        : X_(X), cells_(cells), values_(values), ne_(ne), nodes_(n) {}
+
+    void run(double* out) {
+        gather();
+        for (Patch& p : patches_) fit(p);
+        spread();
+        for (const Node& node : nodes_) {
+            Eigen::Map<Value> value(out);
+            if (node.patch >= 0 && (patches_[node.patch].quadratic || node.count == 0))
+                value = patches_[node.patch].b[0];
+            else
+                value = node.count != 0 ? Value(node.sum / node.count) : Value::Zero();
+            out += 4;
+        }
+    }
+
+ private:
+    static constexpr int terms = 6, linear = 3;  // 1, x, y, xx, xy, yy
+
+    // The cells around a corner.
+    struct Patch {
+        double m[terms][terms] = {};
+        Value b[terms] = {Value::Zero(), Value::Zero(), Value::Zero(),  // moments of the values, then the polynomial
+                          Value::Zero(), Value::Zero(), Value::Zero()};
+        int64_t balance = 0;  // 0 where cells go all the way around: each neighbour follows and precedes one
+        bool quadratic = false;
+    };
+    struct Node {
+        int patch = -1;             // of a corner
+        Value sum = Value::Zero();  // of polynomials of neighbours, evaluated here
+        int count = 0;
+    };
+
+    const int32_t* cell(int e) const { return cells_ + static_cast<size_t>(e) * 6; }
+    const double* place(int a) const { return X_ + 2 * static_cast<size_t>(a); }
+    bool quadratic(int corner) const { return patches_[nodes_[corner].patch].quadratic; }
+
+    static void monomials(double x, double y, double (&f)[terms]) {
+        f[0] = 1.0, f[1] = x, f[2] = y, f[3] = x * x, f[4] = x * y, f[5] = y * y;
+    }
+
+    void gather() {
+        static constexpr Table<Quadratic<2>, Samples> table{};
+        patches_.reserve(nodes_.size() / 3);
+        for (int e = 0; e < ne_; ++e) {
+            const int32_t* c = cell(e);
+            for (int i = 0; i < 3; ++i) {
+                int& patch = nodes_[c[i]].patch;
+                if (patch < 0) {
+                    patch = static_cast<int>(patches_.size());
+                    patches_.emplace_back();
+                }
+                const int64_t after = c[(i + 1) % 3], before = c[(i + 2) % 3];
+                patches_[patch].balance += after * (after + 1) - before * (before + 1);
+            }
+            for (int s = 0; s < Samples::points; ++s) {
+                double at[2] = {0.0, 0.0};
+                for (int i = 0; i < 6; ++i)
+                    for (int a = 0; a < 2; ++a) at[a] += table.value[s][i] * place(c[i])[a];
+                const size_t sample = static_cast<size_t>(e) * Samples::points + s;
+                const Value value = Eigen::Map<const Value>(values_ + 4 * sample);
+                for (int i = 0; i < 3; ++i)
+                    take(patches_[nodes_[c[i]].patch], at[0] - place(c[i])[0], at[1] - place(c[i])[1], value);
+            }
+        }
+    }
+
+    static void take(Patch& p, double x, double y, const Value& value) {
+        double f[terms];
+        monomials(x, y, f);
+        for (int i = 0; i < terms; ++i) {
+            for (int j = 0; j <= i; ++j) p.m[i][j] += f[i] * f[j];
+            p.b[i] += f[i] * value;
+        }
+    }
+
+    // Least squares by Cholesky's method, whose first three rows are those of the linear polynomial.
+    static void fit(Patch& p) {
+        Value b[terms];
+        int rank = 0;
+        const int wanted = p.balance == 0 ? terms : linear;
+        for (; rank < wanted; ++rank) {
+            double* row = p.m[rank];
+            const double whole = row[rank];
+            b[rank] = p.b[rank];
+            for (int j = 0; j < rank; ++j) {
+                for (int k = 0; k < j; ++k) row[j] -= row[k] * p.m[j][k];
+                row[j] /= p.m[j][j];
+                row[rank] -= row[j] * row[j];
+                b[rank] -= row[j] * b[j];
+            }
+            if (!(row[rank] > 1e-9 * whole)) break;
+            row[rank] = std::sqrt(row[rank]);
+            b[rank] /= row[rank];
+        }
+        p.quadratic = rank == terms;
+        if (!p.quadratic) rank = rank < linear ? 1 : linear;
+        for (int i = terms - 1; i >= 0; --i) {
+            if (i >= rank) {
+                p.b[i].setZero();
+                continue;
+            }
+            p.b[i] = b[i];
+            for (int j = i + 1; j < rank; ++j) p.b[i] -= p.m[j][i] * p.b[j];
+            p.b[i] /= p.m[i][i];
+        }
+    }
+
+    void spread() {
+        for (int e = 0; e < ne_; ++e) {
+            const int32_t* c = cell(e);
+            for (int i = 0; i < 3; ++i) {
+                const int next = c[(i + 1) % 3], last = c[(i + 2) % 3], middle = c[3 + i];
+                if (!quadratic(c[i])) {
+                    if (quadratic(next)) evaluate(next, c[i]);
+                    if (quadratic(last)) evaluate(last, c[i]);
+                }
+                if (quadratic(c[i])) evaluate(c[i], middle);
+                if (quadratic(next)) evaluate(next, middle);
+                if (!quadratic(c[i]) && !quadratic(next) && quadratic(last)) evaluate(last, middle);
+            }
+        }
+        for (int e = 0; e < ne_; ++e)
+            for (int i = 0; i < 3; ++i) {
+                const int from = cell(e)[i], to = cell(e)[(i + 1) % 3], middle = cell(e)[3 + i];
+                if (nodes_[middle].count > 0) continue;
+                evaluate(from, middle);
+                evaluate(to, middle);
+            }
+    }
+
+    void evaluate(int from, int to) {
+        const Patch& p = patches_[nodes_[from].patch];
+        double f[terms];
+        monomials(place(to)[0] - place(from)[0], place(to)[1] - place(from)[1], f);
+        Node& here = nodes_[to];
+        for (int i = 0; i < terms; ++i) here.sum += f[i] * p.b[i];
+        ++here.count;
+    }
+
+    const double* X_;
+    const int32_t* cells_;
+    const double* values_;
+    int ne_;
+    std::vector<Node> nodes_;
+    std::vector<Patch> patches_;
+};
+
+}  // namespace restshape

@@ -1,0 +1,47 @@
+"""Which files a scene may name, and whether gmsh may run the scripts among them: what the user has said about it.
+
+It is kept in the environment, for the processes that a command starts are bound by it, too.
+"""
+
+import os
+from pathlib import Path
+
+from restshape.application import applications
+
+FOLDERS = "RESTSHAPE_ALLOW_PATH"
+"""Folders, separated as those of PATH are, whose files scenes may name."""
+MESHES = "meshes"
+SCRIPTS = "RESTSHAPE_TRUST_GEO"
+"""1 where gmsh runs .geo files as the scripts that they are."""
+
+
+def allow(folder: Path) -> None:
+    """From now on scenes may name the files in this folder and below it."""
+    os.environ[FOLDERS] = os.pathsep.join(filter(None, (os.environ.get(FOLDERS), str(folder.resolve()))))
+
+
+def trust_scripts() -> None:
+    """From now on gmsh runs .geo files as scripts."""
+    os.environ[SCRIPTS] = "1"
+
+
+def scripts_trusted() -> bool:
+    """Whether gmsh may run .geo files as scripts."""
+    return os.environ.get(SCRIPTS) == "1"
+
+
+def may_name(file: Path, folder: Path) -> bool:
+    """Whether a scene in a folder may name a file: it lies there or below, or in a folder that the user allows.
+
+    Scenes of installed applications may name the meshes that ship with them, too. Links are followed first, so what
+    counts is where the file really lies.
+    """
+    homes = [folder.resolve(), *map(Path, filter(None, os.environ.get(FOLDERS, "").split(os.pathsep)))]
+    homes += _shipped_meshes(folder.resolve())
+    return any(file.resolve().is_relative_to(home) for home in homes)
+
+
+def _shipped_meshes(folder: Path) -> list[Path]:
+    """The folder of meshes beside the applications, where a scene's folder belongs to one of them."""
+    roots = {known.folder.resolve().parent for known in applications().values()}
+    return [root.parent / MESHES for root in roots if folder.is_relative_to(root)]

@@ -1,0 +1,39 @@
+"""What a replay needs of an edit session, whatever it edits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Protocol
+
+from restshape.scene.model import Scene
+from restshape.shape.script_session import ScriptFrame
+
+
+class Session(Protocol):
+    """Turns the events of a script into frames.
+
+    Attributes:
+        scene: as the events so far have left it.
+        held: what the hand holds; None where it holds nothing.
+    """
+
+    scene: Scene
+
+    @property
+    def held(self) -> Any: ...
+
+    def frames(self) -> Iterator[ScriptFrame]:
+        """The frames of all events, the first before any."""
+
+    def take_back(self) -> None:
+        """Undoes the last frame, whose solve has failed."""
+
+
+class OwnSession(Session, Protocol):
+    """A session of what has neither outline nor mesh: ``Application.session`` makes it of (scene, script, application).
+
+    It may raise a `UserError`: what the scene starts from is not valid.
+    """
+
+    def models(self) -> Any:
+        """What follows its frames in place of a mesh, with `mesh`, `field_mesh`, `advance(frame)`, `take_back()`."""

@@ -1,0 +1,107 @@
+"""Libraries that would obey files of the current folder, started so that they do not."""
+
+import contextlib
+import signal
+import sys
+from collections.abc import Sequence
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec, PathFinder
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from restshape.errors import UserError
+
+FOLDERS = {"matplotlib": "mpl-data", "ezdxf": ""}
+"""Libraries that look for settings where the process stands, and the folder of their own where they find no others."""
+PETSC = "petsc4py.PETSc"
+
+
+def start_petsc(words: Sequence[str] = ()) -> None:
+    """Starts PETSc, which reads neither ``.petscrc`` nor ``petscrc``, here or at home.
+
+    Args:
+        words: for its options database; ``-options_file FILE`` among them names a file that it does read.
+
+    Raises:
+        UserError: PETSc refuses them.
+    """
+    import petsc4py
+
+    try:
+        petsc4py.init(["restshape", "-skip_petscrc", *words])
+    # petsc4py's own class of errors is in the module that could not be started.
+    except RuntimeError as error:
+        where = f"-- {' '.join(words)}" if words else ""
+        raise UserError("PETSc cannot start; its messages are above", where, "mend the words after --") from error
+
+
+def start_gmsh() -> Any:
+    """The gmsh package, started if need be: it reads no settings, nor does the PETSc that it brings along."""
+    import gmsh
+
+    if not gmsh.isInitialized():
+        # gmsh warns of words that are none of its own, but hands them to its PETSc.
+        gmsh.initialize(["restshape", "-v", "0", "-skip_petscrc"], readConfigFiles=False, interruptible=False)
+        gmsh.option.setNumber("General.Verbosity", 5)
+        # gmsh lets a broken pipe kill the process, and with it the message of what went wrong.
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    return gmsh
+
+
+def petsc_options() -> dict[str, str]:
+    """All options in PETSc's database: those of words, of files named in them, and of the environment."""
+    from petsc4py import PETSc
+
+    return {name: str(value or "") for name, value in sorted(PETSc.Options().getAll().items())}
+
+
+class _Petsc(Loader):
+    """Starts PETSc at its first import, where nobody has started it before."""
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        return None
+
+    def exec_module(self, module: ModuleType) -> None:
+        start_petsc()
+
+
+class _Elsewhere(Loader):
+    """Imports a library while the process stands in a folder of the library's own.
+
+    Args:
+        loader: of the library.
+        folder: with the library's own settings, or with none.
+    """
+
+    def __init__(self, loader: Loader, folder: Path) -> None:
+        self.loader, self.folder = loader, folder
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        return self.loader.create_module(spec)
+
+    def exec_module(self, module: ModuleType) -> None:
+        with contextlib.chdir(self.folder):
+            self.loader.exec_module(module)
+
+
+class _Finder(MetaPathFinder):
+    def find_spec(
+        self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        if name != PETSC and name not in FOLDERS:
+            return None
+        spec = PathFinder.find_spec(name, path, target)
+        if spec is None or spec.loader is None or spec.origin is None:
+            return spec
+        if name == PETSC:
+            spec.loader = _Petsc()
+        else:
+            spec.loader = _Elsewhere(spec.loader, Path(spec.origin).parent / FOLDERS[name])
+        return spec
+
+
+def ignore_files() -> None:
+    """From now on these libraries obey no file of the current folder; those imported before stay as they are."""
+    if not any(isinstance(finder, _Finder) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _Finder())

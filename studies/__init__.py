@@ -1,0 +1,1 @@
+"""Studies: what measures accuracy, speed, stability and prices of scenes, and the commands that show it."""

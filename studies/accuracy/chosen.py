@@ -1,0 +1,151 @@
+"""A picked setting: the scene with it, and the whole script run again on that scene."""
+
+import os
+import tempfile
+import tomllib
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from restshape_studies.accuracy.front import known_error, percent
+from restshape_studies.accuracy.reference import FINER
+from restshape_studies.accuracy.sampling import sampled
+from restshape_studies.accuracy.setting import Setting
+from restshape_studies.accuracy.study import Case, Play, Study, one, referred
+from restshape_studies.bench.job import run
+from tomlkit.exceptions import TOMLKitError
+
+from restshape.application import application
+from restshape.errors import UserError
+from restshape.scene.load import load_scene, parse_override
+from restshape.scene.permits import allow
+from restshape.scene.script import load_script
+
+FILES = (("shape", "file"), ("mesh", "file"))
+"""Keys that name files beside the scene."""
+
+
+def write_scene(case: Case, picked: dict[str, Any], path: Path) -> None:
+    """Writes the scene with a picked setting; comments and all other keys stay as they are.
+
+    Args:
+        case: scene and overrides.
+        picked: the record of the setting.
+        path: of the new scene.
+
+    Raises:
+        UserError: it cannot be written, or would overwrite the scene.
+    """
+    if path.resolve() == case.scene.resolve():
+        raise UserError("the picked scene would overwrite the one that it is made from", "--write", "name another file")
+    try:
+        document = tomlkit.parse(case.scene.read_text(encoding="utf-8-sig"))
+    except TOMLKitError as error:
+        raise UserError(f"the scene cannot be rewritten: {error}", str(case.scene), "write it more plainly") from error
+    changes = [parse_override(override) for override in (*case.overrides, *picked["overrides"])]
+    changes += [(("solve", "policy"), picked["policy"]), (("solve", "tolerance"), picked["tolerance"])]
+    for key, value in changes:
+        _put(document, key, value)
+    for table, key in FILES:
+        name = document.get(table, {}).get(key)
+        if name and not Path(name).is_absolute():
+            document[table][key] = os.path.relpath(case.scene.parent / name, path.parent)
+            # The scene that is written is run, and names what the first one may name.
+            allow(case.scene.parent)
+    text = tomlkit.dumps(document)
+    tomllib.loads(text)
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UserError(f"{path} cannot be written: {error.strerror}", "--write", "name another file") from error
+
+
+def _put(document: Any, key: tuple[str, ...], value: Any) -> None:
+    """Set one dotted key, making the tables on the way to it."""
+    here = document
+    for part in key[:-1]:
+        if isinstance(here, list):
+            here = here[int(part)]
+            continue
+        if part not in here:
+            here[part] = tomlkit.table()
+        here = here[part]
+    last = int(key[-1]) if isinstance(here, list) else key[-1]
+    if not isinstance(here, list) and last in here and here[last] == value:
+        return
+    here[last] = value
+
+
+def rerun(
+    study: Study,
+    picked: dict[str, Any],
+    path: Path,
+    within: float | None,
+    error: float | None,
+    on_run: Callable[[str], None],
+    play: Play = run,
+) -> dict[str, Any]:
+    """What the written scene gives over the whole script: time, error, and whether what was asked for holds.
+
+    Motion is run over as many frames as the study took, for its reference has no others.
+
+    Args:
+        study: that the setting was picked from.
+        picked: its record.
+        path: of the scene with it.
+        within: median time of a frame [ms]; error: relative; None where not asked for.
+        on_run: told what is run.
+        play: runs jobs.
+    """
+    case, asked = replace(study.case, scene=path, overrides=()), replace(study.asked, frames=0)
+    scene = load_scene(path)
+    app, script = application(scene.app), load_script(case.edits, scene)
+    limit = study.total if app.transient else None
+    sampling = sampled(scene, script, limit, study.asked.samples, app.transient)
+    setting = Setting(1.0, scene.mesh.order or 1, scene.solve.policy, scene.solve.tolerance)
+    # The reference is as fine as the study's was.
+    own = replace(setting, factor=study.plan.factor / picked["size_factor"] * FINER)
+    with tempfile.TemporaryDirectory(prefix="restshape-accuracy-") as folder:
+        again = referred(case, asked, scene, app, [own], sampling, Path(folder), on_run, play)
+        on_run(f"{case.name}: the picked setting over {again.total} frames")
+        longer = replace(asked, seconds=10.0 * asked.seconds)
+        again.asked = longer
+        measured = one(again, setting, Path(folder), play, whole=True)
+    ms, found = measured["frame_ms"], measured["error"]
+    holds = ms is not None and found is not None
+    holds = holds and (within is None or ms <= within) and (error is None or known_error(measured) < error)
+    return {
+        "name": picked["name"],
+        "file": path.name,
+        "frame_ms": ms,
+        "error": found,
+        "uncertainty": measured["uncertainty"],
+        "frames": again.total,
+        "sampled": again.frames,
+        "within": within,
+        "below": error,
+        "holds": bool(holds),
+        "problem": measured["problem"],
+    }
+
+
+def chosen_line(chosen: dict[str, Any]) -> str:
+    """Whether a pick holds, in words."""
+    wanted = [f"within {chosen['within']:.4g} ms"] if chosen["within"] is not None else []
+    wanted += [f"below {percent(chosen['below'])}"] if chosen["below"] is not None else []
+    if chosen["frame_ms"] is None or chosen["error"] is None:
+        return f"{' and '.join(wanted)}: not known over {chosen['frames']} frames: {chosen['problem']}"
+    verdict = "holds" if chosen["holds"] else "DOES NOT HOLD"
+    measured = f"{chosen['frame_ms']:.3g} ms a frame, p50, over {chosen['frames']} frames"
+    measured += f", and an error of {percent(chosen['error'])} at {len(chosen['sampled'])} of them"
+    if chosen["below"] is not None and (chosen["uncertainty"] or 0.0) >= chosen["below"]:
+        measured += f", where the reference itself is known to {percent(chosen['uncertainty'])} only"
+    return f"{' and '.join(wanted)}: {verdict}: {measured}"
+
+
+def hopeless(chosen: dict[str, Any]) -> bool:
+    """Tell whether no faster setting can hold either: the time was kept and the error not."""
+    ms, within, below = chosen["frame_ms"], chosen["within"], chosen["below"]
+    return None not in (ms, within, below) and ms <= within and not chosen["holds"]

@@ -1,0 +1,208 @@
+"""A work-precision study of a scene: every setting's error and time, against one reference."""
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from restshape_studies.accuracy.front import mark_pareto
+from restshape_studies.accuracy.record import Truth, record, truth_of
+from restshape_studies.accuracy.reference import COARSER, MODULE, Plan, planned, quicker, solve
+from restshape_studies.accuracy.sampling import begun, sampled
+from restshape_studies.accuracy.setting import Choice, Omission, Setting, kind_of, settings
+from restshape_studies.bench.job import Job, Outcome, run
+
+from restshape.application import Application, application
+from restshape.errors import UserError
+from restshape.scene.load import load_scene
+from restshape.scene.model import Scene
+from restshape.scene.script import Script, load_script
+
+FRAMES = {"plane": 40, "motion": 6, "space": 24, "cloth": 8}
+"""Frames of a script that are replayed unasked, from the first that changes the shape on."""
+
+SECONDS = 30.0
+REFERENCE_SECONDS = 120.0
+Play = Callable[[Job, float], Outcome]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene with its script.
+
+    Args:
+        name: for people.
+        scene, edits: files.
+        overrides: ``key=value`` as after --set; petsc: words for PETSc's options database.
+    """
+
+    name: str
+    scene: Path
+    edits: Path
+    overrides: tuple[str, ...] = ()
+    petsc: tuple[str, ...] = ()
+
+    def job(self, policy: str, more: tuple[str, ...], details: dict[str, Any]) -> Job:
+        """A job of a process of the study."""
+        overrides = (*self.overrides, *more)
+        return Job(str(self.scene), str(self.edits), policy, overrides, self.petsc, measure=MODULE, details=details)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a user asks a study for.
+
+    Args:
+        choice: what is tried.
+        frames: of the script, the first included; None for as many as suit the application, 0 for all.
+        samples: frames at which errors are taken.
+        seconds: that a point may take; reference_seconds: that a reference may take.
+        of: "field", or the name of the quantity whose error counts.
+    """
+
+    choice: Choice = field(default_factory=Choice)
+    frames: int | None = None
+    samples: int = 5
+    seconds: float = SECONDS
+    reference_seconds: float = REFERENCE_SECONDS
+    of: str = "field"
+
+    def limit(self, scene: Scene, app: Application, script: Script) -> int | None:
+        """Number of frames that are replayed; None for all."""
+        if self.frames is not None:
+            return self.frames or None
+        return begun(scene, script, FRAMES[kind_of(app)])
+
+
+@dataclass
+class Study:
+    """What a study found.
+
+    Args:
+        case: scene and script; title: of the scene.
+        asked: by the user.
+        frames: at which errors were taken; total: number of frames replayed.
+        plan: of the reference; reference, coarser: what its processes told, without the quantities.
+        truth: that errors are counted from.
+        records: of the points; omissions: what never ran.
+        seconds: that the study took.
+    """
+
+    case: Case
+    scene: Scene
+    asked: Asked
+    frames: list[int]
+    total: int
+    plan: Plan
+    reference: dict[str, Any]
+    coarser: dict[str, Any]
+    truth: Truth
+    records: list[dict[str, Any]] = field(default_factory=list)
+    omissions: list[Omission] = field(default_factory=list)
+    seconds: float = 0.0
+
+    @property
+    def transient(self) -> bool:
+        """Tell whether it is of motion."""
+        return application(self.scene.app).transient
+
+    @property
+    def measure(self) -> str:
+        """What `error` is of: a measure of the field, or q_NAME."""
+        return next((r["measure"] for r in self.records if "measure" in r), "")
+
+    @property
+    def uncertainty(self) -> float:
+        """The reference's own, in that measure."""
+        name = self.measure
+        return self.truth.doubt(name[2:]) if name.startswith("q_") else self.truth.uncertainty.get(name, 0.0)
+
+
+def study(case: Case, asked: Asked, on_run: Callable[[str], None], play: Play = run) -> Study:
+    """Every setting's error and time.
+
+    Raises:
+        UserError: the scene or the script is of no use for a study, or its reference has no solution.
+    """
+    start = monotonic()
+    scene = load_scene(case.scene, case.overrides)
+    app, script = application(scene.app), load_script(case.edits, scene)
+    _refuse_senseless(case, asked, scene, app, script)
+    tried, omitted = settings(case.scene, case.overrides, app, asked.choice)
+    frames, total = sampled(scene, script, asked.limit(scene, app, script), asked.samples, app.transient)
+    with tempfile.TemporaryDirectory(prefix="restshape-accuracy-") as folder:
+        found = referred(case, asked, scene, app, tried, (frames, total), Path(folder), on_run, play)
+        found.omissions = omitted
+        for k, setting in enumerate(tried, 1):
+            on_run(f"{case.name}: {k} of {len(tried)}: {setting.name}")
+            found.records.append(one(found, setting, Path(folder), play))
+    mark_pareto(found.records)
+    found.seconds = monotonic() - start
+    return found
+
+
+def referred(
+    case: Case,
+    asked: Asked,
+    scene: Scene,
+    app: Application,
+    tried: list[Setting],
+    sampling: tuple[list[int], int],
+    folder: Path,
+    on_run: Callable[[str], None],
+    play: Play,
+) -> Study:
+    """A study with its reference in a folder, and no points yet."""
+    frames, total = sampling
+    finest = min(setting.factor for setting in tried)
+    plan = planned(case.scene, case.overrides, app, finest)
+    on_run(f"{case.name}: reference, size x {plan.factor:.3g}, order {plan.order}, and one {COARSER:g} times as coarse")
+    job = case.job(plan.policy, (), {})
+    advice = quicker(plan, finest, total, asked.reference_seconds)
+    fine, coarse = solve(job, scene, plan, folder, frames, lambda job: play(job, asked.reference_seconds), advice)
+    truth = truth_of(scene, fine, coarse)
+    return Study(case, scene, asked, frames, total, plan, fine, coarse, truth)
+
+
+def one(study: Study, setting: Setting, folder: Path, play: Play, whole: bool = False) -> dict[str, Any]:
+    """The record of a setting.
+
+    Args:
+        study: with its reference.
+        setting: to be run.
+        folder: of the reference.
+        play: runs jobs.
+        whole: time every frame.
+    """
+    details = {"kind": "point", "frames": study.frames, "folder": str(folder / "fine"), "total": study.total}
+    job = study.case.job(setting.policy, setting.overrides, details | {"whole": whole})
+    try:
+        outcome = play(job, study.asked.seconds)
+    except UserError as error:
+        outcome = Outcome([], error.what)
+    return record(study.case.name, study.scene, setting, outcome, study.truth, study.asked.of)
+
+
+def _refuse_senseless(case: Case, asked: Asked, scene: Scene, app: Application, script: Script) -> None:
+    """Refuse what a study cannot answer.
+
+    Raises:
+        UserError: naming it.
+    """
+    if asked.of != "field" and asked.of not in scene.quantities:
+        raise UserError(
+            f"the scene has no quantity {asked.of!r}", "--of", f"use one of: {', '.join(['field', *scene.quantities])}"
+        )
+    sets = [event for event in script.events if event.do == "set" and event.key.startswith("mesh.")]
+    if sets:
+        raise UserError(
+            f"the script sets {sets[0].key} itself, which the study varies",
+            f"{case.edits}, line {sets[0].line}",
+            "name a script that leaves the mesh alone: --edits FILE",
+        )
+    for order in asked.choice.orders or ():
+        if order not in app.orders:
+            known = ", ".join(str(order) for order in sorted(app.orders))
+            raise UserError(f"{app.name!r} has no elements of order {order}", "--orders", f"use some of: {known}")

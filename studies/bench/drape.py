@@ -1,0 +1,144 @@
+"""One way of cloth to rest, iterate by iterate: residual and energy over steps and seconds."""
+
+from __future__ import annotations
+
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+from restshape_studies.bench.events import EventCounts
+
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
+from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
+from restshape.errors import ReplayProblem, UserError
+from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.replay.loop import Replay
+from restshape.replay.request import Request
+from restshape.scene.model import Scene
+
+COUNTED = {"factors": "MatCholFctrNum", "applications": "MatSolve"}
+
+
+class Over(Exception):
+    """The seconds of a run are over. No method may take it for a problem that it can go on from."""
+
+
+class Trace:
+    """Residual and energy at each iterate, with the seconds until then; what is taken down takes none of them.
+
+    Args:
+        analysis: whose iterates these are.
+        limit: seconds after which the run ends.
+
+    Attributes:
+        seconds, residuals, energies: one each, and those at the end of a run that is not given up; an energy is None
+            where the membrane is soft, or the mesh a coarser one.
+    """
+
+    def __init__(self, analysis: RelaxationAnalysis, limit: float) -> None:
+        self.analysis, self.limit = analysis, limit
+        self.seconds: list[float] = []
+        self.residuals: list[float | None] = []
+        self.energies: list[float | None] = []
+        self.aside, self.start = 0.0, perf_counter()
+        analysis.watch = self
+
+    @property
+    def clock(self) -> float:
+        """Seconds of the run."""
+        return perf_counter() - self.start - self.aside
+
+    def __call__(self, solver: EquilibriumSolver, x: np.ndarray, residual: float) -> None:
+        """Take an iterate down.
+
+        Raises:
+            Over: the seconds are over.
+        """
+        begun, spent = perf_counter(), self.clock
+        self.seconds.append(spent)
+        self.residuals.append(_finite(residual))
+        own = solver.problem is self.analysis.bound.problem and solver.problem.softness == 1.0
+        self.energies.append(_finite(solver.problem.energy(x)) if own else None)
+        self.aside += perf_counter() - begun
+        if spent > self.limit:
+            raise Over(f"{self.limit:g} s are over")
+
+    def end(self, seconds: float) -> None:
+        """Take down where the run has come to: the last iterate of a method, or what friction has made of it."""
+        self.seconds.append(seconds)
+        self.residuals.append(_finite(self.analysis.state.report.residual))
+        self.energies.append(_finite(self.analysis.problem.energy(self.analysis.x)))
+
+
+def measure(request: Request, seconds: float) -> dict[str, Any]:
+    """How a scene's cloth comes to rest from where it is laid, by the way that the scene names.
+
+    Args:
+        request: of a scene of cloth; its script is left out.
+        seconds: after which it is given up.
+
+    Raises:
+        UserError: the scene is not one of cloth.
+
+    Returns: at_rest, stable, residual (over the weight), energy [J], laid (the weight's energy at the start [J]),
+        seconds, busy (those that the processor worked for it), steps, factors (complete ones), applications (of
+        preconditioners and factors), why (it does not rest), unknowns, elements, and the trace: seconds, residuals,
+        energies.
+    """
+    PETSc.Log.begin()
+    replay = Replay.of(request, PETSc.COMM_WORLD)
+    analysis = replay.analysis
+    if not isinstance(analysis, RelaxationAnalysis):
+        raise UserError("the scene has no cloth that comes to rest", str(request.scene.path), "name one of couture")
+    counts = EventCounts(tuple(COUNTED.values()))
+    begun, trace, over = process_time(), Trace(analysis, seconds), ""
+    try:
+        next(replay.frames())
+    except Over as problem:
+        over = str(problem)
+    except UserError as problem:
+        # The replay says so of a first frame without an answer; that of a method is one here.
+        if not isinstance(problem.__cause__, ReplayProblem):
+            raise
+        over = str(problem.__cause__)
+    spent, busy, events = trace.clock, process_time() - begun - trace.aside, counts.since_last()
+    if not over:
+        trace.end(spent)
+    return {
+        **_ended(analysis, trace, over),
+        "seconds": spent,
+        "busy": busy,
+        **{name: events[event] for name, event in COUNTED.items()},
+        "laid": _initial_energy(analysis.bound.problem, request.scene),
+        "unknowns": int(analysis.bound.x.size),
+        "elements": len(analysis.bound.problem.mesh.cells),
+        "trace": {"seconds": trace.seconds, "residuals": trace.residuals, "energies": trace.energies},
+    }
+
+
+def _ended(analysis: RelaxationAnalysis, trace: Trace, over: str) -> dict[str, Any]:
+    """How a run ended, by itself or not."""
+    report = analysis.state.report
+    residual = trace.residuals[-1] if over and trace.residuals else report.residual
+    energies = [energy for energy in trace.energies if energy is not None]
+    energy = (energies or [None])[-1] if over else analysis.bound.problem.energy(analysis.x)
+    return {
+        "at_rest": not over and report.converged,
+        "stable": None if over else report.stable,
+        "residual": residual if residual is None else _finite(residual),
+        "energy": None if energy is None else _finite(energy),
+        "steps": len(trace.seconds) if over else report.steps,
+        "why": over or report.why,
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _initial_energy(cloth: ClothProblem, scene: Scene) -> float:
+    """The energy [J] of the weight at the initial placement, flat and without scatter."""
+    places = InitialPlacement(scene.start, scene.parameters).places(cloth.mesh.X)
+    return -float(cloth.lumped.mass[cloth.corner_number] @ (places @ cloth.g))

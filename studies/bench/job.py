@@ -1,0 +1,141 @@
+"""One timed replay in a process of its own: what it is given, and the process that runs it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from restshape.errors import UserError
+
+Row = dict[str, Any]
+
+STOPPED = "stopped"
+"""Begins what is said of a process that has used up its time."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One replay of files.
+
+    Args:
+        scene: scene file.
+        edits: edit script; empty: the scene's first shape alone.
+        policy: name of the policy.
+        overrides: ``key=value`` as after --set.
+        petsc: words for PETSc's options database.
+        frames: number of frames to compute, the first included; None for all of them.
+        count: count PETSc's events a frame, which costs time.
+        enough: stop after so many frames of a level, by level.
+        regret: measure the regret of the schedule of refreshes, in place of the frames' times.
+        predict: "none" or "linear", as after --predict.
+        measure: "prediction", "derivative" or "starts", or a module's full name: what is measured in place of the
+            frames' times.
+        details: what that module is told besides.
+    """
+
+    scene: str
+    edits: str
+    policy: str
+    overrides: tuple[str, ...] = ()
+    petsc: tuple[str, ...] = ()
+    frames: int | None = None
+    count: bool = False
+    enough: dict[str, int] = field(default_factory=dict)
+    regret: bool = False
+    predict: str = "none"
+    measure: str = ""
+    details: dict[str, Any] = field(default_factory=dict)
+
+    def dumps(self) -> str:
+        """The job as JSON."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def loads(cls, text: str) -> "Job":
+        """The job of that JSON."""
+        found = json.loads(text)
+        return cls(**{**found, "overrides": tuple(found["overrides"]), "petsc": tuple(found["petsc"])})
+
+
+@dataclass
+class Outcome:
+    """What a process told: a row a frame, and how it ended.
+
+    Args:
+        rows: in order; as many as were computed before the end.
+        problem: why it ended early; empty when it did not.
+        regret: of the schedule of refreshes, where asked for.
+        found: what was measured in place of the frames' times.
+    """
+
+    rows: list[Row]
+    problem: str = ""
+    regret: Row | None = None
+    found: Row | None = None
+
+
+def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.Popen] = subprocess.Popen) -> Outcome:
+    """What the job gave in a fresh process on one core.
+
+    Args:
+        job: what to replay.
+        seconds: after so long the process is ended; the rows until then are kept.
+        start: starts processes.
+
+    Raises:
+        UserError: the job cannot be run: a bad scene, script, or option.
+    """
+    with tempfile.TemporaryDirectory(prefix="restshape-bench-") as folder:
+        told = Path(folder) / "told.jsonl"
+        command = [sys.executable, "-P", "-m", "restshape_studies.bench.process", str(told)]
+        process = start(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"OMP_NUM_THREADS": "1"},
+        )
+        try:
+            _, stderr = process.communicate(job.dumps(), timeout=seconds)
+            problem = ending(process.returncode, stderr)
+        except subprocess.TimeoutExpired:
+            problem = f"{STOPPED} after {seconds:.0f} s"
+        finally:
+            if process.poll() is None:
+                process.kill()
+                process.communicate()
+        return _read(told, problem)
+
+
+def ending(code: int, stderr: str) -> str:
+    """What the end of a process means; nothing where all went well, or where the process itself told why."""
+    if code == 0:
+        return ""
+    if code == -signal.SIGKILL:
+        return "killed by the system, as when memory runs out"
+    # A crash of Python's ends with a list of everything imported, which tells nothing.
+    lines = [line for line in stderr.splitlines() if line.strip() and not line.startswith("Extension modules:")]
+    return f"ended with code {code}: {lines[-1] if lines else 'no message'}"
+
+
+def _read(told: Path, problem: str) -> Outcome:
+    """The outcome from the lines of a process; a last line that is torn is left out."""
+    outcome = Outcome([], problem)
+    for line in told.read_text().split("\n")[:-1] if told.is_file() else []:
+        kind, content = json.loads(line)
+        if kind == "error":
+            raise UserError(**content)
+        if kind == "regret":
+            outcome.regret = content
+        elif kind == "found":
+            outcome.found = content
+        else:
+            outcome.rows.append(content)
+    return outcome

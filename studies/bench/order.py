@@ -1,0 +1,125 @@
+"""Triangles of first and second order on the same edits, with as many unknowns, in one run."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import inf, sqrt
+from statistics import mean, median
+
+from restshape_studies.bench.job import Job, Outcome, Row, run
+from restshape_studies.bench.prediction import Case, checked
+
+from restshape.application import application
+from restshape.errors import UserError
+from restshape.mesh.generate import generate
+from restshape.scene.load import load_scene
+from restshape.scene.model import Scene
+from restshape.shape.build import outline_from_spec
+
+TRIES = 6
+"""Meshes that are made to find the size of the second order: the number of unknowns jumps from one to the next."""
+NEAR = 0.005
+"""Difference of the unknowns, relative, at which the search ends."""
+
+
+def sizes(scene: Scene, factor: float) -> tuple[str, ...]:
+    """``key=value`` as after --set: all mesh sizes of a scene, `factor` times as large."""
+    near = tuple(f"mesh.near.{name}={factor * size!r}" for name, size in scene.mesh.near.items())
+    return (f"mesh.size={factor * scene.mesh.size!r}", *near)
+
+
+def equal_size(job: Job, on_run: Callable[[str], None] = lambda words: None) -> float:
+    """How many times as large second-order triangles are for as many unknowns on the first shape.
+
+    Args:
+        job: of the scene with the sizes of the first order.
+        on_run: told what is tried.
+
+    Raises:
+        UserError: the scene's mesh is not one that restshape makes of plane triangles.
+    """
+    scene = load_scene(job.scene, job.overrides)
+    if scene.mesh.file or application(scene.app).layered:
+        raise UserError(
+            "only meshes in the plane that are made here can be as fine as wanted", job.scene, "choose another scene"
+        )
+    outline = outline_from_spec(scene.shape, scene.folder)
+    wanted = len(generate(outline, scene.mesh).X)
+    factor, best = 2.0, (inf, 2.0)
+    for _ in range(TRIES):
+        mesh = generate(outline, load_scene(job.scene, (*job.overrides, *sizes(scene, factor))).mesh)
+        found = len(mesh.X) + len(mesh.edge_nodes)
+        on_run(f"order 2, {factor:.3f} times the size: {2 * found} unknowns, wanted {2 * wanted}")
+        best = min(best, (abs(found / wanted - 1.0), factor))
+        if best[0] < NEAR:
+            break
+        factor *= sqrt(found / wanted)
+    return best[1]
+
+
+def study(case: Case, repeat: int, on_run: Callable[[str], None], play: Callable[[Job], Outcome] = run) -> Row:
+    """The record of a scene, as `bench order --json` writes it: factor of the sizes, a record an order, ratios.
+
+    The orders take turns, so that a slow spell of the machine meets both; a ratio is the median over the turns of order
+    2's time over order 1's.
+
+    Raises:
+        UserError: the scene or the script cannot be replayed, or not with both orders.
+    """
+    factor = equal_size(case.job, on_run)
+    scene, given = load_scene(case.job.scene, case.job.overrides), case.job.overrides
+    jobs = {
+        "1": replace(case.job, overrides=(*given, "mesh.order=1")),
+        "2": replace(case.job, overrides=(*given, *sizes(scene, factor), "mesh.order=2")),
+    }
+    runs: dict[str, list[list[Row]]] = {order: [] for order in jobs}
+    for turn in range(repeat):
+        for order, job in jobs.items():
+            on_run(f"{case.name}: order {order}, run {turn + 1} of {repeat}")
+            runs[order].append(checked(play(job), case))
+    turns = list(zip(runs["1"], runs["2"]))
+    return {
+        "factor": factor,
+        "orders": {order: record(found) for order, found in runs.items()},
+        "ratios": {
+            "p50": median(middle(two) / middle(one) for one, two in turns),
+            "all": median(whole(two) / whole(one) for one, two in turns),
+        },
+    }
+
+
+def moved(rows: Sequence[Row]) -> list[Row]:
+    """The frames that moved nodes, without the first."""
+    return [row for row in rows[1:] if row["level"]]
+
+
+def middle(rows: Sequence[Row]) -> float:
+    """The median time [ms] of the frames that moved."""
+    return median(row["ms"] for row in moved(rows))
+
+
+def whole(rows: Sequence[Row]) -> float:
+    """The time [ms] of all frames that moved."""
+    return sum(row["ms"] for row in moved(rows))
+
+
+def record(runs: Sequence[Sequence[Row]]) -> Row:
+    """What was counted in the first of an order's runs, the first frame left out, and the median of their times.
+
+    Raises:
+        UserError: nothing moved.
+    """
+    first = runs[0]
+    if not moved(first):
+        raise UserError("no frame of the script moves a node", "EDITS", "name a script that drags")
+    levels = {str(level): [row for row in first[1:] if row["level"] == level] for level in (1, 2, 3)}
+    return {
+        "unknowns": first[0]["unknowns"],
+        "elements": first[0]["elements"],
+        "frames": len(first),
+        "levels": {level: len(rows) for level, rows in levels.items()},
+        "iterations": {
+            level: mean(row["iterations"] for row in rows) if rows else None for level, rows in levels.items()
+        },
+        "refreshes": sum(row["refreshed"] for row in first[1:]),
+        "p50_ms": median(middle(rows) for rows in runs),
+    }

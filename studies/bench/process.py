@@ -1,0 +1,104 @@
+"""The process of one job: ``python -m restshape_studies.bench.process FILE`` reads it, and writes rows there."""
+
+import json
+import os
+import resource
+import sys
+from importlib import import_module
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from restshape_studies.bench.job import Job
+
+from restshape.errors import ReplayProblem, UserError
+from restshape.surroundings import start_petsc
+
+
+def pin() -> None:
+    """Keep this process on one core, where the system lets it."""
+    if hasattr(os, "sched_setaffinity"):
+        try:
+            os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+        except OSError:
+            return
+
+
+def request(job: Job) -> Any:
+    """The replay that the job asks for."""
+    from restshape.application import application
+    from restshape.calibration import Calibration
+    from restshape.policy import policy
+    from restshape.replay.request import Request
+    from restshape.scene.load import load_scene
+    from restshape.scene.script import Script, load_script
+
+    scene = load_scene(job.scene, job.overrides)
+    script = load_script(job.edits, scene) if job.edits else Script.empty(scene)
+    return Request(
+        scene, script, application(scene.app), policy(job.policy), Calibration.load(), job.petsc, job.predict
+    )
+
+
+def play(job: Job, tell: Any) -> None:
+    """Tell a row for each frame, as soon as it is computed."""
+    from petsc4py import PETSc
+    from restshape_studies.bench.events import EventCounts
+
+    from restshape.replay.loop import Replay
+
+    asked = request(job)
+    if job.count:
+        PETSc.Log.begin()
+    replay = Replay.of(asked, PETSc.COMM_WORLD)
+    # Estimates are made beside the frames, but leave little of the next one's data in the caches.
+    replay.estimating = False
+    counts = EventCounts() if job.count else None
+    left = {int(level): number for level, number in job.enough.items()}
+    for row in islice(replay.frames(), job.frames):
+        row["rss_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        if counts:
+            row["events"] = counts.since_last()
+        tell("row", row)
+        if row["level"] in left:
+            left[row["level"]] -= 1
+            if not left[row["level"]]:
+                return
+
+
+def regret(job: Job, tell: Any) -> None:
+    """Tell the regret of the schedule of refreshes."""
+    from restshape_studies.bench.regret import measure
+
+    tell("regret", measure(request(job)))
+
+
+def measured(job: Job, tell: Any) -> None:
+    """Tell what a module measures, one of this package where its name is not a full one."""
+    name = job.measure if "." in job.measure else f"restshape_studies.bench.{job.measure}"
+    tell("found", import_module(name).measure(request(job), **job.details))
+
+
+def main() -> int:
+    """Run the job on stdin; 0 when it is done, 2 when it cannot be."""
+    pin()
+    job = Job.loads(sys.stdin.read())
+    with Path(sys.argv[1]).open("w", buffering=1) as file:
+
+        def tell(kind: str, content: Any) -> None:
+            file.write(json.dumps([kind, content]) + "\n")
+
+        start_petsc(job.petsc)
+        try:
+            (measured if job.measure else regret if job.regret else play)(job, tell)
+        except UserError as error:
+            tell("error", {"what": error.what, "where": error.where, "do": error.do})
+            return 2
+        except ReplayProblem as problem:
+            tell("error", {"what": str(problem), "where": job.scene, "do": "see restshape replay on it"})
+            return 2
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

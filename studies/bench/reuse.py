@@ -1,0 +1,187 @@
+"""Policies side by side on the same edits, interleaved, each replay in a process of its own."""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from restshape_studies.bench.job import Job, Outcome, Row, run
+
+from restshape.errors import UserError
+from restshape.replay.columns import STAGES
+from restshape.replay.summary import summarise
+
+BASES = ("rebuild", "refactor")
+"""Policies that the others are compared with."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene with one script.
+
+    Args:
+        name: of the scene, for people.
+        scene: scene file.
+        edits: edit script.
+    """
+
+    name: str
+    scene: Path
+    edits: Path
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How cases are replayed.
+
+    Args:
+        policies: names, in the order in which they take turns.
+        repeat: timed runs of each policy.
+        frames: of each script, the first included; None for all.
+        overrides: ``key=value`` as after --set.
+        petsc: words for PETSc's options database.
+        regret: measure that of policy `auto`.
+    """
+
+    policies: tuple[str, ...]
+    repeat: int = 3
+    frames: int | None = None
+    overrides: tuple[str, ...] = ()
+    petsc: tuple[str, ...] = ()
+    regret: bool = False
+
+
+def compare(case: Case, plan: Plan, on_run: Callable[[str], None], play: Callable[[Job], Outcome] = run) -> Row:
+    """Policy -> its record, as `bench reuse --json` writes it.
+
+    Each policy is replayed once with PETSc's events counted, which also warms the machine's caches, then `repeat` times
+    with the clock, the policies taking turns so that a slow spell of the machine meets all of them.
+
+    Raises:
+        UserError: the scene or the script cannot be replayed.
+    """
+    jobs = {
+        name: Job(str(case.scene), str(case.edits), name, plan.overrides, plan.petsc, plan.frames)
+        for name in plan.policies
+    }
+    counted, runs = {}, {name: [] for name in jobs}
+    for name, job in jobs.items():
+        on_run(f"{case.name}: {name}, counted")
+        counted[name] = _rows(play(replace(job, count=True)), case, name)
+    for turn in range(plan.repeat):
+        for name, job in jobs.items():
+            on_run(f"{case.name}: {name}, run {turn + 1} of {plan.repeat}")
+            load = os.getloadavg()[0]
+            summary = summarise(_rows(play(job), case, name), name, 1)
+            runs[name].append({"load": load, **timed(summary)})
+    found = {name: record(counted[name], name, runs[name]) for name in jobs}
+    for name, entry in found.items():
+        entry["ratios"] = {base: ratios(runs[name], runs[base]) for base in BASES if base in runs and base != name}
+    if plan.regret and "auto" in jobs:
+        on_run(f"{case.name}: auto, regret")
+        found["auto"]["regret"] = hindsight(jobs["auto"], play)
+    return found
+
+
+def hindsight(job: Job, play: Callable[[Job], Outcome]) -> Row:
+    """The regret of a schedule over the whole script, as `replay.regret.measure` tells it; else `problem`."""
+    try:
+        outcome = play(replace(job, regret=True))
+    except UserError as error:
+        # Applications that solve several times a frame have no regret yet: no reason to lose what was timed.
+        return {"problem": error.what}
+    return outcome.regret or {"problem": outcome.problem}
+
+
+def _rows(outcome: Outcome, case: Case, name: str) -> list[Row]:
+    """The rows of a run that came to its end.
+
+    Raises:
+        UserError: it did not.
+    """
+    if outcome.problem or not outcome.rows:
+        what = f"policy {name}: the replay {outcome.problem or 'gave no frames'}"
+        raise UserError(what, str(case.scene), f"restshape replay {case.scene} --edits {case.edits} --policy {name}")
+    return outcome.rows
+
+
+def frames_a_second(rows: Sequence[Row]) -> float:
+    """Moved frames over the seconds that they took; 0 when nothing moved. The first frame is left out."""
+    times = [row["ms"] for row in rows[1:] if row["level"] > 0]
+    return 1e3 * len(times) / sum(times) if times else 0.0
+
+
+def timed(summary: Row) -> Row:
+    """What the clock told of one run."""
+    keys = ("ms", "python_ms", "stages")
+    by_level = {str(level): stage_medians(summary["rows"], level) for level in (1, 2, 3)}
+    fps = frames_a_second(summary["rows"])
+    return {"fps": fps, **{key: summary[key] for key in keys}, "stages_by_level": by_level}
+
+
+def stage_medians(rows: Sequence[Row], level: int) -> dict[str, float]:
+    """The median time [ms] of each stage over the frames of a level, the first frame left out; zeros without frames."""
+    chosen = [row for row in rows[1:] if row["level"] == level]
+    return {name: median(row[f"ms_{name}"] for row in chosen) if chosen else 0.0 for name in (*STAGES, "python")}
+
+
+def record(counted: list[Row], policy: str, runs: Sequence[Row]) -> Row:
+    """The record of a policy: medians over its runs of what the clock told, and what was counted."""
+    summary = summarise(counted, policy, 1)
+    middle = {
+        "fps": median(run["fps"] for run in runs),
+        "ms": medians([run["ms"]["all"] for run in runs]),
+        "ms_by_level": {level: medians([run["ms"][level] for run in runs]) for level in ("1", "2", "3")},
+        "python_ms": medians([run["python_ms"] for run in runs]),
+        "stages": medians([run["stages"] for run in runs]),
+        "stages_by_level": {
+            level: medians([run["stages_by_level"][level] for run in runs]) for level in ("1", "2", "3")
+        },
+    }
+    counts = {
+        key: summary[key]
+        for key in (
+            "frames",
+            "refused",
+            "levels",
+            "idle",
+            "iterations",
+            "refreshes",
+            "unknowns",
+            "elements",
+            "preconditioners",
+        )
+    }
+    spread = [{"load": run["load"], "fps": run["fps"], "p50": run["ms"]["all"]["p50"]} for run in runs]
+    return {**middle, **counts, **event_totals(counted), "runs": spread}
+
+
+def medians(runs: Sequence[dict[str, float]]) -> dict[str, float]:
+    """The median over runs of each number."""
+    return {key: median(run[key] for run in runs) for key in runs[0]}
+
+
+def ratios(runs: Sequence[Row], base: Sequence[Row]) -> dict[str, float | None]:
+    """How many times as fast as the base's: in frames a second and in the median frame.
+
+    The runs of one turn are compared, and the median over the turns is taken; None where nothing moved.
+    """
+    fps = [mine["fps"] / other["fps"] for mine, other in zip(runs, base, strict=True) if other["fps"]]
+    p50 = [
+        other["ms"]["all"]["p50"] / mine["ms"]["all"]["p50"]
+        for mine, other in zip(runs, base, strict=True)
+        if mine["ms"]["all"]["p50"]
+    ]
+    return {"fps": median(fps) if fps else None, "p50": median(p50) if p50 else None}
+
+
+def event_totals(rows: Sequence[Row]) -> dict[str, Any]:
+    """Counts of PETSc's events over a replay, and by level without the first frame."""
+    names = list(rows[0]["events"])
+    by_level = {
+        str(level): {name: sum(row["events"][name] for row in rows[1:] if row["level"] == level) for name in names}
+        for level in (0, 1, 2, 3)
+    }
+    return {"events": {name: sum(row["events"][name] for row in rows) for name in names}, "events_by_level": by_level}

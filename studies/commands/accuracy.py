@@ -1,0 +1,343 @@
+"""`restshape accuracy`: what accuracy costs in time, for any scene."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from restshape_studies.verification import verification
+
+from restshape.cli.options import add_json, add_set, check_output, open_json, print_table, require_mesh, write_json
+from restshape.cli.ranks import launched
+from restshape.cli.script_notes import note_script
+from restshape.errors import UserError
+from restshape.policy import POLICIES
+
+PLACE = 4
+SUMMARY = "what accuracy costs in time: errors of a scene's settings against a far finer reference"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("scenes", metavar="SCENE", nargs="+", type=Path, help="scene files (.toml)")
+    parser.add_argument(
+        "--edits", type=Path, metavar="FILE", help="edit script (default: the one that names the scene)"
+    )
+    add_set(parser)
+    add_json(parser)
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", default=Path("accuracy"), help="of the pages (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--frames",
+        type=int,
+        metavar="N",
+        help="of the script, 0 for all (default: 40 from the first change on, in space 24, of motion 6)",
+    )
+    parser.add_argument(
+        "--samples", type=int, default=5, metavar="K", help="frames at which errors are taken (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--sizes", metavar="A,B", help="factors of the scene's mesh size (default: 2,1.41,1,0.71,0.5, as far as quick)"
+    )
+    parser.add_argument("--orders", metavar="A,B", help="of the elements (default: all that the application has)")
+    parser.add_argument(
+        "--tolerances",
+        metavar="A,B",
+        help="of the solver, tried beside the grid (default: 100 and 1/100 of the scene's)",
+    )
+    parser.add_argument("--policies", metavar="A,B", help=f"default: {','.join(POLICIES)}")
+    parser.add_argument(
+        "--of", default="field", metavar="QUANTITY", help="whose error counts (default: that of the field)"
+    )
+    parser.add_argument(
+        "--within", metavar="TIME", help="pick the most accurate point whose median frame takes no longer, e.g. 16ms"
+    )
+    parser.add_argument("--error", metavar="ERROR", help="pick the fastest point whose error is below, e.g. 1%%")
+    parser.add_argument(
+        "--write",
+        type=Path,
+        metavar="FILE",
+        help="of the scene with the picked setting (default: DIR/SCENE-chosen.toml)",
+    )
+    parser.add_argument(
+        "--seconds", type=float, default=30.0, metavar="S", help="that a point may take (default: %(default)g)"
+    )
+    parser.add_argument(
+        "--reference-seconds",
+        type=float,
+        default=120.0,
+        metavar="S",
+        help="that a reference may take (default: %(default)g)",
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Study each scene; 0 when all is well, 1 where reuse is not below the tolerance or no pick holds.
+
+    Raises:
+        UserError: a wish that makes no sense, or ranks of MPI.
+    """
+    from restshape_studies.accuracy.front import finite
+    from restshape_studies.accuracy.page import write_index, write_page
+    from restshape_studies.accuracy.study import study
+
+    if launched():
+        raise UserError("points are replayed on one rank", "mpiexec", "start it without mpiexec")
+    asked, within, error = read(args)
+    cases = cases_of(args)
+    make_folder(args.out)
+    open_json(args)
+    check_output(args.write, "--write")
+    records, studies, meshless, sound = [], [], [], True
+    command = command_of(args)
+    for case in cases:
+        if without_mesh := own_study(case):
+            found, title = without_mesh(case, announce, args.out, command)
+            records += found
+            meshless.append((case.name, title))
+            write_json(args, finite(records))
+            continue
+        found = study(case, asked, announce)
+        tell(found)
+        sound = reuse_holds(found) and sound
+        records += found.records
+        studies.append(found)
+        write_json(args, finite(records))
+        write_page(found, args.out, command)
+        if within is not None or error is not None:
+            chosen = choose(args, found, within, error)
+            write_page(found, args.out, command, chosen)
+            sound = chosen["holds"] and sound
+        print(f"wrote {args.out / case.name}.md and .png\n", flush=True)
+    if len(studies) > 1:
+        write_index(studies, args.out, command, meshless)
+        print(f"wrote {args.out / 'README.md'}")
+    return 0 if sound else 1
+
+
+# --- what is asked for ------------------------------------------------------------------------------------------------
+
+
+def read(args: argparse.Namespace) -> tuple[Any, float | None, float | None]:
+    """What the study is asked for, the time [ms] and the error that a pick is bounded by.
+
+    Raises:
+        UserError: a value that makes no sense.
+    """
+    from restshape_studies.accuracy.setting import Choice
+    from restshape_studies.accuracy.study import Asked
+
+    if args.frames is not None and (args.frames < 0 or args.frames == 1):
+        raise UserError(f"{args.frames} frames hold no edit", "--frames", "at least 2, or 0 for all")
+    if args.samples < 2:
+        raise UserError(f"{args.samples} frames are too few", "--samples", "at least 2")
+    for option in ("seconds", "reference_seconds"):
+        if not getattr(args, option) > 0.0:
+            raise UserError("there must be time", f"--{option.replace('_', '-')}", "a number above 0")
+    sizes, tolerances = (numbers(getattr(args, name), f"--{name}") for name in ("sizes", "tolerances"))
+    if tolerances and max(tolerances) >= 1.0:
+        raise UserError(f"{max(tolerances):g} is no tolerance", "--tolerances", "numbers between 0 and 1")
+    orders = numbers(args.orders, "--orders")
+    if orders and any(order != int(order) for order in orders):
+        raise UserError(f"{args.orders} are no orders", "--orders", "--orders 1,2")
+    policies = words(args.policies)
+    for name in policies or ():
+        if name not in POLICIES:
+            raise UserError(f"no policy is named {name!r}", "--policies", f"choose from {','.join(POLICIES)}")
+    choice = Choice(sizes, orders and tuple(int(order) for order in orders), tolerances, policies)
+    asked = Asked(choice, args.frames, args.samples, args.seconds, args.reference_seconds, args.of)
+    within, error = bound(args.within, "time", "--within", "16ms"), bound(args.error, "number", "--error", "1%")
+    if args.write and ((within is None and error is None) or len(args.scenes) > 1):
+        raise UserError(
+            "nothing is picked that could be written", "--write", "one scene, and --within 16ms or --error 1%"
+        )
+    return asked, within and 1e3 * within, error
+
+
+def numbers(text: str | None, where: str) -> tuple[float, ...] | None:
+    """Positive numbers between commas; None where nothing is given.
+
+    Raises:
+        UserError: something else is between them.
+    """
+    if text is None:
+        return None
+    try:
+        found = tuple(dict.fromkeys(float(word) for word in text.split(",")))
+    except ValueError:
+        found = ()
+    if not found or not all(0.0 < value < float("inf") for value in found):
+        raise UserError(f"{text!r} are no positive numbers", where, f"numbers with commas between: {where} 2,1,0.5")
+    return found
+
+
+def words(text: str | None) -> tuple[str, ...] | None:
+    """Words between commas; None where nothing is given."""
+    return None if text is None else tuple(dict.fromkeys(word.strip() for word in text.split(",")))
+
+
+def bound(text: str | None, dimension: str, where: str, example: str) -> float | None:
+    """A positive number with a unit, in SI; a time needs its unit.
+
+    Raises:
+        UserError: it cannot be read, or is not positive.
+    """
+    from restshape.scene.units import UnitError, quantity
+
+    if text is None:
+        return None
+    try:
+        value = quantity(text, dimension)
+        if dimension == "time" and text.strip()[-1].isdigit():
+            raise UnitError(f"{text!r} has no unit")
+    except UnitError as error:
+        raise UserError(str(error), where, f"write {where} {example}") from error
+    if value <= 0.0:
+        raise UserError(f"{text} is not above 0", where, f"write {where} {example}")
+    return value
+
+
+def cases_of(args: argparse.Namespace) -> list[Any]:
+    """Scenes and scripts, all read before the first run.
+
+    Raises:
+        UserError: a bad scene or script, or a scene without a script.
+    """
+    from restshape_studies.accuracy.study import Case
+
+    from restshape.cli.shipped import script_of
+    from restshape.scene.load import load_scene
+    from restshape.scene.script import load_script
+
+    if args.edits and len(args.scenes) > 1:
+        raise UserError("a script belongs to one scene", "--edits", "name one scene")
+    found = []
+    for path in args.scenes:
+        scene = load_scene(path, args.set)
+        refuse_choices(args, scene)
+        edits = args.edits or script_of(path)
+        if edits is None:
+            raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")
+        if args.of not in (None, "field", *scene.quantities):
+            known = ", ".join(["field", *scene.quantities])
+            raise UserError(f"{path.name} has no quantity {args.of!r}", "--of", f"use one of: {known}")
+        note_script(scene, load_script(edits, scene), edits)
+        found.append(Case(path.stem, path, edits, tuple(args.set), tuple(args.petsc)))
+    names = [case.name for case in found]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice:
+        raise UserError(f"two scenes are named {twice!r}, and so would their pages be", "SCENE", "run them one by one")
+    return found
+
+
+CHOICES = ("frames", "sizes", "orders", "tolerances", "policies", "within", "error")
+"""Options that are about meshes."""
+
+
+def refuse_choices(args: argparse.Namespace, scene: Any) -> None:
+    """Makes sure that nothing about meshes is asked of a scene that has none.
+
+    Raises:
+        UserError: something is.
+    """
+    if any(getattr(args, name) is not None for name in CHOICES) or args.of != "field":
+        require_mesh(scene, "its study takes none of the options about meshes, frames and picks")
+
+
+def own_study(case: Any) -> Any:
+    """The study of a scene without a mesh that its application brings; None where it is studied by its meshes."""
+    from restshape.scene.load import load_scene
+
+    return verification(load_scene(case.scene, case.overrides).app).load_study()
+
+
+def make_folder(folder: Path) -> None:
+    """Make the folder of the pages, before any work.
+
+    Raises:
+        UserError: it cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".probe"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise UserError(f"{folder} cannot be written: {error.strerror}", "--out", "choose another folder") from error
+
+
+def command_of(args: argparse.Namespace) -> str:
+    """The command line, without paths that mean something on this machine only."""
+    from restshape.cli.list import relative
+
+    def plain(word: str) -> str:
+        if not word.startswith("/"):
+            return word
+        path = relative(Path(word))
+        return Path(word).name if path.startswith("/") else path
+
+    return " ".join(["restshape", *(plain(word) for word in args.words)])
+
+
+# --- what is told -----------------------------------------------------------------------------------------------------
+
+
+def announce(text: str) -> None:
+    """Tells what comes next, where it does not mix with tables."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def tell(study: Any) -> None:
+    """Print the table of a study, its front, and what was left out."""
+    from restshape_studies.accuracy.page import (
+        HEADS,
+        left_out,
+        rates_lines,
+        reuse_line,
+        row,
+        slope_line,
+        solver_line,
+        uncertainty_line,
+    )
+
+    records = [record for record in study.records if record["error"] is not None]
+    rows = [row(record) for record in sorted(records, key=lambda r: r["error"])]
+    title = f"{study.case.name}: {study.total} frames, errors at frames {', '.join(map(str, study.frames))}"
+    print_table(title, HEADS, rows, right=HEADS[:8])
+    lines = (uncertainty_line(study), slope_line(study), *rates_lines(study), reuse_line(study), solver_line(study))
+    print("\n".join(lines))
+    for line in left_out(study):
+        print(f"left out: {line}")
+
+
+def reuse_holds(study: Any) -> bool:
+    """Tell whether reuse stays below the tolerance at every point where it is known, and is known at one at least."""
+    known = [record["reuse_holds"] for record in study.records if record["reuse_holds"] is not None]
+    return bool(known) and all(known)
+
+
+def choose(args: argparse.Namespace, study: Any, within: float | None, error: float | None) -> dict[str, Any]:
+    """The first pick that holds where it is written as a scene and run again over the whole script, or the last one.
+
+    It comes with `holds`, and with what was found of those tried `before` it, in words.
+    """
+    from restshape_studies.accuracy.chosen import chosen_line, hopeless, rerun, write_scene
+    from restshape_studies.accuracy.front import percent, picks
+
+    path = args.write or args.out / f"{study.case.name}-chosen.toml"
+    found, before = {}, []
+    for picked in picks(study.records, within, error):
+        if found:
+            before.append(f"{found['name']}: {chosen_line(found)}")
+        error_there = f"error {percent(picked['error'])} at {len(picked['frames'])} of {study.total} frames"
+        print(f"picked: {picked['name']}, {picked['frame_ms']:.3g} ms a frame, {error_there}", flush=True)
+        write_scene(study.case, picked, path)
+        print(f"wrote {path}")
+        found = rerun(study, picked, path, within, error, announce) | {"before": before}
+        print(chosen_line(found), flush=True)
+        if found["holds"] or hopeless(found):
+            break
+    if not found["holds"]:
+        print(f"no point of the study holds over the script; {path} has the last of {len(before) + 1} that were tried")
+    return found

@@ -1,0 +1,129 @@
+"""`restshape explain`: which effects a scene calls for and why, what each costs, and which solvers it gets."""
+
+import argparse
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from restshape.application import application
+from restshape.cli.options import add_scene, print_table, read_scene, write_json
+from restshape.cli.ranks import launched
+from restshape.cli.script_notes import note_script
+from restshape.cli.shipped import script_of
+from restshape.errors import UserError
+
+PLACE = 1
+SUMMARY = "tell which effects a scene calls for and why, what each costs, and which solvers it gets"
+FRAMES, SECONDS = 24, 9.0
+COUNTED = ("unknowns", "elements", "entries", "calls")
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what this command takes."""
+    add_scene(parser)
+    parser.add_argument(
+        "--edits", metavar="FILE", type=Path, help="edit script (default: the one that names the scene)"
+    )
+    parser.add_argument(
+        "--frames",
+        metavar="N",
+        type=int,
+        default=FRAMES,
+        help="first N frames of the script in which something moves, 0 for all (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--seconds",
+        metavar="S",
+        type=float,
+        default=SECONDS,
+        help="measure again until so many seconds are gone, twice at least (default: %(default)g)",
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Prints the plan and its price."""
+    if launched():
+        raise UserError("effects are priced on one rank", do="start it without mpiexec")
+    from restshape_studies.explain.study import Asked, explain
+
+    from restshape.scene.script import load_script
+
+    scene = read_scene(args)
+    if args.frames < 0:
+        raise UserError(f"{args.frames} frames measure nothing", "--frames", "at least 1, or 0 for all")
+    edits = args.edits or script_of(args.scene)
+    if edits is not None:
+        script = load_script(edits, scene)
+        if script.error:
+            raise script.error
+        note_script(scene, script, edits)
+    asked = Asked(args.scene, edits, tuple(args.set), tuple(args.petsc), args.frames or None, args.seconds)
+    with tempfile.TemporaryDirectory(prefix="restshape-explain-") as folder:
+        rows = explain(asked, scene, application(scene.app), Path(folder))
+    first = rows[0]
+    total = sum(row["ms"] for row in rows)
+    of = f"{first['frames']} frames of {edits.name}" if edits else "the first frame, for there is no script"
+    print_effects(f"{args.scene}: {scene.title}".rstrip(": "), rows)
+    measured = f"{first['runs']} runs, policy {scene.solve.policy}"
+    print(f"shares of {total:.4g} ms of processor time, the mean of {of}; {measured}\n")
+    core = next(row for row in rows if "solver" in row)
+    print_table("solvers", ("what", "choice", "why"), solvers(core["solver"]))
+    if called := kernels(rows):
+        print()
+        print_table("kernels called, a frame", ("effect", "kernels: calls, elements in each"), called)
+    write_json(args, rows)
+    return 0
+
+
+def print_effects(title: str, rows: list[dict[str, Any]]) -> None:
+    """Prints the table of effects and parts."""
+    heads = ("effect", "on", "unknowns", "elements", "entries", "calls a frame", "share", "why")
+    print_table(title, heads, [_line(row) for row in rows], right=heads[2:-1])
+
+
+def _line(row: dict[str, Any]) -> list[str]:
+    name, part = row["effect"], row["kind"] == "part"
+    if not row["on"]:
+        return [name, "off", *["-"] * 5, f"nothing calls for it: {row['why']}"]
+    told = row["how"] in ("by difference", "measured")
+    core = "solver" in row
+    counted = told or core or any(row[key] for key in COUNTED)
+    counts = [str(row[key]) for key in COUNTED[:-1]] if counted and not part else ["-"] * 3
+    share = f"{100 * row['share']:.1f} ± {100 * row['spread']:.1f} %" if told or core else "-"
+    why = row["why"] if told else f"{row['why']} ({row['how']})"
+    return [name, "" if part else "on", *counts, f"{row['calls']:.3g}" if counted else "-", share, why]
+
+
+def solvers(plan: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """The plan of solvers, for people: what, which, why."""
+    rows = [("equations", plan["equations"], plan["why"])]
+    for system in plan["systems"]:
+        krylov = " with ".join(filter(None, (system["krylov"].upper(), system["factor"])))
+        rows.append((system["of"], f"{system['matrix']}: {krylov}", system["why"]))
+    if plan["elements"]:
+        rows.append(("elements", f"order {plan['order']}: {', '.join(plan['elements'])}", plan["order_why"]))
+    rows += [("model", value, f"effects.{key}") for key, value in plan["models"].items()]
+    used = ", ".join(f"{name} in {count} frames" for name, count in plan["preconditioners"].items() if name)
+    expected = ", ".join(f"{name} {ms:.3g}" for name, ms in sorted(plan["expected_ms"].items(), key=lambda at: at[1]))
+    why = f"policy {plan['policy']}{', expected ms a solve: ' + expected if expected else ''}"
+    rows.append(("preconditioner", used, why))
+    done = f"{plan['factorizations']} frames with a factorization, {plan['iterations']} iterations"
+    newton = f", {plan['newton']} Newton steps" if plan["newton"] else ""
+    rows.append(("work", f"{done}{newton}", "in these frames, the first included"))
+    return rows
+
+
+def kernels(rows: list[dict[str, Any]]) -> list[tuple[str, str]]:
+    """Kernels that effects call, for people; those that an effect takes away from another one have a minus."""
+    found = []
+    for row in rows:
+        frames = row["frames"]
+        calls = [
+            f"{name} {purpose} {times / frames:.3g} x {elements / times:.0f}"
+            for name, purposes in row["kernels"].items()
+            for purpose, (times, elements) in purposes.items()
+            if times
+        ]
+        if calls:
+            found.append((row["effect"], ", ".join(calls)))
+    return found

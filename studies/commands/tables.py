@@ -1,0 +1,67 @@
+"""`restshape tables`: the thesis's numbers beside ours."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from restshape.cli.options import add_json, check_output, open_json, print_table, write_json
+from restshape.errors import UserError
+from restshape.surroundings import start_petsc
+
+PLACE = 6
+SUMMARY = "the thesis's numbers beside ours, measured now"
+HEADER = """# The thesis's numbers beside ours
+
+Written by `restshape tables`; `restshape tables --check` says whether the counts still hold. Rows with a ratio or a
+time were measured on the machine that wrote this file. The thesis used a 2.5 GHz CPU with 2 GB of memory.
+
+"""
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "--out", type=Path, default=Path("results/THESIS.md"), help="file to write (default: %(default)s)"
+    )
+    parser.add_argument("--check", action="store_true", help="compare the counts with the file and write nothing")
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Measure and write, or check; 0 when written or equal, 1 when the file no longer matches."""
+    open_json(args)
+    if not args.check:
+        check_output(args.out, "--out")
+    elif not args.out.is_file():
+        raise UserError("there is no such file", str(args.out), "restshape tables writes it")
+    start_petsc(args.petsc)
+    from restshape_studies.thesis import thesis_table
+    from restshape_studies.verification import verifications
+
+    from restshape.report.tables import markdown_table
+
+    rows = [row for known in verifications().values() for row in known.thesis_rows(timed=not args.check)]
+    shown = [{key: value for key, value in row.items() if key != "timing"} for row in rows]
+    columns = ("table", "row", "quantity", "thesis", "ours", "unit")
+    print_table("thesis and ours", columns, [[row[key] for key in columns] for row in shown])
+    write_json(args, shown)
+    if args.check:
+        text = args.out.read_text(encoding="utf-8")
+        return _check(text, [_lines(markdown_table, row) for row in rows], args.out)
+    args.out.write_text(HEADER + thesis_table(shown), encoding="utf-8")
+    print(f"wrote {args.out}")
+    return 0
+
+
+def _lines(markdown_table: Any, row: dict[str, Any]) -> str:
+    """The line of a row in the file."""
+    return markdown_table((), [[row[key] for key in ("row", "quantity", "thesis", "ours", "unit")]]).splitlines()[-1]
+
+
+def _check(text: str, lines: list[str], path: Path) -> int:
+    """0 when the file holds every line; otherwise say which not, and 1."""
+    missing = [line for line in lines if line not in text]
+    for line in missing:
+        print(f"{path}: not there: {line}")
+    print(f"{path}: {len(lines) - len(missing)} of {len(lines)} counts hold")
+    return 1 if missing else 0

@@ -1,0 +1,126 @@
+"""Replays of one script side by side: each frame with all effects of the scene, then with some of them left out.
+
+What a slow spell of the machine does to a frame, it does to all of its kind; and times are those of the processor, for
+what other programs take of it means nothing. So their differences mean something.
+"""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from time import process_time
+
+from petsc4py import PETSc
+from restshape_studies.explain.calls import Row, difference, moved
+from restshape_studies.explain.filled import Watch, stored, watched_operators
+from restshape_studies.explain.without import without
+
+from restshape import _kernels
+from restshape.algebra import stages
+from restshape.errors import UserError
+from restshape.mesh import moving
+from restshape.replay import loop
+from restshape.replay.loop import Replay
+from restshape.replay.request import Request
+from restshape.shape.session import EditFrame
+
+KEPT = (
+    "index",
+    "do",
+    "level",
+    "unknowns",
+    "elements",
+    "iterations",
+    "newton",
+    "refreshed",
+    "preconditioner",
+    "refused",
+)
+TIMES = ("ms", "ms_edit", "ms_relocate", "ms_map", "ms_flip", "ms_mesh", "ms_observe", "ms_record")
+
+
+@contextmanager
+def processor_time() -> Iterator[None]:
+    """Let replays take their times from the processor's clock, not from the one on the wall."""
+    timed = (loop, stages, moving)
+    clocks = [module.perf_counter for module in timed]
+    for module in timed:
+        module.perf_counter = process_time
+    try:
+        yield
+    finally:
+        for module, clock in zip(timed, clocks):
+            module.perf_counter = clock
+
+
+class Counted(Replay):
+    """A replay whose rows hold the calls of kernels since these were last set to 0.
+
+    `calls` are those of the frame, `calls_beside` those of what is measured off its time.
+    """
+
+    def _record(self, edit: EditFrame, row: Row, end: float) -> None:
+        row["calls"] = _kernels.calls()
+        super()._record(edit, row, end)
+        row["calls_beside"] = difference(_kernels.calls(), row["calls"])
+
+
+def measure(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None) -> list[Row]:
+    """A row for each frame of each replay, with the number of its set of effects as `variant`.
+
+    A variant other than the first one that has no solution gives its `problem` instead, and takes part no more.
+
+    Args:
+        asked: the replay.
+        left_out: effects that the replays leave out, one set each.
+        frames: after so many in which something was solved for, beside the first one, it ends; None for all.
+
+    Raises:
+        UserError: the first of the replays cannot be.
+    """
+    with processor_time(), watched_operators() as watch:
+        return _play(asked, left_out, frames, watch)
+
+
+def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None, watch: Watch) -> list[Row]:
+    """The rows of all replays, whose operators are watched; other arguments as in `measure`."""
+    running: dict[int, Iterator[Row]] = {}
+    rows: list[Row] = []
+    matrices, filled = [0 for _ in left_out], [Counter() for _ in left_out]
+    step, left = 0, frames
+    while step == 0 or (running and left != 0):
+        # Whoever comes first finds the caches cold: they take turns.
+        turns = range(len(left_out)) if step == 0 else sorted(running, key=lambda k: (k + step) % len(left_out))
+        for k in turns:
+            count, entries = stored()[0], watch.entries()
+            _kernels.reset_calls()
+            try:
+                if step == 0:
+                    running[k] = _frames(asked, left_out[k])
+                row = next(running[k], None)
+            except UserError as error:
+                if k == 0:
+                    raise
+                running.pop(k, None)
+                rows.append({"variant": k, "problem": error.what})
+                continue
+            if row is None:
+                del running[k]
+                continue
+            matrices[k] += stored()[0] - count
+            filled[k].update(watch.entries())
+            filled[k].subtract(entries)
+            mine = {names: held for names, held in filled[k].items() if held}
+            kept = {key: row[key] for key in (*KEPT, *TIMES, "calls", "calls_beside")} | {"tried": row.get("tried", 0)}
+            if left is not None and k == 0 and step and moved(row):
+                left -= 1
+            held = {"matrices": matrices[k], "entries": sum(mine.values()), "filled": mine}
+            rows.append({"variant": k, **held, **kept})
+        step += 1
+    return rows
+
+
+def _frames(asked: Request, names: Sequence[str]) -> Iterator[Row]:
+    """The frames of a replay of the scene without these effects."""
+    scene = without(asked.scene, asked.application, names)
+    return Counted.of(replace(asked, scene=scene), PETSc.COMM_WORLD).frames()

@@ -1,0 +1,27 @@
+"""A batch of random examples."""
+
+from dataclasses import dataclass
+
+FAULT = "fault"
+"""Folder of the last example at fault."""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What a process plays.
+
+    Args:
+        seed: all follows from it.
+        count: number of examples.
+        apps: applications that the scenes are of.
+        damaged: something is done to the files.
+        known: signatures of faults that are counted only, and neither end the batch nor are made smaller.
+        shrink: look for a smaller example of a fault.
+    """
+
+    seed: int
+    count: int
+    apps: tuple[str, ...]
+    damaged: bool
+    known: tuple[str, ...] = ()
+    shrink: bool = True

@@ -1,0 +1,203 @@
+"""Random scenes and edits, in batches in processes of their own, for a crash or a hang ends the process."""
+
+import json
+import re
+import shutil
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from restshape_studies.stability.batch import FAULT, Batch
+from restshape_studies.stability.example import EDITS, MOST_ELEMENTS, SCENE, Example
+from restshape_studies.stability.watched import End, watch
+
+from restshape.errors import UserError
+
+PROCESS = "restshape_studies.stability.fuzz_process"
+BATCH = 25
+"""Examples a process: starting one takes a second."""
+DAMAGED_SHARE = 3
+"""Every third batch is of damaged files."""
+PLACE = re.compile(r'File "(.*?)", line (\d+) in ')
+"""Where Python was when it crashed, the innermost place first."""
+
+MADE_FOLDER = re.compile(r"\S*restshape-fuzz-\w+/")
+
+
+@dataclass
+class Found:
+    """A fault, with the files that show it.
+
+    Args:
+        seed: of the batch.
+        kind: "crash", "hang", or "fault": a traceback, or a number that is none.
+        signature: what tells it from others.
+        what: its message.
+        folder: scene, edits and `example.json`; empty where nobody asked to keep them.
+        command: which replays them in that folder.
+        seen: how often.
+    """
+
+    seed: int
+    kind: str
+    signature: str
+    what: str
+    folder: str = ""
+    command: str = ""
+    seen: int = 1
+
+
+@dataclass
+class Tried:
+    """What was tried, and what came of it.
+
+    Args:
+        examples: played in all; shrinking: more that were played to make those at fault smaller.
+        valid: that gave frames to the end; refused: with a message, as a whole; too_large: with a first mesh of more
+            elements than wanted, which ended there; broken: at fault.
+        damaged: of all, those with damage to valid files; written: those that `restshape replay` replayed too.
+        frames, refused_frames: over all examples.
+        seconds: wall-clock.
+        largest: elements of a first mesh.
+        warned: warnings that numpy gave, with how often; messages: first lines of the refusals, likewise.
+        found: faults.
+    """
+
+    examples: int = 0
+    shrinking: int = 0
+    valid: int = 0
+    refused: int = 0
+    too_large: int = 0
+    broken: int = 0
+    damaged: int = 0
+    written: int = 0
+    frames: int = 0
+    refused_frames: int = 0
+    seconds: float = 0.0
+    largest: int = 0
+    warned: Counter = field(default_factory=Counter)
+    messages: Counter = field(default_factory=Counter)
+    found: dict[str, Found] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The numbers for `--json`."""
+        table = {key: value for key, value in vars(self).items() if key not in ("found", "warned", "messages")}
+        told = {"warned": dict(self.warned), "messages": dict(self.messages.most_common())}
+        return {**table, **told, "faults": [asdict(found) for found in self.found.values()]}
+
+
+def fuzz(
+    count: int,
+    seed: int,
+    apps: Sequence[str],
+    keep: Path | None = None,
+    each: float = 120.0,
+    seconds: float = float("inf"),
+    shrink: bool = True,
+    told: Callable[[Tried], None] = lambda tried: None,
+) -> Tried:
+    """What came of at least `count` random examples.
+
+    Args:
+        count: number of examples that are asked for.
+        seed: of the first batch; the next batch has the next one.
+        apps: applications that the scenes are of.
+        keep: folder for the files of faults, one folder each.
+        each: seconds after which an example counts as hung.
+        seconds: no batch begins after so long.
+        shrink: look for smaller examples of faults.
+        told: called after each batch.
+
+    Raises:
+        UserError: hypothesis, which draws the examples, is not installed; no example could be played.
+    """
+    if find_spec("hypothesis") is None:
+        raise UserError("hypothesis, which draws random scenes, is not installed", "--fuzz", "install restshape[test]")
+    tried, start, number = Tried(), time.monotonic(), 0
+    while tried.examples < count and time.monotonic() - start < seconds:
+        before = tried.examples
+        wanted = min(BATCH, count - tried.examples)
+        damaged = number % DAMAGED_SHARE == DAMAGED_SHARE - 1
+        batch = Batch(seed + number, wanted, tuple(apps), damaged, tuple(tried.found), shrink)
+        _play(batch, tried, keep, each)
+        number += 1
+        tried.seconds = time.monotonic() - start
+        told(tried)
+        if tried.examples == before:
+            raise UserError("no example could be played", "--fuzz", "; ".join(f.what for f in tried.found.values()))
+    return tried
+
+
+def _play(batch: Batch, tried: Tried, keep: Path | None, each: float) -> None:
+    """Play a batch in a process, and count what it tells."""
+    with tempfile.TemporaryDirectory(prefix="restshape-fuzz-") as name:
+        folder, lines = Path(name), []
+        end = watch(PROCESS, folder, asdict(batch), each, lambda *line: lines.append(line))
+        _count(batch, tried, lines, folder, end, keep)
+
+
+def _count(batch: Batch, tried: Tried, lines: list[tuple[str, Any]], folder: Path, end: End, keep: Path | None) -> None:
+    """Count what a process told, and note faults."""
+    new: dict[str, Found] = {}
+    for what, content in lines:
+        # After the first fault that nobody knows come smaller examples of it.
+        if what == "begin":
+            tried.examples += not new
+            tried.damaged += batch.damaged and not new
+            tried.shrinking += bool(new)
+        elif what == "end" and not new:
+            _add(tried, content)
+        elif what == "fault":
+            tried.broken += not new
+            name = content["signature"]
+            if name in tried.found:
+                tried.found[name].seen += not new
+            else:
+                new[name] = Found(batch.seed, "fault", name, content["what"])
+    if end.hung or (end.problem and not new):
+        tried.broken += 1
+        kind = "hang" if end.hung else "crash"
+        place = PLACE.search((folder / "stderr").read_text(errors="replace"))
+        name = f"{kind} at {Path(place[1]).name}:{place[2]}" if place else f"{kind} of seed {batch.seed}"
+        if name in tried.found:
+            tried.found[name].seen += 1
+        else:
+            new[name] = Found(batch.seed, kind, name, f"{name} | {end.problem} | {end.last_words}"[:1500])
+    for name, found in new.items():
+        tried.found[name] = found
+        _keep(found, folder / FAULT if found.kind == "fault" else folder, keep, len(tried.found))
+
+
+def _add(tried: Tried, end: dict[str, Any]) -> None:
+    """Add an example that ended as it should."""
+    if end["elements"] > MOST_ELEMENTS:
+        tried.too_large += 1
+    else:
+        tried.largest = max(tried.largest, end["elements"])
+        tried.valid += not end["message"]
+        tried.refused += bool(end["message"])
+    tried.written += end["written"]
+    tried.frames += end["frames"]
+    tried.refused_frames += end["refused"]
+    tried.warned.update(end["warned"])
+    tried.messages.update([MADE_FOLDER.sub("", end["message"].splitlines()[0])] if end["message"] else [])
+
+
+def _keep(found: Found, folder: Path, keep: Path | None, number: int) -> None:
+    """Keep the files of a fault for people."""
+    if not (folder / "example.json").is_file():
+        return
+    found.command = Example(**json.loads((folder / "example.json").read_text())).command
+    if keep is None:
+        return
+    kept = keep / f"{number:02d}-seed-{found.seed}"
+    kept.mkdir(parents=True, exist_ok=True)
+    for name in (SCENE, EDITS, "example.json"):
+        shutil.copy(folder / name, kept / name)
+    (kept / "fault.txt").write_text(f"{found.signature}\n{found.what}\n{found.command}\n")
+    found.folder = str(kept)

@@ -1,0 +1,144 @@
+"""Replays of files that must end in rows, refusals with a message, or a message: whatever else happens is a fault."""
+
+import json
+import math
+import traceback
+import warnings
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+from restshape_studies.stability.commanded import command_problem
+from restshape_studies.stability.example import EDITS, MOST_ELEMENTS, SCENE, Example
+from restshape_studies.verification import FrameCheck, verification
+
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.errors import UserError
+from restshape.policy import policy
+from restshape.replay.columns import columns
+from restshape.replay.loop import Replay
+from restshape.replay.summary import summarise
+from restshape.scene.load import load_scene
+from restshape.scene.script import load_script
+
+ENDLESS = ("mu_", "q_critical")
+"""Beginnings of columns that may be infinite: nothing buckles."""
+OWN = {"restshape", "apps", "restshape_apps", "studies", "restshape_studies"}
+"""Folders of our own code, in a checkout and installed."""
+BLANK = "buckling_mode"
+"""Beginning of fields that have no numbers where there are fewer modes than wanted."""
+
+
+class Fault(AssertionError):
+    """What a replay must never do."""
+
+
+@dataclass
+class Played:
+    """How a replay ended.
+
+    Args:
+        message: of the refusal of the whole, empty where there are frames.
+        frames, refused: numbers of frames, and of those refused.
+        elements: of the first mesh.
+        written: the command replayed it too.
+        warned: first words of numpy's warnings.
+    """
+
+    message: str = ""
+    frames: int = 0
+    refused: int = 0
+    elements: int = 0
+    written: bool = False
+    warned: list[str] = field(default_factory=list)
+
+
+def play(folder: Path, example: Example) -> Played:
+    """How the replay of an example's files ended.
+
+    Raises:
+        Fault: a shown number is not finite, a refusal has no message, or the command tells or writes something else.
+        BaseException: whatever a user would see a traceback of.
+    """
+    played = Played()
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            _play(folder, example, played)
+        except UserError as error:
+            if not error.what.strip():
+                raise Fault("a message without words") from error
+            played.message = str(error)
+        # The command would go on with a mesh that is too large.
+        if example.written and played.elements <= MOST_ELEMENTS:
+            played.written = True
+            if wrong := command_problem(folder, example, played.message, played.frames, played.refused):
+                raise Fault(f"restshape replay: {wrong}")
+    played.warned = sorted({f"{w.category.__name__}: {w.message} ({Path(w.filename).name}:{w.lineno})" for w in caught})
+    return played
+
+
+def _play(folder: Path, example: Example, played: Played) -> None:
+    scene = load_scene(folder / SCENE)
+    app = application(scene.app)
+    script = load_script(folder / EDITS, scene, keep_good=True)
+    chosen, known = policy(example.policy), Calibration.load()
+    replay = Replay(scene, script, app, chosen, PETSc.COMM_WORLD, known, predict=example.predict)
+    check = verification(app.name).load_frame_check()
+    names = set(columns(list(scene.quantities), app.own_columns(scene)))
+    rows = []
+    for row in replay.frames():
+        rows.append(dict(row))
+        played.frames, played.elements = len(rows), rows[0]["elements"]
+        played.refused += bool(row["refused"])
+        if played.elements > MOST_ELEMENTS:
+            return
+        if unknown := set(row) - names:
+            raise Fault(f"frame {row['index']}: no column is known for {sorted(unknown)}")
+        if replay.known and not row["refused"]:
+            _check(check, replay, row)
+    summary = summarise(rows, example.policy, 1)
+    json.dumps({key: value for key, value in summary.items() if key != "rows"}, allow_nan=False)
+    if script.error:
+        played.message = str(script.error)
+
+
+def _check(check: FrameCheck | None, replay: Replay, row: dict[str, Any]) -> None:
+    """Refuse what a frame must not say: what its application's own check finds, or numbers that are none."""
+    if check is None:
+        _check_numbers(replay, row)
+    elif wrong := check(replay.analysis, row):
+        raise Fault(f"frame {row['index']} ({row['do']}): {wrong}")
+
+
+def _check_numbers(replay: Replay, row: dict[str, Any]) -> None:
+    """Refuse shown numbers that are none."""
+    # A mode that was followed may have gone from among those wanted.
+    scene = replay.session.scene
+    gone = {f"q_{name}" for name, quantity in scene.quantities.items() if quantity.mode is not None}
+    # An edit may ask for fewer modes than the columns have room for.
+    asked = next((scene.effects[name]["modes"] for name in ("modal", "buckling") if name in scene.effects), 0)
+    gone |= {name for name in row if name.startswith(("f_", "mu_")) and int(name.partition("_")[2]) > asked}
+    for name, value in row.items():
+        if name in gone and math.isnan(value):
+            continue
+        shown = name.startswith(("q_", "f_", "mu_")) or name in ("residual", "ms", "t")
+        endless = name.startswith(ENDLESS) and value == math.inf
+        if shown and not (endless or math.isfinite(value)):
+            raise Fault(f"frame {row['index']} ({row['do']}): {name} = {value}")
+    point, cell = replay.analysis.fields()
+    for name, values in {**point, **cell}.items():
+        if not (np.isfinite(values).all() or name.startswith(BLANK)):
+            raise Fault(f"frame {row['index']} ({row['do']}): the field {name} is not finite")
+
+
+def signature(error: BaseException) -> str:
+    """What tells one fault from another: its kind and the innermost line of restshape's own code."""
+    if isinstance(error, Fault):
+        return str(error).partition(": ")[2].partition(" = ")[0]
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if set(Path(f.filename).parts) & OWN]
+    last = frames[-1] if frames else None
+    return f"{type(error).__name__} at {Path(last.filename).name}:{last.lineno}" if last else type(error).__name__

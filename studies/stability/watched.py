@@ -1,0 +1,103 @@
+"""A process that tells what it does line by line, and may crash or hang while it does."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from restshape_studies.bench.job import ending
+
+TOLD = "told.jsonl"
+LOOK = 0.05
+"""Seconds between two looks at a process."""
+
+READY = "ready"
+"""What a process tells first that works on one thing for long before it has another line to tell."""
+
+START = 60.0
+"""Seconds that a process may take besides to come to its first line: a busy machine imports slowly."""
+
+
+@dataclass(frozen=True)
+class End:
+    """How a process ended.
+
+    Args:
+        problem: empty where all went well.
+        hung: it was ended because it had told nothing for too long.
+        last_words: the last lines of its messages.
+    """
+
+    problem: str
+    hung: bool
+    last_words: str
+
+
+class Telling:
+    """The file that a process tells its lines to; ``tell(kind, content)``."""
+
+    def __init__(self, folder: Path) -> None:
+        self.file = (folder / TOLD).open("w", buffering=1)
+
+    def __call__(self, kind: str, content: Any = None) -> None:
+        self.file.write(json.dumps([kind, content]) + "\n")
+
+
+def watch(
+    module: str, folder: Path, job: Any, silence: float, heard: Callable[[str, Any], None], words: tuple[str, ...] = ()
+) -> End:
+    """How a process ended that runs a module with a folder as its argument.
+
+    Args:
+        module: is given `job` as JSON on stdin, and tells its lines to the folder's file.
+        folder: for files of the process.
+        job: what it shall do.
+        silence: seconds without a line after which it is ended; `START` more before the first one.
+        heard: is given each line, as soon as it is there.
+        words: further arguments.
+    """
+    with (folder / "stderr").open("w") as stderr:
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-m", module, str(folder), *words],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=stderr,
+            text=True,
+            env=os.environ | {"OMP_NUM_THREADS": "1"},
+        )
+        try:
+            process.stdin.write(json.dumps(job))
+            process.stdin.close()
+            hung = _listen(process, folder / TOLD, silence, heard)
+        finally:
+            if process.poll() is None:
+                process.kill()
+            process.wait()
+    messages = (folder / "stderr").read_text(errors="replace")
+    problem = f"told nothing for {silence:g} s" if hung else ending(process.returncode, messages)
+    lines = [line for line in messages.splitlines() if line.strip()]
+    return End(problem, hung, " | ".join(lines[-8:]))
+
+
+def _listen(process: subprocess.Popen, path: Path, silence: float, heard: Callable[[str, Any], None]) -> bool:
+    """Hand on all lines until the process ends; whether it was silent for too long."""
+    at, since = 0, time.monotonic() + START
+    while True:
+        over = process.poll() is not None
+        whole = path.read_bytes()[at:] if path.is_file() else b""
+        whole = whole[: whole.rfind(b"\n") + 1]
+        for line in whole.splitlines():
+            kind, content = json.loads(line)
+            if kind != READY:
+                heard(kind, content)
+        at += len(whole)
+        if whole:
+            since = time.monotonic()
+        if over or time.monotonic() - since > silence:
+            return not over
+        time.sleep(LOOK)

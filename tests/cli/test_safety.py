@@ -1,0 +1,252 @@
+"""Files that try to run code, to be obeyed in silence or to reach others: nothing happens, and a message says why."""
+
+import json
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from PIL import Image
+
+from restshape.cli.main import main
+
+SQUARE = """
+Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {1, 1, 0}; Point(4) = {0, 1, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Physical Curve("left") = {4}; Physical Curve("right") = {2};
+"""
+SCENES = Path(__file__).parents[2] / "apps"
+SCENE = """
+format = "restshape-scene"
+version = 1
+app = "solid"
+[shape]
+file = "{file}"
+[material.steel]
+E = "210 GPa"
+nu = 0.3
+rho = 7850
+thickness = "1 mm"
+[supports.clamp]
+on = "left"
+fix = {{ x = 0, y = 0 }}
+[loads.pull]
+on = "right"
+force = [1, 0]
+[mesh]
+size = 0.2
+"""
+
+
+def write_scene(folder: Path, file: str = "x.geo") -> Path:
+    folder.mkdir(exist_ok=True)
+    path = folder / "scene.toml"
+    path.write_text(SCENE.format(file=file))
+    return path
+
+
+def attacks(trace: Path) -> dict[str, str]:
+    """Statements by what they are called, most of which would leave a file."""
+    return {
+        "SystemCall": f'SystemCall "touch {trace}";',
+        "Printf": f'Printf("hello") > "{trace}";',
+        "Save": f'Save "{trace}.msh";',
+        "Print": f'Print "{trace}.msh";',
+        "Exit": "Exit;",
+        "Include": f'Include "{trace}.in";',
+        "Merge": f'Merge "{trace}.in";',
+        "While": "While (1) EndWhile",
+        "NonBlockingSystemCall": f'NonBlockingSystemCall "touch {trace}";',
+        "OnelabRun": f'OnelabRun("a", "touch {trace}");',
+        "Plugin": "Plugin(MathEval).Run;",
+        "CreateDir": f'CreateDir "{trace}";',
+        "Macro": "Macro a Return",
+        "Call": "Call a;",
+    }
+
+
+@pytest.mark.parametrize("name", list(attacks(Path())))
+def test_a_geo_file_runs_nothing(restshape, tmp_path, name):
+    scene, trace = write_scene(tmp_path), tmp_path / "trace"
+    (tmp_path / "x.geo").write_text(SQUARE + attacks(trace)[name])
+    before = sorted(tmp_path.iterdir())
+    ended = restshape("check", scene)
+    assert ended.returncode == 2
+    assert f"x.geo (line {SQUARE.count(chr(10)) + 1}): the statement {name} is not run" in ended.stderr
+    assert "--trust-geo" in ended.stderr
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_trusted_geo_file_runs_in_a_process_of_its_own(restshape, tmp_path):
+    scene, trace = write_scene(tmp_path), tmp_path / "trace"
+    (tmp_path / "x.geo").write_text(SQUARE + attacks(trace)["SystemCall"])
+    assert restshape("check", scene, "--trust-geo").returncode == 0
+    assert trace.exists()
+    (tmp_path / "x.geo").write_text(SQUARE + "Exit;")
+    ended = restshape("check", scene, "--trust-geo")
+    assert ended.returncode == 2 and "before it was done" in ended.stderr
+
+
+@pytest.mark.parametrize("name", ["petscrc", ".petscrc"])
+def test_petscrc_is_not_obeyed(restshape, tmp_path, name):
+    scene, out = write_scene(tmp_path), tmp_path / "out.vtkhdf"
+    (tmp_path / "x.geo").write_text(SQUARE)
+    (tmp_path / name).write_text(f"-dll_prepend {tmp_path}/none.so\n-ksp_view ascii:{tmp_path}/trace\n")
+    ended = restshape("replay", scene, "--out", out)
+    assert ended.returncode == 0, ended.stderr
+    assert not (tmp_path / "trace").exists() and "PETSC ERROR" not in ended.stderr
+    header = header_of(out)
+    assert header["petsc_in_effect"] == {"skip_petscrc": ""}
+
+
+def test_petscrc_is_not_obeyed_by_programs_that_import_petsc(outside, tmp_path):
+    (tmp_path / "petscrc").write_text("-trace 1\n")
+    program = "import restshape\nfrom petsc4py import PETSc\nprint(PETSc.Options().getAll())"
+    ended = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, env=outside, capture_output=True, text=True, timeout=60
+    )
+    assert ended.returncode == 0 and "trace" not in ended.stdout and "skip_petscrc" in ended.stdout
+
+
+def test_an_options_file_that_is_named_is_read_and_recorded(restshape, tmp_path):
+    scene, out = write_scene(tmp_path), tmp_path / "out.vtkhdf"
+    (tmp_path / "x.geo").write_text(SQUARE)
+    (tmp_path / "mine").write_text("-ksp_rtol 1e-9\n")
+    ended = restshape("replay", scene, "--out", out, "--", "-options_file", "mine")
+    assert ended.returncode == 0, ended.stderr
+    header = header_of(out)
+    assert header["petsc_in_effect"]["ksp_rtol"] == "1e-9"
+    ended = restshape("replay", scene, "--", "-options_file", "none")
+    assert ended.returncode == 2 and "PETSc cannot start" in ended.stderr
+
+
+def test_matplotlibrc_changes_no_picture(restshape, tmp_path):
+    scene, out = write_scene(tmp_path), tmp_path / "out.vtkhdf"
+    (tmp_path / "x.geo").write_text(SQUARE)
+    assert restshape("replay", scene, "--out", out).returncode == 0
+    pictures = []
+    for text in (None, b"figure.facecolor: red\nfont.family: monospace\naxes.grid: True\n", b"\xff\xfe"):
+        if text:
+            (tmp_path / "matplotlibrc").write_bytes(text)
+        ended = restshape("report", out, "--animation", "none")
+        assert ended.returncode == 0 and not ended.stderr
+        pictures.append(np.asarray(Image.open(tmp_path / "out-report" / "frames.png")))
+    assert all(np.array_equal(pictures[0], picture) for picture in pictures[1:])
+
+
+def test_files_that_scenes_name_lie_beside_them(restshape, tmp_path):
+    scene, elsewhere = write_scene(tmp_path / "scene", "../elsewhere/x.geo"), tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "x.geo").write_text(SQUARE)
+    inside = tmp_path / "scene" / "sub"
+    inside.mkdir()
+    (inside / "x.geo").write_text(SQUARE)
+    (tmp_path / "scene" / "link.geo").symlink_to(elsewhere / "x.geo")
+    (tmp_path / "scene" / "folder").symlink_to(elsewhere)
+    ways = ("../elsewhere/x.geo", str(elsewhere / "x.geo"), "link.geo", "folder/x.geo", "sub/../../elsewhere/x.geo")
+    for file in ways:
+        write_scene(tmp_path / "scene", file)
+        ended = restshape("check", scene)
+        assert ended.returncode == 2
+        assert "scene.toml: shape.file (line 6)" in ended.stderr and "outside of the scene's folder" in ended.stderr
+        assert f"--allow-path {elsewhere}" in ended.stderr
+        assert restshape("check", scene, "--allow-path", elsewhere).returncode == 0
+    assert "through a link" in restshape("check", write_scene(tmp_path / "scene", "link.geo")).stderr
+    assert restshape("check", write_scene(tmp_path / "scene", "sub/x.geo")).returncode == 0
+    ended = restshape("check", scene, "--allow-path", "none")
+    assert ended.returncode == 2 and "there is no such folder" in ended.stderr
+
+
+def test_an_edit_names_no_file_outside(restshape, tmp_path):
+    scene = write_scene(tmp_path / "scene")
+    (tmp_path / "scene" / "x.geo").write_text(SQUARE)
+    (tmp_path / "secret.geo").write_text(SQUARE)
+    edits = tmp_path / "edits.jsonl"
+    lines = [
+        {"format": "restshape-edits", "version": 1, "units": "m"},
+        {"t": 0.1, "do": "set", "key": "shape.file", "value": "../secret.geo"},
+        {"t": 0.2, "do": "set", "key": "mesh.file", "value": "../secret.geo"},
+    ]
+    edits.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    ended = restshape("check", scene, edits)
+    assert ended.returncode == 1 and "shape.file cannot be set" in ended.stdout
+    assert "mesh.file: the file '../secret.geo' lies outside of the scene's folder" in ended.stdout
+
+
+def test_a_mesh_file_reads_no_other(restshape, tmp_path):
+    source = SCENES / "solid" / "scenes" / "bracket.toml"
+    (tmp_path / "bracket.toml").write_text(source.read_text().replace("../../../meshes/", ""))
+    (tmp_path / "secret.inp").write_text("*NODE\n")
+    deck = (SCENES.parent / "meshes" / "bracket.inp").read_text()
+    (tmp_path / "bracket.inp").write_text("*INCLUDE, INPUT=secret.inp\n" + deck)
+    ended = restshape("check", tmp_path / "bracket.toml")
+    assert ended.returncode == 2 and "bracket.inp (line 1): *INCLUDE" in ended.stderr
+
+
+def test_shipped_scenes_name_shipped_meshes_and_others_do_not(restshape, tmp_path):
+    source = SCENES / "solid" / "scenes" / "bracket.toml"
+    assert restshape("check", source).returncode == 0
+    deck = (SCENES.parent / "meshes" / "bracket.inp").resolve()
+    scene = tmp_path / "bracket.toml"
+    scene.write_text(source.read_text().replace("../../../meshes/bracket.inp", str(deck)))
+    ended = restshape("check", scene)
+    assert ended.returncode == 2 and "--allow-path" in ended.stderr
+
+
+def header_of(path: Path) -> dict:
+    with h5py.File(path) as file:
+        return json.loads(bytes(file["restshape/header"][()]))
+
+
+def put_header(path: Path, header: dict) -> None:
+    with h5py.File(path, "r+") as file:
+        del file["restshape/header"]
+        file["restshape/header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory) -> Path:
+    """A recording of furniture, whose report makes the piece again."""
+    path = tmp_path_factory.mktemp("bench") / "bench.vtkhdf"
+    assert main(["replay", str(SCENES / "furniture/scenes/bench.toml"), "--out", str(path)]) == 0
+    return path
+
+
+@pytest.mark.parametrize("key", ["shape", "mesh"])
+def test_a_report_reads_no_file_that_its_header_names(restshape, tmp_path, bench, key):
+    path, trace = tmp_path / "bench.vtkhdf", tmp_path / "trace"
+    shutil.copy(bench, path)
+    header = header_of(path)
+    scene = write_scene(tmp_path)
+    (tmp_path / "x.geo").write_text(SQUARE + attacks(trace)["SystemCall"])
+    values = tomllib.loads(scene.read_text())
+    if key == "mesh":
+        values["mesh"], values["shape"] = {"file": "x.geo"}, {}
+    put_header(path, {**header, "scene": "../../x.toml", "scene_values": values, "app": "solid"})
+    ended = restshape("report", path)
+    assert ended.returncode == 2
+    assert f"{key}.file" in ended.stderr and "no file but the recording is read" in ended.stderr
+    assert not trace.exists()
+
+
+def test_a_report_follows_no_link(restshape, tmp_path, bench):
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["secret"] = np.arange(10.0)
+    for name in ("link", "outside", "view"):
+        path = tmp_path / f"{name}.vtkhdf"
+        shutil.copy(bench, path)
+        with h5py.File(path, "r+") as file:
+            if name == "link":
+                file["restshape/more"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "secret")
+            elif name == "outside":
+                file.create_dataset("more", (4,), "u1", external=[(str(tmp_path / "other.h5"), 0, 4)])
+            else:
+                layout = h5py.VirtualLayout((10,), "f8")
+                layout[:] = h5py.VirtualSource(str(tmp_path / "other.h5"), "secret", (10,))
+                file.create_virtual_dataset("more", layout)
+        ended = restshape("report", path)
+        assert ended.returncode == 2 and "which no recording does" in ended.stderr

@@ -1,0 +1,197 @@
+"""Tables, events and kinds of quantities that an application adds to scenes: read, checked, told of."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+import pytest
+from pydantic import Field
+
+from restshape import application as installed
+from restshape.application import Application, Effect
+from restshape.cli.schema import scene_schema, script_schema
+from restshape.errors import UserError
+from restshape.scene.event_line import EventLine
+from restshape.scene.extension import SceneExtension, Section
+from restshape.scene.load import load_scene, revise
+from restshape.scene.quantity import QuantityKind
+from restshape.scene.registered import extended_applications
+from restshape.scene.script import load_script
+from restshape.scene.solver import DEFINITE, SolverPlan, System
+from restshape.scene.values import Strict, number_of, value_of
+
+
+class Rope(Strict):
+    """A rope."""
+
+    length: value_of("length")
+    mass: Annotated[number_of("mass"), Field(gt=0)] = 1.0
+
+
+class Air(Strict):
+    """What it hangs in."""
+
+    density: number_of("density") = 1.2
+
+
+class Sag(EventLine):
+    """A rope sags."""
+
+    do: Literal["sag"]
+    on: str
+    by: number_of("length")
+
+
+def solver(scene, on, settings) -> SolverPlan:
+    """A plan of nothing."""
+    return SolverPlan("linear", (System("ropes", DEFINITE, "cg", "", "they pull"),), "they pull")
+
+
+ROPES = SceneExtension(
+    sections={"ropes": Section(Rope, "what hangs", named=True, required=True), "air": Section(Air, "around them")},
+    events={"sag": Sag},
+    quantities={"tension": QuantityKind(Literal[True], "force", "max")},
+)
+HANGING = Application(
+    name="hanging",
+    summary="ropes",
+    effects={"weight": Effect(Air, "they are heavy", required=True)},
+    folder=Path(__file__).parent,
+    analysis="",
+    scene=ROPES,
+    session="nowhere:nothing",
+    solver=f"{__name__}:solver",
+)
+HEAD = 'format = "restshape-scene"\nversion = 1\napp = "hanging"\n'
+ROPE = '[parameters]\nl = "50 cm"\n[ropes.a]\nlength = "2*l"\nmass = "300 g"\n'
+Install = Callable[..., None]
+
+
+@dataclass(order=True)
+class Entry:
+    """An entry point."""
+
+    name: str
+    application: Application = field(compare=False)
+
+    def load(self) -> Application:
+        """The application."""
+        return self.application
+
+
+@pytest.fixture
+def install(monkeypatch) -> Iterator[Install]:
+    """Makes applications the only ones that are installed."""
+
+    def only(*applications: Application) -> None:
+        entries = [Entry(app.name, app) for app in applications]
+        monkeypatch.setattr(installed, "entry_points", lambda group: entries)
+        installed.applications.cache_clear()
+        extended_applications.cache_clear()
+
+    yield only
+    monkeypatch.undo()
+    installed.applications.cache_clear()
+    extended_applications.cache_clear()
+
+
+def scene_of(folder: Path, text: str):
+    path = folder / "ropes.toml"
+    path.write_text(HEAD + text)
+    return load_scene(path)
+
+
+def test_tables_are_read_with_units_formulas_and_defaults(tmp_path, install):
+    install(HANGING)
+    scene = scene_of(tmp_path, ROPE + '[quantities]\npull = { tension = true, limit = "2 kN" }\n')
+    ropes = scene.sections["ropes"]
+    assert set(scene.sections) == {"ropes", "air"} and scene.sections["air"].density == 1.2
+    assert ropes["a"].length.evaluate(0, 0, scene.parameters) == 1.0 and ropes["a"].mass == 0.3
+    pull = scene.quantities["pull"]
+    assert (pull.kind, pull.dimension, pull.take, pull.limit) == ("tension", "force", "max", 2000.0)
+    heavier = revise(scene, "ropes.a.mass", "1 kg")
+    assert heavier.sections["ropes"]["a"].mass == 1.0 and heavier.quantities is scene.quantities
+
+
+@pytest.mark.parametrize(
+    ("text", "where", "what", "do"),
+    [
+        ("", "ropes", "'ropes' is missing", "add it"),
+        ("[ropes.a]\nlenght = 1\n", "ropes.a.lenght (line 5)", "no key 'lenght'", "'length'"),
+        ('[ropes.a]\nlength = "3 kg"\n', "ropes.a.length (line 5)", "a mass", "12 mm"),
+        (ROPE.replace("50 cm", "50 kg"), "ropes.a.length (line 7)", "'2*l' is a mass", "12 mm"),
+        (ROPE + "[rope.b]\nlength = 1\n", "rope", "no key 'rope'", "'ropes'"),
+        (ROPE + '[quantities]\na = { tension = true, limit = "2 m" }\n', "quantities.a.limit", "a force is wanted", ""),
+        (ROPE + "[quantities]\na = { tensoin = true }\n", "quantities.a.tensoin", "no key", "'tension'"),
+    ],
+)
+def test_what_is_wrong_in_them_is_told_with_place_and_remedy(tmp_path, install, text, where, what, do):
+    install(HANGING)
+    with pytest.raises(UserError) as caught:
+        scene_of(tmp_path, text)
+    assert where in caught.value.where and what in caught.value.what and do in caught.value.do
+
+
+def test_an_override_of_a_name_that_is_not_there_lists_those_that_are(tmp_path, install):
+    install(HANGING)
+    scene = scene_of(tmp_path, ROPE)
+    with pytest.raises(UserError, match=r"there is no ropes\.b") as caught:
+        revise(scene, "ropes.b.mass", 1.0)
+    assert "'a'" in caught.value.do or "a" in caught.value.do.split()
+
+
+def test_events_of_scripts_are_those_of_the_application(tmp_path, install):
+    install(HANGING)
+    scene, path = scene_of(tmp_path, ROPE), tmp_path / "edits.jsonl"
+    header = '{"format": "restshape-edits", "version": 1}\n'
+    path.write_text(header + '{"do": "sag", "t": 0, "on": "a", "by": "1 cm"}\n{"do": "undo", "t": 1}\n')
+    sag, undo = load_script(path, scene).events
+    assert isinstance(sag, Sag) and sag.by == 0.01 and undo.do == "undo"
+    path.write_text(header + '{"do": "hole", "t": 0}\n')
+    with pytest.raises(UserError, match="no event 'hole'"):
+        load_script(path, scene)
+
+
+def test_schemas_hold_what_is_added(install):
+    install(HANGING)
+    scene, script = scene_schema(), script_schema()
+    assert {"ropes", "air"} <= set(scene["properties"]) and "ropes" not in scene["required"]
+    assert scene["properties"]["ropes"]["description"] == "what hangs"
+    assert "tension" in scene["$defs"]["Quantity"]["properties"] and "Sag" in script["$defs"]
+
+
+def test_a_key_of_another_application_is_refused_by_its_name(tmp_path, install):
+    install(HANGING, replace(HANGING, name="other", scene=None))
+    with pytest.raises(UserError, match="'other' has no table 'ropes'") as caught:
+        path = tmp_path / "other.toml"
+        path.write_text(HEAD.replace("hanging", "other") + ROPE)
+        load_scene(path)
+    assert 'app = "hanging"' in caught.value.do and "ropes" in caught.value.where
+
+
+def test_two_meanings_of_one_key_are_told_at_start_by_name(install):
+    same = replace(HANGING, name="same")
+    install(HANGING, same)
+    assert set(extended_applications()) == {"hanging", "same"}
+    other = SceneExtension(sections={"air": Section(Rope, "another one")})
+    for added, key in (
+        (other, "'air', and 'hanging' does too"),
+        (SceneExtension(sections={"mesh": Section(Air, "a mesh")}), "'mesh', and every scene has one"),
+        (SceneExtension(quantities={"area": QuantityKind(Literal[True], "area", "sum")}), "'area', and every"),
+        (SceneExtension(events={"undo": Sag}), "'undo', and its edit scripts have one"),
+    ):
+        install(HANGING, replace(HANGING, name="second", scene=added))
+        with pytest.raises(UserError) as caught:
+            extended_applications()
+        assert key in caught.value.what and "'second'" in caught.value.what
+
+
+def test_a_scene_of_an_application_that_is_not_installed_says_so(tmp_path, install):
+    install(HANGING)
+    path = tmp_path / "chair.toml"
+    path.write_text(HEAD.replace("hanging", "furniture") + "[planks.a]\nfrom = [0, 0, 0]\n")
+    with pytest.raises(UserError) as caught:
+        load_scene(path)
+    assert caught.value.where == "chair.toml: app" and "'furniture'" in caught.value.what
+    assert "hanging" in caught.value.do and "install" in caught.value.do

@@ -1,0 +1,53 @@
+"""What `explain` says of furniture: every effect that can be left out has a price, and shares sum to one."""
+
+import json
+
+import pytest
+from restshape_studies.explain.price import ANOTHER_WAY
+from restshape_studies.explain.without import without
+
+from restshape.application import application
+from restshape.cli.main import main
+from restshape.scene.load import load_scene
+
+OPTIONAL = ("gravity", "push", "bending", "ranges", "suggestions")
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """The rows of the scene that furniture starts from, by effect."""
+    folder = tmp_path_factory.mktemp("explain")
+    assert main(["new", "furniture", str(folder / "bench")]) == 0
+    words = ["explain", str(folder / "bench" / "scene.toml"), "--seconds", "6", "--json", str(folder / "found.json")]
+    assert main(words) == 0
+    return {row["effect"]: row for row in json.loads((folder / "found.json").read_text())}
+
+
+def test_every_effect_that_can_be_left_out_is_priced(found):
+    # The clock of a machine that does other things besides may leave small ones without a price.
+    told = {name: found[name]["how"] for name in OPTIONAL}
+    assert told["bending"] == "by difference"
+    assert {how.partition(":")[2] for how in told.values()} <= {"", ANOTHER_WAY.partition(":")[2]}
+    assert sum(row["share"] for row in found.values()) == pytest.approx(1.0, abs=1e-9)
+    # Two cases of three planks each, in Python: it is what takes most of such a frame.
+    assert found["bending"]["share"] > found["push"]["share"] and found["bending"]["share"] > 0.25
+    assert found["nails"]["required"] and found["guidance"]["required"]
+
+
+@pytest.mark.parametrize("name", OPTIONAL)
+def test_a_scene_without_quantities_can_do_without_each(name):
+    app = application("furniture")
+    scene = load_scene(app.folder / "template" / "scene.toml")
+    left = without(scene, app, [name])
+    assert "quantities" not in left.raw and left.planks == scene.planks
+    assert left.effects != scene.effects
+
+
+def test_quantities_of_an_effect_go_with_it(tmp_path):
+    app = application("furniture")
+    path = tmp_path / "scene.toml"
+    text = (app.folder / "template" / "scene.toml").read_text()
+    path.write_text(text + "[quantities]\nsag = { sag = true }\nmass = { mass = true }\n")
+    scene = load_scene(path)
+    assert set(without(scene, app, ["bending"]).quantities) == {"mass"}
+    assert set(without(scene, app, ["push"]).quantities) == {"sag", "mass"}

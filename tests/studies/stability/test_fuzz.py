@@ -1,0 +1,93 @@
+"""Random scenes and edits never break: a small share, the same in each run; what breaks is told, kept, made small."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+from restshape_studies.bench.job import ending
+from restshape_studies.stability.batch import Batch
+from restshape_studies.stability.example import Example
+from restshape_studies.stability.fuzz import fuzz
+
+from restshape.application import applications
+from restshape.cli.main import main
+
+APPS = tuple(applications())
+
+
+@pytest.fixture(scope="module")
+def tried():
+    return fuzz(40, 1, APPS)
+
+
+def test_nothing_breaks(tried):
+    assert not tried.found, [vars(found) for found in tried.found.values()]
+    assert tried.examples >= 40 and tried.examples == tried.valid + tried.refused + tried.too_large
+    assert 1 <= tried.written < tried.examples / 2
+    assert tried.damaged == 0 and tried.valid >= 10 and tried.frames > 50 and 3 < tried.largest <= 200
+
+
+def test_the_same_seed_gives_the_same_examples(tried):
+    again = fuzz(40, 1, APPS)
+    assert vars(again) | {"seconds": 0} == vars(tried) | {"seconds": 0}
+    other = fuzz(25, 1001, APPS)
+    assert other.messages != tried.messages and other.frames != tried.frames
+
+
+BROKEN = """
+import os, time
+from restshape_studies.stability import player
+
+def play(folder, example):
+    if "{when}" in example.scene:
+        {then}
+    return player.Played(frames=1)
+
+player.play = play
+from restshape_studies.stability.fuzz_process import main
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("then", "kind", "words"),
+    [
+        ("raise ZeroDivisionError('by nothing')", "fault", "ZeroDivisionError: by nothing"),
+        ("os.kill(os.getpid(), 11)", "crash", "crash at broken_process.py:7"),
+        ("time.sleep(60)", "hang", "told nothing for 4 s"),
+    ],
+)
+def test_what_breaks_is_told_and_kept(tmp_path, monkeypatch, then, kind, words):
+    (tmp_path / "broken_process.py").write_text(BROKEN.format(when='app = \\"bridge\\"', then=then))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path) + os.pathsep + os.environ.get("PYTHONPATH", ""))
+    monkeypatch.setattr("restshape_studies.stability.fuzz.PROCESS", "broken_process")
+    tried = fuzz(2, 3, ("bridge",), keep=tmp_path / "kept", each=4.0)
+    found = next(iter(tried.found.values()))
+    assert (
+        found.kind == kind
+        and words in found.what
+        and 'app = "bridge"' in (Path(found.folder) / "scene.toml").read_text()
+    )
+    example = Example(**json.loads((Path(found.folder) / "example.json").read_text()))
+    assert found.command == example.command and (Path(found.folder) / "edits.jsonl").read_text() == example.edits
+    if kind == "fault":
+        # As small as may be: no more than what every scene has.
+        assert len(example.edits.splitlines()) <= 4 and len(tried.found) == 1
+
+
+def test_command(tmp_path, capsys):
+    assert main(["stability", "--fuzz", "5", "--seed", "1", "--json", str(tmp_path / "a.json")]) == 0
+    told = json.loads((tmp_path / "a.json").read_text())
+    assert told["examples"] >= 5 and told["faults"] == [] and told["seed"] == 1 and "messages" in told
+    assert "fuzz of seed 1" in capsys.readouterr().out
+    assert main(["stability", "--fuzz", "5", "--policy", "auto"]) == 2
+
+
+def test_a_batch_survives_its_journey():
+    assert json.loads(json.dumps(vars(Batch(1, 2, APPS, True))))["apps"] == list(APPS)
+
+
+def test_a_crash_keeps_its_place_however_much_was_imported():
+    stderr = 'Fatal Python error\n  File "broken.py", line 7 in play\nExtension modules: ' + "numpy.linalg, " * 500
+    assert ending(-11, stderr) == 'ended with code -11:   File "broken.py", line 7 in play'

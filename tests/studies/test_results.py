@@ -1,0 +1,50 @@
+"""What is committed under results/ is what its commands print."""
+
+import re
+from pathlib import Path
+
+from restshape_studies.thesis import thesis_table
+from restshape_studies.verification import Verification
+
+from restshape.cli.main import main
+
+ROOT = Path(__file__).parents[2]
+THESIS = ROOT / "results" / "THESIS.md"
+
+
+def test_the_committed_table_holds(capsys):
+    assert main(["tables", "--check", "--out", str(THESIS)]) == 0, capsys.readouterr().out
+
+
+def test_a_changed_count_is_noticed(tmp_path, capsys, monkeypatch):
+    row = {"table": "4.2", "row": "level 1", "quantity": "frames", "thesis": 117, "unit": "frames", "timing": False}
+    monkeypatch.setattr(Verification, "thesis_rows", lambda known, timed: [{**row, "ours": 155}])
+    path = tmp_path / "THESIS.md"
+    assert main(["tables", "--out", str(path)]) == main(["tables", "--check", "--out", str(path)]) == 0
+    capsys.readouterr()
+    path.write_text(path.read_text(encoding="utf-8").replace("155", "156"), encoding="utf-8")
+    assert main(["tables", "--check", "--out", str(path)]) == 1
+    assert "not there" in capsys.readouterr().out
+
+
+def test_what_the_readme_shows_is_there():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    named = re.findall(r"""(?:\]\(|src=")((?:results|docs)/[^)"]+)""", readme)
+    assert len(named) >= 5
+    assert [name for name in named if not (ROOT / name).is_file()] == []
+
+
+def test_thesis_tables_are_markdown():
+    rows = [
+        {"table": "4.2", "row": "level 1", "quantity": "frames", "thesis": 117, "ours": 120, "unit": ""},
+        {"table": "4.2", "row": "level 3", "quantity": "frames", "thesis": 3, "ours": None, "unit": ""},
+        {"table": "4.3", "row": "a|b", "quantity": "rate", "thesis": 105.0, "ours": 2345.678, "unit": "1/s"},
+    ]
+    assert thesis_table(rows) == (
+        "## Table 4.2\n\n"
+        "| row | quantity | thesis | ours | unit |\n| --- | --- | ---: | ---: | --- |\n"
+        "| level 1 | frames | 117 | 120 |  |\n| level 3 | frames | 3 |  |  |\n\n"
+        "## Table 4.3\n\n"
+        "| row | quantity | thesis | ours | unit |\n| --- | --- | ---: | ---: | --- |\n"
+        "| a\\|b | rate | 105 | 2346 | 1/s |\n"
+    )

@@ -1,0 +1,156 @@
+"""Imports go one way: between packages, between the parts of the library, and between its modules."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = {
+    "restshape": ROOT / "lib" / "restshape",
+    "restshape_apps": ROOT / "apps",
+    "restshape_studies": ROOT / "studies",
+    "restshape_verification": ROOT / "verification",
+}
+MAY_IMPORT = {
+    "restshape": set(),
+    "restshape_apps": {"restshape"},
+    "restshape_studies": {"restshape"},
+    "restshape_verification": {"restshape", "restshape_apps", "restshape_studies"},
+}
+"""What each package may import besides itself."""
+LAYERS = (
+    "_kernels",
+    "errors",
+    "surroundings",
+    "policy",
+    "calibration",
+    "application",
+    "scene",
+    "shape",
+    "mesh",
+    "fem",
+    "physics",
+    "algebra",
+    "measurement",
+    "analysis",
+    "sensitivity",
+    "guidance",
+    "replay",
+    "report",
+    "cli",
+)
+"""Parts of the library: each imports those before it alone."""
+KNOWN_CYCLES = (
+    {"restshape.mesh.mesh", "restshape.mesh.nested"},
+    {"restshape_apps.furniture.session.boards", "restshape_apps.furniture.session.plank_session"},
+    {"restshape.analysis.eigen_matrices", "restshape.analysis.modal"},
+)
+"""Modules that import each other for annotations alone: to be removed, and none to be added."""
+HEAVY = {"numpy", "scipy", "pydantic", "rich", "h5py", "petsc4py", "matplotlib", "restshape._kernels"}
+
+
+def module_name(package: str, path: Path) -> str:
+    """The dotted name of a file of a package."""
+    parts = path.relative_to(PACKAGES[package]).with_suffix("").parts
+    return ".".join([package, *parts[: -1 if parts[-1] == "__init__" else None]])
+
+
+MODULES = {
+    module_name(package, path): path
+    for package, folder in PACKAGES.items()
+    for path in folder.rglob("*.py")
+    if "tests" not in path.parts[len(ROOT.parts) :]
+}
+
+
+def imported(path: Path, annotations: bool) -> Iterator[str]:
+    """Modules of ours that a file imports, anywhere in it.
+
+    Args:
+        annotations: those that only annotations need, too.
+    """
+    waiting: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING" and not annotations:
+            waiting += node.orelse
+            continue
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            yield from (name if name in MODULES or name == "restshape._kernels" else node.module for name in names)
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        waiting += ast.iter_child_nodes(node)
+
+
+def ours(path: Path, annotations: bool = False) -> set[str]:
+    """Modules of our packages that a file imports."""
+    return {name for name in imported(path, annotations) if name.partition(".")[0] in PACKAGES}
+
+
+def layer(name: str) -> str:
+    """The part of the library that a module is in; empty for what its root says of all."""
+    return [*name.split("."), ""][1]
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_packages_import_one_way(package):
+    allowed = MAY_IMPORT[package] | {package}
+    wrong = [
+        f"{module} imports {name}"
+        for module, path in MODULES.items()
+        if module.partition(".")[0] == package
+        for name in ours(path, annotations=True)
+        if name.partition(".")[0] not in allowed
+    ]
+    assert wrong == []
+
+
+def test_an_application_imports_no_other_one_but_solid():
+    wrong = [
+        f"{module} imports {name}"
+        for module, path in MODULES.items()
+        if module.startswith("restshape_apps.")
+        for name in ours(path)
+        if name.startswith("restshape_apps.") and name.split(".")[1] not in (module.split(".")[1], "solid")
+    ]
+    assert wrong == []
+
+
+def test_parts_of_the_library_are_in_order():
+    parts = {layer(module) for module in MODULES if module.startswith("restshape.")}
+    assert parts <= set(LAYERS)
+    wrong = [
+        f"{module} imports {name}"
+        for module, path in MODULES.items()
+        if module.startswith("restshape.")
+        for name in ours(path)
+        if layer(name) and layer(name) != layer(module) and LAYERS.index(layer(name)) >= LAYERS.index(layer(module))
+    ]
+    assert wrong == []
+
+
+@pytest.mark.parametrize("annotations", [False, True])
+def test_no_modules_import_each_other(annotations):
+    graph = {module: ours(path, annotations) & set(MODULES) - {module} for module, path in MODULES.items()}
+    if annotations:
+        for known in KNOWN_CYCLES:
+            cut = min(known)
+            assert graph[cut] & known, f"{known} are known no longer: take them from the table"
+            graph[cut] -= known
+    try:
+        tuple(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        pytest.fail(f"import each other: {error.args[1]}")
+
+
+def test_help_imports_nothing_heavy():
+    program = "import sys; from restshape.cli.main import main; sys.argv[1:] = ['--help']\ntry: main()\nfinally: "
+    program += f"print('heavy:', sorted({HEAVY!r} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] == "heavy: []", done.stdout + done.stderr

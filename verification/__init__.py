@@ -1,0 +1,1 @@
+"""What verifies each application: references, hard cases, the thesis's numbers and random scenes."""

@@ -1,0 +1,85 @@
+"""The bridge study with one scripted designer: what is known of the same edits, analysed in every frame or on demand.
+
+Both scripts start from the same scene and hold the same edits at the same times; they differ in when the analysis runs.
+That is an illustration of figure 4.14 of the thesis, which shows what six people did; it proves nothing about people.
+
+python -m restshape_verification.bridge.study [--picture FILE]
+"""
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from restshape.application import application
+from restshape.replay.run import replay_files
+from restshape.scene.load import load_scene
+
+FOLDER = application("bridge").folder
+SCENE = FOLDER / "scenes" / "bridge.toml"
+WAYS = {"every frame": FOLDER / "edits" / "bridge.jsonl", "on demand": FOLDER / "edits" / "bridge-on-demand.jsonl"}
+
+
+@dataclass
+class Way:
+    """What one way of analysing tells, by frames.
+
+    Args:
+        t: (n,) edit time [s].
+        score: (n,) area [m^2], always known.
+        stress: (n,) largest von Mises stress [Pa]; not a number where it is not known.
+        holds: (n,) whether the design is known to hold.
+        fails: (n,) whether it is known to fail.
+        analysed: frames that were solved; in the others nothing had changed, or nobody asked.
+        milliseconds: that the frames took, the first left out.
+    """
+
+    t: np.ndarray
+    score: np.ndarray
+    stress: np.ndarray
+    holds: np.ndarray
+    fails: np.ndarray
+    analysed: int
+    milliseconds: float
+
+    @property
+    def best(self) -> np.ndarray:
+        """The smallest area (n,) [m^2] that is known to hold so far."""
+        return np.minimum.accumulate(np.where(self.holds, self.score, np.inf))
+
+
+def study() -> dict[str, Way]:
+    """Both ways by name."""
+    return {name: followed(replay_files(SCENE, edits, "auto")["rows"]) for name, edits in WAYS.items()}
+
+
+def followed(rows: list[dict]) -> Way:
+    """What the rows of a replay tell."""
+    t, score, stress = (np.array([row[key] for row in rows]) for key in ("t", "q_score", "q_strength"))
+    verdicts = np.array([row["verdict"] for row in rows])
+    solved = sum(row["iterations"] > 0 for row in rows)
+    taken = float(sum(row["ms"] for row in rows[1:]))
+    return Way(t, score, stress, verdicts == "holds", verdicts == "fails", solved, taken)
+
+
+def main() -> None:
+    """Print what each way finds, and draw it."""
+    parser = argparse.ArgumentParser(prog="python -m restshape_verification.bridge.study", description=__doc__)
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="score against edit time (.png)")
+    args = parser.parse_args()
+    ways = study()
+    print("illustration with one scripted designer, after figure 4.14 of the thesis; not a user study")
+    for name, way in ways.items():
+        print(
+            f"analysis {name}: smallest area known to hold {way.best[-1]:.2f} m^2; {way.analysed} of {len(way.t)} "
+            f"frames solved, {way.holds.sum()} known to hold, {way.fails.sum()} to fail"
+        )
+    if args.picture:
+        from restshape_studies.pictures.score import draw_score
+
+        draw_score(args.picture, ways, load_scene(SCENE).quantities["strength"].limit)
+
+
+if __name__ == "__main__":
+    main()

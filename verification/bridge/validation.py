@@ -1,0 +1,72 @@
+"""Validation cases of bridges: the verdict on every design that the script analyses, on three meshes."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from petsc4py import PETSc
+from restshape_studies.validation.case import Case, Check
+
+from restshape.algebra.stages import Stages
+from restshape.analysis.frame import Frame
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.mesh.moving import MovingMesh
+from restshape.policy import policy
+from restshape.replay.verdict import HOLDS, limits_of, verdict
+from restshape.scene.load import load_scene, revise
+from restshape.scene.model import Scene
+from restshape.scene.plan import plan
+from restshape.scene.script import load_script
+from restshape.shape.outline import Outline
+from restshape.shape.session import EditFrame, EditSession
+
+FOLDER = application("bridge").folder
+SCENE, EDITS = FOLDER / "scenes" / "bridge.toml", FOLDER / "edits" / "bridge-on-demand.jsonl"
+REFINEMENTS = (1, 2, 4)
+
+
+def designs() -> Iterator[tuple[Scene, Outline]]:
+    """The designs that the script asks an analysis of."""
+    scene = load_scene(SCENE)
+    for frame in EditSession(scene, load_script(EDITS, scene)).frames():
+        if frame.do == "analyse":
+            yield frame.scene, frame.outline
+
+
+def solved(scene: Scene, outline: Outline, comm: PETSc.Comm) -> dict[str, float]:
+    """The quantities of a scene with another outline, on a mesh of its own."""
+    app = application(scene.app)
+    moving = MovingMesh(outline, scene.mesh, ranks=comm.size)
+    moving.advance(EditFrame(0, 0.0, 0, "start", "start", None, (0.0, 0.0), scene, None, outline))
+    analysis = app.make_analysis()(scene, plan(scene, app), comm, policy("auto"), Calibration.load(), Stages())
+    mesh = moving.field_mesh
+    cells = np.arange(len(mesh.cells), dtype=np.int32)
+    analysis.solve(Frame(mesh, cells, None, scene, (None, (0.0, 0.0))))
+    return analysis.observe()
+
+
+def refined(comm: PETSc.Comm, scene: Scene, outline: Outline) -> list[dict[str, float]]:
+    """The quantities of a design on the scene's mesh, and on meshes of half and a quarter of its size."""
+    size = scene.mesh.size
+    return [solved(revise(scene, "mesh.size", size / divisor), outline, comm) for divisor in REFINEMENTS]
+
+
+def verdicts(comm: PETSc.Comm) -> list[Check]:
+    """Each analysed design gets the same verdict on three meshes; the stress of those that hold converges."""
+    checks, holding = [], 0
+    for number, (scene, outline) in enumerate(designs(), start=1):
+        limits = limits_of(scene.quantities)
+        found = refined(comm, scene, outline)
+        given = [verdict(limits, quantities) for quantities in found]
+        same = float(sum(one == given[-1] for one in given))
+        source = f"the finest mesh says that design {number} {given[-1]}"
+        checks.append(Check(f"design {number}: meshes of one verdict", same, float(len(given)), 0.0, source))
+        if given[-1] == HOLDS:
+            holding += 1
+            coarse, finest = (quantities["strength"] for quantities in (found[0], found[-1]))
+            checks.append(Check(f"design {number}: stress on the scene's mesh [Pa]", coarse, finest, 0.01, source))
+    checks.append(Check("designs that hold", float(holding), 3.0, 0.0, "what the script is made to show: 3 of 6"))
+    return checks
+
+
+CASES: dict[str, Case] = {"verdict": verdicts}

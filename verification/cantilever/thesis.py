@@ -1,0 +1,53 @@
+"""The thesis's cantilever beside ours: row 2 of table 4.3, and figure 5.6."""
+
+from typing import Any
+
+from restshape_studies.bench.reuse import Case, Plan, compare
+from restshape_studies.bench.starts import table_rows
+
+from restshape.application import application
+from restshape.replay.still import still
+
+FOLDER = application("cantilever").folder
+CASE = Case("cantilever", FOLDER / "scenes/cantilever.toml", FOLDER / "edits/cantilever.jsonl")
+PLAN = Plan(("auto", "thesis", "refactor", "rebuild"))
+REUSE, REBUILD = 37.6, 7.1
+"""Frames a second of the thesis, with and without reuse."""
+
+
+def rows(timed: bool = True) -> list[dict[str, Any]]:
+    """Rows of `restshape tables`; `timing` marks those that a clock decides, which need not be `timed`."""
+    common = {"table": "4.3", "row": "cantilever"}
+    count = still(CASE.scene).row["elements"]
+    counted = {**common, "quantity": "triangles", "thesis": 990, "ours": count, "unit": "triangles", "timing": False}
+    return [counted, *(speeds(common) if timed else ()), *table_rows(CASE.scene, CASE.edits)]
+
+
+def speeds(common: dict[str, Any]) -> list[dict[str, Any]]:
+    """Frames a second by policies, and their ratios; rows begin with what is `common` to them."""
+    # Policies take turns on a warm machine, so that a slow spell of it favours none.
+    found = compare(CASE, PLAN, lambda words: None)
+    known = {"auto": REUSE, "thesis": REUSE, "rebuild": REBUILD}
+    rates = [
+        {
+            **common,
+            "quantity": f"frames a second, policy {name}",
+            "thesis": known.get(name, ""),
+            "ours": found[name]["fps"],
+            "unit": "1/s",
+            "timing": True,
+        }
+        for name in found
+    ]
+    gains = [
+        {
+            **common,
+            "quantity": f"policy auto over {base}",
+            "thesis": round(REUSE / REBUILD, 1) if base == "rebuild" else "",
+            "ours": found["auto"]["ratios"][base]["fps"],
+            "unit": "ratio",
+            "timing": True,
+        }
+        for base in ("rebuild", "refactor")
+    ]
+    return [*rates, *gains]

@@ -1,0 +1,35 @@
+"""Validation cases of the cantilever: the script's session brings the deformed outline to the goal."""
+
+from petsc4py import PETSc
+from restshape_studies.validation.case import Case, Check
+
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.policy import policy
+from restshape.replay.loop import Replay
+from restshape.scene.load import load_scene
+from restshape.scene.script import load_script
+
+FOLDER = application("cantilever").folder
+SCENE, EDITS = FOLDER / "scenes" / "cantilever.toml", FOLDER / "edits" / "cantilever.jsonl"
+LENGTH = 2.0
+
+
+def missed(comm: PETSc.Comm, *overrides: str) -> float:
+    """The mean distance [m] from the goal at the end of the session."""
+    scene = load_scene(SCENE, overrides)
+    script = load_script(EDITS, scene)
+    replay = Replay(scene, script, application(scene.app), policy("auto"), comm, Calibration.load())
+    return [row["q_miss"] for row in replay.frames()][-1]
+
+
+def goal(comm: PETSc.Comm) -> list[Check]:
+    """The mean distance of the two outlines ends below 1 % of the beam's length, on finer and better elements too."""
+    source = "the goal's own outline; 1 % of the length"
+    return [
+        Check("mean distance over length", missed(comm) / LENGTH, 0.0, 0.01, source),
+        Check("the same, second order", missed(comm, "mesh.order=2") / LENGTH, 0.0, 0.01, source),
+    ]
+
+
+CASES: dict[str, Case] = {"goal": goal}

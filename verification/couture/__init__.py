@@ -1,0 +1,13 @@
+"""What verifies cloth."""
+
+from restshape_studies.verification import StudyParameter, Verification
+
+verification = Verification(
+    validation="restshape_verification.couture.validation:CASES",
+    hard_cases="restshape_verification.couture.stability:CASES",
+    thesis="restshape_verification.couture.thesis:rows",
+    parameters=(
+        StudyParameter("effects.cloth.bending", values=("morley", "hinge", "nonlinear"), reference="morley", grid=True),
+    ),
+    random_scenes="restshape_verification.couture.random_scenes:SCENES",
+)

@@ -1,0 +1,9 @@
+"""The hard cases of cloth, by name."""
+
+from restshape_studies.stability.case import Case
+from restshape_verification.couture.stability_bodies import CASES as BODIES
+from restshape_verification.couture.stability_edits import CASES as EDITS
+from restshape_verification.couture.stability_fabrics import CASES as FABRICS
+from restshape_verification.couture.stability_starts import CASES as STARTS
+
+CASES: dict[str, Case] = {**STARTS, **FABRICS, **BODIES, **EDITS}

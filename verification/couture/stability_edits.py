@@ -1,0 +1,103 @@
+"""Hard edits of cloth that is draped: its mesh refined, its outline changed, and undone far from where it was done."""
+
+from collections.abc import Iterator
+
+from restshape_studies.stability.case import Case, Statement, Trial, near, true
+from restshape_studies.stability.scenery import across, drag, meshed, set_value
+from restshape_verification.couture.hard_scenes import (
+    CONTACT,
+    ball,
+    floor,
+    outside,
+    pinned,
+    played,
+    resting,
+    square,
+    start,
+)
+
+PINS = pinned("c", "d")
+STICKY = ball(0.15, 0.15, friction=0.8)
+
+
+def nested(trial: Trial) -> Iterator[Statement]:
+    """Cloth from nodes at random through three nested meshes, pinned and on a ball: at rest on the finest."""
+    levels = "\n[mesh]\nsize = 0.0125\nlevels = 3\n"
+    for kind in ("morley", "hinge"):
+        made, rows = played(trial, square(0.0125, PINS, start(0.3), kind=kind).replace(meshed(0.0125), levels))
+        yield from resting(made, rows)
+        _, flat = played(trial, square(0.0125, PINS, kind=kind))
+        yield near("energy is that from flat on one mesh", rows[0]["q_potential"], flat[0]["q_potential"], 0.05)
+    made, rows = played(trial, square(0.0125, STICKY, CONTACT).replace(meshed(0.0125), levels))
+    yield from resting(made, rows)
+    yield outside(made, 2e-3)
+
+
+def remeshed(trial: Trial) -> Iterator[Statement]:
+    """The mesh of cloth that lies on a ball is made finer and coarser: it stays where it lies."""
+    made, rows = played(trial, square(0.04, STICKY, CONTACT), set_value("mesh.size", 0.025, 0.015, 0.03, 0.04))
+    yield from resting(made, rows)
+    yield near("potential energy on all meshes", [row["q_potential"] for row in rows], rows[0]["q_potential"], 0.1)
+    yield true("each mesh is another one", [row["level"] for row in rows[1:]] == [3] * 4)
+
+
+def outline(trial: Trial) -> Iterator[Statement]:
+    """A corner of cloth on a ball is dragged in, far out, and back: triangles flip, and meshes are made anew."""
+    places, frames = ((0.3, 0.3), (0.1, 0.15), (0.5, 0.5), (0.3, 0.3)), trial.count(8, 4)
+    path = [place for k in range(3) for place in across(*places[k : k + 2], frames)]
+    made, rows = played(trial, square(0.03, STICKY, CONTACT, floor(-0.4)), drag("c", places[0], path))
+    yield from resting(made, rows)
+    yield outside(made, 2e-3)
+    levels = {row["level"] for row in rows[1:]}
+    yield true("triangles flipped, and meshes made anew", {2, 3} <= levels, str(sorted(levels)))
+
+
+def holes(trial: Trial) -> Iterator[Statement]:
+    """Holes are cut into cloth on two pins, dragged through it, and undone: at rest, and as it was at the end."""
+    events = [
+        {"do": "hole", "name": "w", "center": [0.1, 0.1], "radius": 0.03},
+        *drag("w", (0.1, 0.1), across((0.1, 0.1), (0.22, 0.22), trial.count(4, 2))),
+        {"do": "delete", "on": "w"},
+        *[{"do": "undo"}] * 3,
+    ]
+    made, rows = played(trial, square(0.025, PINS), events)
+    yield from resting(made, rows)
+    yield near("energy at the end is the first one", rows[-1]["q_potential"], rows[0]["q_potential"], 0.02)
+
+
+def far_apart(trial: Trial) -> Iterator[Statement]:
+    """Undo and redo, far apart, of a stiffness, of what is up and of a shape, of cloth with one rest: it is found."""
+    events = [
+        *set_value("material.cotton.bending", "1e-3 N m"),
+        *set_value("effects.gravity.g", [1.0, 0.0, 9.81]),
+        *drag("a", (0.0, 0.0), [(-0.2, -0.3)]),
+        *[{"do": "undo"}] * 3,
+        *[{"do": "redo"}] * 3,
+        *[{"do": "undo"}] * 3,
+    ]
+    made, rows = played(trial, square(0.03, pinned("top")), events)
+    yield from resting(made, rows)
+    first = rows[0]["q_potential"]
+    undone = [row["q_potential"] for row in rows if row["do"] in ("undo", "redo")]
+    yield near("energy once all is undone is the first one", [undone[2], undone[8]], first, 0.03)
+    dragged = next(row["q_potential"] for row in rows if row["do"] == "drag")
+    yield near("energy once all is redone is that before", undone[5], dragged, 0.05)
+
+
+def other_kinds(trial: Trial) -> Iterator[Statement]:
+    """Kinds of bending and of membrane are changed under a cloth that hangs, a hundred times as stiff as a shirt."""
+    kinds = set_value("effects.cloth.bending", "morley", "nonlinear", "none", "hinge")
+    laws = set_value("effects.cloth.membrane", "corotated", "stvk")
+    made, rows = played(trial, square(0.03, pinned("left"), bending=5e-4), [*kinds, *laws])
+    yield from resting(made, rows)
+    yield near("energy at the end is the first one", rows[-1]["q_potential"], rows[0]["q_potential"], 0.01)
+
+
+CASES = {
+    "nested": Case(nested, exempt={"thesis": "motion alone rests in other folds, after minutes"}),
+    "remeshed": Case(remeshed),
+    "outline": Case(outline, exempt={"rebuild": "all meshes are made anew, and nothing flips"}, share=0.5),
+    "holes": Case(holes, share=0.5),
+    "far_apart": Case(far_apart),
+    "other_kinds": Case(other_kinds),
+}

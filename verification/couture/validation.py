@@ -1,0 +1,24 @@
+"""Validation cases of cloth at rest: what hangs, bends, buckles, sticks and slips, and the ways to rest."""
+
+from restshape_studies.validation.case import Case
+from restshape_verification.couture.validation_buckling import blade
+from restshape_verification.couture.validation_cantilever import cantilever, hinged_cantilever, wide_cantilever
+from restshape_verification.couture.validation_friction import capstan, incline
+from restshape_verification.couture.validation_hanging import catenary, hanging
+from restshape_verification.couture.validation_plates import plates
+from restshape_verification.couture.validation_ways import meshes, repeated, resets
+
+CASES: dict[str, Case] = {
+    "catenary": catenary,
+    "hanging": hanging,
+    "cantilever": cantilever,
+    "wide_cantilever": wide_cantilever,
+    "hinged_cantilever": hinged_cantilever,
+    "plates": plates,
+    "blade": blade,
+    "incline": incline,
+    "capstan": capstan,
+    "resets": resets,
+    "repeated": repeated,
+    "meshes": meshes,
+}

@@ -1,0 +1,108 @@
+"""What a board between two brackets as weak as each other takes off their joints, in the bookshelf of 20 planks.
+
+python -m restshape_verification.furniture.between_brackets [--json FILE]
+
+Both brackets turn alike under their loads, so that the board can only turn with them.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, Furniture
+from restshape_apps.furniture.pieces import bookshelf_20
+from restshape_apps.furniture.shape.planks import Piece, Plank, joints_near
+
+BRACKETS = ("bracket-1", "bracket-3")
+"""The lower and the upper one, on one side of an upright board."""
+WIDTHS = (0.05, 0.1, 0.15, 0.2)
+"""Of the board [m]."""
+PLACES = 12
+"""Along the brackets."""
+CLEAR = 1e-3
+"""Least distance of the board from the upright one [m]."""
+
+
+@dataclass(frozen=True)
+class Board:
+    """A board between the brackets.
+
+    Args:
+        width: of it [m].
+        along: its width runs along the brackets; else across them.
+        place: of its middle, from the face that holds the brackets [m].
+        uses: of the lower and the upper bracket's joint, in parts of its strength.
+    """
+
+    width: float
+    along: bool
+    place: float
+    uses: tuple[float, float]
+
+
+def uses(piece: Piece) -> tuple[float, float] | None:
+    """The uses of the two brackets' joints; None where planks overlap or joints do not close."""
+    furniture = Furniture(piece)
+    if furniture.test().flaws & (LOST | OVERLAPPING):
+        return None
+    forces = furniture.forces()
+    use = np.maximum(forces.pull_use, forces.shear_use)
+    numbers = [[piece.planks[joint.i].name for joint in piece.joints].index(name) for name in BRACKETS]
+    return float(use[numbers[0]]), float(use[numbers[1]])
+
+
+def with_board(piece: Piece, width: float, along: bool, place: float) -> Piece:
+    """The piece with a board more, `place` [m] from the ends that hold the brackets."""
+    low, high = (piece.planks[piece.index(name)] for name in BRACKETS)
+    out = low.axes[:, 0]
+    middle = low.end(0) + place * out
+    levels = low.centre[2] + low.size[2] / 2, high.centre[2] - high.size[2] / 2
+    bottom, top = (np.array([*middle[:2], level]) for level in levels)
+    board = Plank.between("board", bottom, top, width * (out if along else low.axes[:, 1]), low.size[2], wood=low.wood)
+    planks = (*piece.planks, board)
+    near = joints_near(planks, among=[len(piece.planks)], fastener=piece.joints[0].fastener)
+    # Its ends alone: were it joined to the upright board too, it would be another piece.
+    new = [joint for joint in near if joint.i == len(piece.planks) and joint.side < 2]
+    return replace(piece, planks=planks, joints=(*piece.joints, *new))
+
+
+def boards(piece: Piece) -> list[Board]:
+    """Boards of all widths, both ways, at places from the upright board to the brackets' free ends."""
+    bracket = piece.planks[piece.index(BRACKETS[0])]
+    rows = []
+    for width in WIDTHS:
+        for along in (False, True):
+            half = 0.5 * (width if along else bracket.size[2])
+            for place in np.linspace(half + CLEAR, bracket.size[0] - half, PLACES):
+                found = uses(with_board(piece, width, along, place))
+                if found:
+                    rows.append(Board(width, along, float(place), found))
+    return rows
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Print the uses without a board, and with that which leaves least, by its width; 0."""
+    parser = argparse.ArgumentParser(
+        prog="python -m restshape_verification.furniture.between_brackets", description=__doc__
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows for programs into this file")
+    args = parser.parse_args(words)
+    piece = bookshelf_20()
+    rows = boards(piece)
+    print("use of the joints of", " and ".join(BRACKETS))
+    print("without a board:", " and ".join(f"{use:.3f}" for use in uses(piece)))
+    for width in WIDTHS:
+        best = min((row for row in rows if row.width == width), key=lambda row: max(row.uses))
+        told = " and ".join(f"{use:.3f}" for use in best.uses)
+        print(f"with the best of {width * 1e3:g} mm, {best.place * 1e3:.0f} mm from the upright board: {told}")
+    if args.json:
+        args.json.write_text(json.dumps([asdict(row) for row in rows], indent=1), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,70 @@
+"""What every frame of furniture must keep to, whatever piece it shows."""
+
+import math
+from typing import Any
+
+import numpy as np
+from restshape_apps.furniture.analysis.furnishing import FurnitureAnalysis
+from restshape_apps.furniture.guidance.design import Idea, Way
+from restshape_apps.furniture.physics.furniture import LOST, UNBALANCED, UNSTABLE, Furniture
+
+SHOWN = ("use", "margin", "missing", "sag", "bending_use")
+"""Columns that have numbers, or none."""
+EDGE = 1e-5
+"""How near the end of a range nothing is said of, in parts of the way looked at."""
+BALANCED = 1e-6
+"""Of forces that contacts must give, in parts of the loads."""
+
+
+def plank_problem(analysis: FurnitureAnalysis, row: dict[str, Any]) -> str:
+    """What is wrong with a frame of furniture that was analysed, in words; empty where nothing is."""
+    flaws = row["flaws"]
+    if (row["verdict"] == "holds") != (flaws == 0) or bool(row["broken"]) != (flaws != 0):
+        return f"the verdict is {row['verdict']}, {row['broken']!r}, with flaws {flaws}"
+    if any(math.isinf(row[name]) and not flaws & LOST for name in SHOWN):
+        return "a shown number is infinite"
+    if not flaws & (LOST | UNBALANCED) and not (math.isfinite(row["residual"]) and math.isfinite(row["use"])):
+        return f"a piece with forces has no number for them, flaws {flaws}"
+    if not flaws & (LOST | UNBALANCED | UNSTABLE) and (wrong := _unbalanced(analysis)):
+        return wrong
+    if analysis.way is not None and analysis.design.guidance.ranges and (wrong := _off_range(analysis.way, row)):
+        return wrong
+    fresh = [_holds(analysis, idea) for idea in analysis.ideas.found]
+    told = [idea.valid for idea in analysis.ideas.found]
+    return "" if fresh == told else f"suggestions are valid {told}, and in tests of their own {fresh}"
+
+
+def _unbalanced(analysis: FurnitureAnalysis) -> str:
+    """Which case of a piece that stands has contacts that do not bear its loads; empty where there is none."""
+    furniture = analysis.design.furniture
+    own = furniture.geometry(analysis.gamma).mass.sum() * np.array(furniture.piece.gravity)
+    for case, forces in enumerate(analysis.forces):
+        loads = furniture.cases[case].sum(axis=0) + own
+        size = np.linalg.norm(own) + np.abs(furniture.cases[case]).sum()
+        left = float(np.abs(forces.contacts.sum(axis=0) + loads).max())
+        if left > BALANCED * size:
+            return f"case {case}: contacts leave {left:.3g} N of {size:.3g} N"
+    return ""
+
+
+def _off_range(way: Way, row: dict[str, Any]) -> str:
+    """What a range says otherwise than the frame; narrow pieces of it may hide between two samples."""
+    at, holds, found = row["at"], row["flaws"] == 0, way.ranges
+    if not way.low <= at <= way.high or found.holds(at) == holds:
+        return ""
+    edge = EDGE * (way.high - way.low)
+    if len(found.intervals) and np.abs(found.intervals - at).min() <= edge:
+        return ""
+    k = int(np.searchsorted(found.samples, at))
+    around = found.flaws[max(k - 1, 0) : k + 1] == 0
+    # Where both samples beside it say otherwise, what is so here is narrower than they see, if a test finds it at all.
+    here = Furniture(way.design.piece, way.design.furniture.compliance).test(at * way.direction).flaws == 0
+    hidden = here == holds and bool((around != holds).all())
+    return "" if hidden else f"at {at} the piece {row['verdict']}, and its range is {row['ranges']}"
+
+
+def _holds(analysis: FurnitureAnalysis, idea: Idea) -> bool:
+    """Tell whether a suggestion is valid in a model made from its piece alone."""
+    old = analysis.design.furniture
+    piece = idea.piece if idea.piece is not None else old.moved(idea.t * idea.direction)
+    return Furniture(piece, old.compliance).test().valid

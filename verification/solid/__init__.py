@@ -1,0 +1,10 @@
+"""What verifies solids at rest."""
+
+from restshape_studies.verification import Verification
+
+verification = Verification(
+    validation="restshape_verification.solid.validation:CASES",
+    hard_cases="restshape_verification.solid.stability:CASES",
+    thesis="restshape_verification.solid.thesis:rows",
+    random_scenes="restshape_verification.solid.random_scenes:SCENES",
+)

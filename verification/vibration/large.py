@@ -1,0 +1,47 @@
+"""Validation case of a large motion: a beam that gravity sets swinging."""
+
+import numpy as np
+from petsc4py import PETSc
+from restshape_studies.validation.case import Check
+
+from restshape.analysis.frame import Frame
+from restshape.application import application
+from restshape.replay.still import still
+
+SCENES = application("vibration").folder / "scenes"
+STEP = 0.005
+"""The step of the reference [s]; four times as long, the motion gains energy without end."""
+END = 10.0
+FIRST, LAST = (0.0, 0.93), (9.08, 10.0)
+"""Times [s] of the first and of the last whole cycle."""
+
+
+def csm3(comm: PETSc.Comm) -> list[Check]:
+    """The first and the last cycle of Turek and Hron's beam; they differ, for the motion is not periodic."""
+    replay = still(SCENES / "csm3.toml", ["effects.dynamics.steps=1"], comm)
+    analysis = replay.analysis
+    unedited = Frame(analysis.space, np.empty(0, dtype=np.int32), None, analysis.state.scene, (None, (0.0, 0.0)))
+    tip, energies = [[0.0, 0.0]], [0.0]
+    for _ in range(round(END / STEP)):
+        analysis.solve(unedited)
+        tip.append([analysis.observe()[axis] for axis in "xy"])
+        energies.append(analysis.whole_energy())
+    times, tip = STEP * np.arange(len(tip)), np.array(tip)
+    published = "Turek and Hron 2006, CSM3: the cycle before t = 10 s"
+    first = "converged solution on spectral elements, trapezoidal rule, dt = 0.005 s"
+    wanted = [
+        ("first", FIRST, 0.005, first, ((-14.627e-3, 14.627e-3), (-64.852e-3, 64.779e-3))),
+        ("last", LAST, 0.02, published, ((-14.305e-3, 14.305e-3), (-63.607e-3, 65.160e-3))),
+    ]
+    checks = []
+    for cycle, (start, end), tolerance, source, references in wanted:
+        during = tip[(times >= start) & (times <= end)]
+        for axis, values, (middle, swing) in zip("xy", during.T, references):
+            most, least = values.max(), values.min()
+            checks.append(
+                Check(f"{axis} in the middle, {cycle} cycle [m]", (most + least) / 2, middle, tolerance, source)
+            )
+            checks.append(Check(f"swing of {axis}, {cycle} cycle [m]", (most - least) / 2, swing, tolerance, source))
+    drift = float(np.abs(energies).max())
+    checks.append(Check("largest energy gained or lost [J]", drift, 0.0, 1e-4, "gravity's work is the body's energy"))
+    return checks

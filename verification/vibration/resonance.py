@@ -1,0 +1,131 @@
+"""The building's resonance: amplitude of its motion, harmonic response and eigenfrequency by the place of the window.
+
+python -m restshape_verification.vibration.resonance [--picture FILE] [--csv FILE]
+"""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.analysis.frequencies import lowest_modes
+from restshape.analysis.harmonic import harmonic_response
+from restshape.analysis.transient import TransientAnalysis
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.policy import policy
+from restshape.replay.loop import Replay
+from restshape.scene.load import load_scene
+from restshape.scene.script import load_script
+
+FOLDER = application("vibration").folder
+SCENE, EDITS = FOLDER / "scenes" / "building.toml", FOLDER / "edits" / "building.jsonl"
+WINDOW, EVERY = "right_top", 10
+
+
+@dataclass
+class Resonance:
+    """What the drag of the window gives, by frames.
+
+    Args:
+        shaking: of the ground [Hz].
+        path: (n,) how far down the window is [m], at each frame of the drag.
+        amplitude: (n,) peak of the motion in the frame's period [m].
+        places: (m,) how far down the window is [m], where the next two were computed on the frame's own mesh.
+        harmonic: (m,) amplitude of the steady motion on a shape that stays [m].
+        frequency: (m,) lowest eigenfrequency [Hz].
+    """
+
+    shaking: float
+    path: np.ndarray
+    amplitude: np.ndarray
+    places: np.ndarray
+    harmonic: np.ndarray
+    frequency: np.ndarray
+
+    @property
+    def crossing(self) -> float:
+        """Where the eigenfrequency meets the shaking's [m]."""
+        return float(np.interp(-self.shaking, -self.frequency, self.places))
+
+    @property
+    def moving_peak(self) -> float:
+        """Where the motion is largest [m]."""
+        return summit(self.path, self.amplitude)
+
+    @property
+    def harmonic_peak(self) -> float:
+        """Where the harmonic response is largest [m]."""
+        return summit(self.places, self.harmonic)
+
+
+def summit(x: np.ndarray, y: np.ndarray) -> float:
+    """Where y (n,) over x (n,) is largest: the top of the parabola through what exceeds 9/10 of the peak."""
+    near = y > 0.9 * y.max()
+    middle = x[near].mean()
+    square, slope, _ = np.polyfit(x[near] - middle, y[near], 2)
+    return float(middle - 0.5 * slope / square)
+
+
+def study(comm: PETSc.Comm = PETSc.COMM_WORLD, overrides: Sequence[str] = (), name: str = "auto") -> Resonance:
+    """The resonance of the building under its own edit script.
+
+    Args:
+        comm: PETSc communicator.
+        overrides: ``key=value`` as after --set.
+        name: policy of reuse.
+    """
+    scene = load_scene(SCENE, overrides)
+    script = load_script(EDITS, scene)
+    replay = Replay(scene, script, application(scene.app), policy(name), comm, Calibration.load())
+    start, path, amplitude, slow = None, [], [], []
+    for row in replay.frames():
+        outline = replay.moving.mesh.outline
+        height = outline.centroid(outline.entity(WINDOW))[1]
+        start = height if start is None else start
+        if row["do"] != "drag":
+            continue
+        path.append(start - height)
+        amplitude.append(row["q_amplitude"])
+        if len(path) % EVERY == 1:
+            slow.append((path[-1], *steady(replay.analysis, replay.moving.mesh.outline)))
+    places, harmonic, frequency = np.array(slow).T
+    return Resonance(
+        scene.effects["ground"]["frequency"], *map(np.array, (path, amplitude)), places, harmonic, frequency
+    )
+
+
+def steady(analysis: TransientAnalysis, outline: object) -> tuple[float, float]:
+    """The amplitude [m] of the steady motion where `amplitude` is observed, and the lowest eigenfrequency [Hz]."""
+    stiffness, mass, damping = analysis.matrices()
+    inertia, ground, held = analysis.body.mass, analysis.state.integration.excitation, analysis.body.held.ravel()
+    load = -inertia.apply(np.broadcast_to(ground.amplitude, (len(held) // 2, 2)).copy()).ravel()[~held]
+    motion = np.zeros(held.size, dtype=complex)
+    motion[~held] = harmonic_response(stiffness, mass, damping, ground.omega, load)
+    node = analysis.space.nodes_of(analysis.state.scene.quantities["amplitude"].at)[0]
+    return float(abs(motion[2 * node])), float(lowest_modes(stiffness, mass, 1)[0][0] / (2 * np.pi))
+
+
+def main() -> None:
+    """Print the three places, and write the picture and the table."""
+    parser = argparse.ArgumentParser(prog="python -m restshape_verification.vibration.resonance", description=__doc__)
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="amplitude against the place of the window (.png)")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="place [m], amplitude [m] of each frame of the drag")
+    args = parser.parse_args()
+    found = study()
+    print(f"eigenfrequency meets {found.shaking:g} Hz with the window {found.crossing:.3f} m down")
+    print(f"peak of the motion {found.moving_peak:.3f} m, of the harmonic response {found.harmonic_peak:.3f} m down")
+    if args.csv:
+        table = np.column_stack([found.path, found.amplitude])
+        np.savetxt(args.csv, table, delimiter=",", header="window_down_m,amplitude_m", comments="")
+    if args.picture:
+        from restshape_studies.pictures.response import draw_response
+
+        draw_response(args.picture, found)
+
+
+if __name__ == "__main__":
+    main()
