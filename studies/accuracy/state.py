@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from restshape_studies.accuracy.grid import Grid, Places
+
 from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 
 SPECTRA = {"frequencies": "mode_", "load_factors": "buckling_mode_"}

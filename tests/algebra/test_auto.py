@@ -30,7 +30,9 @@ def plane(n: int, ranks: int = 1) -> Size:
 
 
 def solver(prefix="auto_", method="auto", calibration=NOMINAL, **settings) -> LinearSolver:
-    return LinearSolver(PETSc.COMM_SELF, prefix, method, 1e-6, calibration, Stages(), **{"traits": Traits(), **settings})
+    return LinearSolver(
+        PETSc.COMM_SELF, prefix, method, 1e-6, calibration, Stages(), **{"traits": Traits(), **settings}
+    )
 
 
 # --- the choice ---------------------------------------------------------------------------------------------------
@@ -135,7 +137,11 @@ def test_multigrid_knows_the_rigid_motions():
     for m in (4, 12):
         for known in (False, True):
             _, mat, b, x, X = box(m)
-            found[m, known] = solver("forced_", traits=Traits(fields=3, dimension=3)).solve(mat, b, x, True, places=X if known else None).iterations
+            found[m, known] = (
+                solver("forced_", traits=Traits(fields=3, dimension=3))
+                .solve(mat, b, x, True, places=X if known else None)
+                .iterations
+            )
             assert true_residual(mat, b, x) <= 1e-6
     PETSc.Options().delValue("forced_pc_type")
     # With them the iterations hardly grow with the mesh, 27 times as large.

@@ -23,7 +23,9 @@ def grid_matrix(negative, skew, seed):
 
 
 def solver(symmetric):
-    return LinearSolver(PETSc.COMM_SELF, "pivots_", "stale", 1e-8, Calibration.load(), Stages(), traits=Traits(symmetric))
+    return LinearSolver(
+        PETSc.COMM_SELF, "pivots_", "stale", 1e-8, Calibration.load(), Stages(), traits=Traits(symmetric)
+    )
 
 
 def petsc(A):

@@ -63,7 +63,9 @@ def test_a_grain_without_direction_changes_nothing(tmp_path, model):
     for name, material in (("isotropic", STEEL), ("grain", GRAIN.replace("G, G, G", f"{210e9 / 2.6}," * 3))):
         scene = tmp_path / f"{name}.toml"
         scene.write_text(text.replace(STEEL, material))
-        found.append(still(scene, [f"effects.modal.model={model}", "mesh.size=0.1", TIGHT]).analysis.errors()["estimate"])
+        found.append(
+            still(scene, [f"effects.modal.model={model}", "mesh.size=0.1", TIGHT]).analysis.errors()["estimate"]
+        )
     assert found[1] == pytest.approx(found[0], rel=1e-5) and found[0] > 0.0
 
 

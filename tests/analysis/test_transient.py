@@ -6,11 +6,11 @@ from scipy.sparse.linalg import spsolve
 from small_scenes import across, drag, make_replay, rows_of, write_script
 from vibrating import DAMPED, SHAKEN, dynamics, idle, textbook_newmark, tower
 
+from restshape.analysis.frequencies import lowest_modes
+from restshape.analysis.velocity_projection import project_velocity
 from restshape.fem.assembled import Assembled
 from restshape.fem.balance import dead_loads
 from restshape.fem.problem import INTERNAL
-from restshape.analysis.velocity_projection import project_velocity
-from restshape.analysis.frequencies import lowest_modes
 from restshape.replay.parity import Parity
 
 PULLED = "\n[loads.pull]\non = 'right'\ntraction = ['300 Pa', '-100 Pa']\n"

@@ -9,19 +9,19 @@ from cloths import PIN, cloth
 from petsc4py import PETSc
 
 from restshape.algebra.stages import Stages
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.analysis.relaxation.binding import bind
 from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.generate import generate
 from restshape.mesh.nested import NestedMesh
-from restshape.physics.cloth.error_estimate import ClothEstimate
-from restshape.physics.cloth.patch_curvature import PatchCurvature
 from restshape.physics.cloth.boundary import ClothSupports
+from restshape.physics.cloth.error_estimate import ClothEstimate
 from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.patch_curvature import PatchCurvature
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.policy import policy
 from restshape.scene.load import load_scene

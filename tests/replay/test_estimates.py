@@ -76,7 +76,9 @@ def test_estimates_of_modes_change_nothing(monkeypatch):
     found = []
     for _ in range(2):
         replay = modal_replay("bar_100.toml", BARS / "remainder.jsonl", ["mesh.size=0.012"], predict="linear")
-        found.append([(replay.analysis.state.modes.vectors.tobytes(), row["iterations"], row["age"]) for row in replay.frames()])
+        found.append(
+            [(replay.analysis.state.modes.vectors.tobytes(), row["iterations"], row["age"]) for row in replay.frames()]
+        )
         monkeypatch.setattr("restshape.replay.loop.Replay._estimates", lambda self, row: dict.fromkeys(ESTIMATES, 0.0))
     assert found[0] == found[1]
 

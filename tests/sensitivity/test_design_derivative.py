@@ -95,5 +95,7 @@ def test_product_with_the_tangent(tmp_path):
     design = Design(tmp_path, LOADS["varying pressure"], True)
     physics, v, h = design.analysis.problem, design.direction(5), 1e-6
     product = tangent_product(physics, design.x, v)
-    difference = (unconstrained_residual(physics, design.x + h * v) - unconstrained_residual(physics, design.x - h * v)) / (2 * h)
+    difference = (
+        unconstrained_residual(physics, design.x + h * v) - unconstrained_residual(physics, design.x - h * v)
+    ) / (2 * h)
     np.testing.assert_allclose(product, difference, atol=1e-7 * np.abs(product).max())

@@ -22,8 +22,8 @@ from petsc4py import PETSc
 
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.traits import Traits
 from restshape.algebra.stages import Stages
+from restshape.algebra.traits import Traits
 from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.analysis.relaxation.equilibrium import SLIPPING, EquilibriumSolver
 from restshape.analysis.relaxation.report import ConvergenceReport
@@ -31,8 +31,8 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
-from restshape.physics.cloth.scene import ClothArguments, cloth_arguments, cloth_problem
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.scene import ClothArguments, cloth_arguments, cloth_problem
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec

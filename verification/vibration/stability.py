@@ -31,7 +31,9 @@ def shake(made: Replay, dt: float) -> tuple[float, np.ndarray, float, float]:
     angle = 2 * np.arctan(0.5 * omega * dt)
     uniform = analysis.body.mass.apply(np.tile([1.0, 0.0], (len(free) // 2, 1))).ravel()[free]
     amplitude = 0.7
-    analysis.set_integration(excitation=SimpleNamespace(acceleration=lambda t: np.array([amplitude * np.sin(angle * t / dt), 0.0])))
+    analysis.set_integration(
+        excitation=SimpleNamespace(acceleration=lambda t: np.array([amplitude * np.sin(angle * t / dt), 0.0]))
+    )
     return omega, mass @ phi[:, 0], amplitude * float(phi[:, 0] @ uniform), angle
 
 
@@ -74,7 +76,9 @@ def damped_resonance(trial: Trial) -> Iterator[Statement]:
     next(frames)
     omega = shake(made, dt)[0]
     analysis = made.analysis
-    analysis.set_integration(excitation=SimpleNamespace(acceleration=lambda t: np.array([0.7 * np.sin(omega * t), 0.0])))
+    analysis.set_integration(
+        excitation=SimpleNamespace(acceleration=lambda t: np.array([0.7 * np.sin(omega * t), 0.0]))
+    )
     peaks = [next(frames)["q_amplitude"] for _ in range(int(10 / (0.02 * omega) / (25 * dt)))]
     free = ~analysis.body.held.ravel()
     uniform = analysis.body.mass.apply(np.tile([1.0, 0.0], (len(free) // 2, 1))).ravel()[free]

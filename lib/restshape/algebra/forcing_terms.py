@@ -78,10 +78,7 @@ class ForcingTerms:
         """
         c = self.error.factor(step)
         self.chord = (
-            not assembled
-            and self.chords
-            and c is not None
-            and 2.0 * c * self.tangent_size * norm <= SHARE * self.goal
+            not assembled and self.chords and c is not None and 2.0 * c * self.tangent_size * norm <= SHARE * self.goal
         )
         if not self.chord:
             self.tangent_size = norm

@@ -14,6 +14,7 @@ ENOUGH, DELAY, MOST = 1e-4, 4, 200
 REPEATED = 1e-12
 """Of vectors that span a space: a direction of less than this share of the largest is none."""
 
+
 def correction(problem: Problem, x: np.ndarray, solver: LinearSolver, rows: slice) -> np.ndarray:
     """About what unknowns x (n, f) lack to be a solution (n, f).
 

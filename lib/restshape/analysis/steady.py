@@ -31,6 +31,7 @@ from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
 
+
 @dataclass(frozen=True, eq=False)
 class SteadyState:
     """A solution, and what it was found with.

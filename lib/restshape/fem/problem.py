@@ -83,9 +83,11 @@ class Problem(Protocol):
     @property
     def load_steps(self) -> int:
         """Steps of load that are tried at most where the problem is not linear."""
+
     @property
     def loaded(self) -> bool:
         """Whether there is any load."""
+
     @property
     def loaded_inside(self) -> bool:
         """Whether there is one in the integrals of `INTERNAL`."""

@@ -178,18 +178,20 @@ class Replay:
     def _solve(self, edit: EditFrame, advance: Advance, solved: bool) -> LinearReport:
         """Solve a frame; `solved` tells whether the one before was."""
         mesh, hand = self.moving.field_mesh, (edit.gesture, tuple(edit.c))
-        reseats = self.analysis.space.reseats if self.analysis.space else ()
+        interpolations = self.analysis.space.interpolations if self.analysis.space else ()
         # Flips of a frame that failed are not known any more.
         changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
         if self.prediction:
             self.prediction.start(edit)
         # On a new mesh, or one whose middle nodes have gone elsewhere, nothing is left to compare with.
-        stays = advance.level < 3 and advance.old_mesh is None and not reseats
+        stays = advance.level < 3 and advance.old_mesh is None and not interpolations
         self.expected = self.prediction.predicted if self.prediction and stays else None
-        report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand, reseats, edit.settled))
+        report = self.analysis.solve(
+            Frame(mesh, changed, advance.old_mesh, edit.scene, hand, interpolations, edit.settled)
+        )
         self.solved = self.known = True
-        if mesh.reseats:
-            mesh.reseats = ()
+        if mesh.interpolations:
+            mesh.interpolations = ()
         if self.prediction:
             found = report.iterations or report.refreshed
             idle = edit.change == "none" and not (self.prediction.shown or found)

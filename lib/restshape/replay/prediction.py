@@ -34,9 +34,9 @@ class PredictedFrames:
     Source: docs/theory.md, "The design derivative".
     """
 
-            raise UserError(analysis.why_not, "--predict linear", "leave it out")
-        if analysis.predictor is None:
     def __init__(self, analysis: Analysis, moving: MovingMesh, session: EditSession, policy: Policy) -> None:
+        if analysis.predictor is None:
+            raise UserError(analysis.why_not, "--predict linear", "leave it out")
         if policy.regenerate:
             raise UserError(
                 f"the policy {policy.name} makes a new mesh in each frame, so that there is nothing to predict on",

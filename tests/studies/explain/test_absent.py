@@ -14,8 +14,8 @@ from counted import begin_log, happened, kernels, tally, watched
 from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag, meshed, write_scene, write_script
 
 from restshape import _kernels
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.analysis.steady import StaticAnalysis
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import applications

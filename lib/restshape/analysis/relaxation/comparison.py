@@ -18,9 +18,7 @@ FARTHER = 0.01
 """Part of the tolerance to which a cold solve goes on."""
 
 
-def compare_cold(
-    state: RelaxationState, make_solver: Callable[[ClothProblem, str], EquilibriumSolver]
-) -> Comparison:
+def compare_cold(state: RelaxationState, make_solver: Callable[[ClothProblem, str], EquilibriumSolver]) -> Comparison:
     """How far tangent and positions are from those of a cold solve, on a new problem with the same friction.
 
     Entries by the largest one. Positions from those to which Newton's method goes on, by the forces over the weight

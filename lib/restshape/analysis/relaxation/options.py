@@ -98,8 +98,6 @@ class RelaxationOptions:
         preconditioner = "ilu" if context.policy.name == "thesis" else "cholesky" if small else "sor"
         steps = Steps(FIRST_STEP, reach=self.reach, most=100, preconditioner=preconditioner)
         backend = context.policy.backend
-        solver = EquilibriumSolver(
-            problem, context.comm, context.stages, linear, settings.rest, steps, backend, prefix
-        )
+        solver = EquilibriumSolver(problem, context.comm, context.stages, linear, settings.rest, steps, backend, prefix)
         solver.on_iterate = lambda x, residual: self.watch(solver, x, residual)
         return solver

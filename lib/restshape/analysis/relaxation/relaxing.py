@@ -46,9 +46,7 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     return replace(state, x=x, report=report, place=problem.place, friction=friction_of(problem))
 
 
-def _stabilise(
-    state: RelaxationState, x: np.ndarray, options: RelaxationOptions, report: ConvergenceReport
-) -> None:
+def _stabilise(state: RelaxationState, x: np.ndarray, options: RelaxationOptions, report: ConvergenceReport) -> None:
     """Leave saddles of the energy from x (n, 3), which is changed, until the equilibrium is stable."""
     solver, most, strategy = state.solver, options.settings.steps, options.strategy
     saddle, converge = SaddleEscape(solver), STRATEGIES[strategy]

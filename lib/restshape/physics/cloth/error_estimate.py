@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from restshape import _kernels
-from restshape.physics.cloth.patch_curvature import PatchCurvature
 from restshape.fem.recovery import NodalFlux
+from restshape.physics.cloth.patch_curvature import PatchCurvature
 from restshape.physics.cloth.problem import ClothProblem
 
 NO_KINDS = np.empty(0, dtype=np.int32)

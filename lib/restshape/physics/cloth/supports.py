@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.fem.entity_sets import facets_on, nodes_on
+from restshape.fem.values import Nodal
 from restshape.mesh.hinges import border_cells, normals
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.boundary import ClothSupports
 from restshape.physics.cloth.initial_placement import InitialPlacement
-from restshape.fem.entity_sets import facets_on, nodes_on
-from restshape.fem.values import Nodal
 from restshape.scene.model import Scene, Support
 
 AXES = "xyz"

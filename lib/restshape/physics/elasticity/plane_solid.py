@@ -10,6 +10,7 @@ from restshape.errors import UserError
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
+from restshape.fem.mass import MassMatrix
 from restshape.fem.materials import by_cell, table_by_region
 from restshape.fem.problem import (
     CONSISTENT,
@@ -25,7 +26,6 @@ from restshape.fem.problem import (
 )
 from restshape.fem.quantity import Observer
 from restshape.fem.space import Space
-from restshape.fem.mass import MassMatrix
 from restshape.fem.supports import dirichlet_of
 from restshape.fem.time_integration import Newmark, Rayleigh, TimeIntegration
 from restshape.physics.elasticity.base_excitation import GroundMotion

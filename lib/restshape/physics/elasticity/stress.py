@@ -83,7 +83,10 @@ class PlaneStresses:
         space = self.space
         stretch = thickness_stretch(space.X, x, space.cells, self._ratio, REFERENCE_NODES[: space.cells.shape[1]])
         cells = np.flatnonzero(~(stretch > 0.0).all(axis=1))
-        what = "are stretched to no thickness", "(St. Venant and Kirchhoff's law in plane stress holds for small strains)"
+        what = (
+            "are stretched to no thickness",
+            "(St. Venant and Kirchhoff's law in plane stress holds for small strains)",
+        )
         return self._where(cells, *what)
 
     def _where(self, cells: np.ndarray, what: str, why: str) -> str:
