@@ -47,7 +47,11 @@ LIMIT_UNITS = {
 
 def with_unit(dimension: str, value: float, digits: int = 6) -> str:
     """The value of a quantity of a dimension with its unit, lengths below a metre in millimetres."""
-    unit = LIMIT_UNITS.get(dimension, "")
+    return in_unit(LIMIT_UNITS.get(dimension, ""), value, digits)
+
+
+def in_unit(unit: str, value: float, digits: int = 6) -> str:
+    """The value of a quantity with its SI unit, lengths below a metre in millimetres."""
     factor, unit = (1e3, "mm") if unit == "m" and 0.0 < abs(value) < 1.0 else (1.0, unit)
     return f"{factor * value:.{digits}g} {unit}".rstrip()
 
