@@ -8,9 +8,10 @@ from furniture_scenes import BENCH, write_bench, write_edits
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
+from restshape_apps.furniture.cli.guidance import print_guidance
 from restshape_apps.furniture.report import piece_frames, piece_ideas, piece_ranges
 from restshape_apps.furniture.report.furniture import MOVED
-from restshape_apps.furniture.report.guided import grabbed, only_limits
+from restshape_apps.furniture.report.guided import grabbed, guidance, only_limits
 from restshape_apps.furniture.report.piece_frames import pieces, telling_frames
 from restshape_apps.furniture.report.piece_ideas import searches
 from restshape_apps.furniture.report.status_colour import BEYOND
@@ -19,6 +20,7 @@ from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
 from restshape.report.style import INK, REFUSED
+from restshape.report.tables import rows_of
 
 EVENTS = [
     {"do": "press", "on": "left", "parameter": "move z"},
@@ -186,6 +188,20 @@ def test_a_limit_alone_is_told_apart_from_a_piece_that_does_not_hold(tmp_path, m
 )
 def test_limits_alone_fail_where_the_piece_has_no_flaw(status, flaws, alone):
     assert only_limits({"constraint_status": status, "flaws": flaws}) is alone
+
+
+def test_a_recording_without_findings_is_drawn_and_told_by_its_text(recorded, tmp_path, capsys):
+    with Recording(recorded[0]) as recording:
+        for name in ("findings", "valid_ranges"):
+            del recording.table[name]
+        piece_ranges.draw_guidance(recording, tmp_path / "guidance.png")
+        piece_frames.draw_piece_frames(recording, telling_frames(recording, 3), tmp_path / "frames.png")
+        rows = rows_of(recording)
+    print_guidance(rows)
+    told = capsys.readouterr().out
+    assert "falls under its weights" in told and "record it again" in told and "valid ranges\n" not in told
+    frame = guidance(rows)["frames"][9]
+    assert frame["parameter"] == "left: move z" and frame["findings"] is frame["ranges"] is frame["unit"] is None
 
 
 def test_planks_are_not_exaggerated(recorded, capsys):
