@@ -24,7 +24,7 @@ class Finding:
     Args:
         kind: of the flaw, such as "limit".
         detail: which flaw of that kind.
-        subjects: names of what it is about: quantities, planks.
+        subjects: names of what it is about, such as quantities.
         value: what was found, in `unit`; a count where there is no bound.
         bound: what the value is beyond, or is compared with.
         unit: SI.
