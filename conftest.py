@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 # Before any test imports PETSc or matplotlib, which would obey files of the current folder.
-import restshape.surroundings  # noqa: F401
+import restshape.surroundings
 
 ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
@@ -45,7 +45,7 @@ def _outside() -> dict[str, str]:
 
 
 @pytest.fixture
-def restshape(tmp_path: Path) -> Run:  # noqa: F811
+def restshape(tmp_path: Path) -> Run:
     """Runs a `restshape` command in tmp_path: ``restshape("replay", scene, ranks=2)``."""
 
     def run(*words: object, ranks: int = 1) -> subprocess.CompletedProcess:
