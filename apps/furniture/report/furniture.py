@@ -17,8 +17,9 @@ from restshape_apps.furniture.report.labels import Labels
 from restshape_apps.furniture.shape.planks import Piece, Plank
 
 from restshape.guidance.ranges import Ranges
+from restshape.report.camera import Camera, Window
 from restshape.report.space_axes import draw_box
-from restshape.report.space_scene import GHOST, HALO, MARK, TOP, Camera, SpaceImage, Window
+from restshape.report.space_scene import GHOST, HALO, MARK, TOP, SpaceImage
 from restshape.report.style import BODY, COLOURS, INK, REFUSED, length_unit
 
 AZIMUTH, ELEVATION, FAR = np.radians(-62.0), np.radians(18.0), 6.0

@@ -8,6 +8,7 @@ from matplotlib import image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
+from restshape.report.raster import Camera, hits, nearest_faces
 from restshape_apps.furniture import pictures
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.physics.furniture import Furniture
@@ -27,7 +28,6 @@ from restshape_apps.furniture.report.furniture import (
 )
 from restshape_apps.furniture.small_pieces import toppling
 
-from restshape.report.raster import Camera, hits, nearest_faces
 from restshape.report.style import REFUSED, new_figure
 
 

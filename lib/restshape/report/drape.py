@@ -1,4 +1,4 @@
-"""Cloth in space: where it lies, shaded and in the colours of its tension, with the bodies that it lies on."""
+"""Cloth in space: where it lies, how taut it is, and the bodies that it lies on."""
 
 from __future__ import annotations
 
@@ -6,15 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 
 from restshape.replay.recording import Recording
 from restshape.report.body_surfaces import body_surface
-from restshape.report.outlines import border, lines
-from restshape.report.space_scene import Camera, Scene, SpaceImage
-from restshape.report.style import INK, length_unit, scaled_unit
+from restshape.report.camera import Camera
+from restshape.report.style import length_unit, scaled_unit
 from restshape.report.tables import column
 from restshape.scene.bodies import Body
 from restshape.scene.body_columns import recorded_bodies
@@ -31,13 +27,6 @@ RARE = 0.005
 """Part of the cells whose tension may lie beyond either end of the colour bar: corners that are pinned are singular."""
 MARGIN, THINNEST = 0.02, 0.2
 """Margin of the box, and its least height, over its largest size."""
-BODY = np.array(to_rgb("#c2b6a3"))
-BEHIND = 0.008
-"""Part of the box's diagonal by which bodies are drawn farther away: flat cells cut a little into what is round."""
-OPAQUE = 0.62
-"""Part of what lies behind a body that it hides."""
-EDGE = 0.5
-"""Width of the cloth's border [points]."""
 
 
 @dataclass(frozen=True)
@@ -136,33 +125,3 @@ def _colour_range(values: np.ndarray) -> tuple[float, float, str]:
 def bodies(recording: Recording, i: int) -> Mapping[str, Body]:
     """The bodies of frame i, by name."""
     return recorded_bodies(recording.table, i)
-
-
-class DrapeImage(SpaceImage):
-    """Cloth and translucent bodies of one frame, as seen by a camera.
-
-    Args:
-        axes: to draw in.
-        camera: looks at them.
-        scenery: box, colours.
-        factor: of the axes' coordinates over metres.
-    """
-
-    def __init__(self, axes: Axes, camera: Camera, scenery: DrapeScenery, factor: float = 1.0) -> None:
-        super().__init__(axes, camera, factor, OPAQUE, 0.45 * BODY)
-        self.scenery, self.still = scenery, Scene()
-
-    def show(self, recording: Recording, i: int) -> None:
-        """Take cloth and bodies of frame i."""
-        scenery = self.scenery
-        x, cells = places(recording, i), recording.cells(i)
-        share = (recording.field(i, TENSION) - scenery.bottom) / (scenery.top - scenery.bottom)
-        colours = colormaps[COLOURS](np.clip(np.nan_to_num(share), 0.0, 1.0))[:, :3]
-        self.scene, self.veil = Scene(self.still), Scene()
-        self.scene.surface(x, cells[:, :3], colours, smooth=True)
-        self.scene.lines(lines(x, border(cells)), INK, EDGE)
-        away = BEHIND * float(np.linalg.norm(scenery.high - scenery.low))
-        for body in bodies(recording, i).values():
-            surface, triangles = body_surface(body, scenery.low, scenery.high)
-            box = scenery.low - away, scenery.high + away
-            self.veil.surface(surface - away * self.camera.axes[2], triangles, BODY, smooth=True, within=box)

@@ -17,11 +17,12 @@ from matplotlib.figure import Figure
 
 from restshape.replay.recording import Recording
 from restshape.report.animation import even, pause, write_animation
-from restshape.report.drape import BODY, COLOURS, TENSION, DrapeImage, DrapeScenery
+from restshape.report.camera import Camera
+from restshape.report.drape import COLOURS, TENSION, DrapeScenery
+from restshape.report.drape_image import BODY, DrapeImage
 from restshape.report.frames import scene_name
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.space_axes import draw_box, marks
-from restshape.report.space_scene import Camera
 from restshape.report.style import BODY as PLAIN
 from restshape.report.style import INK, REFUSED, new_figure
 from restshape.report.tables import column, refused

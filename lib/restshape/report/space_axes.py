@@ -10,7 +10,8 @@ from matplotlib.text import Annotation
 from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
 
-from restshape.report.space_scene import Camera, Scene
+from restshape.report.camera import Camera
+from restshape.report.space_scene import Scene
 from restshape.report.style import FAINT
 
 GRID = "#e3e3e3"

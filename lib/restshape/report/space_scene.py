@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from ctypes import CDLL
 from functools import cache
 from typing import Any
 
@@ -30,6 +30,7 @@ from vtkmodules.vtkRenderingCore import (
 from vtkmodules.vtkRenderingOpenGL2 import vtkEGLRenderWindow
 
 from restshape.errors import UserError
+from restshape.report.camera import Camera, Window
 
 FINER = 2
 """Pixels that are drawn for each one shown, along both axes."""
@@ -47,62 +48,6 @@ DASH, PALE = 2.4, 0.6
 """Of an outline that is hidden: length of dashes and of the gaps between them [points], and how much darkens there."""
 SOLID, GHOST, HALO, MARK, TOP = range(5)
 """Layers, each drawn over those before it; within one, what is nearer hides what is farther."""
-
-Window = tuple[float, float, float, float]
-"""Left, right, bottom and top of a picture, as `Camera.project` has them [m]."""
-
-
-@dataclass(frozen=True)
-class Camera:
-    """How places become a picture.
-
-    Args:
-        center: (3,) what it looks at [m].
-        axes: (3, 3) its unit vectors as rows: to the right, up, and towards the camera.
-        distance: from the centre [m]; infinite for parallel rays.
-    """
-
-    center: np.ndarray
-    axes: np.ndarray
-    distance: float = np.inf
-
-    @classmethod
-    def towards(cls, center: np.ndarray, azimuth: float, elevation: float, distance: float = np.inf) -> Camera:
-        """A camera that looks at the centre [m] from an azimuth about z and an elevation over the horizon [rad]."""
-        c, s = np.cos(azimuth), np.sin(azimuth)
-        back = np.array([c * np.cos(elevation), s * np.cos(elevation), np.sin(elevation)])
-        right = np.array([-s, c, 0.0])
-        return cls(np.asarray(center, dtype=float), np.stack([right, np.cross(back, right), back]), distance)
-
-    @classmethod
-    def above(cls) -> Camera:
-        """A camera that sees x and y as they are."""
-        return cls(np.zeros(3), np.eye(3))
-
-    def project(self, places: np.ndarray) -> np.ndarray:
-        """Where places (n, 3) before the camera are in the picture (n, 2) [m, as long as at the centre]."""
-        seen = (places - self.center) @ self.axes.T
-        return seen[:, :2] / (1.0 - seen[:, 2] / self.distance)[:, None]
-
-    def window(self, low: np.ndarray, high: np.ndarray) -> Window:
-        """The least window that holds a box with these corners (3,) [m]."""
-        corners = np.stack(np.meshgrid(*zip(low, high)), axis=-1).reshape(-1, 3)
-        (left, bottom), (right, top) = (pick(self.project(corners), axis=0) for pick in (np.min, np.max))
-        return float(left), float(right), float(bottom), float(top)
-
-    def of_vtk(self, window: Window) -> vtkCamera:
-        """The same camera for VTK."""
-        left, right, bottom, top = window
-        found = vtkCamera()
-        distance = self.distance if np.isfinite(self.distance) else 1.0
-        found.SetFocalPoint(*self.center)
-        found.SetPosition(*(self.center + distance * self.axes[2]))
-        found.SetViewUp(*self.axes[1])
-        found.SetWindowCenter((left + right) / (right - left), (bottom + top) / (top - bottom))
-        found.SetParallelProjection(not np.isfinite(self.distance))
-        found.SetParallelScale(0.5 * (top - bottom))
-        found.SetViewAngle(2.0 * np.degrees(np.arctan2(0.5 * (top - bottom), distance)))
-        return found
 
 
 class Scene:
@@ -208,7 +153,7 @@ class Scene:
             actor.GetProperty().SetLineWidth(FINER * point * width)
             layers[layer].AddActor(actor)
         for renderer in layers:
-            renderer.SetActiveCamera(camera.of_vtk(window))
+            renderer.SetActiveCamera(_vtk_camera(camera, window))
             renderer.ResetCameraClippingRange()
             screen.AddRenderer(renderer)
         taken = vtkWindowToImageFilter()
@@ -284,15 +229,34 @@ def _screen() -> vtkEGLRenderWindow:
     Raises:
         UserError: this machine has no OpenGL off screen.
     """
+    try:
+        # Without this library VTK ends the whole process.
+        CDLL("libEGL.so.1")
+    except OSError as error:
+        raise UserError("VTK finds no EGL to draw with", "pictures in space", "install it: Debian's libegl1") from error
     screen = vtkEGLRenderWindow()
     screen.SetOffScreenRendering(1)
     screen.SetMultiSamples(0)
     screen.SetNumberOfLayers(TOP + 1)
     screen.SwapBuffersOff()
     if not screen.SupportsOpenGL():
-        raise UserError("this machine has no OpenGL off screen", "pictures in space", "install EGL: Debian's libegl1")
+        raise UserError("EGL draws nothing here", "pictures in space", "install a driver: Debian's libgl1-mesa-dri")
     vtkMapper.SetResolveCoincidentTopologyToPolygonOffset()
     return screen
+
+
+def _vtk_camera(camera: Camera, window: Window) -> vtkCamera:
+    left, right, bottom, top = window
+    found = vtkCamera()
+    distance = camera.distance if np.isfinite(camera.distance) else 1.0
+    found.SetFocalPoint(*camera.center)
+    found.SetPosition(*(camera.center + distance * camera.axes[2]))
+    found.SetViewUp(*camera.axes[1])
+    found.SetWindowCenter((left + right) / (right - left), (bottom + top) / (top - bottom))
+    found.SetParallelProjection(not np.isfinite(camera.distance))
+    found.SetParallelScale(0.5 * (top - bottom))
+    found.SetViewAngle(2.0 * np.degrees(np.arctan2(0.5 * (top - bottom), distance)))
+    return found
 
 
 def _renderer(layer: int) -> vtkRenderer:
