@@ -54,9 +54,9 @@ def columns(scene: Scene) -> dict[str, Any]:
         **{f"f_{k + 1}": np.float64 for k in range(modes)},
         "tone": "S8",
         "cents": np.float64,
-        "track": "S160",
-        "counted": np.int64,
-        "missed": np.int64,
+        "mode_ids": "S160",
+        "inertia_checked": np.int64,
+        "missed_modes": np.int64,
     }
 
 
@@ -84,7 +84,7 @@ application = Application(
         "regions": REGIONS,
     },
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.modal:ModalAnalysis",
+    analysis="restshape.physics.vibrating_bodies:modal_analysis",
     orders=(2, 1),
     directions=("x", "y", "z", "rx", "ry"),
     layered=True,

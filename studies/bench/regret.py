@@ -125,7 +125,7 @@ def _replay(replay: Replay) -> list[Segment]:
         pending.clear()
         if new or not found:
             found.append(_segment(solver))
-        aim, spent, refreshed = solver.ksp.getTolerances()[:2], row["iterations"], bool(row["refreshed"])
+        aim, spent, refreshed = solver.ksp.getTolerances()[:2], row["iterations"], bool(row["pc_rebuilt"])
         solve = Solve(row["index"], matrix, right, guess, row["level"] == 2, aim, spent, refreshed)
         found[-1].solves.append(solve)
     solver.on_solve = None
@@ -134,9 +134,10 @@ def _replay(replay: Replay) -> list[Segment]:
 
 def _segment(solver: LinearSolver) -> Segment:
     """An empty segment with the preconditioner that the solver has just made."""
-    price = prices(solver.kind, solver.size, solver.filled or solver.size.nonzeros, solver.calibration)
-    levels = solver.candidate.levels if solver.candidate else 0
-    return Segment(solver.kind, levels, *price)
+    kept = solver.kept
+    price = prices(kept.kind, kept.size, kept.filled or kept.size.nonzeros, kept.choice.calibration)
+    levels = kept.candidate.levels if kept.candidate else 0
+    return Segment(kept.kind, levels, *price)
 
 
 def _refresh_costs(segment: Segment) -> np.ndarray:

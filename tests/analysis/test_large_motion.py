@@ -19,7 +19,7 @@ def swinging(tmp_path, *parts, name="auto", dt=0.01, steps=5, script=None, **mor
 
 def work_of_weight(analysis, g):
     """What gravity along x has done on the tower [J]: on a triangle, what it does at its centre."""
-    X, cells = analysis.mesh.X, analysis.mesh.cells
+    X, cells = analysis.space.X, analysis.space.cells
     corners = X[cells]
     areas = 0.5 * np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     return 0.1 * 1000 * g * float(areas @ analysis.x[cells, 0].mean(axis=1))
@@ -88,7 +88,7 @@ def test_energy_gained_little_by_little_is_refused(tmp_path, edited):
     assert np.diff(gains[shown]).max() < 0.1 * largest[-1]
     assert np.all(gains[shown] <= 0.51 * (largest[shown] - gains[shown])) and max(gains[shown]) > 0.1 * largest[-1]
     # Nothing goes on until the step is made smaller, and then it does.
-    last = next(k for k, row in enumerate(rows) if row["do"] == "set")
+    last = next(k for k, row in enumerate(rows) if row["event"] == "set")
     assert refused == list(range(refused[0], last))
     assert np.ptp(np.array(gains)[last:]) < 1e-3 * largest[-1]
 
@@ -110,7 +110,7 @@ def test_a_failed_step_leaves_the_motion_as_it_was(tmp_path):
     idle(made)
     analysis = made.analysis
     x, v, time = analysis.x.copy(), analysis.v.copy(), analysis.time
-    analysis.body.solid.params[3] = 1e12
+    analysis.body.problem.params[3] = 1e12
     with pytest.raises(ReplayProblem, match="smaller"):
         idle(made)
     np.testing.assert_array_equal(analysis.x, x)

@@ -17,7 +17,7 @@ from restshape.mesh.generate import generate
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth import HINGE_STIFFNESS, isotropic_bending, lumped, morley_params
+from restshape.physics.cloth.parameters import HINGE_STIFFNESS, isotropic_bending, lumped, morley_params
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
@@ -256,7 +256,7 @@ def shares(kind: str) -> dict[str, list[float]]:
 
 
 def table(found: dict[str, dict[str, list[float]]]) -> str:
-    """The table of docs/theory.md, as Markdown, from the shares of each kind."""
+    """The table of docs/theory/cloth.md, as Markdown, from the shares of each kind."""
     heads = list(next(iter(found.values())))
     lines = ["| mesh | " + " | ".join(heads) + " |", "|" + " --- |" * (len(heads) + 1)]
     for kind, row in found.items():

@@ -21,7 +21,7 @@ def replay(folder, events, text=None, **options):
 
 def test_first_frame_only(tmp_path):
     _, rows, _ = replay(tmp_path, [])
-    assert len(rows) == 1 and rows[0]["level"] == 3 and rows[0]["refreshed"] == 1
+    assert len(rows) == 1 and rows[0]["level"] == 3 and rows[0]["pc_rebuilt"] == 1
     assert rows[0]["q_wall"] == pytest.approx(-1e8 * 0.01, rel=1e-5)
     assert rows[0]["residual"] < 1e-6
 
@@ -150,7 +150,7 @@ def test_flips_of_frames_without_solution_are_taken_back(tmp_path):
         if row["refused"]:
             refused.append(cells != seen[-1])
             assert "loads.blown.pressure" in row["refused"]
-            assert made.moving.mesh.X[:, 0].max() == 2.0 and made.analysis.mesh is made.moving.mesh
+            assert made.moving.mesh.X[:, 0].max() == 2.0 and made.analysis.space is made.moving.mesh
     assert len(refused) == len(away) and any(refused)
     assert not row["refused"] and check.summary()["holds"]
     centre = made.session.outline.centroid(made.session.outline.entity("window"))

@@ -82,8 +82,8 @@ def one_pin(trial: Trial) -> Iterator[Statement]:
             made, rows = played(trial, text + more)
             yield from resting(made, rows)
             yield near("force of the pin is the weight", rows[0]["q_pin"], WEIGHT, 1e-3)
-            sheet = made.analysis.sheet
-            middle = sheet.mass @ made.analysis.x / sheet.mass.sum()
+            sheet = made.analysis.problem
+            middle = sheet.lumped.mass @ made.analysis.x / sheet.lumped.mass.sum()
             yield below("middle beside the pin [m]", float(np.abs(middle[:2] - 0.3).max()), 1e-3)
             # A diagonal that hangs straight has 0.3 sqrt(2); folds from a start at random take some of it.
             yield near("lowest place below the pin", rows[0]["q_lowest"], -0.3 * 2**0.5, bound)
@@ -118,7 +118,7 @@ def unequal_weights(trial: Trial) -> Iterator[Statement]:
     # Without gravity there is nothing against it.
     made, rows = played(trial, (text(0.0) + start(0.01)).replace(GRAVITY, ""))
     yield from sound(rows)
-    yield true("at rest without gravity", rows[0]["at_rest"] == 1, rows[0]["note"])
+    yield true("at rest without gravity", rows[0]["converged"] == 1, rows[0]["note"])
 
 
 def cantilever(parameter: float, stiffness: float, kind: str) -> str:

@@ -183,7 +183,7 @@ def old_factor(trial: Trial) -> Iterator[Statement]:
     events = drag("window", (0.5, 0.5), path)
     rows = trial.rows(plate(), events, overrides=["mesh.min_quality=0.01"], calibration=unrefreshed())
     if trial.policy == "auto":
-        yield above("frames that a factor served", max(row["age"] for row in rows), 0.3 * min(frames, 1000))
+        yield above("frames that a factor served", max(row["pc_age"] for row in rows), 0.3 * min(frames, 1000))
     yield from sound(rows, residual=1.001e-6)
     back = [rows[k]["q_stretch"] for k in range(801, len(rows) - 1, 800)] or [rows[0]["q_stretch"]]
     # On meshes of 333 triangles that have come there by other ways; each of them is 3 % off the fine one.
@@ -210,7 +210,7 @@ def moved_supports(trial: Trial) -> Iterator[Statement]:
     errors = []
 
     def look(row: dict) -> None:
-        errors.append(np.abs(made.analysis.x - made.analysis.mesh.X * [0.001, -0.002]).max())
+        errors.append(np.abs(made.analysis.x - made.analysis.space.X * [0.001, -0.002]).max())
 
     rows = rows_of(made, look)
     yield below("largest nodal error [m]", max(errors), 1e-11)

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from restshape.physics.laid import rotation
+from restshape.physics.cloth.initial_placement import rotation
 from restshape.scene.bodies import Body, Box, Capsule, Plane, Sphere
 
 PIECES = 48
