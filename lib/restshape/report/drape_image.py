@@ -20,6 +20,8 @@ BEHIND = 0.008
 """Part of the box's diagonal by which bodies are drawn farther away: flat cells cut a little into what is round."""
 OPAQUE = 0.62
 """Part of what lies behind a body that it hides."""
+SHARP = 40.0
+"""Angle from which edges of bodies are seen [degrees]."""
 EDGE = 0.5
 """Width of the cloth's border [points]."""
 
@@ -45,10 +47,10 @@ class DrapeImage(SpaceImage):
         share = (recording.field(i, TENSION) - scenery.bottom) / (scenery.top - scenery.bottom)
         colours = colormaps[COLOURS](np.clip(np.nan_to_num(share), 0.0, 1.0))[:, :3]
         self.scene, self.veil = Scene(self.still), Scene()
-        self.scene.surface(x, cells[:, :3], colours, smooth=True)
+        self.scene.surface(x, cells[:, :3], colours, smooth=180.0)
         self.scene.lines(lines(x, border(cells)), INK, EDGE)
         away = BEHIND * float(np.linalg.norm(scenery.high - scenery.low))
         for body in bodies(recording, i).values():
             surface, triangles = body_surface(body, scenery.low, scenery.high)
             box = scenery.low - away, scenery.high + away
-            self.veil.surface(surface - away * self.camera.axes[2], triangles, BODY, smooth=True, within=box)
+            self.veil.surface(surface - away * self.camera.axes[2], triangles, BODY, smooth=SHARP, within=box)

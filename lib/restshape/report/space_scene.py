@@ -38,8 +38,6 @@ LIGHT = (-0.2, 0.55, 0.81)
 """Where light comes from, as the camera sees it: left, up, near."""
 AMBIENT = 0.55
 """Light that comes from everywhere."""
-SHARP = 40.0
-"""Angle between faces from which an edge of a smooth surface is seen [degrees]."""
 SIDES = 24
 """Of tubes and cones."""
 HEAD = 8.0
@@ -71,7 +69,7 @@ class Scene:
         faces: np.ndarray,
         colours: Any,
         edges: tuple[str, float] | None = None,
-        smooth: bool = False,
+        smooth: float | None = None,
         within: tuple[np.ndarray, np.ndarray] | None = None,
         layer: int = SOLID,
     ) -> None:
@@ -82,19 +80,19 @@ class Scene:
             faces: (m, k) corners, in order around each.
             colours: of all, or (m, 3) of each face, from 0 to 1.
             edges: colour and width [points] of the sides of all faces.
-            smooth: lit as a curved surface, with edges where it is sharp.
+            smooth: lit as a curved surface, but for edges sharper than this angle [degrees]; None: as flat faces.
             within: corners (3,) of a box beyond which it is cut off [m].
             layer: SOLID, GHOST, HALO, MARK or TOP.
         """
         if not len(faces):
             return
         data = _coloured(_poly_data(places, faces=faces), colours)
-        actor = _actor(_smoothed(data) if smooth else data, colours)
+        actor = _actor(data if smooth is None else _smoothed(data, smooth), colours)
         look = actor.GetProperty()
         look.SetAmbient(AMBIENT)
         look.SetDiffuse(1.0 - AMBIENT)
         look.LightingOn()
-        if not smooth:
+        if smooth is None:
             look.SetInterpolationToFlat()
         if edges:
             look.EdgeVisibilityOn()
@@ -292,11 +290,11 @@ def _actor(data: vtkPolyData, colour: Any) -> vtkActor:
     return actor
 
 
-def _smoothed(data: vtkPolyData) -> vtkPolyData:
+def _smoothed(data: vtkPolyData, sharp: float) -> vtkPolyData:
     """The surface with normals at its nodes."""
     normals = vtkPolyDataNormals()
     normals.SetInputData(data)
-    normals.SetFeatureAngle(SHARP)
+    normals.SetFeatureAngle(sharp)
     normals.Update()
     return normals.GetOutput()
 
