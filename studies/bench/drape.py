@@ -125,7 +125,7 @@ def _ended(analysis: RelaxationAnalysis, trace: Trace, over: str) -> dict[str, A
     energies = [energy for energy in trace.energies if energy is not None]
     energy = (energies or [None])[-1] if over else analysis.bound.problem.energy(analysis.x)
     return {
-        "at_rest": not over and report.converged,
+        "converged": not over and report.converged,
         "stable": None if over else report.stable,
         "residual": residual if residual is None else _finite(residual),
         "energy": None if energy is None else _finite(energy),

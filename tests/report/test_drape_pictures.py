@@ -178,7 +178,7 @@ def test_everything_at_rest_lies_within_the_box(recording):
 
 def test_captions_tell_of_rest(recording):
     cloth = recording(0.0, 0.0, 0.0, rests=(1, 0, 1))
-    cloth.table["stable"][2] = 0
+    cloth.table["tangent_positive_definite"][2] = 0
     assert rest_words(cloth, 0) == ("at rest and stable, residual 5e-05", True)
     assert rest_words(cloth, 1) == ("NOT AT REST, residual 5e-05", False)
     assert rest_words(cloth, 2) == ("at rest, but not stable, residual 5e-05", False)
@@ -188,9 +188,9 @@ def test_the_command_draws_cloth_in_space(recording, tmp_path, capsys):
     cloth = recording(0.0, -0.1, -0.2, rests=(1, 1, 0))
     out, data = tmp_path / "out", tmp_path / "report.json"
     assert main(["report", str(cloth.path), "--out", str(out), "--json", str(data)]) == 0
-    assert "at rest: 2 frames, 2 of them stable; not at rest: 1" in capsys.readouterr().out
+    assert "converged: 2 frames, 2 of them stable; not converged: 1" in capsys.readouterr().out
     found = json.loads(data.read_text())
-    assert found["rest"] == {"at_rest": 2, "stable": 2, "not_at_rest": 1}
+    assert found["rest"] == {"converged": 2, "tangent_positive_definite": 2, "not_converged": 1}
     # No levels: only the ball has moved.
     assert [Path(p).name for p in found["pictures"]] == ["frames.png", "timeline.png", "animation.gif"]
     with Image.open(out / "animation.gif") as image:
@@ -204,7 +204,7 @@ def test_moved_bodies_count_as_values(recording):
     assert rows["values"] == 2 and rows["idle"] == 0
 
 
-def test_the_timeline_marks_frames_that_are_not_at_rest(recording, tmp_path, monkeypatch):
+def test_the_timeline_marks_frames_that_are_not_converged(recording, tmp_path, monkeypatch):
     from matplotlib.figure import Figure
 
     figures = []

@@ -127,7 +127,7 @@ def stepped(size: str, length: float, steps: int = STEPS) -> tuple[int, float]:
 
 
 def _stays(row: dict[str, Any]) -> tuple[str, str, str, str]:
-    stays = row["at_rest"] and row["stable"] == 1
+    stays = row["converged"] and row["tangent_positive_definite"] == 1
     return ("at rest, with a tangent that is positive definite", "", "yes" if stays else "no", "")
 
 

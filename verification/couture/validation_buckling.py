@@ -107,7 +107,11 @@ def blade(_comm: PETSc.Comm) -> list[Check]:
         )
     )
     for part in rows:
-        checks.append(Check(f"at {part:g} of it: rests where it stays", rows[part]["stable"], 1, 0, "1: it does"))
+        checks.append(
+            Check(
+                f"at {part:g} of it: rests where it stays", rows[part]["tangent_positive_definite"], 1, 0, "1: it does"
+            )
+        )
     squares = [rows[part]["q_aside"] ** 2 for part in (1.03, 1.06)]
     # Beyond a pitchfork the square of what it opens by grows linearly.
     begin = 1.03 - squares[0] * 0.03 / (squares[1] - squares[0])

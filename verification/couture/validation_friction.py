@@ -30,7 +30,7 @@ def incline(comm: PETSc.Comm) -> list[Check]:
             settings = [f"parameters.slope={slope!r}", f"bodies.ground.friction={mu}", f"effects.drape.steps={MOST}"]
             row = still(SCENES / "incline.toml", settings, comm).row
             source = "Coulomb: it stays where tan(slope) < mu"
-            checks.append(Check(f"mu = {mu:g}, tan(slope) = {part:g} mu: rests", row["at_rest"], rests, 0, source))
+            checks.append(Check(f"mu = {mu:g}, tan(slope) = {part:g} mu: rests", row["converged"], rests, 0, source))
     return checks
 
 

@@ -45,11 +45,11 @@ LIMITS = "Purple heading: the piece holds, but a quantity is beyond its limit; r
 
 def badness(recording: Recording) -> np.ndarray:
     """How far each frame (n,) is from holding: above 1 where a joint breaks or the piece falls; nan: not judged."""
-    tips = 1.0 - column(recording, "margin")
-    worst = np.fmax(column(recording, "use"), tips)
-    judged = np.array([bool(word) for word in recording.table["verdict"]]) & ~refused(recording)
+    tips = 1.0 - column(recording, "stability_margin")
+    worst = np.fmax(column(recording, "utilisation"), tips)
+    judged = np.array([bool(word) for word in recording.table["constraint_status"]]) & ~refused(recording)
     # What has lost a joint has no forces, and a part without feet no margin.
-    fails = np.array([word not in ("", HOLDS) for word in recording.table["verdict"]])
+    fails = np.array([word not in ("", HOLDS) for word in recording.table["constraint_status"]])
     return np.where(judged, np.where(fails, np.fmax(worst, 1.0), worst), np.nan)
 
 
@@ -128,12 +128,12 @@ def worst_case(furniture: Furniture) -> int:
 def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
     """What a frame is, in lines, and their colour, which tells whether it holds."""
     table = recording.table
-    lines = [f"frame {i}, t = {recording.times[i]:.2f} s: {table['do'][i]} (line {table['line'][i]})"]
+    lines = [f"frame {i}, t = {recording.times[i]:.2f} s: {table['event'][i]} (line {table['line'][i]})"]
     if name := str(table["parameter"][i]):
         factor, unit = UNITS[unit_of(name)]
         far = f"{factor * float(table['at'][i]):+.4g} {unit}".replace("-", "\N{MINUS SIGN}")
         lines += wrap(f"{name} {far}", LETTERS, max_lines=1, placeholder=" …")
-    verdict, broken = str(table["verdict"][i]), str(table["broken"][i])
+    verdict, broken = str(table["constraint_status"][i]), str(table["violated_constraints"][i])
     words = "holds" if verdict == HOLDS else broken or "not judged"
     words = f"holds, but {words}" if only_limits(verdict, broken) else words
     lines += wrap(words, LETTERS, max_lines=LINES, placeholder=" …")
@@ -150,7 +150,7 @@ def meaning(recording: Recording, chosen: Sequence[int], ranges: bool) -> str:
         ranges: some of them have a range.
     """
     table = recording.table
-    limits = any(only_limits(str(table["verdict"][i]), str(table["broken"][i])) for i in chosen)
+    limits = any(only_limits(str(table["constraint_status"][i]), str(table["violated_constraints"][i])) for i in chosen)
     return ". ".join([MEANING, *([RANGES] if ranges else []), *([LIMITS] if limits else [])])
 
 

@@ -158,20 +158,20 @@ class Replay:
             "index": edit.index,
             "t": edit.t,
             "line": edit.line,
-            "do": edit.do,
+            "event": edit.do,
             "level": advance.level,
             "flips": advance.flips,
             "min_quality": advance.min_quality,
-            "age": report.age,
-            "refreshed": int(report.refreshed),
+            "pc_age": report.age,
+            "pc_rebuilt": int(report.refreshed),
             "iterations": report.iterations,
             "newton": report.newton,
             "preconditioner": report.preconditioner,
             "unknowns": self.analysis.unknowns,
             "elements": len((self.analysis.space if self.known else self.moving.mesh).cells),
             "note": self.prediction.note if self.prediction else "",
-            "verdict": verdict(self.limits, quantities),
-            "broken": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
+            "constraint_status": verdict(self.limits, quantities),
+            "violated_constraints": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
             **{f"q_{name}": value for name, value in quantities.items()},
         }
 
@@ -200,7 +200,7 @@ class Replay:
 
     def _no_report(self) -> LinearReport:
         """The report of a frame that is not solved."""
-        return LinearReport(0, False, self.row["age"], self.row["preconditioner"])
+        return LinearReport(0, False, self.row["pc_age"], self.row["preconditioner"])
 
     def _times(self, row: dict[str, Any], start: float, edited: float, end: float) -> None:
         """Add the milliseconds of the frame; `ms_python` is what no compiled stage took."""

@@ -108,7 +108,7 @@ def drape_scenery(recording: Recording, frames: np.ndarray) -> DrapeScenery:
         frames: indices that are looked at.
     """
     # Cloth that falls for ever is shown on its way out of the box.
-    resting = [i for i in frames if column(recording, "at_rest", 1.0)[i] == 1] or list(frames)
+    resting = [i for i in frames if column(recording, "converged", 1.0)[i] == 1] or list(frames)
     found = [places(recording, int(i)) for i in resting]
     low, high = np.min([x.min(axis=0) for x in found], axis=0), np.max([x.max(axis=0) for x in found], axis=0)
     size = float(np.linalg.norm(high - low))

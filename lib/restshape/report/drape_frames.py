@@ -132,7 +132,7 @@ def seen_window(scenery: DrapeScenery) -> tuple[float, float, float, float]:
 
 def rest_words(recording: Recording, i: int) -> tuple[str, bool]:
     """What is known of a frame's rest, and whether it rests where it stays."""
-    rests, stays = column(recording, "at_rest")[i], column(recording, "stable")[i]
+    rests, stays = column(recording, "converged")[i], column(recording, "tangent_positive_definite")[i]
     residual = column(recording, "residual")[i]
     size = f"residual {residual:.0e}" if np.isfinite(residual) else ""
     if refused(recording)[i]:
