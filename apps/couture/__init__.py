@@ -191,7 +191,7 @@ application = Application(
     },
     implied=CLOTH,
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.relaxation.analysis:RelaxationAnalysis",
+    analysis="restshape.physics.cloth.relaxation.analysis:RelaxationAnalysis",
     directions=("x", "y", "z", "slope"),
     cloth=True,
     nested=True,

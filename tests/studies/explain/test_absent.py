@@ -16,10 +16,10 @@ from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag
 from restshape import _kernels
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import applications
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
 
 STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right" }\n'
 PEAK = 'peak = { stress = "von_mises" }\n'
