@@ -13,7 +13,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.moving import MovingMesh
 from restshape.policy import policy
-from restshape.replay.verdict import HOLDS, limits_of, verdict
+from restshape.replay.constraints import HOLDS, limits_of, verdict
 from restshape.scene.load import load_scene, revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan

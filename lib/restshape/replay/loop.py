@@ -25,7 +25,7 @@ from restshape.replay.prediction import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.sessions import session_of
-from restshape.replay.verdict import both, breaches, limits_of, verdict
+from restshape.replay.constraints import both, breaches, limits_of, verdict
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script
