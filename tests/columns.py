@@ -26,11 +26,11 @@ class Column:
         self.replay = make_replay(write_scene(folder, text))
         next(self.replay.frames())
         self.analysis = self.replay.analysis
-        self.X, self.load_factors = self.analysis.mesh.X.copy(), self.analysis.load_factors.copy()
+        self.X, self.load_factors = self.analysis.space.X.copy(), self.analysis.load_factors.copy()
 
     def move(self, dX: np.ndarray) -> np.ndarray:
         """The load factors of the design whose nodes are dX (n, 2) [m] from where they were."""
-        mesh = self.analysis.mesh
+        mesh = self.analysis.space
         mesh.X[...] = self.X + dX
         self.replay.moving.mesh.geometry += 1
         none = np.empty(0, dtype=np.int32)

@@ -33,6 +33,7 @@ LAYERS = (
     "scene",
     "shape",
     "mesh",
+    "fem",
     "physics",
     "algebra",
     "measurement",

@@ -38,7 +38,7 @@ __all__ = [
 def idle(replay: Replay) -> None:
     """One more frame in which nothing is edited."""
     analysis = replay.analysis
-    analysis.solve(Frame(replay.moving.mesh, NO_CELLS, None, analysis.scene, (None, (0.0, 0.0))))
+    analysis.solve(Frame(replay.moving.mesh, NO_CELLS, None, analysis.state.scene, (None, (0.0, 0.0))))
 
 
 def textbook_newmark(

@@ -191,7 +191,7 @@ application = Application(
     },
     implied=CLOTH,
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.drape:DrapeAnalysis",
+    analysis="restshape.analysis.relaxation.analysis:RelaxationAnalysis",
     directions=("x", "y", "z", "slope"),
     cloth=True,
     nested=True,

@@ -84,7 +84,7 @@ application = Application(
         "regions": REGIONS,
     },
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.modal:ModalAnalysis",
+    analysis="restshape.physics.vibrating_bodies:modal_analysis",
     orders=(2, 1),
     directions=("x", "y", "z", "rx", "ry"),
     layered=True,

@@ -24,17 +24,17 @@ from restshape.sensitivity.parameter import number_at, parameter_derivatives
 def keys_of(analysis: ModalAnalysis) -> list[str]:
     """The numbers that every such scene has: of each material those that are no formula, and all parameters."""
     keys = []
-    for name, material in analysis.scene.material.items():
+    for name, material in analysis.state.scene.material.items():
         own = ["rho"] if material.E is None else ["E", "nu", "rho"]
         own += ["thickness"] if isinstance(material.thickness, int | float) else []
         keys += [f"material.{name}.{key}" for key in own]
-    return keys + [f"parameters.{name}" for name in analysis.scene.parameters]
+    return keys + [f"parameters.{name}" for name in analysis.state.scene.parameters]
 
 
 def along_outline(analysis: ModalAnalysis) -> list[dict[str, Any]]:
     """Of each mode that stands alone, edge by edge: places [m] and the density [Hz/m^2] there."""
     found = []
-    for rank, mode in enumerate(analysis.chosen, 1):
+    for rank, mode in enumerate(analysis.state.modes.chosen, 1):
         if not stands_alone(analysis, int(mode)):
             continue
         edges = {
@@ -52,7 +52,7 @@ def along_outline(analysis: ModalAnalysis) -> list[dict[str, Any]]:
 
 def corners_of(analysis: ModalAnalysis) -> np.ndarray:
     """Places (n, 2) [m] of the corners of the plane mesh."""
-    plane = analysis.mesh
+    plane = analysis.space
     return getattr(plane, "mesh", plane).X
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from restshape_apps.metallophone.stage import add_scene, analysed
 
 from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.pitch import note
 from restshape.errors import UserError
 from restshape.mesh.space import LagrangeSpace
-from restshape.physics.pitch import note
 from restshape.report.modes import draw_modes, draw_outline_density
 from restshape.sensitivity.modal import stands_alone
 from restshape.sensitivity.outline import outline_density
@@ -25,16 +25,16 @@ QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
 
 def draw(analysis: ModalAnalysis, path: Path) -> None:
     """Draw the modes that the scene asks for, each with its frequency and tone."""
-    a4 = analysis.plan.settings("modal").a4
+    a4 = analysis.state.plan.settings("modal").a4
     names = []
     for k, f in enumerate(analysis.frequencies, 1):
         tone, cents = note(float(f), a4)
         names.append(f"mode {k}: {f:.1f} Hz, {tone} {cents:+.0f} cents")
     fields, _ = analysis.fields()
     shapes = np.stack(list(fields.values()))
-    cells = analysis.mesh.cells
+    cells = analysis.space.cells
     triangles = cells if cells.shape[1] == 3 else np.concatenate([cells[:, part] for part in QUARTERS])
-    draw_modes(path, analysis.mesh.X, triangles, shapes, names, analysis.scene.title)
+    draw_modes(path, analysis.space.X, triangles, shapes, names, analysis.state.scene.title)
 
 
 def draw_rasp(analysis: ModalAnalysis, path: Path) -> None:
@@ -43,7 +43,7 @@ def draw_rasp(analysis: ModalAnalysis, path: Path) -> None:
     Raises:
         UserError: others lie so close to it that rasping mixes their modes, which no density tells.
     """
-    first = int(analysis.chosen[0])
+    first = int(analysis.state.modes.chosen[0])
     if not stands_alone(analysis, first):
         f = float(analysis.frequencies[0])
         raise UserError(
@@ -52,11 +52,11 @@ def draw_rasp(analysis: ModalAnalysis, path: Path) -> None:
             "break the symmetry of the shape or of its supports a little, or leave --rasp out",
         )
     found = outline_density(analysis, first)
-    plane = analysis.mesh
+    plane = analysis.space
     mesh = plane.mesh if isinstance(plane, LagrangeSpace) else plane
     density = np.full(len(mesh.X), np.nan)
     density[found.nodes] = found.density
-    title = f"{analysis.scene.title}: {analysis.frequencies[0]:.1f} Hz"
+    title = f"{analysis.state.scene.title}: {analysis.frequencies[0]:.1f} Hz"
     draw_outline_density(path, mesh.X, mesh.cells, mesh.facets, density, title)
 
 

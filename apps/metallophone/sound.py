@@ -18,12 +18,12 @@ from restshape.report.sound import struck, write_wav
 
 def struck_node(analysis: ModalAnalysis, at: Sequence[float] | None) -> int:
     """The node of the plane mesh that is struck: the nearest to a place [m], or where mode 1 moves most inside."""
-    X = analysis.mesh.X
+    X = analysis.space.X
     if at is not None:
         return int(np.argmin(np.linalg.norm(X - np.array(at), axis=1)))
     first = next(iter(analysis.fields()[0].values()))
     size = np.linalg.norm(first, axis=1)
-    size[np.unique(analysis.mesh.facets)] = 0.0
+    size[np.unique(analysis.space.facets)] = 0.0
     return int(np.argmax(size))
 
 
@@ -41,12 +41,12 @@ def main(words: Sequence[str] | None = None) -> int:
             raise UserError("damping is not negative, and time is positive", "--damping, --seconds", "leave them out")
         analysis = analysed(args)
         node = struck_node(analysis, args.at)
-        shapes = analysis.body.shapes(analysis.modes[analysis.chosen])[:, node]
+        shapes = analysis.state.body.shapes(analysis.state.modes.vectors[analysis.state.modes.chosen])[:, node]
         write_wav(args.out, struck(analysis.frequencies, np.linalg.norm(shapes, axis=1), args.damping, args.seconds))
     except UserError as error:
         print(f"sound: {error}", file=sys.stderr)
         return 2
-    x, y = analysis.mesh.X[node]
+    x, y = analysis.space.X[node]
     print(f"wrote {args.out}: struck at ({x:.4g}, {y:.4g}) m, {', '.join(f'{f:.1f}' for f in analysis.frequencies)} Hz")
     return 0
 

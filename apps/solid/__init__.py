@@ -149,7 +149,7 @@ application = Application(
     },
     implied=SOLID,
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.nonlinear:static_analysis",
+    analysis="restshape.physics.elasticity.analyses:steady_analysis",
     orders=(1, 2),
     columns="restshape_apps.solid:columns",
 )

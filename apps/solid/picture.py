@@ -29,15 +29,17 @@ def draw(analysis: BucklingAnalysis, path: Path) -> None:
     """
     count = len(analysis.load_factors)
     if not count:
-        raise UserError("nothing buckles: there is no mode to draw", str(analysis.scene.path), "change the load")
-    mesh, cells = analysis.mesh, analysis.mesh.cells
+        raise UserError(
+            "nothing buckles: there is no mode to draw", str(analysis.state.rest.scene.path), "change the load"
+        )
+    mesh, cells = analysis.space, analysis.space.cells
     triangles = cells if cells.shape[1] == 3 else np.concatenate([cells[:, part] for part in QUARTERS])
     shapes = np.zeros((count, len(mesh.X), 3))
-    shapes[:, :, :2] = analysis.modes.reshape(count, -1, 2)
+    shapes[:, :, :2] = analysis.state.modes.vectors.reshape(count, -1, 2)
     shapes /= np.linalg.norm(shapes, axis=2).max(axis=1)[:, None, None]
     names = [f"load factor {factor:.4g}" for factor in analysis.load_factors]
     size = SHOWN * float(np.ptp(mesh.X, axis=0).max())
-    draw_modes(path, mesh.X, triangles, shapes, names, analysis.scene.title, size)
+    draw_modes(path, mesh.X, triangles, shapes, names, analysis.state.rest.scene.title, size)
 
 
 def main(words: Sequence[str] | None = None) -> int:

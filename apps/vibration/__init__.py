@@ -101,7 +101,7 @@ application = Application(
     },
     implied=SOLID,
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.nonlinear_transient:transient_analysis",
+    analysis="restshape.physics.elasticity.analyses:transient_analysis",
     orders=(1, 2),
     transient=True,
 )

@@ -18,7 +18,9 @@ from restshape_studies.accuracy.state import Sampled, State, state_of
 
 from restshape.algebra.gather import bury
 from restshape.algebra.stages import Stages
+from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.errors import ReplayProblem, UserError
 from restshape.policy import Policy
 from restshape.replay.loop import Replay
@@ -256,15 +258,16 @@ class Afresh:
             ReplayProblem: it has no solution from nothing.
         """
         scene, kept = replay.session.scene, replay.analysis
-        folded = hasattr(kept, "begin_from")
+        folded = isinstance(kept, RelaxationAnalysis)
         if folded:
             scene = revise(scene, "solve.tolerance", max(CLOTH_TIGHTEST, FARTHER * scene.solve.tolerance))
         policy = replace(replay.policy, solver="direct")
         make = self.request.application.make_analysis()
         planned = plan(scene, self.request.application)
-        analysis = make(scene, planned, replay.comm, policy, self.request.calibration, Stages())
+        context = Context(replay.comm, policy, self.request.calibration, Stages())
+        analysis = make(scene, planned, context)
         if folded:
-            analysis.begin_from(kept)
+            analysis.start_from(kept)
         none = np.empty(0, dtype=np.int32)
         analysis.solve(Frame(replay.moving.field_mesh, none, None, scene, (None, (0.0, 0.0)), settled=True))
         row = {f"q_{name}": value for name, value in analysis.observe().items()}

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from restshape_studies.accuracy.grid import Grid, Places
 
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
+
 SPECTRA = {"frequencies": "mode_", "load_factors": "buckling_mode_"}
 """Attribute of an analysis that has eigenvalues, and how the fields of their modes are named."""
 
@@ -59,10 +61,10 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
         outline: (k, 2) control points of the shape [m].
         row: of the frame, with the quantities as q_NAME.
     """
-    if hasattr(analysis, "sheet"):
+    if isinstance(analysis, RelaxationAnalysis):
         return _cloth(analysis, outline, row)
     spectrum = next((name for name in SPECTRA if hasattr(analysis, name)), "")
-    values, shapes = np.empty(0), np.empty((0, len(analysis.mesh.X), 2))
+    values, shapes = np.empty(0), np.empty((0, len(analysis.space.X), 2))
     if spectrum:
         values = np.array(getattr(analysis, spectrum), dtype=float)
         points, _ = analysis.fields()
@@ -71,24 +73,23 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
     displacement = velocity = stiffness = solid = None
     if spectrum != "frequencies":
         body = getattr(analysis, "body", None)
-        displacement, stiffness = analysis.x.copy(), np.zeros((len(analysis.mesh.cells), 4))
-        solid = body.solid if body else analysis.physics
+        displacement, stiffness = analysis.x.copy(), np.zeros((len(analysis.space.cells), 4))
+        solid = body.problem if body else analysis.problem
         stiffness[:, :3] = solid.stiffness_params[..., :3]
         if body:
             velocity = analysis.v.copy()
-            stiffness[:, 3:] = body.inertia.params
-    grid = Grid.of(analysis.mesh)
+            stiffness[:, 3:] = body.mass.params
+    grid = Grid.of(analysis.space)
     large = solid is not None and solid.law == "stvk"
     return State(grid, outline.copy(), displacement, velocity, spectrum, values, shapes, stiffness, large, dict(row))
 
 
 def _cloth(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
     """The positions, as displacements from the flat pattern, that cloth rests at."""
-    sheet, grid = analysis.sheet, Grid.of(analysis.mesh)
-    displacement = sheet.corners(analysis.x) - analysis.flat
-    shape, fabric = (len(grid.cells), 3, 3), sheet.fabric
+    grid, displacement = Grid.of(analysis.space), analysis.fields()[0]["displacement"]
+    shape, fabric = (len(grid.cells), 3, 3), analysis.problem.fabric
     stiffness = np.stack([np.broadcast_to(part, shape) for part in (fabric.membrane, fabric.bending)], axis=1)
-    curvature, none = analysis.estimator.curvatures(analysis.x), np.empty((0, len(grid.X), 3))
+    curvature, none = analysis.error_estimate.curvatures(analysis.x), np.empty((0, len(grid.X), 3))
     state = State(grid, outline.copy(), displacement, None, "", np.empty(0), none, None, True, dict(row))
     return replace(state, curvature=curvature, sheet=stiffness)
 

@@ -12,6 +12,7 @@ from restshape import _kernels
 from restshape.analysis.frame import Frame
 from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
+from restshape.fem.balance import unconstrained_residual
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.sensitivity.static import design_derivative
@@ -41,9 +42,9 @@ class Held:
         self.replay, self.analysis = replay, replay.analysis
         self.scene, self.script = request.scene, request.script
         frames = replay.frames()
-        if not any(replay.foresight.made for _ in frames):
+        if not any(replay.prediction.made for _ in frames):
             raise UserError("the script drags nothing that moves the mesh linearly", str(request.scene.path), "--edits")
-        self.Psi, self.mesh = replay.moving.field_motion, self.analysis.mesh
+        self.Psi, self.mesh = replay.moving.field_motion, self.analysis.space
         self.X, self.x = self.mesh.X.copy(), self.analysis.x.copy()
 
     def farthest(self) -> np.ndarray:
@@ -64,7 +65,7 @@ class Held:
 
     def solve(self, start: np.ndarray) -> Any:
         """Solve where the nodes lie, from a displacement (n, 2) [m]; the analysis's report."""
-        self.analysis.accept(start)
+        self.analysis.predictor.set_values(start)
         return self.analysis.solve(Frame(self.mesh, NO_CELLS, None, self.scene, (None, (0.0, 0.0))))
 
     def derivative(self, Psi: np.ndarray) -> np.ndarray:
@@ -133,16 +134,16 @@ def _central(held: Held, dX: np.ndarray, h: float) -> np.ndarray:
 
 def _semi(held: Held, dX: np.ndarray, h: float) -> np.ndarray:
     """Forces by differences at constant displacement, then one solve with the tangent."""
-    physics = held.analysis.physics
+    physics = held.analysis.problem
     forces, places = [], []
     for part in (h, 0.0):
         if not held.lay(part * dX):
             raise ReplayProblem("a triangle is inverted")
-        physics.move()
+        physics.update()
         x = held.x.copy()
-        x.ravel()[physics.constrained] = physics.prescribed.ravel()[physics.constrained]
-        forces.append(physics.imbalance(x))
-        places.append(physics.prescribed.copy())
+        physics.boundary.apply(x)
+        forces.append(unconstrained_residual(physics, x))
+        places.append(physics.boundary.values.copy())
     held.solve(held.x)
     return held.analysis.linear_solve((forces[1] - forces[0]) / h, EXACT) + (places[0] - places[1]) / h
 

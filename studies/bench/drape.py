@@ -9,11 +9,14 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.bench.events import EventCounts
 
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.rest import Rest
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
+from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
 from restshape.errors import ReplayProblem, UserError
+from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.problem import ClothProblem
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
+from restshape.scene.model import Scene
 
 COUNTED = {"factors": "MatCholFctrNum", "applications": "MatSolve"}
 
@@ -34,7 +37,7 @@ class Trace:
             where the membrane is soft, or the mesh a coarser one.
     """
 
-    def __init__(self, analysis: DrapeAnalysis, limit: float) -> None:
+    def __init__(self, analysis: RelaxationAnalysis, limit: float) -> None:
         self.analysis, self.limit = analysis, limit
         self.seconds: list[float] = []
         self.residuals: list[float | None] = []
@@ -47,7 +50,7 @@ class Trace:
         """Seconds of the run."""
         return perf_counter() - self.start - self.aside
 
-    def __call__(self, rest: Rest, x: np.ndarray, residual: float) -> None:
+    def __call__(self, solver: EquilibriumSolver, x: np.ndarray, residual: float) -> None:
         """Take an iterate down.
 
         Raises:
@@ -56,8 +59,8 @@ class Trace:
         begun, spent = perf_counter(), self.clock
         self.seconds.append(spent)
         self.residuals.append(_finite(residual))
-        own = rest.sheet is self.analysis.sheet and rest.sheet.softness == 1.0
-        self.energies.append(_finite(rest.sheet.energy(x)) if own else None)
+        own = solver.problem is self.analysis.bound.problem and solver.problem.softness == 1.0
+        self.energies.append(_finite(solver.problem.energy(x)) if own else None)
         self.aside += perf_counter() - begun
         if spent > self.limit:
             raise Over(f"{self.limit:g} s are over")
@@ -65,8 +68,8 @@ class Trace:
     def end(self, seconds: float) -> None:
         """Take down where the run has come to: the last iterate of a method, or what friction has made of it."""
         self.seconds.append(seconds)
-        self.residuals.append(_finite(self.analysis.arrival.residual))
-        self.energies.append(_finite(self.analysis.sheet.energy(self.analysis.x)))
+        self.residuals.append(_finite(self.analysis.state.report.residual))
+        self.energies.append(_finite(self.analysis.problem.energy(self.analysis.x)))
 
 
 def measure(request: Request, seconds: float) -> dict[str, Any]:
@@ -87,7 +90,7 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
     PETSc.Log.begin()
     replay = Replay.of(request, PETSc.COMM_WORLD)
     analysis = replay.analysis
-    if not isinstance(analysis, DrapeAnalysis):
+    if not isinstance(analysis, RelaxationAnalysis):
         raise UserError("the scene has no cloth that comes to rest", str(request.scene.path), "name one of couture")
     counts = EventCounts(tuple(COUNTED.values()))
     begun, trace, over = process_time(), Trace(analysis, seconds), ""
@@ -108,25 +111,26 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
         "seconds": spent,
         "busy": busy,
         **{name: events[event] for name, event in COUNTED.items()},
-        "laid": _laid(analysis),
-        "unknowns": int(analysis.x.size),
-        "elements": len(analysis.sheet.mesh.cells),
+        "laid": _initial_energy(analysis.bound.problem, request.scene),
+        "unknowns": int(analysis.bound.x.size),
+        "elements": len(analysis.bound.problem.mesh.cells),
         "trace": {"seconds": trace.seconds, "residuals": trace.residuals, "energies": trace.energies},
     }
 
 
-def _ended(analysis: DrapeAnalysis, trace: Trace, over: str) -> dict[str, Any]:
+def _ended(analysis: RelaxationAnalysis, trace: Trace, over: str) -> dict[str, Any]:
     """How a run ended, by itself or not."""
-    arrival, residual = analysis.arrival, trace.residuals[-1] if over and trace.residuals else analysis.arrival.residual
+    report = analysis.state.report
+    residual = trace.residuals[-1] if over and trace.residuals else report.residual
     energies = [energy for energy in trace.energies if energy is not None]
-    energy = (energies or [None])[-1] if over else analysis.sheet.energy(analysis.x)
+    energy = (energies or [None])[-1] if over else analysis.bound.problem.energy(analysis.x)
     return {
-        "at_rest": not over and arrival.at_rest,
-        "stable": None if over else arrival.stable,
+        "at_rest": not over and report.converged,
+        "stable": None if over else report.stable,
         "residual": residual if residual is None else _finite(residual),
         "energy": None if energy is None else _finite(energy),
-        "steps": len(trace.seconds) if over else arrival.steps,
-        "why": over or arrival.why,
+        "steps": len(trace.seconds) if over else report.steps,
+        "why": over or report.why,
     }
 
 
@@ -134,7 +138,7 @@ def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _laid(analysis: DrapeAnalysis) -> float:
-    """The energy [J] of the weight where the cloth is laid, flat and without scatter."""
-    sheet = analysis.sheet
-    return -float(sheet.mass[sheet.number] @ (analysis.laid.places(analysis.sheet.mesh.X) @ sheet.g))
+def _initial_energy(cloth: ClothProblem, scene: Scene) -> float:
+    """The energy [J] of the weight at the initial placement, flat and without scatter."""
+    places = InitialPlacement(scene.start, scene.parameters).places(cloth.mesh.X)
+    return -float(cloth.lumped.mass[cloth.corner_number] @ (places @ cloth.g))

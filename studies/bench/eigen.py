@@ -49,10 +49,10 @@ class Contest:
         self.own = EigenSolver("auto", solver.tolerance, self.request.calibration, self.stages)
         self.near, self.definite = Pencil(self.stages), Pencil(self.stages)
         for rival in self.rivals:
-            rival.history = [analysis.modes]
+            rival.history = [analysis.state.modes.vectors]
         self._take(analysis, True)
-        self.own.restart(analysis.modes)
-        self.own.solve(*self.system, analysis.count, True)
+        self.own.restart(analysis.state.modes.vectors)
+        self.own.solve(*self.system, analysis.state.count, True)
         self._refresh()
 
     def frame(self, analysis: ModalAnalysis) -> None:
@@ -60,15 +60,16 @@ class Contest:
         self._take(analysis, False)
         self.frames += 1
         self.turn += 1
-        self.unknowns, self.count = self.near.size, analysis.count
+        self.unknowns, self.count = self.near.size, analysis.state.count
         tolerance = analysis.solver.tolerance
         start = perf_counter()
-        found, report = self.own.solve(*self.system, analysis.count, False)
+        found, report = self.own.solve(*self.system, analysis.state.count, False)
         self._note(OURS, 1e3 * (perf_counter() - start), report.iterations, found.residuals, analysis)
         shared = 0.0
         if report.refreshed:
             shared = 1e3 * self._refresh()
-        frame = Frame(self.near, self.definite, Deflation(self.system[2], self.near), analysis.count, SPARE, tolerance)
+        deflation = Deflation(self.system[2], self.near)
+        frame = Frame(self.near, self.definite, deflation, analysis.state.count, SPARE, tolerance)
         for k in range(len(self.rivals)):
             self._compete(self.rivals[(k + self.turn) % len(self.rivals)], frame, shared, analysis)
 
@@ -78,7 +79,7 @@ class Contest:
             found = rival.solve(frame)
         except (ReplayProblem, PETSc.Error, np.linalg.LinAlgError):
             self.problems[rival.name] += 1
-            rival.history = [analysis.modes]
+            rival.history = [analysis.state.modes.vectors]
             return
         ms = 1e3 * (perf_counter() - start)
         # Krylov-Schur makes its own factor; the others live on one that is made when ours is.
@@ -94,16 +95,16 @@ class Contest:
         analysis: ModalAnalysis,
         values: np.ndarray | None = None,
     ) -> None:
-        wanted, error = analysis.count, 0.0
+        wanted, error = analysis.state.count, 0.0
         if values is not None:
-            error = float(np.max(np.abs(np.sqrt(values[:wanted] / analysis.values[:wanted]) - 1.0)))
+            error = float(np.max(np.abs(np.sqrt(values[:wanted] / analysis.state.modes.values[:wanted]) - 1.0)))
         row = {"ms": ms, "substitutions": substitutions, "residual": float(residuals[:wanted].max()), "error": error}
         self.rows[name].append(row)
 
     def _take(self, analysis: ModalAnalysis, new_system: bool) -> None:
         pencil = analysis.solver.pencil
-        self.system = (pencil.stiffness, pencil.mass, analysis.body.rigid())
-        self.lowest = float(analysis.values[0])
+        self.system = (pencil.stiffness, pencil.mass, analysis.state.body.free_rigid_motions())
+        self.lowest = float(analysis.state.modes.values[0])
         for own in (self.near, self.definite):
             own.take(pencil.stiffness, pencil.mass, new_system)
 
@@ -151,7 +152,7 @@ def measure(request: Request) -> Row:
     contest, size = Contest(request), None
     for row in replay.frames():
         analysis = replay.analysis
-        now = (id(analysis.mesh), analysis.unknowns, analysis.count)
+        now = (id(analysis.space), analysis.unknowns, analysis.state.count)
         if row["refused"] or not row["level"]:
             continue
         if now != size:

@@ -134,9 +134,10 @@ def _replay(replay: Replay) -> list[Segment]:
 
 def _segment(solver: LinearSolver) -> Segment:
     """An empty segment with the preconditioner that the solver has just made."""
-    price = prices(solver.kind, solver.size, solver.filled or solver.size.nonzeros, solver.calibration)
-    levels = solver.candidate.levels if solver.candidate else 0
-    return Segment(solver.kind, levels, *price)
+    kept = solver.kept
+    price = prices(kept.kind, kept.size, kept.filled or kept.size.nonzeros, kept.choice.calibration)
+    levels = kept.candidate.levels if kept.candidate else 0
+    return Segment(kept.kind, levels, *price)
 
 
 def _refresh_costs(segment: Segment) -> np.ndarray:

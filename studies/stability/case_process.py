@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 from restshape_studies.stability.watched import READY, Telling
+
 from restshape.surroundings import start_petsc
 
 

@@ -34,7 +34,7 @@ def solved(mat: PETSc.Mat, b: PETSc.Vec, kind: str, prefix: str) -> tuple[float,
 def test_fill_and_iterations(tmp_path, size):
     made = make_replay(write_scene(tmp_path, plate(size)), overrides=["mesh.order=2"])
     rows_of(made)
-    mat, b = made.analysis.mat, made.analysis.b
+    mat, b = made.analysis.state.system.mat, made.analysis.state.system.b
     system = Size(mat.getSize()[0], mat.getInfo()["nz_used"])
     assert system.width > 1.5
     choice = Choice(Calibration.load())

@@ -64,21 +64,21 @@ def test_inertia_counts_eigenvalues_below_a_shift():
 @pytest.mark.parametrize("model", ["plane", "tet4", "tet10", "plate"])
 def test_modes_are_those_of_a_dense_solver(model):
     analysis = solved(model)
-    K, M = (m.toarray() for m in analysis.matrices())
-    free = analysis.body.mask.ravel() == 0
+    K, M = (m.toarray() for m in analysis.state.matrices.gather())
+    free = analysis.state.body.boundary.mask.ravel() == 0
     values = eigh(K[np.ix_(free, free)], M[np.ix_(free, free)], eigvals_only=True)
-    rigid = len(analysis.body.rigid())
+    rigid = len(analysis.state.body.free_rigid_motions())
     assert np.abs(values[:rigid]).max(initial=0.0) < 1e-6 * values[rigid]
     # LAPACK's own error is rounding of the largest eigenvalue.
-    expected, rounding = values[rigid : rigid + analysis.count], 1e-15 * values[-1]
-    assert np.all(np.abs(analysis.values[: analysis.count] - expected) < 1e-9 * expected + rounding)
+    expected, rounding = values[rigid : rigid + analysis.state.count], 1e-15 * values[-1]
+    assert np.all(np.abs(analysis.state.modes.values[: analysis.state.count] - expected) < 1e-9 * expected + rounding)
 
 
 @pytest.mark.parametrize("model", ["plane", "tet4", "tet10", "plate"])
 def test_modes_have_unit_mass_and_no_rigid_part(model):
     analysis = solved(model)
-    K, M = analysis.matrices()
-    modes, rigid = analysis.modes, analysis.body.rigid()
+    K, M = analysis.state.matrices.gather()
+    modes, rigid = analysis.state.modes.vectors, analysis.state.body.free_rigid_motions()
     assert modes @ (M @ modes.T) == pytest.approx(np.eye(len(modes)), abs=1e-9)
     if len(rigid):
         parts = modes @ (M @ rigid.T) / np.sqrt(np.einsum("in,ni->i", rigid, M @ rigid.T))
@@ -104,9 +104,9 @@ def test_mode_that_the_start_knows_nothing_of_is_counted_and_found():
     first, _ = auto.solve(K, M, rigid, 2, True)
     # The lowest mode is taken out of all that is remembered, and a symmetric matrix never mixes it in again.
     auto.history = [first.modes[1:].copy()]
-    auto.uncounted = 10**6
+    auto.unchecked = 10**6
     found, report = auto.solve(K, M, rigid, 2, False)
-    assert report.missed == 1
+    assert report.missed_modes == 1
     assert found.values[:2] == pytest.approx(chain_values(40, 2), rel=1e-10)
 
 
@@ -121,7 +121,7 @@ def test_first_frame_of_equal_bodies_has_each_eigenvalue_as_often_as_there_are_b
     )
     exact = np.repeat(4.0 * np.sin(np.arange(1, n + 1) * np.pi / (2 * (n + 1))) ** 2, copies)
     assert found.values[:count] == pytest.approx(exact[:count], rel=1e-10)
-    assert report.counted and np.all(found.residuals[:count] <= 1e-8)
+    assert report.inertia_checked and np.all(found.residuals[:count] <= 1e-8)
 
 
 @pytest.mark.parametrize("method", ["auto", "direct"])
@@ -134,8 +134,8 @@ def test_body_whose_mode_comes_down_is_found_where_a_count_is_asked_for(method):
     for frame in range(9):
         softer = 60.0 * 0.5**frame
         K = matrix(np.block([[chain, still], [still, softer * chain]]))
-        found, report = own.solve(K, mass, rigid, 2, frame == 0, certain=frame == 8)
-    assert report.counted
+        found, report = own.solve(K, mass, rigid, 2, frame == 0, verify=frame == 8)
+    assert report.inertia_checked
     assert found.values[:2] == pytest.approx(softer * lowest, rel=1e-9)
 
 

@@ -5,8 +5,10 @@ import pytest
 from petsc4py import PETSc
 
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.newton import INDEFINITE, MOST_SEARCHED, Newton
+from restshape.algebra.newton import Newton
+from restshape.algebra.newton_convergence import INDEFINITE, MOST_SEARCHED
 from restshape.algebra.stages import Stages
+from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
 COUPLED = np.array([[2.0, 1.0, 0.0], [0.5, 3.0, -1.0], [0.0, 1.0, 2.0]])
@@ -20,7 +22,7 @@ class System:
         self.r, self.jacobian, self.of = r, jacobian, energy
         self.potential, self.held = energy is not None, np.empty(0, dtype=np.int64)
         self.mat: PETSc.Mat | None = None
-        self.tangents = self.residuals = 0
+        self.tangents = self.residuals = self.version = 0
 
     def residual(self, x, out):
         self.residuals += 1
@@ -48,7 +50,7 @@ class System:
 def newton_of(system, n, method="direct", tolerance=1e-10):
     calibration = Calibration.load()
     linear = LinearSolver(
-        PETSc.COMM_SELF, "newton_test_", method, tolerance, calibration, Stages(), symmetric=system.potential
+        PETSc.COMM_SELF, "newton_test_", method, tolerance, calibration, Stages(), traits=Traits(system.potential)
     )
     newton = Newton(PETSc.COMM_SELF, "newton_test_", linear, (n, 1), slice(0, n))
     newton.take(system)

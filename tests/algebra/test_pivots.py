@@ -6,6 +6,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import Stages
+from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
 SIZE = 40
@@ -22,7 +23,9 @@ def grid_matrix(negative, skew, seed):
 
 
 def solver(symmetric):
-    return LinearSolver(PETSc.COMM_SELF, "pivots_", "stale", 1e-8, Calibration.load(), Stages(), symmetric=symmetric)
+    return LinearSolver(
+        PETSc.COMM_SELF, "pivots_", "stale", 1e-8, Calibration.load(), Stages(), traits=Traits(symmetric)
+    )
 
 
 def petsc(A):

@@ -20,7 +20,7 @@ MOVED = [{"do": "idle", "frames": 3}, *drag("right_top", (5.7, 16.6), across((5.
 def directly(analysis, rest):
     """The solution of the step's own equations by a complete factor, as `conjugate_steps` is asked for it."""
     stiffness, mass, damping = analysis.matrices()
-    newmark, free = analysis.newmark, ~analysis.body.held.ravel()
+    newmark, free = analysis.state.integration.scheme, ~analysis.body.held.ravel()
     found = np.zeros_like(rest)
     found[free] = splu((stiffness + newmark.a0 * mass + newmark.a1 * damping).tocsc()).solve(rest[free])
     return found
@@ -34,7 +34,7 @@ def test_error_of_a_time_step_with_an_incomplete_factor(tmp_path, monkeypatch, p
         if row["index"]:
             with monkeypatch.context() as changed:
                 changed.setattr(time_error, "conjugate_steps", lambda _, __, rest: directly(replay.analysis, rest))
-                ratios.append(row["estimate_time"] / replay.analysis.estimate_time())
+                ratios.append(row["estimate_time"] / replay.analysis.errors()["estimate_time"])
     assert len(ratios) == 9
     np.testing.assert_allclose(ratios, 1.0, atol=0.02)
 
@@ -122,11 +122,11 @@ def test_a_new_mesh_on_which_nothing_had_to_be_solved_for(tmp_path, monkeypatch)
     replay = make_replay(write_scene(tmp_path, STIFF_INSIDE), script, "rebuild")
     unsolved = 0
     for row in replay.frames():
-        if row["index"] and row["unknowns"] != replay.analysis.solver.size.unknowns:
+        if row["index"] and row["unknowns"] != replay.analysis.solver.kept.size.unknowns:
             unsolved += 1
             with monkeypatch.context() as changed:
                 changed.setattr(time_error, "conjugate_steps", lambda _, __, rest: directly(replay.analysis, rest))
-                right = replay.analysis.estimate_time()
+                right = replay.analysis.errors()["estimate_time"]
             assert row["estimate_time"] == pytest.approx(right, rel=0.02)
     assert unsolved == 1
 

@@ -19,7 +19,7 @@ def swinging(tmp_path, *parts, name="auto", dt=0.01, steps=5, script=None, **mor
 
 def work_of_weight(analysis, g):
     """What gravity along x has done on the tower [J]: on a triangle, what it does at its centre."""
-    X, cells = analysis.mesh.X, analysis.mesh.cells
+    X, cells = analysis.space.X, analysis.space.cells
     corners = X[cells]
     areas = 0.5 * np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     return 0.1 * 1000 * g * float(areas @ analysis.x[cells, 0].mean(axis=1))
@@ -110,7 +110,7 @@ def test_a_failed_step_leaves_the_motion_as_it_was(tmp_path):
     idle(made)
     analysis = made.analysis
     x, v, time = analysis.x.copy(), analysis.v.copy(), analysis.time
-    analysis.body.solid.params[3] = 1e12
+    analysis.body.problem.params[3] = 1e12
     with pytest.raises(ReplayProblem, match="smaller"):
         idle(made)
     np.testing.assert_array_equal(analysis.x, x)

@@ -8,7 +8,7 @@ from restshape_verification.solid.elastica import stretched_elastica
 from scipy.integrate import solve_bvp
 from small_scenes import make_replay, rows_of, write_scene
 
-from restshape.algebra.newton import Outcome
+from restshape.algebra.newton_convergence import Outcome
 from restshape.analysis.load_stepping import SEARCHED, SHORTEST, step_load
 from restshape.application import application
 from restshape.errors import UserError

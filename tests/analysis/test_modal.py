@@ -78,8 +78,8 @@ def test_modes_in_the_plane_are_left_out_unless_asked_for():
         still(SCENES / "bar_200.toml", [*overrides, f"effects.modal.in_plane={flag}"]).analysis
         for flag in ("false", "true")
     )
-    assert np.all(out.shares[out.chosen] > 0.95)
-    inside = all_modes.shares[all_modes.chosen] < 0.05
+    assert np.all(out.state.modes.participation[out.state.modes.chosen] > 0.95)
+    inside = all_modes.state.modes.participation[all_modes.state.modes.chosen] < 0.05
     assert inside.sum() == 1
     # The bar's bending in its own plane, by p-FEM of 3D elasticity.
     assert all_modes.frequencies[inside][0] == pytest.approx(3648.2, rel=5e-3)
@@ -110,9 +110,9 @@ def test_thin_plate_does_not_lock():
 
 
 def test_supports_leave_the_rigid_motions_that_they_do():
-    assert len(solved("plate").body.rigid()) == 3
-    assert len(solved("tet4").body.rigid()) == 6
-    assert len(solved("plane").body.rigid()) == 0
+    assert len(solved("plate").state.body.free_rigid_motions()) == 3
+    assert len(solved("tet4").state.body.free_rigid_motions()) == 6
+    assert len(solved("plane").state.body.free_rigid_motions()) == 0
 
 
 @pytest.mark.parametrize(

@@ -11,10 +11,10 @@ from restshape.replay.still import still
 
 def exact(analysis) -> np.ndarray:
     """All frequencies [Hz] of the free unknowns by LAPACK, ascending, rigid ones left out."""
-    K, M = (m.toarray() for m in analysis.matrices())
-    free = analysis.body.mask.ravel() == 0
+    K, M = (m.toarray() for m in analysis.state.matrices.gather())
+    free = analysis.state.body.boundary.mask.ravel() == 0
     values = eigh(K[np.ix_(free, free)], M[np.ix_(free, free)], eigvals_only=True)
-    return np.sqrt(values[len(analysis.body.rigid()) :]) / (2 * np.pi)
+    return np.sqrt(values[len(analysis.state.body.free_rigid_motions()) :]) / (2 * np.pi)
 
 
 @pytest.mark.parametrize("name", ["auto", "refactor", "thesis"])
@@ -22,8 +22,8 @@ def test_a_coarse_plate_with_many_modes(name):
     """Its 35 free unknowns have 35 modes; those of the held ones, which K and M have rows of, lie among them."""
     over = ["mesh.size=3", "effects.modal.modes=20", f"solve.policy={name}"]
     analysis = still(SCENES / "supported.toml", over).analysis
-    held = analysis.body.mask.ravel() == 1
-    assert held.any() and not analysis.modes[:, held].any()
+    held = analysis.state.body.boundary.mask.ravel() == 1
+    assert held.any() and not analysis.state.modes.vectors[:, held].any()
     assert analysis.frequencies == pytest.approx(exact(analysis)[:20], rel=1e-6)
 
 
@@ -53,5 +53,5 @@ fix = ["z", "rx", "ry"]
     scene.write_text(text.replace("[material.aluminium]", ring + "[material.aluminium]"))
     over = ["effects.modal.model=plate", 'mesh.size="8 mm"', "effects.modal.modes=15", "solve.tolerance=1e-6"]
     analysis = still(scene, over).analysis
-    assert analysis.report.counted
+    assert analysis.state.report.inertia_checked
     assert analysis.frequencies == pytest.approx(exact(analysis)[:15], rel=1e-5)

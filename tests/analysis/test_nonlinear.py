@@ -6,7 +6,7 @@ from large import LARGE, WALL, beam, gravity, solid
 from small_scenes import HEAD, HOLE, across, block, drag, make_replay, meshed, rows_of, write_scene, write_script
 
 from restshape.analysis.guess import CurvedGuess
-from restshape.analysis.nonlinear import NonlinearStatic
+from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
 from restshape.policy import POLICIES
 from restshape.replay.parity import Parity
 
@@ -48,7 +48,7 @@ def test_an_even_stretch_is_met_in_every_frame_of_a_drag(tmp_path, name):
     made = make_replay(write_scene(tmp_path, held_all_around(STRETCH)), script, name)
     for row in made.frames():
         assert not row["refused"]
-        np.testing.assert_allclose(made.analysis.x, made.analysis.mesh.X @ STRETCH.T, atol=1e-9)
+        np.testing.assert_allclose(made.analysis.x, made.analysis.space.X @ STRETCH.T, atol=1e-9)
         assert row["residual"] < 1.5e-11
 
 
@@ -57,9 +57,9 @@ def test_the_residual_that_is_told_is_that_of_the_displacement(tmp_path, predict
     made = bent(tmp_path, predict=predict)
     for row in made.frames():
         analysis = made.analysis
-        lacking = np.linalg.norm(analysis.equations.whole_residual(analysis.x))
+        lacking = np.linalg.norm(analysis.state.equations.whole_residual(analysis.x))
         # Predicted frames are held against the load of the last solved one.
-        load = analysis.scale if row["predicted"] else np.linalg.norm(analysis.equations.load())
+        load = analysis.state.scale if row["predicted"] else np.linalg.norm(analysis.state.equations.load())
         assert row["residual"] == pytest.approx(lacking / load, rel=1e-6)
 
 
@@ -67,7 +67,7 @@ def test_the_residual_that_is_told_is_that_of_the_displacement(tmp_path, predict
 def test_a_turned_body_has_no_energy(tmp_path, angle):
     made = make_replay(write_scene(tmp_path, held_all_around(turned(angle))))
     (row,) = rows_of(made)
-    np.testing.assert_allclose(made.analysis.x, made.analysis.mesh.X @ turned(angle).T, atol=1e-8)
+    np.testing.assert_allclose(made.analysis.x, made.analysis.space.X @ turned(angle).T, atol=1e-8)
     assert abs(row["q_energy"]) < 1e-6
 
 
@@ -121,14 +121,14 @@ def test_linear_solve_is_the_derivative_of_the_answer(tmp_path, wind):
         return made.analysis
 
     analysis, h = at(-10.0), 1e-3
-    assert isinstance(analysis, NonlinearStatic)
+    assert isinstance(analysis, NonlinearSteadyAnalysis)
     rest = np.zeros_like(analysis.x)
-    per_g = at(-11.0).equations.whole_residual(rest) - analysis.equations.whole_residual(rest)
+    per_g = at(-11.0).state.equations.whole_residual(rest) - analysis.state.equations.whole_residual(rest)
     found = analysis.linear_solve(per_g, 1e-10)
     wanted = (at(-10.0 + h).x - at(-10.0 - h).x) / (2 * h)
     np.testing.assert_allclose(found, wanted, atol=1e-6 * np.abs(wanted).max())
     # The solve stands beside the frames: the solution is what it was.
-    assert analysis.residual() <= 1e-11
+    assert analysis.residual_norm() <= 1e-11
 
 
 def test_the_next_frame_goes_on_from_what_was_accepted(tmp_path):
@@ -137,9 +137,9 @@ def test_the_next_frame_goes_on_from_what_was_accepted(tmp_path):
     for _ in range(6):
         row = next(rows)
     analysis, solved = made.analysis, made.analysis.x.copy()
-    analysis.accept(solved + 1e-3 * np.sin(7 * analysis.mesh.X))
+    analysis.predictor.set_values(solved + 1e-3 * np.sin(7 * analysis.space.X))
     assert analysis.observe()["y"] != row["q_y"]
-    assert analysis.residual() > 1e-6
+    assert analysis.residual_norm() > 1e-6
     after = next(rows)
     assert after["residual"] <= 1e-6 and after["newton"] >= 1
     fresh = rows_of(bent(tmp_path, name="refactor"))[after["index"]]

@@ -14,7 +14,7 @@ def test_a_tolerance_below_rounding_is_told(tolerance, reached):
     # Forces along a strip of 1:100 are 10^4 times those that bend it, and so is their rounding.
     scene = application("solid").folder / "scenes" / "elastica.toml"
     made = still(scene, ["parameters.load=10", f"solve.tolerance={tolerance}"])
-    row, equations = made.row, made.analysis.equations
+    row, equations = made.row, made.analysis.state.equations
     assert ("out of reach" in row["note"]) == (not reached)
     # What the row tells is the residual over the load itself, whatever could be reached.
     left, load = (np.linalg.norm(equations.whole_residual(x)) for x in (made.analysis.x, 0 * made.analysis.x))
@@ -32,7 +32,7 @@ def test_a_drag_goes_on_where_rounding_ends_each_frame(tmp_path):
     areas = []
 
     def look(row):
-        X, cells = made.analysis.mesh.X, made.analysis.mesh.cells
+        X, cells = made.analysis.space.X, made.analysis.space.cells
         a, b = (X[cells[:, k]] - X[cells[:, 0]] for k in (1, 2))
         areas.append(0.5 * np.abs(np.cross(a, b)).sum())
 

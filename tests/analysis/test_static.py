@@ -30,10 +30,10 @@ def test_patch_test_in_every_frame_of_a_drag(tmp_path, name):
     made = make_replay(write_scene(tmp_path, PATCH), script, name)
     places = []
     for row in made.frames():
-        X = made.analysis.mesh.X
+        X = made.analysis.space.X
         np.testing.assert_allclose(made.analysis.x, X @ A.T, atol=1e-13)
         assert row["residual"] < 1.1e-12
-        places.append(X[made.analysis.mesh.nodes_of("window")].mean(axis=0))
+        places.append(X[made.analysis.space.nodes_of("window")].mean(axis=0))
     np.testing.assert_allclose(places[-1], [0.7, 0.6], atol=1e-2)
 
 

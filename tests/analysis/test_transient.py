@@ -6,8 +6,11 @@ from scipy.sparse.linalg import spsolve
 from small_scenes import across, drag, make_replay, rows_of, write_script
 from vibrating import DAMPED, SHAKEN, dynamics, idle, textbook_newmark, tower
 
-from restshape.analysis.carry import project_velocity
 from restshape.analysis.frequencies import lowest_modes
+from restshape.analysis.velocity_projection import project_velocity
+from restshape.fem.assembled import Assembled
+from restshape.fem.balance import dead_loads
+from restshape.fem.problem import INTERNAL
 from restshape.replay.parity import Parity
 
 PULLED = "\n[loads.pull]\non = 'right'\ntraction = ['300 Pa', '-100 Pa']\n"
@@ -28,10 +31,10 @@ def test_steps_are_those_of_the_textbook(tmp_path, mass, beta, gamma, steps):
     analysis, body = replay.analysis, replay.analysis.body
     free = ~body.held.ravel()
     direction = np.array([2.0, 1.0]) / np.sqrt(5)
-    uniform = body.inertia.apply(np.tile(direction, (len(free) // 2, 1))).ravel()[free]
+    uniform = body.mass.apply(np.tile(direction, (len(free) // 2, 1))).ravel()[free]
     static = np.zeros_like(body.static)
-    body.solid.loads(static)
-    static -= body.solid.residual(np.zeros_like(static))
+    dead_loads(body.problem, static)
+    static -= Assembled(body.problem.integrals(INTERNAL)).residual(np.zeros_like(static))
 
     def force(t: float) -> np.ndarray:
         return static.ravel()[free] - 3.0 * np.sin(2 * np.pi * 4.0 * t) * uniform
@@ -51,11 +54,11 @@ def test_steady_motion_is_the_discrete_harmonic_response(tmp_path):
     for _ in range(8):
         idle(replay)
     analysis, body = replay.analysis, replay.analysis.body
-    analysis.steps = 1
+    analysis.set_integration(steps=1)
     free = ~body.held.ravel()
     stiffness, mass, damping = analysis.matrices()
     s = 2 / dt * np.tan(0.5 * omega * dt)
-    uniform = body.inertia.apply(np.tile(np.array([2.0, 1.0]) / np.sqrt(5), (len(free) // 2, 1))).ravel()[free]
+    uniform = body.mass.apply(np.tile(np.array([2.0, 1.0]) / np.sqrt(5), (len(free) // 2, 1))).ravel()[free]
     response = spsolve((stiffness - s**2 * mass + 1j * s * damping).tocsc(), -3.0 * uniform + 0j)
     for _ in range(30):
         idle(replay)
@@ -107,7 +110,7 @@ def test_velocities_keep_their_momentum_on_a_new_mesh(tmp_path):
     coarse, fine = (make_replay(tower(tmp_path, dynamics(), size=size, window=True)) for size in (0.2, 0.13))
     for replay in (coarse, fine):
         rows_of(replay)
-    old, new = coarse.analysis.body.inertia, fine.analysis.body.inertia
+    old, new = coarse.analysis.body.mass, fine.analysis.body.mass
     X = coarse.moving.mesh.X
     v = np.column_stack([np.sin(X[:, 1]), X[:, 0] * X[:, 1] ** 2]) * X[:, 1:]
     carried = project_velocity(old, new, v)
@@ -125,7 +128,7 @@ def test_velocities_keep_their_momentum_on_a_new_mesh(tmp_path):
 def test_velocities_stay_on_the_same_mesh(tmp_path):
     replay = make_replay(tower(tmp_path, dynamics()))
     rows_of(replay)
-    inertia, X = replay.analysis.body.inertia, replay.moving.mesh.X
+    inertia, X = replay.analysis.body.mass, replay.moving.mesh.X
     v = np.where(replay.analysis.body.held, 0.0, np.sin(5 * X) + X[:, ::-1])
     assert np.abs(project_velocity(inertia, inertia, v) - v).max() < 1e-12
 
@@ -188,7 +191,7 @@ def test_the_ground_goes_on_smoothly_when_its_frequency_changes(tmp_path):
     events = [{"do": "idle", "frames": 3}, {"do": "set", "key": "effects.ground.frequency", "value": 9.0}]
     replay = make_replay(tower(tmp_path, SHAKEN, dynamics(0.013, 1)), write_script(tmp_path, events))
     grounds = {}
-    rows_of(replay, lambda row: grounds.setdefault(row["do"], replay.analysis.ground))
+    rows_of(replay, lambda row: grounds.setdefault(row["do"], replay.analysis.state.integration.excitation))
     before, after = (grounds[do].acceleration(3 * 0.013) for do in ("idle", "set"))
     assert before == pytest.approx(after)
     assert np.linalg.norm(before) > 0.1

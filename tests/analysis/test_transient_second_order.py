@@ -5,8 +5,9 @@ import pytest
 from small_scenes import across, drag, make_replay, rows_of, write_script
 from vibrating import DAMPED, SHAKEN, dynamics, textbook_newmark, tower
 
-from restshape.analysis.carry import project_velocity
 from restshape.analysis.frame import Frame
+from restshape.analysis.velocity_projection import project_velocity
+from restshape.fem.balance import unconstrained_residual
 from restshape.mesh.reconnect import Reconnection
 from restshape.replay.parity import Parity
 
@@ -28,8 +29,8 @@ def test_steps_are_those_of_the_textbook(tmp_path, mass, beta, gamma):
     analysis, body = replay.analysis, replay.analysis.body
     free = ~body.held.ravel()
     direction = np.array([2.0, 1.0]) / np.sqrt(5)
-    uniform = body.inertia.apply(np.tile(direction, (len(free) // 2, 1))).ravel()[free]
-    static = -body.solid.imbalance(np.zeros_like(body.static))
+    uniform = body.mass.apply(np.tile(direction, (len(free) // 2, 1))).ravel()[free]
+    static = -unconstrained_residual(body.problem, np.zeros_like(body.static))
 
     def force(t: float) -> np.ndarray:
         return static.ravel()[free] - 3.0 * np.sin(2 * np.pi * 4.0 * t) * uniform
@@ -44,7 +45,7 @@ def idle_of(replay, frames: int) -> None:
     analysis = replay.analysis
     for _ in range(frames):
         none = np.empty(0, dtype=np.int32)
-        analysis.solve(Frame(replay.moving.field_mesh, none, None, analysis.scene, (None, (0.0, 0.0))))
+        analysis.solve(Frame(replay.moving.field_mesh, none, None, analysis.state.scene, (None, (0.0, 0.0))))
 
 
 @pytest.mark.parametrize("relocation", ["harmonic", "laplacian"])
@@ -66,7 +67,7 @@ def test_edits_and_new_meshes_account_for_all_energy(tmp_path):
     frames = replay.frames()
     next(frames)
     analysis = replay.analysis
-    X = analysis.mesh.X
+    X = analysis.space.X
     analysis.begin(1e-3 * X * X[:, 1:], 0.1 * X[:, ::-1] * X[:, 1:])
     start = analysis.energy()
     books, levels = [], set()
@@ -86,17 +87,17 @@ def test_flips_leave_linear_motions_as_they_are(tmp_path):
     inside = np.flatnonzero(mesh.node_edge < 0)
     mesh.X[inside] += np.random.default_rng(5).uniform(-0.05, 0.05, (len(inside), 2))
     mesh.geometry += 1
-    space.follow()
+    space.place()
     idle_of(replay, 1)
     foot = space.X[:, 1:]
     analysis.begin(foot * A[0], 1000 * foot * A[1])
     ends = mesh.edge_nodes.copy()
     flips, changed = Reconnection(mesh).flip(mesh.X)
     space.reconnect(changed)
-    space.follow()
+    space.place()
     mesh.topology -= 10_000
     assert flips and (ends != mesh.edge_nodes).any()
-    analysis.solve(Frame(space, changed, None, analysis.scene, (None, (0.0, 0.0)), space.reseats))
+    analysis.solve(Frame(space, changed, None, analysis.state.scene, (None, (0.0, 0.0)), space.interpolations))
     np.testing.assert_allclose(analysis.x, space.X[:, 1:] * A[0], atol=1e-7)
     np.testing.assert_allclose(analysis.v, 1000 * space.X[:, 1:] * A[1], atol=1e-5)
 
@@ -115,10 +116,10 @@ def test_velocities_on_a_new_mesh(tmp_path, mass):
         x, y = X.T
         return np.column_stack([y * (2 - x + 3 * y), y * (1 + 0.5 * x)])
 
-    carried = project_velocity(old.inertia, new.inertia, velocity(old.mesh.X))
-    np.testing.assert_allclose(new.inertia.momentum(carried), old.inertia.momentum(velocity(old.mesh.X)), rtol=1e-10)
+    carried = project_velocity(old.mass, new.mass, velocity(old.problem.space.X))
+    np.testing.assert_allclose(new.mass.momentum(carried), old.mass.momentum(velocity(old.problem.space.X)), rtol=1e-10)
     if mass == "consistent":
-        np.testing.assert_allclose(carried, velocity(new.mesh.X), atol=1e-9)
-    rough = np.where(old.held, 0.0, np.random.default_rng(0).normal(size=old.mesh.X.shape))
-    carried = project_velocity(old.inertia, new.inertia, rough)
-    np.testing.assert_allclose(new.inertia.momentum(carried), old.inertia.momentum(rough), rtol=1e-9)
+        np.testing.assert_allclose(carried, velocity(new.problem.space.X), atol=1e-9)
+    rough = np.where(old.held, 0.0, np.random.default_rng(0).normal(size=old.problem.space.X.shape))
+    carried = project_velocity(old.mass, new.mass, rough)
+    np.testing.assert_allclose(new.mass.momentum(carried), old.mass.momentum(rough), rtol=1e-9)

@@ -7,8 +7,8 @@ from sample_meshes import unit_box
 from scipy.spatial.transform import Rotation
 
 from restshape import _kernels as k
-from restshape.physics.cloth import isotropic_bending, membrane_params
-from restshape.physics.elasticity import isotropic, orthotropic, plane_stress, turned
+from restshape.physics.cloth.parameters import isotropic_bending, membrane_params
+from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, turned
 
 WOVEN = plane_stress(turned(orthotropic((3.0, 2.0, 1.0), (0.2, 0.3, 0.3), (0.4, 0.9, 0.3)), 0.4))
 KNIT = plane_stress(isotropic(2.0, 0.3))

@@ -10,9 +10,9 @@ from restshape import _kernels as k
 from restshape.algebra.operator import Operator
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import edges_of_cells
-from restshape.physics.cloth import lumped, membrane_params
-from restshape.physics.contact import Contact
-from restshape.physics.elasticity import isotropic, plane_stress
+from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.parameters import lumped, membrane_params
+from restshape.physics.elasticity.stiffness import isotropic, plane_stress
 
 C = plane_stress(isotropic(2.0, 0.3))
 SPHERE = k.Body.sphere([0.5, 0.5, -0.9], 1.0)
@@ -42,7 +42,7 @@ class Cloth:
         self.params = [membrane_params(C, (0.0, 0.0, -0.1)), params, None]
         self.rng = np.random.default_rng(4)
         self.x = np.column_stack([X, np.zeros(len(X))]) + 0.05 * self.rng.uniform(-1, 1, (len(X), 3))
-        self.contact.lag(self.x)
+        self.contact.update_friction(self.x)
 
     def terms(self, x):
         energy, table = self.contact.potential(x)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from restshape import _kernels as k
-from restshape.physics.contact import Contact
+from restshape.physics.cloth.contact import Contact
 
 TURN = Rotation.from_rotvec([0.3, -0.8, 0.5]).as_matrix()
 CENTRE = np.array([0.1, -0.2, 0.3])
@@ -228,7 +228,7 @@ def block_on_incline(friction: float, slope: float) -> tuple[bool, float]:
     # Where the penalty of 1e5 s^2/(2e-3) carries the weight.
     x = (normal * (1e-3 - np.sqrt(2e-3 * 2.0 * np.cos(slope) / 1e5)))[None].copy()
     weight = np.array([0, 0, -2.0])
-    contact.lag(x)
+    contact.update_friction(x)
     for _ in range(60):
         for _ in range(60):
             _, table = contact.potential(x)
@@ -239,7 +239,7 @@ def block_on_incline(friction: float, slope: float) -> tuple[bool, float]:
             if np.linalg.norm(r) < 1e-9:
                 break
         still = np.linalg.norm(r) < 1e-6
-        if contact.lag(x) < 1e-9 and still:
+        if contact.update_friction(x) < 1e-9 and still:
             return True, np.linalg.norm(x)
         if np.linalg.norm(x) > 0.02:
             break

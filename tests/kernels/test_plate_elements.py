@@ -6,7 +6,7 @@ from element_case import TRI3, ElementCase
 from sample_meshes import unit_box
 
 from restshape import _kernels as k
-from restshape.physics.elasticity import isotropic, orthotropic, plane_stress, plate_params, turned
+from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, plate_params, turned
 
 WOOD = turned(orthotropic((13.0, 2.0, 1.0), (0.36, 0.46, 0.6), (1.1, 0.9, 0.3)), 0.4)
 CORNERS = np.column_stack([TRI3, [0.3, 0.2, 0.25]])

@@ -133,12 +133,12 @@ def test_flips_give_the_cells_of_a_body_made_anew(order):
     mesh.X[:, 0] += 0.9 * mesh.X[:, 1]
     if order == 2:
         space.bend(mesh.outline)
-        space.follow()
+        space.place()
     flips, changed = Reconnection(mesh).flip(mesh.X)
     assert flips > 0
     if order == 2:
         space.reconnect(changed)
-        space.follow()
+        space.place()
     others = body.follow(changed)
     fresh = Extrusion(space, 2, WEDGE, {"h0": 0.2})
     np.testing.assert_array_equal(body.cells, fresh.cells)
@@ -186,7 +186,7 @@ def test_thickness_must_be_positive():
         PlateMesh(square(), Expression("log(x)"))
 
 
-def test_reseated_field_is_the_old_one_at_the_new_place():
+def test_interpolated_field_is_the_old_one_at_the_new_place():
     """A quadratic field of the place in the plane, with a different one in each level."""
     mesh = square()
     mesh.X[:, 0] += 0.5 * mesh.X[:, 1]
@@ -199,8 +199,8 @@ def test_reseated_field_is_the_old_one_at_the_new_place():
     before = field(body.X)
     flips, changed = Reconnection(mesh).flip(mesh.X)
     space.reconnect(changed)
-    after = body.reseated(before, space.reseats)
-    space.follow()
+    after = body.interpolate(before, space.interpolations)
+    space.place()
     body.follow(changed)
     assert flips > 0
     np.testing.assert_allclose(after, field(body.X), atol=1e-12)

@@ -87,7 +87,7 @@ def test_moved_nodes_keep_the_energy_of_a_quadratic():
     space = MorleySpace(mesh)
     inner = np.all((mesh.X > 1e-9) & (mesh.X < 1 - 1e-9), axis=1)
     mesh.X[inner] += np.random.default_rng(3).uniform(-0.05, 0.05, (inner.sum(), 2))
-    space.follow()
+    space.place()
     np.testing.assert_allclose(energy(space, space.placed(saddle, saddle_slopes)), SADDLE, rtol=1e-12)
 
 

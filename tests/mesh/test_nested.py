@@ -9,8 +9,6 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh import moving
 from restshape.mesh.generate import generate
 from restshape.mesh.mesh import Mesh, edges_of_cells
-from restshape.mesh.morley import MorleySpace
-from restshape.mesh.morley_nested import MorleyProlongation
 from restshape.mesh.moving import MovingMesh
 from restshape.mesh.nested import NestedMesh, refine
 from restshape.mesh.quality import areas
@@ -138,80 +136,9 @@ def test_nodes_are_numbered_rank_by_rank(ranks):
 
 def test_fields_are_prolonged_exactly_where_they_are_linear():
     nested = NestedMesh(holed_mesh(), 3)
-    rng = np.random.default_rng(0)
     for level, (coarse, fine) in enumerate(zip(nested.meshes, nested.meshes[1:])):
         found = nested.prolong(level, coarse.X @ A + 1.0)
         np.testing.assert_allclose(found, fine.X @ A + 1.0, atol=1e-13)
-        P = nested.prolongation(level)
-        assert P.shape == (len(fine.X), len(coarse.X)) and P.indices.dtype == np.int32
-        np.testing.assert_allclose(P @ coarse.X, fine.X, atol=1e-15)
-        forces = rng.normal(size=(len(fine.X), 3))
-        np.testing.assert_allclose(nested.restrict(level, forces), P.T @ forces, atol=1e-12)
-        # Work does not hang on the level that it is counted on.
-        u = rng.normal(size=(len(coarse.X), 3))
-        work = np.sum(nested.restrict(level, forces) * u)
-        assert work == pytest.approx(np.sum(forces * nested.prolong(level, u)), rel=1e-10)
-
-
-def bowl(X: np.ndarray) -> np.ndarray:
-    x, y = X.T
-    return np.column_stack([x, 1 + y - 2 * x, 0.3 + x * x - 3 * x * y + 0.5 * y * y])
-
-
-def bowl_slopes(X: np.ndarray) -> np.ndarray:
-    x, y = X.T
-    one, none = np.ones(len(X)), np.zeros(len(X))
-    rows = [[one, none], [-2 * one, one], [2 * x - 3 * y, -3 * x + y]]
-    return np.stack([np.stack(row, axis=1) for row in rows], axis=1)
-
-
-@pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("make", [curved_outline, lambda: plate(0.3, 0.5)])
-def test_morleys_quadratic_surfaces_are_prolonged_exactly(make, ranks):
-    nested = NestedMesh(generate(make(), MeshSpec(size=0.2), ranks=ranks), 3)
-    spaces = [MorleySpace(mesh) for mesh in nested.meshes]
-    for step, coarse, fine in zip(nested.steps, spaces, spaces[1:]):
-        P = MorleyProlongation(step, coarse, fine).matrix()
-        np.testing.assert_allclose(P @ coarse.placed(bowl, bowl_slopes), fine.placed(bowl, bowl_slopes), atol=1e-12)
-
-
-def test_morleys_prolongation_is_the_mean_of_the_two_triangles_quadratics():
-    """On random unknowns, against the quadratics of single triangles by six collocation equations each."""
-    mesh = l_mesh(2)
-    step = refine(mesh)
-    coarse, fine = MorleySpace(mesh), MorleySpace(step.mesh)
-    prolongation = MorleyProlongation(step, coarse, fine)
-    mesh.X += np.random.default_rng(2).uniform(-0.02, 0.02, mesh.X.shape)
-    step.mesh.X[...] = step.prolonged(mesh.X)
-    coarse.follow()
-    fine.follow()
-    u = np.random.default_rng(3).normal(size=coarse.n_nodes)
-
-    def monomials(X):
-        x, y = np.atleast_2d(X).T
-        return np.column_stack([np.ones(len(x)), x, y, x * x, x * y, y * y])
-
-    def slopes(X, N):
-        (x, y), (p, q) = np.atleast_2d(X).T, np.atleast_2d(N).T
-        return np.column_stack([0 * x, p, q, 2 * x * p, y * p + x * q, 2 * y * q])
-
-    sums, count = np.zeros(fine.n_nodes), np.zeros(fine.n_nodes)
-    N, fine_N = coarse.normals(), fine.normals()
-    for c, (corners, edges) in enumerate(zip(mesh.cells, mesh.cell_edges)):
-        middles = mesh.X[mesh.edge_nodes[edges]].mean(axis=1)
-        rows = np.vstack([monomials(mesh.X[corners]), slopes(middles, N[edges])])
-        q = np.linalg.solve(rows, u[np.concatenate([coarse.corner_number[corners], coarse.side_number[edges]])])
-        nodes = np.unique(step.mesh.cells[step.children[c]])
-        sides = np.unique(step.mesh.cell_edges[step.children[c]])
-        at = step.mesh.X[step.mesh.edge_nodes[sides]].mean(axis=1)
-        sums[fine.corner_number[nodes]] += monomials(step.mesh.X[nodes]) @ q
-        sums[fine.side_number[sides]] += slopes(at, fine_N[sides]) @ q
-        count[fine.corner_number[nodes]] += 1
-        count[fine.side_number[sides]] += 1
-    np.testing.assert_allclose(prolongation.matrix() @ u, sums / count, atol=1e-11)
-
-
-# --- under a hand ---------------------------------------------------------------------------------------------------
 
 
 def begin(kind: str = "harmonic", size: float = 0.06, levels: int = 2, radius: float = 0.12, **options):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from restshape.physics.carried import carried
+from restshape.physics.cloth.body_motion import moved_with
 from restshape.scene.bodies import Body
 
 POINTS = np.random.default_rng(0).normal(size=(6, 3))
@@ -20,7 +20,7 @@ def plane(normal):
 def test_they_move_and_grow_with_a_sphere():
     before = Body.model_validate({"sphere": {"center": [1.0, 0.0, 0.0], "radius": 1.0}})
     after = Body.model_validate({"sphere": {"center": [0.0, 2.0, 0.0], "radius": 3.0}})
-    np.testing.assert_allclose(carried(before, after, POINTS), 3.0 * (POINTS - [1, 0, 0]) + [0, 2, 0], atol=1e-14)
+    np.testing.assert_allclose(moved_with(before, after, POINTS), 3.0 * (POINTS - [1, 0, 0]) + [0, 2, 0], atol=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -33,19 +33,19 @@ def test_they_move_and_grow_with_a_sphere():
     ],
 )
 def test_a_small_turn_takes_them_no_farther(before, after):
-    assert np.abs(carried(before, after, POINTS) - POINTS).max() < 1e-5
+    assert np.abs(moved_with(before, after, POINTS) - POINTS).max() < 1e-5
 
 
 def test_a_turned_capsule_keeps_its_points_on_itself():
     before, after = capsule([0, 0, 0], [0, 0, 2]), capsule([0, 0, 0], [2, 0, 0])
     np.testing.assert_allclose(
-        carried(before, after, np.array([[0.1, 0, 1], [0, 0.1, 1], [0, 0, 0.5]])),
+        moved_with(before, after, np.array([[0.1, 0, 1], [0, 0.1, 1], [0, 0, 0.5]])),
         [[1, 0, -0.1], [1, 0.1, 0], [0.5, 0, 0]],
         atol=1e-14,
     )
 
 
 def test_half_a_turn_is_one():
-    found = carried(plane([0.0, 0.0, 1.0]), plane([0.0, 0.0, -1.0]), POINTS)
+    found = moved_with(plane([0.0, 0.0, 1.0]), plane([0.0, 0.0, -1.0]), POINTS)
     np.testing.assert_allclose(found[:, 2], -POINTS[:, 2], atol=1e-14)
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), np.linalg.norm(POINTS, axis=1), atol=1e-14)

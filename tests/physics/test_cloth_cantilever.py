@@ -14,7 +14,7 @@ from scipy.sparse.linalg import splu
 from restshape import _kernels as k
 from restshape.algebra.operator import Operator
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth import isotropic_bending, membrane_params, morley_params
+from restshape.physics.cloth.parameters import isotropic_bending, membrane_params, morley_params
 
 
 def elastica(gamma: float) -> np.ndarray:

@@ -1,5 +1,6 @@
 """The estimate of cloth beside the distance from a far finer solution of the same folds, and what it knows exactly."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,16 +9,20 @@ from cloths import PIN, cloth
 from petsc4py import PETSc
 
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape import DrapeAnalysis
+from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
-from restshape.analysis.rest import Arrival
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
+from restshape.analysis.relaxation.binding import bind
+from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.generate import generate
 from restshape.mesh.nested import NestedMesh
-from restshape.physics.cloth_estimate import ClothEstimate
-from restshape.physics.patch_curvature import PatchCurvature
-from restshape.physics.sheet import Fabric, Held, Sheet
+from restshape.physics.cloth.boundary import ClothSupports
+from restshape.physics.cloth.error_estimate import ClothEstimate
+from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.patch_curvature import PatchCurvature
+from restshape.physics.cloth.problem import ClothProblem
 from restshape.policy import policy
 from restshape.scene.load import load_scene
 from restshape.scene.model import MeshSpec, ShapeSpec
@@ -39,10 +44,15 @@ def square(size=0.13):
     return generate(outline_from_spec(spec, Path()), MeshSpec(size=size))
 
 
+def context():
+    """What a replay shares, on one rank."""
+    return Context(PETSc.COMM_SELF, policy("auto"), Calibration.load(), Stages())
+
+
 def loose(mesh, kind):
     """Cloth that nothing holds."""
     none = np.zeros((len(mesh.X), 3))
-    return Sheet(mesh, Fabric(C, D, 0.2, kind), Held(none.astype(bool), none), FREE)
+    return ClothProblem(mesh, Fabric(C, D, 0.2, kind), ClothSupports(none.astype(bool), none), FREE)
 
 
 def settled(name, mesh, overrides):
@@ -50,44 +60,43 @@ def settled(name, mesh, overrides):
     scene = load_scene(SCENES / f"{name}.toml", overrides)
     mesh = mesh or generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
     planned, none = plan(scene, application("couture")), np.empty(0, dtype=np.int32)
-    found = DrapeAnalysis(scene, planned, PETSc.COMM_SELF, policy("auto"), Calibration.load(), Stages())
+    found = RelaxationAnalysis(scene, planned, context())
     found.solve(Frame(mesh, none, None, scene, (None, (0.0, 0.0)), settled=True))
-    assert found.arrival.at_rest
+    assert found.state.report.converged
     return found
 
 
 def finer(coarse, levels, name, overrides):
     """Sheet and positions of the same folds on a mesh with 4^levels times as many triangles, which is the reference."""
-    nest, x = NestedMesh(coarse.mesh, levels + 1), coarse.sheet.corners(coarse.x)
+    nest, x = NestedMesh(coarse.space, levels + 1), coarse.problem.corners(coarse.x)
     for level in range(levels):
         x = nest.prolong(level, x)
     fine = settled_from(name, nest.finest, overrides, x)
-    return fine.sheet, fine.x
+    return fine.problem, fine.x
 
 
 def settled_from(name, mesh, overrides, corners):
     """The analysis of a scene on a mesh, from positions (corners, 3) near rest."""
     scene = load_scene(SCENES / f"{name}.toml", overrides)
-    found = DrapeAnalysis(
-        scene, plan(scene, application("couture")), PETSc.COMM_SELF, policy("auto"), Calibration.load(), Stages()
-    )
+    found = RelaxationAnalysis(scene, plan(scene, application("couture")), context())
     none = np.empty(0, dtype=np.int32)
-    found._bind(Frame(mesh, none, None, scene, (None, (0.0, 0.0)), settled=True), True)
-    found.x = found.sheet.flat(corners)
-    arrival = found.rest.settle(found.x, 3000, Arrival())
-    assert arrival.at_rest
+    frame = Frame(mesh, none, None, scene, (None, (0.0, 0.0)), settled=True)
+    bound, _ = bind(found.state, frame, True, found._options(scene, True), None)
+    x = bound.problem.flat(corners)
+    assert bound.solver.converge(x, 3000, ConvergenceReport()).converged
+    found.state = replace(bound, x=x, scene=scene)
     return found
 
 
 def distance(coarse, sheet, x, levels):
     """How far the strains of a coarse analysis are from those of fine cloth, over these, in the energy norm."""
     fine, parent = ClothEstimate(sheet), np.arange(len(sheet.mesh.cells)) // 4**levels
-    tension = sheet.tensions(x) - coarse.sheet.tensions(coarse.x)[parent]
-    curved = fine.curvatures(x) - coarse.estimator.curvatures(coarse.x)[parent]
+    tension = sheet.tensions(x) - coarse.problem.tensions(coarse.x)[parent]
+    curved = fine.curvatures(x) - coarse.error_estimate.curvatures(coarse.x)[parent]
     fabric = sheet.fabric
     twice = np.einsum("e,ei,ij,ej->", fine.area, tension, np.linalg.inv(fabric.membrane), tension)
     twice += np.einsum("e,eai,ij,eaj->", fine.area, curved, fabric.bending, curved)
-    return np.sqrt(twice / (2.0 * (sheet.stretching(x) + sheet.bent(x))))
+    return np.sqrt(twice / (2.0 * (sheet.membrane_energy(x) + sheet.bending_energy(x))))
 
 
 def test_patches_have_the_curvatures_of_quadratic_surfaces():
@@ -117,7 +126,7 @@ def test_materials_that_meet_have_no_error_of_their_own(tmp_path):
     inside = (mesh.cell_region > 0)[:, None, None]
     none = np.zeros((len(mesh.X), 3))
     fabric = Fabric(np.where(inside, 100.0 * C, C), np.where(inside, 100.0 * D, D), 0.2, "morley")
-    sheet = Sheet(mesh, fabric, Held(none.astype(bool), none), FREE)
+    sheet = ClothProblem(mesh, fabric, ClothSupports(none.astype(bool), none), FREE)
     stretched = sheet.flat(np.column_stack([1.1 * mesh.X[:, 0], mesh.X[:, 1], none[:, 0]]))
     assert ClothEstimate(sheet).relative(stretched) < 1e-6
 
@@ -131,13 +140,13 @@ def test_what_is_not_strained_has_no_estimate():
 def test_moments_of_a_uniform_curvature_have_no_error():
     sheet = loose(square(), "morley")
     # A shallow bowl, of which only the bending is looked at: the membrane is the same with none of it.
-    bowl = sheet.space.placed(
+    bowl = sheet.morley.placed(
         lambda X: np.column_stack([X, (X**2).sum(axis=1)]),
         lambda X: np.stack([np.tile([1.0, 0.0], (len(X), 1)), np.tile([0.0, 1.0], (len(X), 1)), 2.0 * X], axis=1),
     )
     estimate = ClothEstimate(sheet)
     moments = estimate.curvatures(bowl)[:, 2] @ D
-    assert estimate._distance(moments, D) < 1e-20 * D[0, 0] + 1e-12 * sheet.bent(bowl)
+    assert estimate._distance(moments, D) < 1e-20 * D[0, 0] + 1e-12 * sheet.bending_energy(bowl)
 
 
 def test_nodes_that_move_are_followed():
@@ -146,8 +155,8 @@ def test_nodes_that_move_are_followed():
     estimate = ClothEstimate(sheet)
     mesh.X *= 2.0
     mesh.geometry += 1
-    sheet.move()
-    estimate.follow()
+    sheet.update()
+    estimate.update()
     x, y = mesh.X.T
     found = estimate.curvatures(np.column_stack([x, y, x * x]))
     np.testing.assert_allclose(found[:, 2], np.tile([2.0, 0.0, 0.0], (len(found), 1)), atol=1e-6)
@@ -167,12 +176,12 @@ def test_effectivity(name, size, levels, more, bounds):
     for kind, (least, most) in bounds.items():
         own = (*overrides, f"effects.cloth.bending={kind}")
         found = (
-            settled(name, coarse and coarse.mesh, own)
+            settled(name, coarse and coarse.space, own)
             if coarse is None
-            else settled_from(name, coarse.mesh, own, coarse.sheet.corners(coarse.x))
+            else settled_from(name, coarse.space, own, coarse.problem.corners(coarse.x))
         )
         if coarse is None:
             coarse, reference = found, finer(found, levels, name, overrides)
-        effectivity = found.estimate() / distance(found, *reference, levels)
+        effectivity = found.errors()["estimate"] / distance(found, *reference, levels)
         print(name, kind, effectivity)
         assert least < effectivity < most

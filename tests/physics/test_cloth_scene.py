@@ -7,10 +7,10 @@ from cloths import BALL, CONTACT, PIN, cloth
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
-from restshape.physics.cloth_scene import sheet_arguments
-from restshape.physics.fabric import bending, membrane
-from restshape.physics.laid import rotation
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.initial_placement import rotation
+from restshape.physics.cloth.materials import bending, membrane
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.scene import cloth_arguments
 from restshape.scene.load import revise
 from restshape.scene.model import Material
 from restshape.scene.plan import plan
@@ -37,7 +37,7 @@ def arguments(folder, *parts, overrides=()):
     """What the square of cotton with further tables is made from, and its mesh."""
     scene = cloth(folder, *parts, overrides=overrides)
     mesh = meshed(scene)
-    return sheet_arguments(scene, plan(scene, COUTURE), mesh), mesh
+    return cloth_arguments(scene, plan(scene, COUTURE), mesh), mesh
 
 
 def test_isotropic_cloth_by_hand():
@@ -91,7 +91,7 @@ def test_one_material_gives_one_matrix_and_two_give_one_a_cell(tmp_path):
     stiffness = np.where(inside, 4.0, 1.0)[:, None, None]
     np.testing.assert_allclose(both.fabric.membrane, stiffness * alone.fabric.membrane, rtol=1e-12)
     np.testing.assert_allclose(both.fabric.bending, stiffness * alone.fabric.bending, rtol=1e-12)
-    mass = Sheet(mesh, both.fabric, both.held, both.g).mass.sum()
+    mass = ClothProblem(mesh, both.fabric, both.supports, both.g).lumped.mass.sum()
     assert mass == pytest.approx(0.75 * 0.2 + 0.25 * 0.6, rel=1e-12)
 
 
@@ -103,7 +103,7 @@ def test_a_group_of_regions_has_a_material_and_a_place_without_one_is_told(tmp_p
     scene = cloth(tmp_path, PIN, tape, overrides=grouped)
     tape_only = scene.model_copy(update={"material": {"tape": scene.material["tape"]}})
     with pytest.raises(UserError, match="triangles lie outside of the regions that have a material"):
-        sheet_arguments(tape_only, plan(scene, COUTURE), mesh)
+        cloth_arguments(tape_only, plan(scene, COUTURE), mesh)
 
 
 def test_settings_of_the_cloth_are_handed_on(tmp_path):
@@ -123,8 +123,8 @@ def test_cloth_starts_turned_and_moved(tmp_path):
     expected = np.column_stack([0.5 + c * (X - 0.5), Y, 0.1 - s * (X - 0.5)])
     np.testing.assert_allclose(found.start, expected, atol=1e-15)
     corner = mesh.nodes_of("a")
-    np.testing.assert_allclose(found.held.places[corner], [[0.5 - 0.5 * c, 0, 0.35]], atol=1e-15)
-    assert found.held.mask.sum() == 3
+    np.testing.assert_allclose(found.supports.places[corner], [[0.5 - 0.5 * c, 0, 0.35]], atol=1e-15)
+    assert found.supports.mask.sum() == 3
 
 
 def test_turns_follow_each_other_about_x_then_y_then_z():
@@ -154,25 +154,25 @@ def test_supports_move_what_they_hold_from_where_it_is_laid(tmp_path):
     nodes = mesh.nodes_of("top")
     mask = np.zeros((len(mesh.X), 3))
     mask[nodes, 1:] = 1
-    np.testing.assert_array_equal(found.held.mask, mask)
+    np.testing.assert_array_equal(found.supports.mask, mask)
     x = mesh.X[nodes, 0]
-    np.testing.assert_allclose(found.held.places[nodes, 1], 0.98, atol=1e-15)
-    np.testing.assert_allclose(found.held.places[nodes, 2], 0.1 - 0.5 * (x - 0.5) + 0.1 * x, atol=1e-15)
-    np.testing.assert_array_equal(found.start[nodes, 1:], found.held.places[nodes, 1:])
+    np.testing.assert_allclose(found.supports.places[nodes, 1], 0.98, atol=1e-15)
+    np.testing.assert_allclose(found.supports.places[nodes, 2], 0.1 - 0.5 * (x - 0.5) + 0.1 * x, atol=1e-15)
+    np.testing.assert_array_equal(found.start[nodes, 1:], found.supports.places[nodes, 1:])
 
 
 def test_a_clamp_holds_the_slope_out_of_the_cloth(tmp_path):
     """Left and bottom edges: outwards is -x and -y; the first turns with the cloth."""
     clamp = '[supports.clamp]\non = ["left", "bottom"]\nfix = ["x", "y", "z", "slope"]\n'
     found, mesh = arguments(tmp_path, TURNED, clamp)
-    held = found.held
+    held = found.supports
     assert len(held.clamped) == len(mesh.facets_of("left")) + len(mesh.facets_of("bottom"))
     middles = mesh.X[mesh.edge_nodes[held.clamped]].mean(axis=1)
     expected = np.where(middles[:, :1] == 0.0, [[-np.sqrt(0.75), 0, 0.5]], [[0, -1, 0]])
     np.testing.assert_allclose(held.slopes, expected, atol=1e-15)
     # The flat sheet, as it is laid, has these slopes by itself.
     free, _ = arguments(tmp_path, TURNED, PIN)
-    sheets = [Sheet(mesh, found.fabric, one.held, found.g) for one in (found, free)]
+    sheets = [ClothProblem(mesh, found.fabric, one.supports, found.g) for one in (found, free)]
     np.testing.assert_allclose(*(sheet.flat(found.start) for sheet in sheets), atol=1e-14)
 
 
@@ -180,10 +180,10 @@ def test_a_plane_of_symmetry_holds_one_coordinate(tmp_path):
     mirror = '[supports.mirror]\non = "right"\nsymmetry = "x"\n'
     found, mesh = arguments(tmp_path, mirror)
     nodes = mesh.nodes_of("right")
-    assert found.held.mask[nodes].tolist() == [[1, 0, 0]] * len(nodes) and found.held.mask.sum() == len(nodes)
-    np.testing.assert_array_equal(found.held.places[nodes, 0], 1.0)
-    assert set(found.held.axes) == {0} and len(found.held.mirrored) == len(mesh.facets_of("right"))
-    assert (mesh.X[mesh.edge_nodes[found.held.mirrored], 0] == 1.0).all()
+    assert found.supports.mask[nodes].tolist() == [[1, 0, 0]] * len(nodes) and found.supports.mask.sum() == len(nodes)
+    np.testing.assert_array_equal(found.supports.places[nodes, 0], 1.0)
+    assert set(found.supports.axes) == {0} and len(found.supports.mirrored) == len(mesh.facets_of("right"))
+    assert (mesh.X[mesh.edge_nodes[found.supports.mirrored], 0] == 1.0).all()
 
 
 @pytest.mark.parametrize(
@@ -236,6 +236,6 @@ def test_bodies_are_where_the_scene_says(tmp_path):
 
 def test_bodies_follow_the_parameters(tmp_path):
     scene = revise(cloth(tmp_path, BALL, CONTACT), "parameters.half", 2.5)
-    found = sheet_arguments(scene, plan(scene, COUTURE), meshed(scene))
+    found = cloth_arguments(scene, plan(scene, COUTURE), meshed(scene))
     assert found.bodies[0][0].distance(np.array([[0.5, 0.5, -0.3]]))[0][0] == pytest.approx(1.75, abs=1e-15)
     assert found.contact.thickness == 2e-3

@@ -6,7 +6,7 @@ from vibrating_bodies import lowest, matrix, rectangle
 
 from restshape.mesh.extrude import Extrusion
 from restshape.mesh.space import LagrangeSpace
-from restshape.physics.elasticity import isotropic, orthotropic, solid_params, turned
+from restshape.physics.elasticity.stiffness import isotropic, orthotropic, solid_params, turned
 
 E, NU, RHO = 70e9, 0.33, 2700.0
 LAME = np.array([E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU)), 0, 0, 0])

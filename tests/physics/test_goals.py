@@ -6,7 +6,7 @@ from small_scenes import BLOCK, CLAMPED, HEAD, STEEL, make_replay, rows_of
 
 from restshape import _kernels
 from restshape.errors import UserError
-from restshape.physics.goals import GoalDistance, goal_curve
+from restshape.physics.elasticity.target_curves import GoalDistance, goal_curve
 from restshape.scene.load import load_scene
 from restshape.scene.model import Goal
 

@@ -5,7 +5,7 @@ import pytest
 from large import solid
 from small_scenes import HEAD, HOLE, block, make_replay, meshed, rows_of, write_scene
 
-from restshape.physics.means import cell_weights, facet_weights
+from restshape.fem.averages import cell_weights, facet_weights
 
 ARC = np.array([[1.0, 0], [0, 1], [np.sqrt(0.5), np.sqrt(0.5)]])
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from restshape.physics.pitch import frequency_of, note
+from restshape.analysis.pitch import frequency_of, note
 
 
 @pytest.mark.parametrize(

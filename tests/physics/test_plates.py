@@ -8,7 +8,14 @@ from vibrating_bodies import disc, lowest, matrix, rectangle
 
 from restshape import _kernels
 from restshape.mesh.plate import PlateMesh
-from restshape.physics.elasticity import FREE_SIDES, isotropic, orthotropic, plane_stress, plate_params, turned
+from restshape.physics.elasticity.stiffness import (
+    FREE_SIDES,
+    isotropic,
+    orthotropic,
+    plane_stress,
+    plate_params,
+    turned,
+)
 from restshape.scene.expressions import Expression
 
 NU = 0.3

@@ -6,7 +6,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
 from restshape import _kernels
-from restshape.physics.recovery import NodalStress
+from restshape.fem.recovery import NodalFlux
 
 LAMBDA, MU = 1.3, 0.7
 HOOKE = np.array([LAMBDA, MU, 1.0, 0.0, 0.0])
@@ -85,7 +85,7 @@ def test_stress_of_a_quadratic_displacement_is_exact_at_all_nodes(jitter):
     exact = np.column_stack(
         [LAMBDA * trace + 2 * MU * ux[0], LAMBDA * trace + 2 * MU * uy[1], MU * (uy[0] + ux[1]), LAMBDA * trace]
     )
-    recovery = NodalStress(mesh)
+    recovery = NodalFlux(mesh)
     np.testing.assert_allclose(recovery(mesh.stress(u, recovery.points)), exact, atol=1e-11)
 
 
@@ -98,7 +98,7 @@ def test_quadratic_stresses_are_recovered_exactly_around_inner_corners():
         x, y = places.reshape(-1, 2).T
         return (np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y]) @ a).reshape(*places.shape[:-1], 4)
 
-    recovery = NodalStress(mesh)
+    recovery = NodalFlux(mesh)
     l1, l2 = recovery.points.T
     l0 = 1 - l1 - l2
     N = np.column_stack(
@@ -121,7 +121,7 @@ def test_recovered_stress_converges_at_second_order(jitter, order):
         mesh = Square(per_side, jitter)
         u, exact = equilibrium(mesh.X)
         u = clamped(mesh, u)
-        recovery = NodalStress(mesh)
+        recovery = NodalFlux(mesh)
         found = recovery(mesh.stress(u, recovery.points))
         errors.append(np.sqrt(np.mean((found - exact) ** 2)))
         corners = mesh.stress(u, np.array([[0.0, 0], [1, 0], [0, 1]]))
@@ -136,7 +136,7 @@ def test_curved_cells_with_bends_that_vanish_with_the_square_of_their_size_keep_
     for per_side in (6, 12, 24):
         mesh = Square(per_side, jitter=0.1, bend=0.3 / per_side)
         u, exact = equilibrium(mesh.X)
-        recovery = NodalStress(mesh)
+        recovery = NodalFlux(mesh)
         found = recovery(mesh.stress(clamped(mesh, u), recovery.points))
         errors.append(np.sqrt(np.mean((found - exact) ** 2)))
     assert np.log2(errors[0] / errors[-1]) / 2 > 1.9
@@ -144,7 +144,7 @@ def test_curved_cells_with_bends_that_vanish_with_the_square_of_their_size_keep_
 
 def test_each_region_has_its_own_stress_at_their_border():
     mesh = Square(4, split=True)
-    recovery = NodalStress(mesh)
+    recovery = NodalFlux(mesh)
     samples = np.broadcast_to(np.where(mesh.cell_region, 7.0, 1.0)[:, None, None], (len(mesh.cells), 3, 4)).copy()
     found = recovery(samples)
     np.testing.assert_allclose(found, np.where(recovery.region, 7.0, 1.0)[:, None] * np.ones(4), rtol=1e-12)
@@ -155,7 +155,7 @@ def test_two_cells_alone_give_their_own_linear_stress():
     mesh = Square(1)
     x, y = mesh.X.T
     u = np.column_stack([x**2, 0 * y])
-    recovery = NodalStress(mesh)
+    recovery = NodalFlux(mesh)
     found = recovery(mesh.stress(u, recovery.points))
     np.testing.assert_allclose(found[:, 0], (LAMBDA + 2 * MU) * 2 * x, atol=1e-13)
     np.testing.assert_allclose(found[:, 1], LAMBDA * 2 * x, atol=1e-13)

@@ -5,7 +5,6 @@ import pytest
 from modal import SCENES
 
 from restshape import _kernels
-from restshape.physics.estimate_modes import estimate_of
 from restshape.replay.still import still
 
 FISH = np.array([614.35, 1154.05, 1676.04, 2382.29, 3191.95])
@@ -52,7 +51,7 @@ def polynomial(X: np.ndarray, degree: int) -> np.ndarray:
 @pytest.mark.parametrize(("order", "size"), [(1, 14.0), (1, 4.95), (1, 4.949), (2, 14.0), (2, 9.9), (2, 5.88)])
 def test_polynomials_of_the_cells_order_are_exact_at_all_nodes(order, size):
     """At corners with few cells too, which take what their neighbours know."""
-    mesh = body_of("fish.toml", order, size).body.mesh
+    mesh = body_of("fish.toml", order, size).state.body.space
     samples = polynomial(sample_places(mesh), order)
     found, exact = recovered(mesh, samples[None])[0], polynomial(mesh.X, order)
     assert np.abs(found - exact).max() < 1e-7 * np.abs(exact).max()
@@ -61,7 +60,7 @@ def test_polynomials_of_the_cells_order_are_exact_at_all_nodes(order, size):
 @pytest.mark.parametrize(("order", "size"), [(1, 14.0), (1, 7.0), (1, 4.95), (1, 4.949), (2, 14.0), (2, 9.9), (2, 7.0)])
 def test_weights_of_samples_are_bounded_at_all_nodes(order, size):
     """Corners whose cells lie nearly in a plane, or have their samples nearly on a quadric, had weights of hundreds."""
-    mesh = body_of("fish.toml", order, size).body.mesh
+    mesh = body_of("fish.toml", order, size).state.body.space
     count = len(mesh.cells) * (1 if order == 1 else 4)
     unit = np.zeros((-(-count // 6) * 6, count))
     unit[:count] = np.eye(count)
@@ -102,7 +101,8 @@ def test_effectivity_does_not_jump_with_the_mesh(name):
     found = []
     for size in sizes:
         analysis = body_of(scene, order, size, layers)
-        estimated = 0.5 * estimate_of(analysis.body)(analysis.modes[analysis.chosen]) / analysis.values[analysis.chosen]
+        state, chosen = analysis.state, analysis.state.modes.chosen
+        estimated = 0.5 * state.body.error_estimate()(state.modes.vectors[chosen]) / state.modes.values[chosen]
         found.append(estimated / (analysis.frequencies / exact - 1.0))
     found = np.array(found)
     jumps = np.exp(np.abs(np.diff(np.log(found), axis=0)))

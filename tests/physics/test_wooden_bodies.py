@@ -69,8 +69,9 @@ def test_sides_twist_where_no_support_holds_their_rotation(tmp_path, fix, twists
     path = tmp_path / "held.toml"
     held = f'[supports.ground]\non = "bottom"\nfix = {fix}\n[effects.modal]'
     path.write_text(SCENE.format(model="plate", grain=0, order=1).replace("[effects.modal]", held))
-    body = still(path).analysis.body
-    rim, mesh = body.mesh.rim(), body.mesh
+    body = still(path).analysis.state.body
+    rim, mesh = body.space.rim(), body.space
     bottom = rim & (np.abs(mesh.X[mesh.cells, 1]) + np.abs(mesh.X[np.roll(mesh.cells, -1, axis=1), 1]) < 1e-12)
-    assert bottom.any() and np.all(body.stiffness_params[:, 11:][bottom] == twists)
-    assert np.all(body.stiffness_params[:, 11:][rim & ~bottom] == 1) and not body.stiffness_params[:, 11:][~rim].any()
+    assert bottom.any() and np.all(body.stiffness.parameters[:, 11:][bottom] == twists)
+    free = body.stiffness.parameters[:, 11:]
+    assert np.all(free[rim & ~bottom] == 1) and not free[~rim].any()

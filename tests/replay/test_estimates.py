@@ -33,7 +33,7 @@ def test_prediction_is_told_how_far_it_is_from_the_solution(tmp_path, kind, poli
     for row, _ in zip(ahead.frames(), solved.frames()):
         rows.append(row)
         if row["predicted"]:
-            true = solved.analysis.prediction_error(ahead.analysis.x)
+            true = solved.analysis.predictor.error(ahead.analysis.x)
             assert row["estimate"] == pytest.approx(true, rel=0.05)
     assert [row["predicted"] for row in rows] == [0, 0, *[1] * 8, 0]
     assert np.isnan([row["prediction_error"] for row in rows[:-1]]).all()
@@ -76,7 +76,9 @@ def test_estimates_of_modes_change_nothing(monkeypatch):
     found = []
     for _ in range(2):
         replay = modal_replay("bar_100.toml", BARS / "remainder.jsonl", ["mesh.size=0.012"], predict="linear")
-        found.append([(replay.analysis.modes.tobytes(), row["iterations"], row["age"]) for row in replay.frames()])
+        found.append(
+            [(replay.analysis.state.modes.vectors.tobytes(), row["iterations"], row["age"]) for row in replay.frames()]
+        )
         monkeypatch.setattr("restshape.replay.loop.Replay._estimates", lambda self, row: dict.fromkeys(ESTIMATES, 0.0))
     assert found[0] == found[1]
 

@@ -150,7 +150,7 @@ def test_flips_of_frames_without_solution_are_taken_back(tmp_path):
         if row["refused"]:
             refused.append(cells != seen[-1])
             assert "loads.blown.pressure" in row["refused"]
-            assert made.moving.mesh.X[:, 0].max() == 2.0 and made.analysis.mesh is made.moving.mesh
+            assert made.moving.mesh.X[:, 0].max() == 2.0 and made.analysis.space is made.moving.mesh
     assert len(refused) == len(away) and any(refused)
     assert not row["refused"] and check.summary()["holds"]
     centre = made.session.outline.centroid(made.session.outline.entity("window"))

@@ -218,7 +218,7 @@ def test_supports_that_move_with_their_place_hold_in_predicted_frames(tmp_path):
         path = scene if name == "scene.toml" else write_scene(tmp_path, text + "[effects.large_deformation]\n", name)
         made, gaps, predicted = make_replay(path, script, overrides=EXACT, predict="linear"), [], 0
         for row in made.frames():
-            mesh = made.analysis.mesh
+            mesh = made.analysis.space
             nodes = mesh.nodes_of("right")
             gaps.append(np.abs(made.analysis.x[nodes, 1] - 0.001 * mesh.X[nodes, 0] ** 2).max())
             predicted += row["predicted"]

@@ -57,7 +57,7 @@ def test_linear_displacements_are_exact_with_curved_sides(tmp_path, name):
     script = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.7, 0.6), 12))
     made = replayed(tmp_path, name, events=script, text=PATCH)
     for row in made.frames():
-        mesh = made.analysis.mesh
+        mesh = made.analysis.space
         assert isinstance(mesh, LagrangeSpace) and len(mesh.curved)
         np.testing.assert_allclose(made.analysis.x, mesh.X @ A.T, atol=1e-13)
         assert row["unknowns"] == 2 * len(mesh.X)
@@ -79,7 +79,7 @@ def test_guesses_follow_the_nodes_of_flipped_edges(tmp_path, monkeypatch):
         return np.array(found)
 
     follow = residuals()
-    monkeypatch.setattr("restshape.analysis.frame.reseated", lambda field, reseats: field)
+    monkeypatch.setattr("restshape.analysis.frame.interpolated", lambda field, interpolations: field)
     stay = residuals()
     # Values that belong to another place add to the forces that the motion itself has brought.
     assert len(follow) == len(stay) > 2
@@ -128,7 +128,7 @@ def test_a_recording_holds_quadratic_triangles(tmp_path):
     with Recorder.start(path, {"title": "plate"}, columns(["stretch", "peak", "wall", "energy"])) as recorder:
         made = make_replay(scene, script, "auto", [ORDER], recorder=recorder)
         for _ in made.frames():
-            mesh = made.analysis.mesh
+            mesh = made.analysis.space
             known.append((mesh.X.copy(), mesh.cells.copy(), made.analysis.x.copy()))
     reader = vtk.vtkHDFReader()
     reader.SetFileName(str(path))

@@ -16,8 +16,8 @@ def events(folder: Path, *parts: dict) -> Path:
 
 def lowest(analysis) -> float:
     """The lowest frequency [Hz] of a held body by LAPACK, which misses none."""
-    K, M = (m.toarray() for m in analysis.matrices())
-    free = analysis.body.mask.ravel() == 0
+    K, M = (m.toarray() for m in analysis.state.matrices.gather())
+    free = analysis.state.body.boundary.mask.ravel() == 0
     value = eigh(K[np.ix_(free, free)], M[np.ix_(free, free)], eigvals_only=True, subset_by_index=[0, 0])[0]
     return float(np.sqrt(value) / (2 * np.pi))
 

@@ -53,7 +53,7 @@ class Design:
         self.replay = make_replay(write_scene(folder, text))
         next(self.replay.frames())
         self.analysis = self.replay.analysis
-        self.X = self.analysis.mesh.X.copy()
+        self.X = self.analysis.space.X.copy()
         self.x = self.analysis.x.copy()
 
     def direction(self, seed: int = 3) -> np.ndarray:
@@ -64,7 +64,7 @@ class Design:
 
     def move(self, dX: np.ndarray) -> np.ndarray:
         """The displacement (n, 2) [m] of the design whose nodes are dX (n, 2) [m] from where they were."""
-        mesh = self.analysis.mesh
+        mesh = self.analysis.space
         mesh.X[...] = self.X + dX
         self.replay.moving.mesh.geometry += 1
         none = np.empty(0, dtype=np.int32)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from modal import SCENES, SMALL, solved
 
+from restshape.algebra.clusters import CLUSTER
 from restshape.analysis.frame import Frame
-from restshape.analysis.modal import CLUSTER
 from restshape.replay.still import still
 from restshape.sensitivity.modal import (
     clusters,
@@ -27,7 +27,7 @@ class Moved:
     """Full solves with the nodes of the plane mesh moved along a smooth direction."""
 
     def __init__(self, analysis):
-        self.analysis, self.plane = analysis, analysis.mesh
+        self.analysis, self.plane = analysis, analysis.space
         self.X = self.plane.X.copy()
         length = np.ptp(self.X[:, 0])
         x, y = self.X.T / length
@@ -42,15 +42,15 @@ class Moved:
             mesh.X[...] = self.plane.X[self.plane.corner_number]
         mesh.geometry += 1
         analysis = self.analysis
-        analysis.solve(Frame(self.plane, NO_CELLS, None, analysis.scene, (None, (0.0, 0.0))))
-        return analysis.values.copy(), analysis.modes.copy(), analysis.frequencies.copy()
+        analysis.solve(Frame(self.plane, NO_CELLS, None, analysis.state.scene, (None, (0.0, 0.0))))
+        return analysis.state.modes.values.copy(), analysis.state.modes.vectors.copy(), analysis.frequencies.copy()
 
 
 @pytest.mark.parametrize("model", SMALL)
 def test_remainder_of_frequencies_is_of_second_order(model):
     analysis = solved(model)
     moved = Moved(analysis)
-    rates = frequency_derivatives(analysis, analysis.body.motion(moved.direction[None])[0])
+    rates = frequency_derivatives(analysis, analysis.state.body.motion(moved.direction[None])[0])
     f0, h = analysis.frequencies, 2e-3
     remainders = [np.abs(moved.solve(step)[2] - f0 - step * rates) for step in (h, h / 2)]
     assert np.all(remainders[0] > 1e-8 * f0), "nothing to compare with"
@@ -61,14 +61,14 @@ def test_remainder_of_frequencies_is_of_second_order(model):
 def test_remainder_of_modes_is_of_second_order(model):
     analysis = solved(model)
     moved = Moved(analysis)
-    x, count = analysis.x.copy(), len(analysis.values)
+    x, count = analysis.predictor.values().copy(), len(analysis.state.modes.values)
     motion = np.stack([moved.direction, np.zeros_like(moved.direction)])
     s = modal_derivative(analysis, motion, 1e-10)[0]
-    wanted = analysis.chosen.copy()
+    wanted = analysis.state.modes.chosen.copy()
     remainders = []
     for h in (1e-3, 5e-4):
-        analysis.accept(x + h * s)
-        predicted = analysis.modes
+        analysis.predictor.set_values(x + h * s)
+        predicted = analysis.state.modes.vectors
         modes = moved.solve(h)[1]
         remainders.append(np.linalg.norm(modes[wanted] - predicted[wanted], axis=1))
     change = np.linalg.norm(modes[wanted] - x[wanted, count:], axis=1)
@@ -83,9 +83,9 @@ def test_predicted_pair_opens_as_the_full_solve_does():
     moved = Moved(analysis)
     moved.direction = np.column_stack([moved.X[:, 0], np.zeros(len(moved.X))])
     motion = np.stack([moved.direction, 0 * moved.direction])
-    x = analysis.x.copy()
+    x = analysis.predictor.values().copy()
     s = modal_derivative(analysis, motion, 1e-9)[0]
-    analysis.accept(x + 0.01 * s)
+    analysis.predictor.set_values(x + 0.01 * s)
     predicted = analysis.frequencies[1:3].copy()
     full = moved.solve(0.01)[2][1:3]
     opened = full[1] - full[0]
@@ -107,14 +107,14 @@ class Stretched(Moved):
 
     @property
     def rates(self):
-        return frequency_derivatives(self.analysis, self.analysis.body.motion(self.direction[None])[0])
+        return frequency_derivatives(self.analysis, self.analysis.state.body.motion(self.direction[None])[0])
 
 
 @pytest.mark.parametrize("length", [9.997, 9.998, 10.001, 10.003])
 def test_close_frequencies_keep_their_own_rates(length):
     sides = [f"shape.vertices.{corner}=[{length}, {y}]" for corner, y in (("b", 0), ("c", 10))]
     moved = Stretched(solved_square("mesh.size=0.5", "solve.tolerance=1e-10", *sides))
-    low, high = moved.analysis.values[1:3]
+    low, high = moved.analysis.state.modes.values[1:3]
     assert 1e-5 < high / low - 1.0 < 1e-3
     told, h = moved.rates, 1e-5
     ahead, behind = (moved.solve(step)[2] for step in (h, -h))
@@ -140,11 +140,11 @@ def test_a_pair_is_not_cut(size):
     assert len(four.analysis.frequencies) == 4 and list(known_modes(four.analysis)) == [0, 1, 2, 3, 4]
     assert not stands_alone(four.analysis, 3) and stands_alone(four.analysis, 0)
     assert four.rates == pytest.approx(five.rates[:4], rel=1e-6)
-    velocity = four.analysis.body.motion(four.direction[None])[0]
+    velocity = four.analysis.state.body.motion(four.direction[None])[0]
     together = [frequency_derivatives(plate.analysis, velocity, CLUSTER) for plate in plates]
     assert together[0] == pytest.approx(together[1][:4], rel=1e-6)
-    x, motion = four.analysis.x.copy(), np.stack([four.direction, 0 * four.direction])
-    four.analysis.accept(x + 0.005 * modal_derivative(four.analysis, motion, 1e-9)[0])
+    x, motion = four.analysis.predictor.values().copy(), np.stack([four.direction, 0 * four.direction])
+    four.analysis.predictor.set_values(x + 0.005 * modal_derivative(four.analysis, motion, 1e-9)[0])
     predicted, before = four.analysis.frequencies[3], five.analysis.frequencies
     full = five.solve(0.005)[2]
     assert full[4] - full[3] > 10 * (before[4] - before[3])
@@ -155,10 +155,10 @@ def test_a_pair_is_not_cut(size):
 @pytest.mark.parametrize("model", ["tet4", "tet10", "plate"])
 def test_rigid_motions_change_nothing(model):
     analysis = solved(model)
-    X = analysis.mesh.X
+    X = analysis.space.X
     turn = np.column_stack([-X[:, 1], X[:, 0]])
     for motion in (np.ones_like(X), turn):
-        rates = frequency_derivatives(analysis, analysis.body.motion(motion[None])[0])
+        rates = frequency_derivatives(analysis, analysis.state.body.motion(motion[None])[0])
         size = np.abs(motion).max() / np.ptp(X[:, 0])
         assert np.all(np.abs(rates) < 1e-7 * size * analysis.frequencies)
 
@@ -166,12 +166,12 @@ def test_rigid_motions_change_nothing(model):
 @pytest.mark.parametrize("model", SMALL)
 def test_nodal_gradient_is_what_all_directions_give(model):
     analysis = solved(model)
-    mode = int(analysis.chosen[0])
+    mode = int(analysis.state.modes.chosen[0])
     gradient = nodal_gradient(analysis, mode)
     velocity = np.random.default_rng(0).standard_normal(gradient.shape)
-    phi = analysis.modes[mode : mode + 1]
+    phi = analysis.state.modes.vectors[mode : mode + 1]
     stiff, heavy = design_products(analysis, phi, velocity)
-    expected = float(phi[0] @ (stiff[0] - analysis.values[mode] * heavy[0]))
+    expected = float(phi[0] @ (stiff[0] - analysis.state.modes.values[mode] * heavy[0]))
     assert float((gradient * velocity).sum()) == pytest.approx(expected, rel=1e-9)
 
 
@@ -179,21 +179,21 @@ def test_nodal_gradient_is_what_all_directions_give(model):
 def test_gradient_of_the_corners_is_the_derivative_along_a_motion_of_them(model):
     analysis = solved(model)
     moved = Moved(analysis)
-    plane = analysis.mesh
+    plane = analysis.space
     mesh = getattr(plane, "mesh", plane)
     direction = moved.direction if mesh is plane else moved.direction[plane.corner_number]
     if mesh is not plane:
         moved.direction[plane.side_number] = direction[mesh.edge_nodes].mean(axis=1)
-    rate = frequency_derivatives(analysis, analysis.body.motion(moved.direction[None])[0])[0]
-    found = (plane_gradient(analysis, int(analysis.chosen[0])) * direction).sum()
+    rate = frequency_derivatives(analysis, analysis.state.body.motion(moved.direction[None])[0])[0]
+    found = (plane_gradient(analysis, int(analysis.state.modes.chosen[0])) * direction).sum()
     assert float(found) == pytest.approx(float(rate), rel=1e-8)
 
 
 def test_density_on_the_ends_of_a_bar_is_that_of_its_length():
     analysis = solved("plate", 'mesh.size="4 mm"')
-    density = outline_density(analysis, int(analysis.chosen[0]))
+    density = outline_density(analysis, int(analysis.state.modes.chosen[0]))
     f, length, width = analysis.frequencies[0], 0.1, 0.03
-    X = (analysis.mesh.X)[density.nodes]
+    X = (analysis.space.X)[density.nodes]
     right = np.isclose(X[:, 0], length)
     # f ~ 1/L^2 in bending: what moving the end along x does is the integral of its density.
     along = np.where(np.isclose(X[:, 1], 0.0) | np.isclose(X[:, 1], width), 0.5, 1.0)
@@ -205,7 +205,7 @@ def test_density_on_the_ends_of_a_bar_is_that_of_its_length():
 
 def test_material_derivatives_follow_full_solves():
     base = solved("tet4")
-    found = material_derivatives(base, int(base.chosen[0]))["aluminium"]
+    found = material_derivatives(base, int(base.state.modes.chosen[0]))["aluminium"]
     for key, unit, value in (("E", "Pa", 70e9), ("rho", "kg/m^3", 2700.0)):
         ahead, behind = (
             solved("tet4", f'material.aluminium.{key}="{value * (1 + h):.9g} {unit}"').frequencies[0]

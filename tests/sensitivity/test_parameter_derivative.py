@@ -17,8 +17,8 @@ PLATE = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="10 mm
 @pytest.mark.parametrize("model", SMALL)
 def test_modulus_and_density_as_homogeneity_wants_them(model):
     analysis = solved(model)
-    (name,) = analysis.scene.material
-    material, f = analysis.scene.material[name], analysis.frequencies
+    (name,) = analysis.state.scene.material
+    material, f = analysis.state.scene.material[name], analysis.frequencies
     assert material.E * parameter_derivatives(analysis, f"material.{name}.E") == pytest.approx(0.5 * f, rel=1e-7)
     assert material.rho * parameter_derivatives(analysis, f"material.{name}.rho") == pytest.approx(-0.5 * f, rel=1e-7)
 
@@ -64,7 +64,7 @@ def test_number_without_effect(tmp_path):
 
 def test_moduli_of_wood_add_up_to_half_the_frequency():
     plate = still(SCENES / "rosewood.toml", ["effects.modal.modes=2", 'mesh.size="20 mm"']).analysis
-    wood = plate.scene.material["wood"].orthotropic
+    wood = plate.state.scene.material["wood"].orthotropic
     total = np.zeros(2)
     for which, moduli in (("E", wood.E), ("G", wood.G)):
         for k, modulus in enumerate(moduli):

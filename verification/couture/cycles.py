@@ -23,14 +23,16 @@ from petsc4py import PETSc
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape_equations import ClothEquations
-from restshape.analysis.rest import DRAGGED, Arrival, Rest
+from restshape.algebra.traits import Traits
+from restshape.analysis.relaxation.equations import ClothEquations
+from restshape.analysis.relaxation.equilibrium import SLIPPING, EquilibriumSolver
+from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
-from restshape.physics.cloth_scene import SheetArguments, sheet_arguments, sheet_of
-from restshape.physics.sheet import Sheet
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.scene import ClothArguments, cloth_arguments, cloth_problem
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec
@@ -101,20 +103,20 @@ class Cloth:
         self.scene = load_scene(SCENE, (HINGES, *overrides))
         chosen = plan(self.scene, application(self.scene.app))
         self.mesh = generate(outline_from_spec(self.scene.shape, self.scene.folder), self.scene.mesh)
-        self.arguments: SheetArguments = sheet_arguments(self.scene, chosen, self.mesh)
+        self.arguments: ClothArguments = cloth_arguments(self.scene, chosen, self.mesh)
 
-    def sheet(self, kink: bool, like: Sheet | None = None) -> Sheet:
+    def sheet(self, kink: bool, like: ClothProblem | None = None) -> ClothProblem:
         """A sheet with one onset of contact or the other, with the history of friction that another one has."""
-        sheet = sheet_of(self.mesh, self.arguments)
+        sheet = cloth_problem(self.mesh, self.arguments)
         sheet.contact.slip = SLIP
         if kink:
             sheet.contact.thickness = KINK
         if like:
-            sheet.contact.take(like.contact)
+            sheet.contact.history = like.contact.history
         return sheet
 
 
-def move(sheet: Sheet, x: np.ndarray, manner: Manner, most: int) -> Course:
+def move(sheet: ClothProblem, x: np.ndarray, manner: Manner, most: int) -> Course:
     """The course of a cloth in implicit steps with kinetic damping from x (n, 3), which is changed.
 
     Args:
@@ -127,7 +129,7 @@ def move(sheet: Sheet, x: np.ndarray, manner: Manner, most: int) -> Course:
     equations = ClothEquations(sheet, PETSc.COMM_SELF, Stages())
 
     def note(x: np.ndarray, norm: float) -> bool:
-        course.residuals.append(norm / sheet.load)
+        course.residuals.append(norm / sheet.lumped.load)
         if not manner.checked:
             course.speeds.append(float(np.linalg.norm(x - before, axis=1).max()) / TIME_STEP or None)
             before[:] = x
@@ -136,32 +138,32 @@ def move(sheet: Sheet, x: np.ndarray, manner: Manner, most: int) -> Course:
     while len(course.residuals) <= most:
         longest = Steps().longest if manner.checked else TIME_STEP
         left = Steps(TIME_STEP, longest=longest, most=most - len(course.residuals))
-        moving = KineticDamping(PETSc.COMM_SELF, "cycles_", equations, sheet.mass, x.shape, equations.rows, left)
+        moving = KineticDamping(PETSc.COMM_SELF, "cycles_", equations, sheet.lumped.mass, x.shape, equations.rows, left)
         moving.on_step = note
         if manner.anew:
-            moving.on_move = sheet.follow
-        norm = moving.run(x, REST * sheet.load)
+            moving.on_move = sheet.follow_friction
+        norm = moving.run(x, REST * sheet.lumped.load)
         moving.free()
-        if norm > REST * sheet.load:
+        if norm > REST * sheet.lumped.load:
             break
         note(x, norm)
         # Only now friction follows; where that puts forces out of balance, the cloth moves on.
-        dragged, forces = sheet.lag(x), np.empty_like(x)
+        dragged, forces = sheet.update_friction(x), np.empty_like(x)
         sheet.residual(x, forces)
-        course.at_rest = dragged <= DRAGGED * SLIP and float(np.linalg.norm(forces)) <= REST * sheet.load
+        course.at_rest = dragged <= SLIPPING * SLIP and float(np.linalg.norm(forces)) <= REST * sheet.lumped.load
         if course.at_rest:
             break
     return course
 
 
-def settle(sheet: Sheet, x: np.ndarray) -> Course:
+def settle(sheet: ClothProblem, x: np.ndarray) -> Course:
     """The course of a cloth by descent and Newton's method from x (n, 3), which is changed."""
     course, stages = Course(), Stages()
-    linear = LinearSolver(PETSc.COMM_SELF, "cycles_linear_", "auto", REST, Calibration.load(), stages)
-    rest = Rest(sheet, PETSc.COMM_SELF, stages, linear, REST, prefix="cycles_")
+    traits = Traits(fields=3, dimension=3)
+    linear = LinearSolver(PETSc.COMM_SELF, "cycles_linear_", "auto", REST, Calibration.load(), stages, traits=traits)
+    rest = EquilibriumSolver(sheet, PETSc.COMM_SELF, stages, linear, REST, prefix="cycles_")
     rest.on_iterate = lambda _, residual: course.residuals.append(residual)
-    rest.begin()
-    course.at_rest = rest.settle(x, 3 * AFTER, Arrival()).at_rest
+    course.at_rest = rest.converge(x, 3 * AFTER, ConvergenceReport()).converged
     rest.destroy()
     return course
 
@@ -176,7 +178,7 @@ def study(overrides: Sequence[str] = (), before: int = BEFORE, after: int = AFTE
     cloth = Cloth(overrides)
     first = cloth.sheet(AUTHOR.kink)
     x = first.flat(cloth.arguments.start)
-    first.lag(x)
+    first.update_friction(x)
     courses = {"start": move(first, x, AUTHOR, before)}
     for name, manner in MANNERS.items():
         courses[name] = move(cloth.sheet(manner.kink, first), x.copy(), manner, after)

@@ -7,6 +7,7 @@ import numpy as np
 from restshape_studies.stability.case import Row, Statement, Trial, below, sound, true
 from restshape_studies.stability.scenery import block, meshed, rows_of
 
+from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.replay.loop import Replay
 
 REST = 1e-4
@@ -99,8 +100,8 @@ def differenced(made: Replay, most: int = 600, way: float = WAY) -> float:
         most: unknowns that are looked at, drawn at random; the norm stands for all.
         way: half of the distance between two energies [m].
     """
-    sheet, x = made.analysis.sheet, made.analysis.x.copy()
-    free = np.flatnonzero(sheet.free.ravel())
+    sheet, x = made.analysis.problem, made.analysis.x.copy()
+    free = np.flatnonzero(sheet.boundary.free.ravel())
     chosen = np.random.default_rng(0).permutation(free)[:most]
     flat, forces = x.ravel(), []
     for unknown in chosen:
@@ -110,7 +111,7 @@ def differenced(made: Replay, most: int = 600, way: float = WAY) -> float:
         flat[unknown] = kept - way
         forces.append((after - sheet.energy(x)) / (2 * way))
         flat[unknown] = kept
-    return float(np.linalg.norm(forces)) * (len(free) / len(chosen)) ** 0.5 / made.analysis.rest.scale(x)
+    return float(np.linalg.norm(forces)) * (len(free) / len(chosen)) ** 0.5 / made.analysis.state.solver.scale(x)
 
 
 def resting(made: Replay, rows: Sequence[Row], bound: float = REST, way: float = WAY) -> Iterator[Statement]:
@@ -125,8 +126,8 @@ def resting(made: Replay, rows: Sequence[Row], bound: float = REST, way: float =
 def depth(made: Replay) -> float:
     """How deep the deepest node is in a body [m]."""
     analysis = made.analysis
-    corners = analysis.sheet.corners(analysis.x)
-    return max(float(-body.distance(corners)[0].min()) for body in analysis.sheet.contact.bodies)
+    corners = analysis.problem.corners(analysis.x)
+    return max(float(-body.distance(corners)[0].min()) for body in analysis.problem.contact.bodies)
 
 
 def outside(made: Replay, bound: float) -> Statement:
@@ -137,7 +138,8 @@ def outside(made: Replay, bound: float) -> Statement:
 def turned_over(made: Replay) -> float:
     """The part of the triangles of the start that are turned over, seen from above."""
     analysis = made.analysis
-    x = made.analysis.laid.scattered(analysis.mesh)[:, :2]
-    a, b, c = x[analysis.mesh.corners].swapaxes(0, 1)
+    scene, mesh = analysis.state.scene, analysis.space
+    x = InitialPlacement(scene.start, scene.parameters).scattered(mesh)[:, :2]
+    a, b, c = x[mesh.corners].swapaxes(0, 1)
     u, v = b - a, c - a
     return float(np.mean(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] < 0))

@@ -82,8 +82,8 @@ def one_pin(trial: Trial) -> Iterator[Statement]:
             made, rows = played(trial, text + more)
             yield from resting(made, rows)
             yield near("force of the pin is the weight", rows[0]["q_pin"], WEIGHT, 1e-3)
-            sheet = made.analysis.sheet
-            middle = sheet.mass @ made.analysis.x / sheet.mass.sum()
+            sheet = made.analysis.problem
+            middle = sheet.lumped.mass @ made.analysis.x / sheet.lumped.mass.sum()
             yield below("middle beside the pin [m]", float(np.abs(middle[:2] - 0.3).max()), 1e-3)
             # A diagonal that hangs straight has 0.3 sqrt(2); folds from a start at random take some of it.
             yield near("lowest place below the pin", rows[0]["q_lowest"], -0.3 * 2**0.5, bound)

@@ -13,8 +13,8 @@ from petsc4py import PETSc
 
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.drape_equations import ClothEquations
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
+from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.application import application
 from restshape.replay.still import still
 
@@ -106,11 +106,12 @@ def stepped(size: str, length: float, steps: int = STEPS) -> tuple[int, float]:
     """
     # One step of the scene's way: what is wanted is the cloth, with all that its steps need.
     first = (HINGE, DRESS, f'mesh.size="{size}"', "effects.drape.way=kinetic", "effects.drape.steps=1")
-    analysis: DrapeAnalysis = still(SCENES / "sphere.toml", first).analysis
-    sheet = analysis.sheet
+    analysis: RelaxationAnalysis = still(SCENES / "sphere.toml", first).analysis
+    sheet = analysis.problem
     equations = ClothEquations(sheet, PETSc.COMM_SELF, Stages())
     even = Steps(length, longest=length, most=WARM + steps)
-    moving = KineticDamping(PETSc.COMM_SELF, "steps_", equations, sheet.mass, analysis.x.shape, equations.rows, even)
+    shape, rows = analysis.x.shape, equations.rows
+    moving = KineticDamping(PETSc.COMM_SELF, "steps_", equations, equations.mass, shape, rows, even)
     times: list[float] = []
 
     def note(x: np.ndarray, norm: float) -> bool:
@@ -118,7 +119,7 @@ def stepped(size: str, length: float, steps: int = STEPS) -> tuple[int, float]:
         return False
 
     moving.on_step = note
-    moving.on_move = sheet.follow
+    moving.on_move = sheet.follow_friction
     moving.run(analysis.x.copy(), 0.0)
     moving.free()
     taken = np.diff(times)[WARM:]

@@ -4,8 +4,8 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.rest import Arrival
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
+from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.application import application
 from restshape.replay.still import still
 
@@ -57,17 +57,17 @@ def critical(width: float, comm: PETSc.Comm, across: int = 4) -> float:
     return float(loads[-1])
 
 
-def lowest(analysis: DrapeAnalysis, g: float, x: np.ndarray) -> float:
+def lowest(analysis: RelaxationAnalysis, g: float, x: np.ndarray) -> float:
     """The eigenvalue [1/s^2] nearest to zero of the true tangent in the mass, after coming to rest in x (n, 3)."""
     from slepc4py import SLEPc
 
-    sheet, rest = analysis.sheet, analysis.rest
+    sheet, rest = analysis.problem, analysis.state.solver
     sheet.g = np.array([0.0, -g, 0.0])
-    sheet.move()
-    rest.begin()
-    rest.polish(x, Arrival())
+    sheet.update()
+    rest.refine(x, ConvergenceReport())
     tangent = rest.equations.true_tangent(x, 0.0)
-    weights = PETSc.Vec().createWithArray((sheet.mass[:, None] * sheet.free).ravel(), comm=PETSc.COMM_SELF)
+    masses = sheet.lumped.mass[:, None] * sheet.boundary.free
+    weights = PETSc.Vec().createWithArray(masses.ravel(), comm=PETSc.COMM_SELF)
     mass = PETSc.Mat().createAIJ(tangent.getSizes(), nnz=1, comm=PETSc.COMM_SELF)
     mass.setDiagonal(weights)
     mass.assemble()

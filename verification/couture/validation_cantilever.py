@@ -45,17 +45,17 @@ NEAR = 0.01
 
 def tip(replay: Replay) -> tuple[float, float, float]:
     """Place of the tip beside and below the clamp [L], and its angle [degrees]."""
-    sheet, x = replay.analysis.sheet, replay.analysis.x
+    sheet, x = replay.analysis.problem, replay.analysis.x
     right = sheet.mesh.X[:, 0] > LENGTH * (1 - 1e-6)
     away, _, up = sheet.corners(x)[right].mean(axis=0) / LENGTH
-    return float(away), float(-up), angle(replay) if sheet.space else float("nan")
+    return float(away), float(-up), angle(replay) if sheet.morley else float("nan")
 
 
 def angle(replay: Replay) -> float:
     """The angle below the horizon of a strip of Morley's triangles at its end [degrees], from the slopes there."""
-    sheet = replay.analysis.sheet
+    sheet = replay.analysis.problem
     ends = sheet.mesh.X[sheet.mesh.edge_nodes, 0]
-    slopes = replay.analysis.x[sheet.space.side_number[(ends > LENGTH * (1 - 1e-6)).all(axis=1)]]
+    slopes = replay.analysis.x[sheet.morley.side_number[(ends > LENGTH * (1 - 1e-6)).all(axis=1)]]
     # An edge's own normal may point either way along the strip; here its end is never turned back.
     away, _, up = np.abs(slopes).mean(axis=0)
     return float(np.degrees(np.arctan2(up, away)))

@@ -7,9 +7,10 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 from scipy.optimize import brentq
 
-from restshape.analysis.drape import DrapeAnalysis
-from restshape.analysis.rest import Arrival
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
+from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.application import application
+from restshape.physics.cloth.contact import FrictionHistory
 from restshape.replay.still import still
 
 SCENES = application("couture").folder / "scenes"
@@ -56,9 +57,9 @@ class Hung:
         return brentq(lambda mu: self.most(mu) - self.ratio / part, 1e-4, 3.0)
 
 
-def hung(analysis: DrapeAnalysis) -> Hung:
+def hung(analysis: RelaxationAnalysis) -> Hung:
     """How the strip hangs: material below the axis of the bar, and the mean distance of what lies on it."""
-    sheet, along = analysis.sheet, analysis.sheet.mesh.X[:, 0]
+    sheet, along = analysis.problem, analysis.problem.mesh.X[:, 0]
     x = sheet.corners(analysis.x)
     height = x[:, 2] - AXIS
     ends = []
@@ -69,12 +70,12 @@ def hung(analysis: DrapeAnalysis) -> Hung:
     return Hung(ends[0], ends[1], float(np.hypot(x[:, 0], height)[height > 0].mean()))
 
 
-def rests(analysis: DrapeAnalysis, mu: float, x: np.ndarray, history: tuple[np.ndarray, ...]) -> bool:
+def rests(analysis: RelaxationAnalysis, mu: float, x: np.ndarray, history: FrictionHistory) -> bool:
     """Tell whether the strip stays with another coefficient of friction, from where it lay with a larger one."""
     analysis.x[:] = x
-    analysis.sheet.contact.restore(history)
-    analysis.sheet.contact.friction = np.array([mu])
-    return analysis.rest.settle(analysis.x, MOST, Arrival()).at_rest
+    analysis.problem.contact.history = history
+    analysis.problem.contact.friction = np.array([mu])
+    return analysis.state.solver.converge(analysis.x, MOST, ConvergenceReport()).converged
 
 
 def capstan(comm: PETSc.Comm) -> list[Check]:
@@ -82,7 +83,7 @@ def capstan(comm: PETSc.Comm) -> list[Check]:
     checks = []
     for shift in (0.0, 0.02):
         analysis = laid(shift, comm)
-        start, x, history = hung(analysis), analysis.x.copy(), analysis.sheet.contact.history()
+        start, x, history = hung(analysis), analysis.x.copy(), analysis.problem.contact.history
         low, high, best = 0.95, 1.06, 0.0
         while high - low > 0.01:
             middle = 0.5 * (low + high)
@@ -102,7 +103,7 @@ def capstan(comm: PETSc.Comm) -> list[Check]:
     return checks
 
 
-def laid(shift: float, comm: PETSc.Comm) -> DrapeAnalysis:
+def laid(shift: float, comm: PETSc.Comm) -> RelaxationAnalysis:
     """A strip without bending at rest over a rough bar, its middle off by some length [m] more than in the scene."""
     vertices = [f"shape.vertices.{v}=[{x + shift},{y}]" for v, x, y in (("a", -0.18, 0), ("b", 0.28, 0))]
     vertices += [f"shape.vertices.{v}=[{x + shift},{y}]" for v, x, y in (("c", 0.28, 0.02), ("d", -0.18, 0.02))]

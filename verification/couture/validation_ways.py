@@ -41,11 +41,11 @@ def resets(comm: PETSc.Comm) -> list[Check]:
     """Potential energies when velocities are set to zero, on the way of a cloth down a smooth ball."""
     smooth = ["bodies.ball.friction=0", "effects.drape.steps=1", "effects.drape.way=newton"]
     analysis = still(SPHERE, [*COARSE, *smooth], comm).analysis
-    sheet, moving = analysis.sheet, analysis.rest.moving
+    sheet, moving = analysis.problem, analysis.state.solver.moving
     moving.motion = counted = Counted(moving.motion)
     x = sheet.flat(np.column_stack([sheet.mesh.X, np.zeros(len(sheet.mesh.X))]))
     start = sheet.energy(x)
-    moving.run(x, 1e-3 * sheet.load)
+    moving.run(x, 1e-3 * sheet.lumped.load)
     energies = np.array([start, *moving.resets])
     rise = float(np.diff(energies).max() / np.abs(energies).max())
     tried = counted.solves - moving.snes.getIterationNumber()

@@ -10,6 +10,7 @@ from restshape_verification.metallophone.reference import EDITS, SCENES, mindlin
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.stages import Stages
 from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal_matrices import products
 from restshape.calibration import Calibration
 from restshape.replay.run import replay_files
 
@@ -78,7 +79,7 @@ def rates(comm: PETSc.Comm) -> list[Check]:
 def slope(found: Sequence[ModalAnalysis], exact: float) -> float:
     """The power of the elements' size, as their number tells it, that the error of the first frequency follows."""
     coarse, fine = (abs(float(analysis.frequencies[0]) - exact) for analysis in found)
-    cells = [len(analysis.mesh.cells) for analysis in found]
+    cells = [len(analysis.space.cells) for analysis in found]
     return float(np.log(coarse / fine) / (0.5 * np.log(cells[1] / cells[0])))
 
 
@@ -92,10 +93,11 @@ def norms(comm: PETSc.Comm) -> list[Check]:
         ("plane stress", "slender.toml", []),
     ):
         analysis = solved(scene, comm, overrides)
-        modes, heavy = analysis.modes, np.stack([analysis.products(mode)[1].ravel() for mode in analysis.modes])
+        modes = analysis.state.modes.vectors
+        heavy = products(analysis.state.body, modes)[1]
         gram = float(np.abs(modes @ heavy.T - np.eye(len(modes))).max())
         checks.append(Check(f"{what}: largest entry of phi M phi - 1", gram, 0.0, 1e-10, "definition"))
-        rigid = analysis.body.rigid()
+        rigid = analysis.state.body.free_rigid_motions()
         if len(rigid):
             mixed = np.abs(heavy @ rigid.T) / np.linalg.norm(rigid, axis=1)
             share = float((mixed / np.linalg.norm(heavy, axis=1)[:, None]).max())

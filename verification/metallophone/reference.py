@@ -27,7 +27,7 @@ def timoshenko(k: int, length: float, height: float, E: float, nu: float, rho: f
 
 def mindlin(analysis: ModalAnalysis, side: float, m: int, n: int) -> float:
     """The frequency [Hz] of m x n half waves of a simply supported square Mindlin plate of the only material."""
-    own = next(iter(analysis.scene.material.values()))
+    own = next(iter(analysis.state.scene.material.values()))
     h = own.thickness
     shear, bending = SHEAR * own.E / (2 * (1 + own.nu)) * h, own.E * h**3 / (12 * (1 - own.nu**2))
     return thick_wave(np.pi / side * np.hypot(m, n), shear, bending, own.rho * h, own.rho * h**3 / 12)

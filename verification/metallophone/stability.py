@@ -25,10 +25,10 @@ BAR_200 = (523.31, 1443.0, 1984.5, 2828.2, 4027.2)
 def lowest(made: Replay) -> np.ndarray:
     """Frequencies [Hz] of all modes but the rigid ones by LAPACK."""
     analysis = made.analysis
-    K, M = (m.toarray() for m in analysis.matrices())
-    free = analysis.body.mask.ravel() == 0
+    K, M = (m.toarray() for m in analysis.state.matrices.gather())
+    free = analysis.state.body.boundary.mask.ravel() == 0
     values = eigh(K[np.ix_(free, free)], M[np.ix_(free, free)], eigvals_only=True)
-    return np.sqrt(values[len(analysis.body.rigid()) :][: analysis.count]) / (2 * np.pi)
+    return np.sqrt(values[len(analysis.state.body.free_rigid_motions()) :][: analysis.state.count]) / (2 * np.pi)
 
 
 def followed(
@@ -41,10 +41,10 @@ def followed(
     def look(row: Row) -> None:
         check()
         analysis = made.analysis
-        if not row["refused"] and analysis.geometry != known[0]:
-            wanted = lowest(made)[analysis.chosen]
+        if not row["refused"] and analysis.state.geometry != known[0]:
+            wanted = lowest(made)[analysis.state.modes.chosen]
             errors.append(float(np.abs(analysis.frequencies / wanted - 1).max()))
-            known[0] = analysis.geometry
+            known[0] = analysis.state.geometry
 
     rows = rows_of(made, look)
     return rows, [

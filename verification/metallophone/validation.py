@@ -8,9 +8,10 @@ from restshape_studies.validation.case import Case, Check
 from restshape_verification.metallophone.exactness import discrete, norms, rates, remainders
 from restshape_verification.metallophone.reference import EDITS, SCENES, solved, timoshenko
 
+from restshape.algebra.clusters import CLUSTER
 from restshape.analysis.modal import ModalAnalysis
 from restshape.replay.run import replay_files
-from restshape.sensitivity.modal import CLUSTER, frequency_derivatives, material_derivatives
+from restshape.sensitivity.modal import frequency_derivatives, material_derivatives
 
 CANTILEVER = (8.35516595, 52.36093119, 146.61212348)
 """Euler and Bernoulli's frequencies [Hz] of 1 m x 10 mm of steel; they grow with the height."""
@@ -49,7 +50,7 @@ def beside(
 
 def plate_unit(analysis: ModalAnalysis, length: float) -> float:
     """sqrt(D / (rho h)) / (2 pi length^2) [Hz] of the scene's only material."""
-    m = next(iter(analysis.scene.material.values()))
+    m = next(iter(analysis.state.scene.material.values()))
     D = m.E * m.thickness**3 / (12 * (1 - m.nu**2))
     return float(np.sqrt(D / (m.rho * m.thickness)) / (2 * np.pi * length**2))
 
@@ -117,7 +118,7 @@ def grain(comm: PETSc.Comm) -> list[Check]:
 
 def navier(analysis: ModalAnalysis, a: float, b: float, across: bool) -> list[float]:
     """The lowest frequencies [Hz] of a thin, simply supported plate a x b, from its material's constants."""
-    m = next(iter(analysis.scene.material.values()))
+    m = next(iter(analysis.state.scene.material.values()))
     (E1, E2, _), (nu12, *_), (G12, *_) = m.orthotropic.E, m.orthotropic.nu, m.orthotropic.G
     if across:
         a, b = b, a
@@ -141,10 +142,10 @@ def identities(comm: PETSc.Comm) -> list[Check]:
         ("square.toml", ["solve.tolerance=1e-9", "effects.modal.modes=1", "material.steel.thickness=0.01"], "plate"),
     ):
         bar = solved(scene, comm, overrides)
-        f, X, name = float(bar.frequencies[0]), bar.body.mesh.X, next(iter(bar.scene.material))
+        f, X, name = float(bar.frequencies[0]), bar.state.body.space.X, next(iter(bar.state.scene.material))
         scaled = float(frequency_derivatives(bar, X)[0])
-        by = material_derivatives(bar, int(bar.chosen[0]))[name]
-        material = bar.scene.material[name]
+        by = material_derivatives(bar, int(bar.state.modes.chosen[0]))[name]
+        material = bar.state.scene.material[name]
         source = "f is homogeneous"
         checks += [
             Check(f"{what}: X . df/dX [Hz]", scaled, -f, 1e-9, source + ", of degree -1 in all lengths"),
@@ -163,8 +164,8 @@ def pair(comm: PETSc.Comm) -> list[Check]:
     """The pair of a supported square stretched along x: -2 pi^2 and -8 pi^2 in units, where the naive formula mixes."""
     held = [f"mesh.size={0.2}", "effects.modal.modes=3"]
     square = solved("supported.toml", comm, held)
-    stretch = np.zeros_like(square.body.mesh.X)
-    stretch[:, 0] = square.body.mesh.X[:, 0]
+    stretch = np.zeros_like(square.state.body.space.X)
+    stretch[:, 0] = square.state.body.space.X[:, 0]
     rates = np.sort(frequency_derivatives(square, stretch, CLUSTER)[1:3])
     unit = plate_unit(square, 10.0)
     source = "omega_mn = pi^2 (m^2/a^2 + n^2), differentiated"

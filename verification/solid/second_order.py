@@ -31,7 +31,7 @@ def rates(name: str, order: int, comm: PETSc.Comm) -> tuple[float, float]:
     found = []
     for size in SIZES:
         analysis = still(SCENES / name, [f"mesh.size={size}", f"mesh.order={order}"], comm).analysis
-        mesh = analysis.mesh
+        mesh = analysis.space
         found.append((np.sqrt(1.0 / len(mesh.cells)), *errors(mesh, analysis.x, displacement, gradient)))
     h, l2, h1 = np.log(np.array(found)).T
     return float((l2[-1] - l2[0]) / (h[-1] - h[0])), float((h1[-1] - h1[0]) / (h[-1] - h[0]))

@@ -91,8 +91,8 @@ polygon = [[0.499, 0.0005], [0.501, 0.0005], [0.501, 0.024], [0.499, 0.024]]
     (stronger,) = trial.rows(whole)
     yield below("load factor over that of the whole column", weaker["q_first"] / stronger["q_first"], 0.999)
     analysis = made.analysis
-    shape = np.abs(analysis.modes[0].reshape(-1, 2)[:, 1])
-    yield near("place of the fold [m]", analysis.mesh.X[np.argmax(shape), 0], 0.5, 0.1)
+    shape = np.abs(analysis.state.modes.vectors[0].reshape(-1, 2)[:, 1])
+    yield near("place of the fold [m]", analysis.space.X[np.argmax(shape), 0], 0.5, 0.1)
     yield below("true residual", weaker["residual"], 1e-6)
     yield unrefused([weaker, stronger])
 
@@ -172,7 +172,7 @@ def weakest_unknown(trial: Trial) -> Iterator[Statement]:
 
         def look(row: Row, made=made, errors=errors) -> None:
             if row["counted"]:
-                _, cold = made.analysis.cold_differences()
+                cold = made.analysis.compare_cold().solution
                 errors.append(cold)
 
         rows = rows_of(made, look)

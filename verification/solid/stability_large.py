@@ -77,7 +77,7 @@ def inverted(trial: Trial) -> Iterator[Statement]:
     turned: list[int] = []
 
     def count(row: Row) -> None:
-        mesh = made.analysis.mesh
+        mesh = made.analysis.space
         turned.append(len(_kernels.inverted_cells(mesh.X, made.analysis.x, mesh.cells)))
 
     rows = rows_of(made, count)

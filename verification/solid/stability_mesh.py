@@ -145,7 +145,7 @@ def three_triangles(trial: Trial) -> Iterator[Statement]:
 
 def jacobians(made: Replay) -> float:
     """The least determinant of the maps of all second-order triangles, over twice the area of their corners'."""
-    mesh = made.analysis.mesh
+    mesh = made.analysis.space
     s = np.linspace(0, 1, 7)
     points = np.array([(x, y) for x in s for y in s if x + y <= 1])
     _, slopes = quadratic_basis(points)

@@ -210,7 +210,7 @@ def moved_supports(trial: Trial) -> Iterator[Statement]:
     errors = []
 
     def look(row: dict) -> None:
-        errors.append(np.abs(made.analysis.x - made.analysis.mesh.X * [0.001, -0.002]).max())
+        errors.append(np.abs(made.analysis.x - made.analysis.space.X * [0.001, -0.002]).max())
 
     rows = rows_of(made, look)
     yield below("largest nodal error [m]", max(errors), 1e-11)

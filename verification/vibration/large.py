@@ -20,7 +20,7 @@ def csm3(comm: PETSc.Comm) -> list[Check]:
     """The first and the last cycle of Turek and Hron's beam; they differ, for the motion is not periodic."""
     replay = still(SCENES / "csm3.toml", ["effects.dynamics.steps=1"], comm)
     analysis = replay.analysis
-    unedited = Frame(analysis.mesh, np.empty(0, dtype=np.int32), None, analysis.scene, (None, (0.0, 0.0)))
+    unedited = Frame(analysis.space, np.empty(0, dtype=np.int32), None, analysis.state.scene, (None, (0.0, 0.0)))
     tip, energies = [[0.0, 0.0]], [0.0]
     for _ in range(round(END / STEP)):
         analysis.solve(unedited)

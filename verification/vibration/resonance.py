@@ -101,11 +101,11 @@ def study(comm: PETSc.Comm = PETSc.COMM_WORLD, overrides: Sequence[str] = (), na
 def steady(analysis: TransientAnalysis, outline: object) -> tuple[float, float]:
     """The amplitude [m] of the steady motion where `amplitude` is observed, and the lowest eigenfrequency [Hz]."""
     stiffness, mass, damping = analysis.matrices()
-    inertia, ground, held = analysis.body.inertia, analysis.ground, analysis.body.held.ravel()
+    inertia, ground, held = analysis.body.mass, analysis.state.integration.excitation, analysis.body.held.ravel()
     load = -inertia.apply(np.broadcast_to(ground.amplitude, (len(held) // 2, 2)).copy()).ravel()[~held]
     motion = np.zeros(held.size, dtype=complex)
     motion[~held] = harmonic_response(stiffness, mass, damping, ground.omega, load)
-    node = analysis.mesh.nodes_of(analysis.scene.quantities["amplitude"].at)[0]
+    node = analysis.space.nodes_of(analysis.state.scene.quantities["amplitude"].at)[0]
     return float(abs(motion[2 * node])), float(lowest_modes(stiffness, mass, 1)[0][0] / (2 * np.pi))
 
 

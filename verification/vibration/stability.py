@@ -29,9 +29,11 @@ def shake(made: Replay, dt: float) -> tuple[float, np.ndarray, float, float]:
     stiffness, mass, _ = analysis.matrices()
     (omega,), phi = lowest_modes(stiffness, mass, 1)
     angle = 2 * np.arctan(0.5 * omega * dt)
-    uniform = analysis.body.inertia.apply(np.tile([1.0, 0.0], (len(free) // 2, 1))).ravel()[free]
+    uniform = analysis.body.mass.apply(np.tile([1.0, 0.0], (len(free) // 2, 1))).ravel()[free]
     amplitude = 0.7
-    analysis.ground = SimpleNamespace(acceleration=lambda t: np.array([amplitude * np.sin(angle * t / dt), 0.0]))
+    analysis.set_integration(
+        excitation=SimpleNamespace(acceleration=lambda t: np.array([amplitude * np.sin(angle * t / dt), 0.0]))
+    )
     return omega, mass @ phi[:, 0], amplitude * float(phi[:, 0] @ uniform), angle
 
 
@@ -74,10 +76,12 @@ def damped_resonance(trial: Trial) -> Iterator[Statement]:
     next(frames)
     omega = shake(made, dt)[0]
     analysis = made.analysis
-    analysis.ground = SimpleNamespace(acceleration=lambda t: np.array([0.7 * np.sin(omega * t), 0.0]))
+    analysis.set_integration(
+        excitation=SimpleNamespace(acceleration=lambda t: np.array([0.7 * np.sin(omega * t), 0.0]))
+    )
     peaks = [next(frames)["q_amplitude"] for _ in range(int(10 / (0.02 * omega) / (25 * dt)))]
     free = ~analysis.body.held.ravel()
-    uniform = analysis.body.inertia.apply(np.tile([1.0, 0.0], (len(free) // 2, 1))).ravel()[free]
+    uniform = analysis.body.mass.apply(np.tile([1.0, 0.0], (len(free) // 2, 1))).ravel()[free]
     response = np.zeros(free.size, dtype=complex)
     response[free] = harmonic_response(*analysis.matrices(), omega, -0.7 * uniform)
     wanted = abs(response[2 * made.moving.mesh.nodes_of("c")[0]])
@@ -93,7 +97,7 @@ def _swung(trial: Trial, scene: Path, events: list[dict]) -> tuple[list[Row], li
     for row in made.frames():
         rows.append(dict(row))
         if row["index"] == 0:
-            X = made.analysis.mesh.X
+            X = made.analysis.space.X
             made.analysis.begin(0.05 * X * X[:, 1:], 0.3 * X[:, ::-1] * X[:, 1:])
             start = made.analysis.energy()
         else:

@@ -27,7 +27,7 @@ def idle(replay: Replay, frames: int) -> Iterator[TransientAnalysis]:
     """The analysis after each of so many frames in which nothing is edited."""
     analysis = replay.analysis
     for _ in range(frames):
-        analysis.solve(Frame(replay.moving.mesh, NO_CELLS, None, analysis.scene, (None, (0.0, 0.0))))
+        analysis.solve(Frame(replay.moving.mesh, NO_CELLS, None, analysis.state.scene, (None, (0.0, 0.0))))
         yield analysis
 
 
@@ -37,7 +37,7 @@ def first_mode(analysis: TransientAnalysis) -> tuple[float, np.ndarray, np.ndarr
     omega, modes = lowest_modes(stiffness, mass, 1)
     phi = np.zeros(analysis.body.held.shape)
     phi[~analysis.body.held] = modes[:, 0]
-    weight = np.where(analysis.body.held, 0.0, analysis.body.inertia.apply(phi))
+    weight = np.where(analysis.body.held, 0.0, analysis.body.mass.apply(phi))
     return float(omega[0]), phi, weight
 
 
@@ -115,17 +115,17 @@ def _largest_error(replay: Replay, motion: Callable[[float], tuple[float, float,
     """The largest error of the first mode's coordinate over so many steps under the ground that makes it `motion`."""
     analysis = replay.analysis
     omega, phi, weight = first_mode(analysis)
-    rayleigh = analysis.body.rayleigh
+    rayleigh = analysis.body.damping_of
     damping = rayleigh.alpha + rayleigh.beta * omega**2
     participation = float(weight[:, 0].sum()) + float(
-        np.vdot(phi, analysis.body.inertia.apply(np.column_stack([analysis.body.held[:, 0], 0 * phi[:, 0]])))
+        np.vdot(phi, analysis.body.mass.apply(np.column_stack([analysis.body.held[:, 0], 0 * phi[:, 0]])))
     )
 
     def acceleration(t: float) -> np.ndarray:
         q, speed, change = motion(t)
         return np.array([-(change + damping * speed + omega**2 * q) / participation, 0.0])
 
-    analysis.ground = SimpleNamespace(acceleration=acceleration)
+    analysis.set_integration(excitation=SimpleNamespace(acceleration=acceleration))
     return max(abs(np.vdot(weight, now.x) - motion(now.time)[0]) for now in idle(replay, count))
 
 

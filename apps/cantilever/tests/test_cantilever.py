@@ -8,7 +8,7 @@ from restshape_verification.cantilever import thesis
 from small_scenes import make_replay
 
 from restshape.application import application
-from restshape.physics.goals import goal_curve
+from restshape.physics.elasticity.target_curves import goal_curve
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
 from restshape.shape.session import EditSession

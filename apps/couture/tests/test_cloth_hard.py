@@ -21,7 +21,7 @@ from restshape import _kernels
 from restshape.algebra.descent import Descent
 from restshape.application import application
 from restshape.errors import UserError
-from restshape.physics.contact import Contact
+from restshape.physics.cloth.contact import Contact
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
 
@@ -40,7 +40,8 @@ def test_rest_is_measured_by_what_the_solver_did_not_compute(tmp_path):
     made, rows = played(Trial(tmp_path), square(0.06, pinned("c", "d")))
     assert all(statements(made, rows).values())
     # Where it does not rest differences notice, whatever a row says.
-    made.analysis.x[made.analysis.sheet.number, 2] += 1e-4 * np.arange(len(made.analysis.sheet.number))
+    corners = made.analysis.problem.corner_number
+    made.analysis.x[corners, 2] += 1e-4 * np.arange(len(corners))
     found = statements(made, rows)
     failed = [must for must, holds in found.items() if not holds]
     assert failed == ["residual by differences of the energy at most 0.00015"]
@@ -50,8 +51,8 @@ def test_rest_is_measured_by_what_the_solver_did_not_compute(tmp_path):
 
 def test_differences_of_the_energy_are_the_residual(tmp_path):
     made, _ = played(Trial(tmp_path), square(0.06, pinned("c")))
-    made.analysis.x[made.analysis.sheet.number, 2] *= 1.01
-    assert differenced(made, most=10**6) == pytest.approx(made.analysis.residual(), rel=1e-5)
+    made.analysis.x[made.analysis.problem.corner_number, 2] *= 1.01
+    assert differenced(made, most=10**6) == pytest.approx(made.analysis.residual_norm(), rel=1e-5)
 
 
 def test_a_fall_ends_at_once_and_is_told(tmp_path):
@@ -59,7 +60,7 @@ def test_a_fall_ends_at_once_and_is_told(tmp_path):
     assert row["at_rest"] == 0 and row["stable"] == -1 and row["steps"] < 200
     assert row["note"].startswith("not at rest: residual ") and row["note"].endswith("it falls without end")
     # In free fall the forces out of balance are the weight.
-    assert made.analysis.residual() == pytest.approx(row["residual"])
+    assert made.analysis.residual_norm() == pytest.approx(row["residual"])
 
 
 def test_too_few_steps_are_told(tmp_path):
@@ -88,14 +89,14 @@ def test_a_floor_below_is_not_passed_and_a_support_holds(tmp_path):
     plane = _kernels.Body.plane((0, 0, -6.0), (0, 0, 1))
     assert not Contact([plane], np.ones(1), 1e4, 0.01).passed(under, beside)
     made, _ = played(Trial(tmp_path), square(0.06, pinned("c")))
-    sheet = made.analysis.sheet
+    sheet = made.analysis.problem
     assert not sheet.falls(made.analysis.x)
-    sheet.support.mask[:] = False
+    sheet.supports.mask[:] = False
     assert sheet.falls(made.analysis.x)
     # Held along x alone it falls, for gravity is along z.
-    sheet.support.mask[:, 0] = True
+    sheet.supports.mask[:, 0] = True
     assert sheet.falls(made.analysis.x)
-    sheet.support.mask[0, 2] = True
+    sheet.supports.mask[0, 2] = True
     assert not sheet.falls(made.analysis.x)
 
 
@@ -181,6 +182,6 @@ def test_nodes_go_no_farther_than_bodies_are_small(tmp_path):
     """A ball that shrinks to a tenth lets nodes go a tenth as far in one step."""
     events = [{"do": "set", "key": "bodies.ball.sphere.radius", "value": 0.01}]
     made = Trial(tmp_path).replay(square(0.06, ball(0.15, 0.15), floor(-0.3), CONTACT), events)
-    reach = [made.analysis.rest.descent.reach for _ in made.frames()]
+    reach = [made.analysis.state.solver.descent.reach for _ in made.frames()]
     assert reach == pytest.approx([0.05, 0.005])
-    assert made.analysis.rest.moving.steps.reach == pytest.approx(0.005)
+    assert made.analysis.state.solver.moving.steps.reach == pytest.approx(0.005)

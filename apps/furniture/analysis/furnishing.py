@@ -8,7 +8,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape_apps.furniture.guidance.design import Design, Idea, Ideas, Way, words_at
 from restshape_apps.furniture.physics.derivatives import stability_derivative
@@ -21,11 +20,9 @@ from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
 from restshape_apps.furniture.session.boards import Boards
 
 from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.stages import Stages
+from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.frame import Frame
-from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
-from restshape.policy import Policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -41,10 +38,7 @@ class FurnitureAnalysis:
     Args:
         scene: what the user wrote.
         plan: which effects are on.
-        comm: PETSc communicator; each rank does the same, for the equations are few.
-        policy: what is reused: "rebuild" makes all anew in each frame.
-        calibration: seconds a unit of counted work.
-        stages: takes the time of each stage.
+        context: what all parts of the replay share; each rank does the same, for the equations are few.
 
     Attributes:
         verdict: of the last frame.
@@ -54,14 +48,13 @@ class FurnitureAnalysis:
     """
 
     estimated = "nothing: planks are rigid here, and a model without a mesh has no error of one"
-    why_not_predicted = "furniture is not predicted: forces of feet and joints are solved for in each frame"
+    predictor = None
+    why_not = "furniture is not predicted: forces of feet and joints are solved for in each frame"
 
-    def __init__(
-        self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
-    ) -> None:
-        self.plan, self.comm, self.policy, self.stages = plan, comm, policy, stages
+    def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:
+        self.plan, self.policy, self.stages = plan, context.policy, context.stages
         self.scene: Scene | None = None
-        self.mesh: Boards | None = None
+        self.space: Boards | None = None
         self.tolerance = scene.solve.tolerance
         self.design: Design | None = None
         self.equilibrium: PlankEquilibrium | None = None
@@ -92,13 +85,13 @@ class FurnitureAnalysis:
         shown = boards.frame
         if self.scene is None:
             require_places(frame.scene.quantities, shown.design.piece)
-        same = self.design is shown.design and np.array_equal(self.gamma, shown.gamma) and self.mesh is not None
+        same = self.design is shown.design and np.array_equal(self.gamma, shown.gamma) and self.space is not None
         if same and not self.policy.regenerate:
             steps, refreshed = 0, False
             self.age += 1
         else:
             steps, refreshed = self._stand(shown.design, shown.gamma)
-        self.mesh, self.scene, self.note = boards, frame.scene, shown.note
+        self.space, self.scene, self.note = boards, frame.scene, shown.note
         self._look(shown)
         return LinearReport(0, refreshed, self.age, "lu", steps)
 
@@ -248,7 +241,7 @@ class FurnitureAnalysis:
         planks = len(self.use)
         moved = np.full((8 * planks, 3), np.nan)
         if self.forces:
-            u, X = self.forces[0].u, self.mesh.X.reshape(planks, 8, 3)
+            u, X = self.forces[0].u, self.space.X.reshape(planks, 8, 3)
             arms = X - X.mean(axis=1, keepdims=True)
             moved = (u[:, None, :3] + np.cross(np.broadcast_to(u[:, None, 3:], arms.shape), arms)).reshape(-1, 3)
         cells = {"use": self.use, "valid": np.full(planks, float(self.verdict.valid))}
@@ -262,18 +255,18 @@ class FurnitureAnalysis:
         cells = {name: np.full(len(mesh.cells), np.nan) for name in names}
         return {"displacement": np.full(mesh.X.shape, np.nan)}, cells
 
-    def residual(self) -> float:
+    def residual_norm(self) -> float:
         """The largest residual of a case in parts of the loads."""
         return self.worst
 
-    def estimate(self) -> float:
-        """Not a number: see `estimated`."""
-        return float("nan")
+    def errors(self) -> dict[str, float]:
+        """None: see `estimated`."""
+        return {}
 
-    def cold_differences(self) -> tuple[float, float]:
+    def compare_cold(self) -> Comparison:
         """How far tangents and forces are from those of a model made from nothing; for `replay --parity`."""
         if not self.forces:
-            return 0.0, 0.0
+            return Comparison(0.0, 0.0)
         furniture = Furniture(self.design.piece, self.design.furniture.compliance)
         # A new solver looks at the piece as it was drawn.
         cold = PlankEquilibrium(furniture)
@@ -287,7 +280,7 @@ class FurnitureAnalysis:
             pairs = ((getattr(fresh, name), getattr(warm, name)) for name in ("u", "tension", "bending", "shear"))
             difference = max(difference, *(_relative(*pair) for pair in pairs))
         cold.destroy()
-        return entries, difference
+        return Comparison(entries, difference)
 
 
 def _tangent(equilibrium: PlankEquilibrium, case: int, forces: Forces) -> np.ndarray:

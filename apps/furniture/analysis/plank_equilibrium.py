@@ -2,9 +2,9 @@
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_apps.furniture import _kernels
 from restshape_apps.furniture.physics.furniture import Forces, Furniture
 
-from restshape_apps.furniture import _kernels
 from restshape.errors import ReplayProblem
 
 TOLERANCE = 1e-11

@@ -3,12 +3,12 @@
 from dataclasses import astuple, dataclass, field
 
 import numpy as np
+from restshape_apps.furniture import _kernels
 from restshape_apps.furniture.physics import plank_words
 from restshape_apps.furniture.physics.fasteners import fastener, wood
 from restshape_apps.furniture.physics.plank_words import Findings
 from restshape_apps.furniture.shape.planks import Joint, Piece
 
-from restshape_apps.furniture import _kernels
 from restshape.errors import UserError
 
 LOST, OVERLAPPING, UNSTABLE, WEAK, UNBALANCED, APART = 1, 2, 4, 8, 16, 32

@@ -11,7 +11,7 @@ from restshape_apps.furniture.shape.plank_gaps import gap_at
 from restshape_apps.furniture.shape.planks import Piece
 
 from restshape.errors import UserError
-from restshape.physics.quantities import TAKES
+from restshape.fem.quantity import REDUCTIONS
 from restshape.scene.model import Quantity
 
 AXES = "xyz"
@@ -41,7 +41,7 @@ def plank_quantities(quantities: Mapping[str, Quantity], known: Observed) -> dic
     found = {}
     for name, quantity in quantities.items():
         values = _values(quantity, known)
-        found[name] = float(TAKES[quantity.take](values)) if len(values) else np.nan
+        found[name] = float(REDUCTIONS[quantity.take](values)) if len(values) else np.nan
     return found
 
 

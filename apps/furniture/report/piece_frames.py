@@ -16,7 +16,6 @@ from restshape_apps.furniture.report.piece_sheet import ACROSS, COLUMNS, EACH, f
 from restshape_apps.furniture.report.piece_verdicts import only_limits, verdict_colour
 from restshape_apps.furniture.session.plank_session import PlankFrame
 
-from restshape.application import application
 from restshape.errors import UserError
 from restshape.guidance.ranges import Ranges
 from restshape.replay.recording import Recording
@@ -76,7 +75,7 @@ def pieces(recording: Recording, wanted: Sequence[int]) -> Iterator[PlankFrame]:
     """
     header, path = recording.header, recording.path
     scene = recorded_scene(header["scene_values"], path.with_name(Path(header["scene"]).name or "scene"))
-    if not application(scene.app).planks:
+    if "planks" not in scene.sections:
         raise UserError(f"its frames are of planks, its scene of {scene.app!r}", str(path), "record it again")
     text, name = header["script_text"], path.with_name(Path(header["script"]).name or "script")
     script = read_script(text, name, scene, keep_good=True) if text else Script.empty(scene)

@@ -11,18 +11,19 @@ from small_scenes import across, drag, make_replay, write_scene, write_script
 
 from restshape.algebra.eigen import COUNT_EVERY
 from restshape.algebra.gather import whole_matrix
+from restshape.analysis.buckling_matrices import products
 
 
 def test_a_lost_mode_is_found_by_the_next_count(tmp_path):
     """The lowest mode is taken from all that a frame begins with: the count misses it, and it is found."""
     design = Column(tmp_path, column(modes=2))
-    critical = design.analysis.critical
-    lost = design.analysis.modes[0]
-    stiff = np.stack([design.analysis.stiffness_product(lost.reshape(-1, 2)).ravel()])
-    critical.history = [block[1:] - (block[1:] @ stiff.T) * lost for block in critical.history]
-    critical.uncounted, critical.known = COUNT_EVERY, 2
+    solver, state = design.analysis.solver, design.analysis.state
+    lost = state.modes.vectors[0]
+    stiff = products(state.rest.problem, lost[None], state.rest.x, state.sign)[0]
+    solver.history = [block[1:] - (block[1:] @ stiff.T) * lost for block in solver.history]
+    solver.unchecked, solver.known = COUNT_EVERY, 2
     found = design.move(1e-6 * np.sin(design.X))
-    assert design.analysis.eigen.missed >= 1
+    assert design.analysis.state.report.missed_modes >= 1
     np.testing.assert_allclose(found, design.load_factors, rtol=1e-3)
 
 
@@ -36,9 +37,9 @@ def test_a_picture_of_the_modes(tmp_path, capsys):
 
 def dense(analysis) -> float:
     """The lowest positive load factor by LAPACK, which cannot miss it."""
-    pencil = analysis.critical.pencil
+    pencil = analysis.solver.pencil
     G, K = (whole_matrix(m, PETSc.COMM_SELF).toarray() for m in (pencil.stiffness, pencil.mass))
-    free = analysis.physics.mask.ravel() == 0
+    free = analysis.state.rest.problem.boundary.mask.ravel() == 0
     return (
         1.0
         / eigh(
@@ -57,8 +58,8 @@ def test_a_mast_that_becomes_the_weakest_is_seen_when_the_hand_rests(tmp_path, f
     for row in made.frames():
         rows.append(row)
         assert not row["refused"], row["refused"]
-        if row["counted"] and made.analysis.geometry != known:
-            right, known = dense(made.analysis), made.analysis.geometry
+        if row["counted"] and made.analysis.state.rest.geometry != known:
+            right, known = dense(made.analysis), made.analysis.state.rest.geometry
         if row["counted"]:
             assert row["mu_1"] == pytest.approx(right, rel=1e-5), row["index"]
     assert rows[-1]["mu_1"] < 0.7 * rows[0]["mu_1"]

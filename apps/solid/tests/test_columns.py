@@ -10,7 +10,7 @@ from restshape.algebra.gather import whole_matrix
 
 def negative(analysis):
     """Eigenvalues of the tangent stiffness with a negative real part."""
-    return int(np.sum(np.linalg.eigvals(whole_matrix(analysis._tangent(), analysis.comm).toarray()).real < 0))
+    return int(np.sum(np.linalg.eigvals(whole_matrix(analysis.tangent(), analysis.context.comm).toarray()).real < 0))
 
 
 @pytest.mark.parametrize("share", [0.97, 3.0])
@@ -41,7 +41,7 @@ def test_a_load_that_follows_in_part(tmp_path, share, following=1 / 3):
     assert bool(rows[-1]["refused"]) == (share > 1)
     assert negative(made.analysis) == 0
     if share < 1 and following:
-        K = whole_matrix(made.analysis._tangent(), made.analysis.comm)
+        K = whole_matrix(made.analysis.tangent(), made.analysis.context.comm)
         assert abs(K - K.T).max() > 1e-4 * abs(K).max()
 
 
@@ -77,4 +77,4 @@ def test_a_column_beyond_its_limit_is_told_where_its_state_was_given(tmp_path):
         assert bool(row["refused"]) == (length > np.sqrt(1 / 0.8))
         if row["refused"]:
             break
-        made.analysis.accept(made.analysis.x)
+        made.analysis.predictor.set_values(made.analysis.x)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.davidson import Found, SearchSpace, davidson
+from restshape.algebra.davidson import Found, SearchSpace, davidson, ritz_values
 from restshape.algebra.eigen import (
     COUNT_EVERY,
     HISTORY,
@@ -18,6 +18,7 @@ from restshape.algebra.eigen import (
     apart,
     fallen,
 )
+from restshape.algebra.factor_life import FactorLife
 from restshape.algebra.load_pencil import UNLOADED, LoadPencil, load_modes
 from restshape.algebra.pencil import Deflation
 from restshape.algebra.stages import Stages
@@ -48,12 +49,12 @@ class BucklingSolver:
     """
 
     def __init__(self, follows: bool, tolerance: float, calibration: Calibration, stages: Stages) -> None:
-        self.follows, self.tolerance, self.calibration, self.stages = follows, tolerance, calibration, stages
+        self.follows, self.tolerance, self.stages = follows, tolerance, stages
         self.pencil = LoadPencil(stages)
+        self.life = FactorLife(self.pencil, calibration)
         self.space: SearchSpace | None = None
         self.history: list[np.ndarray] = []
-        self.age = self.uncounted = self.known = 0
-        self.excess = 0.0
+        self.unchecked = self.known = 0
         self.doubtful = False
         self.reach = tolerance
 
@@ -69,7 +70,7 @@ class BucklingSolver:
         count: int,
         most: float,
         new_system: bool,
-        certain: bool = False,
+        verify: bool = False,
     ) -> tuple[Found, EigenReport]:
         """The lowest positive load factors, as eigenvalues -1/mu in ascending order, at most `count` of them.
 
@@ -80,7 +81,7 @@ class BucklingSolver:
             count: wanted.
             most: load factors beyond this one are none; infinite where there is no load.
             new_system: the unknowns are others than in the last solve.
-            certain: load factors are counted in this frame, and found where they are missing.
+            verify: load factors are counted in this frame, and found where they are missing.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
@@ -94,11 +95,11 @@ class BucklingSolver:
         found = None
         if self.follows and self.history:
             # A mode that has just come down among the others may be lost again in the next frame.
-            found = self._follow(min(count, self.known), new_system, certain or self.doubtful)
+            found = self._follow(min(count, self.known), new_system, verify or self.doubtful)
         end = -1.0 / most
         if found is not None and len(lowest_below(found, end, count)) < count:
             # Fewer than asked for: so that none comes unseen, they are counted in each frame.
-            self.report.counted, self.uncounted = True, 0
+            self.report.inertia_checked, self.unchecked = True, 0
             if end == 0.0 or pencil.below(end) != len(lowest_below(found, end, count)):
                 found = None
         if found is None:
@@ -107,9 +108,9 @@ class BucklingSolver:
         self.known = len(within)
         self.history = [found.modes, *self.history[: HISTORY - 1]] if len(within) else []
         report = self.report
-        self.doubtful = report.missed > 0
+        self.doubtful = report.missed_modes > 0
         report.iterations = pencil.substitutions - substitutions
-        report.refreshed, report.age = pencil.factorizations > factorizations, self.age
+        report.refreshed, report.age = pencil.factorizations > factorizations, self.life.age
         return Found(within, found.modes[: len(within)], found.residuals[: len(within)], 0, True), report
 
     # --- from nothing -------------------------------------------------------------------------------------------------
@@ -117,8 +118,8 @@ class BucklingSolver:
     def _anew(self, count: int, end: float) -> Found:
         """Count first, for where there is none an iteration would not end; then Krylov-Schur with a factor of K."""
         pencil, report = self.pencil, self.report
-        report.method, report.counted = "krylov-schur", True
-        self.age = self.uncounted = 0
+        report.method, report.inertia_checked = "krylov-schur", True
+        self.life.age = self.unchecked = 0
         there = pencil.below(end) if end < 0.0 else 0
         if not there:
             return Found(np.empty(0), np.empty((0, pencil.size)), np.empty(0), 0, True)
@@ -138,13 +139,13 @@ class BucklingSolver:
         missing, wanted = 0, count
         for turn in range(ROUNDS):
             # The last modes alone: what else older ones span looks like load factors that there are not.
-            values = self._ritz(starts[0])
+            values = ritz_values(self.pencil, self.deflation, starts[0])
             if values[0] >= 0.0:
                 raise ReplayProblem("buckling: the modes at hand belong to no positive load factor")
             shift, _ = gap(values, count)
             counted = self.pencil.factor(shift)
-            self.age = self.uncounted = 0
-            self.excess = 0.0
+            self.unchecked = 0
+            self.life.begin()
             self._see_rounding(starts[0][:count])
             if missing:
                 starts = [*starts, self.pencil.solve(self._random(min(missing, MOST_SOUGHT) + SPARE, turn))]
@@ -153,9 +154,9 @@ class BucklingSolver:
             known = int(np.sum(found.values < shift))
             missing = max(0, counted - known)
             if not missing and apart(found, count, shift, self.reach):
-                self.report.counted = True
+                self.report.inertia_checked = True
                 return found
-            self.report.missed = max(self.report.missed, missing)
+            self.report.missed_modes = max(self.report.missed_modes, missing)
             starts, wanted = [found.modes], max(count, known + min(missing, MOST_SOUGHT))
         raise ReplayProblem(
             f"buckling: {missing} load factors were not found"
@@ -171,20 +172,20 @@ class BucklingSolver:
 
     # --- from the frames before ---------------------------------------------------------------------------------------
 
-    def _follow(self, count: int, new_system: bool, certain: bool) -> Found | None:
+    def _follow(self, count: int, new_system: bool, verify: bool) -> Found | None:
         """Davidson's iteration with an old factor; where that is too dear, with a new one; None where that fails."""
-        self.age, self.uncounted = self.age + 1, self.uncounted + 1
-        price = self._price()
-        if new_system or not self.pencil.ready or self.excess >= price:
+        self.life.age, self.unchecked = self.life.age + 1, self.unchecked + 1
+        price = self.life.price()
+        if new_system or not self.pencil.ready or self.life.excess >= price:
             return self._settled(self.history[:HISTORY], count)
         found = self._iterate(self.history, count, max(LEAST, math.ceil(price / count)))
         if not found.converged:
             return self._settled([found.modes, *self.history[: HISTORY - 1]], count)
-        self.excess += max(0, found.iterations - 1) * count
-        if certain or self.uncounted >= COUNT_EVERY:
+        self.life.spend(found.iterations, count)
+        if verify or self.unchecked >= COUNT_EVERY:
             settled = self._settled([found.modes], count)
             if settled is not None:
-                self.report.missed = max(self.report.missed, fallen(found, settled, count, self.reach))
+                self.report.missed_modes = max(self.report.missed_modes, fallen(found, settled, count, self.reach))
             return settled
         return found
 
@@ -207,13 +208,6 @@ class BucklingSolver:
         with self.stages("krylov"):
             return davidson(self.space, self.deflation, blocks, count, SPARE, self.reach, limit)
 
-    def _ritz(self, rows: np.ndarray) -> np.ndarray:
-        """The Ritz values of rows (k, n), ascending."""
-        space = SearchSpace(self.pencil, len(rows))
-        space.begin(self.deflation)
-        space.append(rows)
-        return space.ritz(len(rows))[0]
-
     def _see_rounding(self, rows: np.ndarray) -> None:
         """Set `reach` to what residuals of modes such as rows (k, n) can be brought down to."""
         forces = np.empty_like(rows)
@@ -221,12 +215,6 @@ class BucklingSolver:
         sizes = np.linalg.norm(rows, axis=1) / np.linalg.norm(forces, axis=1)
         largest = self.pencil.mass.norm(PETSc.NormType.NORM_INFINITY)
         self.reach = max(self.tolerance, ROUNDING * largest * float(sizes.max()))
-
-    def _price(self) -> float:
-        """Substitutions, each with its products, that cost as much as a new factor."""
-        known, pencil = self.calibration, self.pencil
-        work = (pencil.size, pencil.entries, pencil.nonzeros or 3.0 * pencil.entries)
-        return max(1.0, known.refresh_seconds(*work) / known.iteration_seconds(*work))
 
 
 def lowest_below(found: Found, end: float, count: int) -> np.ndarray:

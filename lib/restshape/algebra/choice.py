@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
 MEMORY = 4e9
@@ -62,7 +63,7 @@ class Candidate:
         name: in tables.
         kind: PETSc's type.
         levels: of fill, where incomplete.
-        plane, space: what to expect with two unknowns a node or fewer, and with three.
+        plane, space: what to expect of problems that declare these dimensions.
     """
 
     name: str
@@ -104,6 +105,13 @@ PLANE = (CHOLESKY, ICC, ILU, GAMG)
 SPACE = (CHOLESKY, ICC_SPACE, ILU_SPACE, GAMG)
 
 
+def candidates(traits: Traits) -> tuple[Candidate, ...]:
+    """What may be chosen for matrices with these traits; nothing where a complete factor is all that is known of."""
+    if not (traits.symmetric and traits.definite):
+        return ()
+    return SPACE if traits.dimension == 3 else PLANE
+
+
 @dataclass(frozen=True)
 class Size:
     """A linear system as the choice sees it; all counts are global, so that all ranks choose alike.
@@ -111,7 +119,7 @@ class Size:
     Args:
         unknowns: rows.
         nonzeros: of the matrix.
-        dimension: of space.
+        dimension: that the problem declares.
         ranks: that share it.
     """
 
@@ -199,10 +207,15 @@ class Choice:
         self.systems += 1.0
         return min(self.open(size), key=lambda candidate: self.cost(candidate, size))
 
+    @staticmethod
+    def candidates(traits: Traits) -> tuple[Candidate, ...]:
+        """What may be chosen for matrices with these traits."""
+        return candidates(traits)
+
     def open(self, size: Size) -> list[Candidate]:
         """The candidates that fit in memory and have not failed; GAMG where there is no other."""
-        every = SPACE if size.dimension == 3 else PLANE
-        return [c for c in every if c.name not in self.excluded and self.fits(c, size)] or [GAMG]
+        known = candidates(Traits(dimension=size.dimension))
+        return [c for c in known if c.name not in self.excluded and self.fits(c, size)] or [GAMG]
 
     def fits(self, candidate: Candidate, size: Size) -> bool:
         """Tell whether a complete factor is small enough; others always are."""

@@ -146,3 +146,11 @@ def davidson(
         iterations += 1
         if not len(open_ones) or not space.append(space.pencil.solve(forces[open_ones])):
             return Found(values, modes, residuals, iterations, False)
+
+
+def ritz_values(pencil: Pencil, deflation: Deflation, rows: np.ndarray) -> np.ndarray:
+    """The Ritz values of rows (k, n), ascending."""
+    space = SearchSpace(pencil, len(rows))
+    space.begin(deflation)
+    space.append(rows)
+    return space.ritz(len(rows))[0]

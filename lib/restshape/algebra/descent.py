@@ -80,7 +80,7 @@ class Descent:
         reach: farthest way of a value in one step.
 
     Attributes:
-        steps: of the last run; why: of SNES.
+        steps: of the last run; norm: of the residual after it.
         on_step: called with positions (n, f) and the norm of the residual at each iterate; a true answer ends the run.
 
     Source: docs/theory.md, section "Cloth".
@@ -97,15 +97,14 @@ class Descent:
         factor: str = "cholesky",
         reach: float = np.inf,
     ) -> None:
-        self.energy, self.kind, self.factor, self.reach = energy, KINDS[kind], factor, reach
+        self.energy, self.kind, self.reach = energy, KINDS[kind], reach
         self.nodal = Nodal(comm, shape, rows)
         self.x, self.f = self.nodal.vector(), self.nodal.vector()
         self.work = np.zeros(shape)
         self.on_step = lambda *_: False
-        self.steps, self.why, self.norm = 0, 0, np.inf
-        self.mat: PETSc.Mat | None = None
+        self.steps, self.norm = 0, np.inf
         self.known: tuple[np.ndarray, float] | None = None
-        self.prefix, self.ksp = prefix, self._solver(comm, prefix) if self.kind.tangent else None
+        self.prefix, self.ksp = prefix, self._solver(comm, prefix, factor) if self.kind.tangent else None
         self.snes = self._made()
 
     def destroy(self) -> None:
@@ -124,12 +123,11 @@ class Descent:
         self.snes.destroy()
         self.snes = self._made()
         if self.kind.tangent:
-            self.mat = self.energy.tangent(x)
-            self.snes.setJacobian(self._jacobian, self.mat)
+            self.snes.setJacobian(self._jacobian, self.energy.tangent(x))
         self.snes.setTolerances(max_it=most)
         self.nodal.put(x, self.x)
         self.snes.solve(None, self.x)
-        self.steps, self.why = self.snes.getIterationNumber(), self.snes.getConvergedReason()
+        self.steps = self.snes.getIterationNumber()
         x[:] = self.nodal.values(self.x)
         return self.norm
 
@@ -182,28 +180,28 @@ class Descent:
             ksp = snes.getKSP()
             ksp.setType("preonly")
             ksp.getPC().setType("python")
-            ksp.getPC().setPythonContext(Outliving(self.ksp))
+            ksp.getPC().setPythonContext(PersistentKSP(self.ksp))
         for key in given:
             options.delValue(key)
         return snes
 
-    def _solver(self, comm: PETSc.Comm, prefix: str) -> PETSc.KSP:
+    def _solver(self, comm: PETSc.Comm, prefix: str, factor: str) -> PETSc.KSP:
         """One factor's application, whose pattern outlives runs."""
         ksp = PETSc.KSP().create(comm)
         ksp.setOptionsPrefix(prefix)
         ksp.setType("preonly")
-        if self.factor == "cholesky" and comm.size == 1 and self.nodal.shape[1] == BLOCK:
+        if factor == "cholesky" and comm.size == 1 and self.nodal.shape[1] == BLOCK:
             BlockCholesky(ksp.getPC())
-        elif self.factor == "cholesky" and comm.size > 1:
+        elif factor == "cholesky" and comm.size > 1:
             # Every rank factors all of it: with its own rows alone a descent would lead elsewhere.
             ksp.getPC().setType("redundant")
         else:
-            set_preconditioner(ksp, self.factor, 0)
+            set_preconditioner(ksp, factor, 0)
         ksp.setFromOptions()
         return ksp
 
 
-class Outliving:
+class PersistentKSP:
     """A preconditioner that hands on to a solver, whose pattern SNES would forget with its own.
 
     Args:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.davidson import Found, SearchSpace, davidson
+from restshape.algebra.davidson import Found, SearchSpace, davidson, ritz_values
+from restshape.algebra.factor_life import FactorLife
 from restshape.algebra.inverse_iteration import EPSILON, inverse_iteration
 from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.pencil import Deflation, Pencil
@@ -62,16 +63,16 @@ class EigenReport:
         refreshed: the factor was made anew.
         age: frames since it was made.
         method: "davidson", "krylov-schur" or "inverse iteration".
-        counted: an inertia count has shown in this frame that no mode is missed.
-        missed: modes that a count has shown to be missing, found afterwards.
+        inertia_checked: an inertia count has shown in this frame that no mode is missed.
+        missed_modes: modes that a count has shown to be missing, found afterwards.
     """
 
     iterations: int
     refreshed: bool
     age: int
     method: str
-    counted: bool = False
-    missed: int = 0
+    inertia_checked: bool = False
+    missed_modes: int = 0
 
     def followed_by(self, other: "EigenReport") -> "EigenReport":
         """This solve and another one of the same frame, as one."""
@@ -80,8 +81,8 @@ class EigenReport:
             self.refreshed or other.refreshed,
             other.age,
             other.method,
-            other.counted,
-            self.missed + other.missed,
+            other.inertia_checked,
+            self.missed_modes + other.missed_modes,
         )
 
 
@@ -100,14 +101,13 @@ class EigenSolver:
     """
 
     def __init__(self, method: str, tolerance: float, calibration: Calibration, stages: Stages) -> None:
-        self.method, self.tolerance, self.calibration, self.stages = method, tolerance, calibration, stages
+        self.method, self.tolerance, self.stages = method, tolerance, stages
         self.pencil = Pencil(stages)
+        self.life = FactorLife(self.pencil, calibration)
         self.deflation: Deflation | None = None
         self.space: SearchSpace | None = None
         self.history: list[np.ndarray] = []
-        self.age = self.uncounted = 0
-        self.excess = 0.0
-        self.fresh_below = 0
+        self.unchecked = self.fresh_below = 0
         self.doubtful = False
         self.davidson_cost, self.krylov_cost = PRIOR_DAVIDSON, PRIOR_KRYLOV
         self.floor = 0.0
@@ -128,7 +128,7 @@ class EigenSolver:
         rigid: np.ndarray,
         count: int,
         new_system: bool,
-        certain: bool = False,
+        verify: bool = False,
     ) -> tuple[Found, EigenReport]:
         """The `count` lowest eigenpairs, and under `auto` some more, rigid motions left out.
 
@@ -137,7 +137,7 @@ class EigenSolver:
             rigid: (r, n) the rigid motions.
             count: wanted.
             new_system: the unknowns are others than in the last solve.
-            certain: eigenvalues are counted in this frame, and found where they are missing; `ilu` never counts.
+            verify: eigenvalues are counted in this frame, and found where they are missing; `ilu` never counts.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
@@ -147,14 +147,14 @@ class EigenSolver:
         self.deflation = Deflation(rigid, self.pencil)
         substitutions, factorizations = self.pencil.substitutions, self.pencil.factorizations
         # A mode that has just come down among the others may be lost again in the next frame.
-        certain = certain or self.doubtful
+        verify = verify or self.doubtful
         if self.method == "direct" or not self.history:
-            found, report = self._anew(count, certain)
+            found, report = self._anew(count, verify)
         elif self.method == "ilu":
             found, report = self._thesis(count)
         else:
-            found, report = self._follow(count, new_system, certain)
-        self.doubtful = report.missed > 0
+            found, report = self._follow(count, new_system, verify)
+        self.doubtful = report.missed_modes > 0
         report.iterations = self.pencil.substitutions - substitutions
         report.refreshed = self.pencil.factorizations > factorizations
         self.history = [found.modes, *self.history[: HISTORY - 1]]
@@ -162,7 +162,7 @@ class EigenSolver:
 
     # --- from nothing -------------------------------------------------------------------------------------------------
 
-    def _anew(self, count: int, certain: bool = True) -> tuple[Found, EigenReport]:
+    def _anew(self, count: int, verify: bool = True) -> tuple[Found, EigenReport]:
         """Krylov-Schur about 0 with a new factor; from nothing no better shift is known."""
         if count > self._elastic:
             raise ReplayProblem(f"{count} modes are asked for, and the mesh has {self._elastic} only")
@@ -173,14 +173,14 @@ class EigenSolver:
         with self.stages("krylov"):
             found = krylov_schur(self.pencil, self.deflation, start, wanted, self.tolerance)
         self.krylov_cost = found.iterations / wanted
-        self.age, self.excess = 0, 0.0
+        self.life.begin()
         report = EigenReport(0, True, 0, "krylov-schur")
-        if self.method in ("auto", "stale") or (certain and self.method == "direct"):
+        if self.method in ("auto", "stale") or (verify and self.method == "direct"):
             self.history = []
             # The factor's shift is that which serves the frames to come.
             found = self._completed(found, count, report)
         elif self.method == "direct":
-            self.uncounted += 1
+            self.unchecked += 1
         return found, report
 
     def _rounding(self, found: Found, count: int) -> float:
@@ -235,17 +235,17 @@ class EigenSolver:
 
     # --- from the frames before ---------------------------------------------------------------------------------------
 
-    def _follow(self, count: int, new_system: bool, certain: bool) -> tuple[Found, EigenReport]:
+    def _follow(self, count: int, new_system: bool, verify: bool) -> tuple[Found, EigenReport]:
         """Davidson's iteration with an old factor; where that is too dear, with a new one; else Krylov-Schur."""
-        self.age += 1
-        self.uncounted += 1
-        report = EigenReport(0, False, self.age, "davidson")
-        price = self._price()
+        self.life.age += 1
+        self.unchecked += 1
+        report = EigenReport(0, False, self.life.age, "davidson")
+        price = self.life.price()
         if new_system and self.krylov_cost * (count + SPARE) < self.davidson_cost * count:
             return self._anew(count)
-        if new_system or not self.pencil.ready or self.excess >= price:
+        if new_system or not self.pencil.ready or self.life.excess >= price:
             self._refresh(count)
-        fresh = self.age == 0
+        fresh = self.life.age == 0
         found = self._iterate(count, self._limit(count, price, fresh))
         if not found.converged and not fresh:
             self.history = [found.modes, *self.history]
@@ -256,15 +256,15 @@ class EigenSolver:
             return self._anew(count)
         if new_system:
             self.davidson_cost = found.iterations
-        self.excess += max(0, found.iterations - 1) * count
+        self.life.spend(found.iterations, count)
         try:
-            found = self._checked(found, count, certain, report)
+            found = self._checked(found, count, verify, report)
         except ReplayProblem:
             self.history = []
             again, anew = self._anew(count)
-            anew.missed += report.missed
+            anew.missed_modes += report.missed_modes
             return again, anew
-        report.age = self.age
+        report.age = self.life.age
         return found, report
 
     def _iterate(self, count: int, limit: int) -> Found:
@@ -276,12 +276,6 @@ class EigenSolver:
         with self.stages("krylov"):
             return davidson(self.space, self.deflation, starts, count, SPARE, self.reach, limit)
 
-    def _price(self) -> float:
-        """Substitutions, each with its products, that cost as much as a new factor."""
-        known, pencil = self.calibration, self.pencil
-        work = (pencil.size, pencil.entries, pencil.nonzeros or 3.0 * pencil.entries)
-        return max(1.0, known.refresh_seconds(*work) / known.iteration_seconds(*work))
-
     def _limit(self, count: int, price: float, fresh: bool) -> int:
         """Iterations after which what is left is dearer than a new factor, or than Krylov-Schur from nothing."""
         most = self.krylov_cost * (count + SPARE) + price
@@ -289,21 +283,21 @@ class EigenSolver:
 
     def _refresh(self, count: int) -> None:
         """A new factor, at a shift between the eigenvalues that are wanted and the next as the last modes tell them."""
-        values = _rayleigh_ritz(self.pencil, self.deflation, self.history[0])
+        values = ritz_values(self.pencil, self.deflation, self.history[0])
         shift, _ = gap(values, count)
         self.fresh_below = self.pencil.factor(shift)
-        self.age, self.excess = 0, 0.0
+        self.life.begin()
 
     # --- counting -----------------------------------------------------------------------------------------------------
 
-    def _checked(self, found: Found, count: int, certain: bool, report: EigenReport) -> Found:
+    def _checked(self, found: Found, count: int, verify: bool, report: EigenReport) -> Found:
         """`found`, with what a count has shown to be missing: free with a new factor, else where one is due."""
-        free = self.age == 0 and self.pencil.shift > found.values[:count][-1]
+        free = self.life.age == 0 and self.pencil.shift > found.values[:count][-1]
         missing = self._missing(found) if free else 0
         if free and not missing and apart(found, count, self.pencil.shift, self.reach, self._distances(found)):
-            self.uncounted, report.counted = 0, True
+            self.unchecked, report.inertia_checked = 0, True
             return found
-        if missing <= 0 and not certain and self.uncounted < COUNT_EVERY:
+        if missing <= 0 and not verify and self.unchecked < COUNT_EVERY:
             return found
         return self._completed(found, count, report)
 
@@ -320,16 +314,16 @@ class EigenSolver:
         for turn in range(ROUNDS):
             shift, _ = gap(found.values, count)
             self.fresh_below = self.pencil.factor(shift)
-            self.age, self.excess = 0, 0.0
+            self.life.begin()
             missing = self._missing(found)
             if missing <= 0 and turn == ROUNDS - 1:
                 self.floor = self._rounding(found, count)
             if missing <= 0 and apart(found, count, shift, self.reach, self._distances(found)):
-                report.counted = missing == 0
-                self.uncounted = 0 if report.counted else self.uncounted
-                report.missed = max(report.missed, fallen(first, found, count, self.reach))
+                report.inertia_checked = missing == 0
+                self.unchecked = 0 if report.inertia_checked else self.unchecked
+                report.missed_modes = max(report.missed_modes, fallen(first, found, count, self.reach))
                 return found
-            report.missed = max(report.missed, missing)
+            report.missed_modes = max(report.missed_modes, missing)
             found = self._sought(found, count, min(max(0, missing), MOST_SOUGHT), turn)
         raise ReplayProblem(
             f"{missing} modes were not found"
@@ -420,11 +414,3 @@ def _rayleigh(pencil: Pencil, rows: np.ndarray) -> float:
     pencil.apply(pencil.stiffness, rows, stiff)
     pencil.apply(pencil.mass, rows, heavy)
     return float(np.vdot(rows, stiff) / np.vdot(rows, heavy))
-
-
-def _rayleigh_ritz(pencil: Pencil, deflation: Deflation, rows: np.ndarray) -> np.ndarray:
-    """The Ritz values of rows (k, n), ascending."""
-    space = SearchSpace(pencil, len(rows))
-    space.begin(deflation)
-    space.append(rows)
-    return space.ritz(len(rows))[0]

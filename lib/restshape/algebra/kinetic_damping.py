@@ -1,4 +1,4 @@
-"""Rest by motion: semi-implicit steps whose velocities are taken away, as a SNES of type python."""
+"""Equilibrium by motion: semi-implicit steps whose velocities are taken away, as a SNES of type python."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class KineticDamping:
         steps: Steps,
     ) -> None:
         self.motion, self.steps = motion, steps
-        self.weigh(mass)
+        self.set_mass(mass)
         self.nodal = Nodal(comm, shape, rows)
         self.time_step = steps.time_step
         self.resets: list[float] = []
@@ -117,11 +117,9 @@ class KineticDamping:
         self.snes.setFunction(lambda *_: None, self.f)
         self.linear = StepSolver(comm, f"{prefix}step_", self.nodal, steps.tolerance, steps.preconditioner)
 
-    def weigh(self, mass: np.ndarray) -> None:
+    def set_mass(self, mass: np.ndarray) -> None:
         """Take in the masses (n,) of the nodes [kg]."""
         self.mass = mass[:, None]
-        # What has none, such as slopes, moves at once however short a step is.
-        self.heavy = mass > 0.0
 
     @property
     def iterations(self) -> int:
@@ -204,7 +202,8 @@ class KineticDamping:
                 if not steps.adaptive:
                     return x + d, d / h, potential
                 after = self.motion.energy(x + d)
-                far = np.abs(d[self.heavy]).max(initial=0.0) > steps.reach
+                # What has no mass, such as slopes, moves at once however short a step is.
+                far = np.abs(d[self.mass[:, 0] > 0.0]).max(initial=0.0) > steps.reach
                 gained = not after + self._kinetic(d / h) <= before + SLACK * abs(before)
                 if not (far or gained):
                     break

@@ -6,16 +6,18 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.choice import ILU, MEMORY, Candidate, Choice, Size, prices
+from restshape.algebra.choice import MEMORY, Choice
+from restshape.algebra.kept_preconditioner import COMPLETE, KeptPreconditioner
 from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.pivots import factors_of, negative_pivots, zero_pivots
-from restshape.algebra.preconditioner import kind_of, nonzeros, set_preconditioner, set_rigid_motions
 from restshape.algebra.projection import Projection
+from restshape.algebra.refresh import RefreshCriterion
 from restshape.algebra.stages import Stages
+from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 
-COMPLETE = ("cholesky", "lu")
+__all__ = ["COMPLETE", "METHODS", "MOST_ITERATIONS", "LinearSolver"]
+
 METHODS = ("direct", "stale", "auto", "ilu")
 MOST_ITERATIONS = 10_000
 """An iteration that has not ended by then never will: the preconditioner is made anew, or the frame given up."""
@@ -44,8 +46,13 @@ class LinearSolver:
         stages: takes the time of factorizations and of Krylov iterations.
         memory: bytes that a complete factor may take under `auto`.
         directions: increments of the solution along which guesses are improved; 0 for none.
-        symmetric: false where no matrix is: then GMRES and a complete LU factor take the place of CG and Cholesky, and
-            `auto` is `stale`.
+        traits: of all matrices: where they are not symmetric, GMRES and a complete LU factor take the place of CG and
+            Cholesky, and `auto` is `stale` where the choice has no candidates for them.
+
+    Attributes:
+        kept: the preconditioner; refresh: the criterion of when it is made again.
+        age: solves since it was made; callers add frames that solve nothing to it.
+        on_solve: called with matrix, right side, guess, whether the system is new, and places, before each solve.
 
     On several ranks the factors are those of the ranks' own rows (block Jacobi), so that the bits repeat.
     An idle frame solves nothing and refreshes nothing, for a frame with nothing to do does nothing.
@@ -63,27 +70,19 @@ class LinearSolver:
         stages: Stages,
         memory: float = MEMORY,
         directions: int = 0,
-        symmetric: bool = True,
-    ):
-        self.method, self.tolerance, self.calibration, self.stages = method, tolerance, calibration, stages
-        self.comm, self.symmetric = comm, symmetric
+        *,
+        traits: Traits,
+    ) -> None:
+        self.comm, self.method, self.tolerance, self.stages, self.traits = comm, method, tolerance, stages, traits
         self.ksp = PETSc.KSP().create(comm)
         self.ksp.setOptionsPrefix(prefix)
-        self.choice = Choice(calibration, memory)
-        self.candidate: Candidate | None = None
+        self._set_iteration()
+        self.kept = KeptPreconditioner(self.ksp, Choice(calibration, memory), traits, self._named(), method)
+        self.ksp.setFromOptions()
+        self.refresh = RefreshCriterion(MOST_ITERATIONS)
         self.projection = Projection(comm, directions) if directions else None
-        self.projection_pays = False
-        self.filled = 0.0
         self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool, np.ndarray | None], None] | None = None
-        self._set_types()
-        # Solves since the preconditioner was made; callers add frames that solve nothing to the age.
-        self.age = self.uses = -1
-        self.ready = False
-        self.excess = 0
-        self.fresh_iterations = 1
-        self.budget = 0
-        self.patched = self.pattern_changed = False
-        self._handle, self.size = 0, Size(0, 0.0)
+        self.age = -1
         self._begun = False
         self.scale: float | None = None
         self._aimed: tuple[float | None, float] = (None, tolerance)
@@ -91,22 +90,32 @@ class LinearSolver:
     @property
     def name(self) -> str:
         """The preconditioner in use, as in tables."""
-        return self.candidate.name if self.candidate else self.kind
+        return self.kept.name
+
+    @property
+    def kind(self) -> str:
+        """PETSc's type of it."""
+        return self.kept.kind
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether all matrices are taken for symmetric."""
+        return self.traits.symmetric
 
     @property
     def aim(self) -> float:
         """The tolerance that residuals must meet for solutions to agree within the scene's."""
-        complete = self.kind in COMPLETE and self.comm.size == 1
-        return self.tolerance if complete else INCOMPLETE * self.tolerance
+        return self.tolerance if self.kept.exact else INCOMPLETE * self.tolerance
 
     @property
     def keeps(self) -> bool:
         """Tell whether an old preconditioner serves until a new one pays."""
         return self.method in ("stale", "auto")
 
-    def _set_types(self) -> None:
+    def _set_iteration(self) -> None:
+        """Set what iterates, and what ends it."""
         direct = self.method == "direct" and self.comm.size == 1
-        self.ksp.setType("preonly" if direct else "cg" if self.symmetric else "gmres")
+        self.ksp.setType("preonly" if direct else self.traits.krylov)
         if not self.symmetric:
             self.ksp.setGMRESRestart(RESTART)
             # The true residual is what GMRES sees with the preconditioner on the right.
@@ -115,27 +124,11 @@ class LinearSolver:
             self.ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
             self.ksp.setInitialGuessNonzero(True)
         self.ksp.setTolerances(rtol=self.tolerance, atol=0.0, divtol=1e30, max_it=MOST_ITERATIONS)
-        options = PETSc.Options(self.ksp.getOptionsPrefix() or "")
-        named = next((options.getString(key) for key in ("pc_type", "sub_pc_type") if options.hasName(key)), None)
-        complete = "cholesky" if self.symmetric else "lu"
-        self.kind = named or ("ilu" if self.method == "ilu" else complete)
-        self.chooses = self.method == "auto" and named is None and self.symmetric
-        self._given: list[str] = []
-        if self.method == "ilu" and named is None:
-            self.candidate = ILU
-        self._set_preconditioner(ILU.levels)
-        self.ksp.setFromOptions()
 
-    def _set_preconditioner(self, levels: int) -> None:
-        self._forget_options()
-        self._given = set_preconditioner(self.ksp, self.kind, levels)
-
-    def _forget_options(self) -> None:
-        """Take out of PETSc's database what was put there for a set-up: it is not what the user said."""
+    def _named(self) -> str | None:
+        """The preconditioner that PETSc's options name; None where they leave it open."""
         options = PETSc.Options(self.ksp.getOptionsPrefix() or "")
-        for key in self._given:
-            options.delValue(key)
-        self._given = []
+        return next((options.getString(key) for key in ("pc_type", "sub_pc_type") if options.hasName(key)), None)
 
     def solve(
         self,
@@ -169,36 +162,37 @@ class LinearSolver:
         if not self._begun:
             self._begin(mat, new_system, same_matrix, patched)
         self._begun = False
-        if self.projection and self.projection_pays and not aside:
+        if self.projection and self.projection.pays and not aside:
             with self.stages("krylov"):
                 self.projection(mat, b, x)
         if self.on_solve:
             self.on_solve(mat, b, x, new_system, places)
-        stale = self.ready and not ((self.method == "direct" and not same_matrix) or self._worth_refreshing())
+        again = (self.method == "direct" and not same_matrix) or (self.keeps and self.refresh.worth_refreshing)
+        stale = self.kept.ready and not again
         if stale:
             self.ksp.setOperators(mat)
         else:
             self._factor(mat, places)
-        self.age, self.uses = self.age + 1, self.uses + 1
+        self._use()
         iterations = last = self._iterate(b, x, limited=stale and self.keeps)
         while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
             self._clean(x)
             stale = False
             self._factor(mat, places, anew=True)
-            self.age = self.uses = 0
+            self._use()
             last = self._iterate(b, x, limited=False)
             iterations += last
         self._check()
         if self.keeps:
             self._count(last, not stale, new_system)
-        if self.projection and self.projection_pays and not aside:
+        if self.projection and self.projection.pays and not aside:
             self.projection.keep(x)
         return LinearReport(iterations, not stale, self.age, self.name)
 
-    def reseat(self, reseat: Callable[[np.ndarray], np.ndarray]) -> None:
-        """Take solutions of before where their nodes are now, by a function of fields (n, 2)."""
+    def interpolate(self, interpolate: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Take solutions of before where their nodes are now, by a function of rows (n f,) of all unknowns."""
         if self.projection:
-            self.projection.reseat(reseat)
+            self.projection.interpolate(interpolate)
 
     def prepare(self, mat: PETSc.Mat, new_system: bool, uses: int, patched: bool = False) -> bool:
         """Whether this matrix now has a complete factor of its own, for `apply`; made if its uses are worth it.
@@ -221,7 +215,8 @@ class LinearSolver:
         self._begun = True
         if self.kind != "cholesky":
             return False
-        if not (self.method == "direct" or not self.ready or (uses >= self.budget and not self.patched)):
+        pays = uses >= self.refresh.budget and not self.refresh.patched
+        if not (self.method == "direct" or not self.kept.ready or pays):
             return False
         self._factor(mat, None)
         return True
@@ -232,9 +227,9 @@ class LinearSolver:
         with self.stages("krylov"):
             self.ksp.getPC().apply(b, x)
         if not math.isfinite(x.norm()):
-            self.ready = False
+            self.kept.ready = False
             raise ReplayProblem(NO_FACTOR)
-        self.age, self.uses = self.age + 1, self.uses + 1
+        self._use()
         return LinearReport(1, self.age == 0, self.age, self.name)
 
     def negative_pivots(self) -> int:
@@ -245,10 +240,7 @@ class LinearSolver:
 
         On several ranks, those of the ranks' own blocks: none of them has any where the matrix is positive definite.
         """
-        if self.kind not in COMPLETE:
-            return 0
-        found = sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp))
-        return found if self.comm.size == 1 else self.comm.tompi4py().allreduce(found)
+        return self.kept.negative_pivots()
 
     def definite(self, mat: PETSc.Mat, places: np.ndarray | None, new_system: bool = False) -> bool:
         """Tell whether a matrix is positive definite, by a new factor of it, which ends at a pivot that is zero.
@@ -256,12 +248,10 @@ class LinearSolver:
         True where the preconditioner is no complete factor, which could tell. Arguments as in `solve`.
         """
         self._begin(mat, new_system, False, False)
-        if self.kind not in COMPLETE:
+        if not self.kept.complete:
             return True
         self._factor(mat, places)
-        zero = sum(zero_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp))
-        zero = zero if self.comm.size == 1 else self.comm.tompi4py().allreduce(zero)
-        return zero == 0 and self.negative_pivots() == 0
+        return self.kept.zero_pivots() == 0 and self.kept.negative_pivots() == 0
 
     def _aim(self) -> None:
         """Set what ends the iteration with the preconditioner as it is now."""
@@ -275,114 +265,59 @@ class LinearSolver:
     def _begin(self, mat: PETSc.Mat, new_system: bool, same_matrix: bool, patched: bool) -> None:
         """See what is new about a matrix, and choose its preconditioner where the system is another one."""
         # A patch that adds to the pattern makes another matrix object, beside the one that the KSP still holds.
-        grown, before = mat.handle != self._handle, self.size
+        kept, grown = self.kept, mat.handle != self.kept.handle
         if grown or new_system:
-            self._handle, self.size = mat.handle, self._size(mat)
-            grown = patched or self.size != before
-        if new_system or (self.chooses and not self.candidate):
-            self.ksp.reset()
-            self.ready = self.pattern_changed = self.patched = False
+            grown = kept.measure(mat) or patched
+        if new_system or (kept.chooses and not kept.candidate):
+            self.refresh.patched = False
             if self.projection:
                 self.projection.restart()
-            if self.chooses:
-                self._choose()
+            kept.begin_system()
             return
-        self.patched = patched or grown or (same_matrix and self.patched)
-        if grown and self.ready and not self.pattern_changed:
-            self.pattern_changed = True
+        self.refresh.patched = patched or grown or (same_matrix and self.refresh.patched)
+        if grown and kept.ready and not kept.pattern_changed:
+            kept.pattern_changed = True
             if self.keeps:
                 self._set_budget()
 
-    def _choose(self) -> None:
-        chosen = self.choice(self.size)
-        if chosen is not self.candidate:
-            self.candidate, self.kind = chosen, chosen.kind
-            self._set_preconditioner(chosen.levels)
-
-    def _size(self, mat: PETSc.Mat) -> Size:
-        nonzeros = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
-        return Size(mat.getSize()[0], nonzeros, 3 if mat.getBlockSize() == 3 else 2, self.comm.size)
-
     def _factor(self, mat: PETSc.Mat, places: np.ndarray | None, anew: bool = False) -> None:
-        """Make the preconditioner from `mat`, then keep it; `anew` keeps no interpolation of multigrid either."""
-        pc = self.ksp.getPC()
+        """Make the preconditioner from `mat`, then keep it; arguments as in `KeptPreconditioner.make`."""
         with self.stages("factor"):
-            if self.kind == "gamg" and (anew or self.pattern_changed or not self.ready):
-                # A reset, or a kept interpolation with another pattern, leaves coarse grids of the old sizes.
-                pc.setType("none")
-                self._set_preconditioner(0)
-            if places is not None and self.kind == "gamg" and mat.getBlockSize() == places.shape[1]:
-                set_rigid_motions(mat, places)
-            pc.setReusePreconditioner(False)
-            self.ksp.setOperators(mat)
-            self.ksp.setUp()
-            if self.comm.size > 1:
-                self.ksp.setUpOnBlocks()
-            pc.setReusePreconditioner(True)
-        self._forget_options()
-        self.age = self.uses = -1
-        self.ready = True
-        self.excess = 0
-        self.pattern_changed = False
-        self.kind = kind_of(pc)
+            self.kept.make(mat, places, anew)
+        self.kept.note_kind()
+        self.age = -1
+        self.refresh.restart()
         if self.keeps:
             self._set_budget()
+
+    def _use(self) -> None:
+        self.age, self.refresh.uses = self.age + 1, self.refresh.uses + 1
 
     # --- refreshes ------------------------------------------------------------------------------------------------
 
     def _set_budget(self) -> None:
-        """Iterations that cost as much as a refresh, from counted work on all ranks and the calibration."""
-        size = self.size
-        counted = self.filled = nonzeros(self.ksp.getPC())
-        if self.candidate and counted:
-            self.choice.count_fill(self.candidate, size, counted)
-        # An LU factor has the nonzeros of two triangles, of which the prices expect one.
-        filled = 0.5 * counted if self.kind == "lu" else counted
-        price = prices(self.kind, size, filled or size.nonzeros, self.calibration)
+        """Take in what the preconditioner costs, and whether better guesses pay."""
+        price, size = self.kept.price(), self.kept.size
         if self.projection:
-            spent = (self.projection.directions + 1) * self.calibration.pass_seconds(size.unknowns, size.nonzeros)
-            saved = max(1.0, PROJECTED * self.fresh_iterations) * size.ranks * price.iteration
-            self.projection_pays = spent < saved
-        refresh = price.setup if self.pattern_changed else price.refresh
-        self.budget = max(1, math.ceil(refresh / price.iteration))
-
-    def _worth_refreshing(self) -> bool:
-        """Tell whether the iterations beyond those of a fresh preconditioner have cost as much as a refresh."""
-        return self.keeps and not self.patched and self.excess >= self.budget
+            calibration = self.kept.choice.calibration
+            spent = (self.projection.directions + 1) * calibration.pass_seconds(size.unknowns, size.nonzeros)
+            saved = max(1.0, PROJECTED * self.refresh.fresh_iterations) * size.ranks * price.iteration
+            self.projection.pays = spent < saved
+        self.refresh.set_budget(price, self.kept.pattern_changed)
 
     def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, limited: bool) -> int:
         """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper."""
         if self.keeps:
-            most = self._limit() if limited else MOST_ITERATIONS
+            most = self.refresh.limit(self.kept.complete) if limited else MOST_ITERATIONS
             self.ksp.setTolerances(max_it=most)
         self._aim()
         with self.stages("krylov"):
             self.ksp.solve(b, x)
         return self.ksp.getIterationNumber()
 
-    def _limit(self) -> int:
-        """Iterations after which a solve with an old preconditioner is better given up for a new one."""
-        # An iteration that is cut short has to begin anew: where a fresh one is long too, that must be paid twice.
-        fresh = self.fresh_iterations if self.kind in COMPLETE else 2 * self.fresh_iterations
-        budget = 2 * self.budget if self.patched else self.budget
-        return min(MOST_ITERATIONS, max(fresh + 1, fresh + budget - self.excess))
-
     def _try_again(self, stale: bool) -> bool:
         """After a failure, tell whether another preconditioner is left: a fresh one, or one of another kind."""
-        if not self.keeps:
-            return False
-        if stale:
-            return True
-        if not self.chooses or self.candidate is None or self.candidate.kind == "cholesky":
-            return False
-        self.choice.exclude(self.candidate)
-        left = self.choice.open(self.size)
-        if left[0] is self.candidate or left[0].name in self.choice.excluded:
-            return False
-        self.ksp.reset()
-        self.candidate, self.kind = left[0], left[0].kind
-        self._set_preconditioner(self.candidate.levels)
-        return True
+        return self.keeps and (stale or self.kept.replace_failed())
 
     def _clean(self, x: PETSc.Vec) -> None:
         """Leave a guess that is a number everywhere."""
@@ -391,22 +326,15 @@ class LinearSolver:
 
     def _count(self, iterations: int, refreshed: bool, new_system: bool) -> None:
         """Take in the iterations of a solve, all of them with the preconditioner as it is now."""
-        complete = self.kind in COMPLETE and self.comm.size == 1
-        if self.candidate and not new_system:
-            self.choice.count(self.candidate, self.size, self.uses, iterations)
-        if refreshed:
-            self.fresh_iterations = 1 if complete else max(1, iterations)
-            return
-        if self.uses == 1 and not complete:
-            # The guess on a new mesh is worse than those that follow it.
-            self.fresh_iterations = max(1, min(self.fresh_iterations, iterations))
-        self.excess += max(0, iterations - self.fresh_iterations)
+        if not new_system:
+            self.kept.count(self.refresh.uses, iterations)
+        self.refresh.count(iterations, refreshed, self.kept.exact)
 
     def _check(self) -> None:
         reason = self.ksp.getConvergedReason()
         if reason >= 0:
             return
-        self.ready = False
+        self.kept.ready = False
         if reason == Reason.DIVERGED_PCSETUP_FAILED:
             raise ReplayProblem(NO_FACTOR)
         names = {v: k for k, v in vars(Reason).items() if isinstance(v, int)}

@@ -18,6 +18,9 @@ class Operator:
         backend: `csr` (one rank, the library's own patchable pattern), `bcsr` (one rank, blocks of nodes, for solvers
             by products and relaxation) or `coo` (PETSc's COO assembly); by default csr on one rank and coo on several.
         symmetric: and positive definite, which PETSc is told.
+
+    Attributes:
+        version: another one whenever pattern, constraints or values may be others.
     """
 
     def __init__(
@@ -34,7 +37,7 @@ class Operator:
         self.backend = backend or ("csr" if comm.size == 1 else "coo")
         self.core = _kernels.Operator(comm.size > 1, fields, offsets, comm.rank, self.backend)
         self.mat = PETSc.Mat()
-        self._generation = -1
+        self._generation, self.version = -1, 0
 
     def set_topology(self, blocks: list[np.ndarray], mask: np.ndarray) -> None:
         """Make a new pattern for blocks of cells (ne, nn) int32; `mask` (n * f,) uint8 marks constrained unknowns."""
@@ -43,10 +46,12 @@ class Operator:
 
     def set_constraints(self, mask: np.ndarray) -> None:
         """Mark constrained unknowns (n * f,) uint8; the pattern stays."""
+        self.version += 1
         self.core.set_constraints(np.ascontiguousarray(mask, dtype=np.uint8).ravel())
 
     def patch(self, block: int, changed: np.ndarray) -> None:
         """Add to the pattern what the flipped cells `changed` of a block need; nothing else is set up anew."""
+        self.version += 1
         self.core.patch(block, changed)
 
     def keep(self, terms: list[tuple]) -> None:
@@ -62,6 +67,7 @@ class Operator:
         rhs (n * f,), where given, loses the terms' residuals at x times the factor, by default the coefficient. With
         `kept` the matrix contains what `keep` has noted, and rhs nothing of it.
         """
+        self.version += 1
         self.core.begin(kept)
         self._add(terms, rhs)
         self.core.end()

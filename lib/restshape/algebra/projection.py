@@ -15,12 +15,15 @@ class Projection:
         comm: PETSc communicator.
         directions: how many increments are kept.
 
+    Attributes:
+        pays: what it saves is more than what it costs; callers say so.
+
     Source: P. F. Fischer, Projection techniques for iterative solution of A x = b with successive right-hand sides,
         1998; here A changes too, so that the products with it are made anew.
     """
 
     def __init__(self, comm: PETSc.Comm, directions: int) -> None:
-        self.comm, self.directions = comm, directions
+        self.comm, self.directions, self.pays = comm, directions, False
         self.last: np.ndarray | None = None
         self.count = 0
         self.vectors: list[PETSc.Vec] = []
@@ -67,13 +70,13 @@ class Projection:
         # Where nothing has moved, the place serves the next increment.
         self.count += self.step_vectors[place].norm() > 0.0
 
-    def reseat(self, reseat: Callable[[np.ndarray], np.ndarray]) -> None:
-        """Take solutions where their nodes are now, by a function of fields (n, 2); several ranks forget them."""
+    def interpolate(self, interpolate: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Take solutions where their nodes are now, by a function of rows (n f,); several ranks forget them."""
         if self.comm.size > 1 or self.last is None:
             self.restart()
             return
         for row, vector in zip((self.last, *self.steps), (None, *self.step_vectors)):
-            row[:] = reseat(row.reshape(-1, 2)).ravel()
+            row[:] = interpolate(row)
             if vector:
                 vector.stateIncrease()
 

@@ -1,13 +1,12 @@
 """What a prediction is away from the solution, found with the kept preconditioner."""
 
-from collections.abc import Callable
-
 import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.gather import whole_vector
 from restshape.algebra.linear import LinearSolver
-from restshape.physics.solid import PlaneSolid
+from restshape.fem.balance import Operation, stiffness_product, unconstrained_residual
+from restshape.fem.problem import Problem
 
 ENOUGH, DELAY, MOST = 1e-4, 4, 200
 """Share of the squared energy that so many successive steps together add at the end; steps at most."""
@@ -15,26 +14,24 @@ ENOUGH, DELAY, MOST = 1e-4, 4, 200
 REPEATED = 1e-12
 """Of vectors that span a space: a direction of less than this share of the largest is none."""
 
-Operation = Callable[[np.ndarray], np.ndarray]
 
-
-def correction(physics: PlaneSolid, x: np.ndarray, solver: LinearSolver, rows: slice) -> np.ndarray:
-    """About what a displacement x (n, 2) [m] lacks to be in equilibrium (n, 2) [m].
+def correction(problem: Problem, x: np.ndarray, solver: LinearSolver, rows: slice) -> np.ndarray:
+    """About what unknowns x (n, f) lack to be a solution (n, f).
 
     Where no tangent is symmetric it is one step with the kept factor. The solver's own state is left as it is.
 
     Args:
-        physics: on the mesh as it lies.
-        x: held unknowns have their prescribed values.
+        problem: on the space as it lies.
+        x: prescribed unknowns have their values.
         solver: its preconditioner is that of a mesh some frames ago.
-        rows: this rank's, of 2 n.
+        rows: this rank's, of n f.
     """
-    rest = -physics.imbalance(x).ravel()
-    rest[physics.constrained] = 0.0
+    rest = -unconstrained_residual(problem, x).ravel()
+    rest[problem.boundary.constrained] = 0.0
     kept = preconditioner(solver, rows)
     if not solver.symmetric:
         return kept(rest).reshape(x.shape)
-    return conjugate_steps(tangent_product(physics, x), kept, rest).reshape(x.shape)
+    return conjugate_steps(stiffness_product(problem, x), kept, rest).reshape(x.shape)
 
 
 def conjugate_steps(product: Operation, precondition: Operation, rest: np.ndarray) -> np.ndarray:
@@ -74,22 +71,6 @@ def conjugate_steps(product: Operation, precondition: Operation, rest: np.ndarra
     return found
 
 
-def tangent_product(physics: PlaneSolid, x: np.ndarray) -> Operation:
-    """The function from rates (2 n,) of displacements to those of internal forces at x (n, 2) [m], 0 where held."""
-    mesh, still = physics.mesh, np.zeros_like(physics.mesh.X)
-
-    def product(d: np.ndarray) -> np.ndarray:
-        out, d = np.zeros_like(x), np.ascontiguousarray(d.reshape(x.shape))
-        if physics.law == "linear_elastic":
-            physics.element.residual(mesh.X, d, mesh.cells, physics.stiffness_params, out)
-        else:
-            physics.element.design(mesh.X, still, x, mesh.cells, physics.stiffness_params, out, dx=d)
-        out.ravel()[physics.constrained] = 0.0
-        return out.ravel()
-
-    return product
-
-
 def preconditioner(solver: LinearSolver, rows: slice) -> Operation:
     """The preconditioner of the last solve, as it is, for arrays (n,) whole on every rank; rows: this rank's.
 
@@ -98,7 +79,7 @@ def preconditioner(solver: LinearSolver, rows: slice) -> Operation:
     comm, pc = solver.comm, solver.ksp.getPC()
 
     def apply(r: np.ndarray) -> np.ndarray:
-        if not (solver.ready and solver.size.unknowns == len(r)):
+        if not (solver.kept.ready and solver.kept.size.unknowns == len(r)):
             return r.copy()
         full = np.zeros_like(r)
         size = (rows.stop - rows.start, len(r))

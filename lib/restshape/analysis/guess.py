@@ -38,9 +38,9 @@ class Guess:
         self.step = (hand[1][0] - self.hand[1][0], hand[1][1] - self.hand[1][1]) if same else (0.0, 0.0)
         self.last, self.hand = x, hand
 
-    def reseat(self, reseat: Callable[[np.ndarray], np.ndarray]) -> None:
+    def interpolate(self, interpolate: Callable[[np.ndarray], np.ndarray]) -> None:
         """Take the solutions where their nodes are now, by a function of fields (n, f)."""
-        self.last, self.before = (None if x is None else reseat(x) for x in (self.last, self.before))
+        self.last, self.before = (None if x is None else interpolate(x) for x in (self.last, self.before))
 
     def _ratio(self, hand: tuple[object, tuple[float, float]]) -> float:
         """How much of the last step this step repeats, at most twice."""
@@ -71,10 +71,10 @@ class CurvedGuess(Guess):
         super().keep(x, hand)
         self.oldest, self.older_step = oldest, older_step
 
-    def reseat(self, reseat: Callable[[np.ndarray], np.ndarray]) -> None:
+    def interpolate(self, interpolate: Callable[[np.ndarray], np.ndarray]) -> None:
         """Take the solutions where their nodes are now, by a function of fields (n, f)."""
-        super().reseat(reseat)
-        self.oldest = None if self.oldest is None else reseat(self.oldest)
+        super().interpolate(interpolate)
+        self.oldest = None if self.oldest is None else interpolate(self.oldest)
 
     def __call__(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> np.ndarray:
         """The guess (n, f) for the hand at (gesture, (c0, c1)); x (n, f) is the last solution."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.algebra.newton import Outcome
+from restshape.algebra.newton_convergence import Outcome
 
 SHORTEST = 2.0**-7
 """The shortest step, as a part of the load: a shorter one finds no equilibrium that this one does not."""

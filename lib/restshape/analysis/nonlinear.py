@@ -1,6 +1,7 @@
-"""Solids of large deformation at rest: Newton's method on kept patterns and factors, in steps of load where it must."""
+"""Nonlinear problems without time: Newton's method on kept patterns and factors, in steps of load where it must."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -8,265 +9,222 @@ from petsc4py import PETSc
 from restshape.algebra.gather import System, whole_matrix
 from restshape.algebra.linear import COMPLETE, LinearSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.newton import INDEFINITE, Newton, Outcome
-from restshape.algebra.stages import Stages
-from restshape.analysis.buckling import BucklingAnalysis
-from restshape.analysis.equilibrium import Equilibrium
+from restshape.algebra.newton import Newton
+from restshape.algebra.newton_convergence import INDEFINITE
+from restshape.algebra.operator import Operator
+from restshape.analysis.analysis import Context
+from restshape.analysis.equilibrium_search import EquilibriumSearch
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import CurvedGuess
-from restshape.analysis.large import (
-    COLD,
-    free,
-    inversion,
-    least_scale,
-    rounding,
-    rounding_note,
-    tangent_solver,
-    vanishing,
-)
-from restshape.analysis.load_stepping import LoadPath, step_load
-from restshape.analysis.static import SCALE_SLACK, StaticAnalysis
-from restshape.calibration import Calibration
+from restshape.analysis.residual_equations import ResidualEquations
+from restshape.analysis.steady import SteadyAnalysis, SteadyState
 from restshape.errors import ReplayProblem, UserError
-from restshape.mesh.mesh import Mesh
-from restshape.policy import Policy, policy
+from restshape.fem.balance import energy
+from restshape.fem.problem import Problem
+from restshape.policy import policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
-ROUGH = 1e-3
-"""Tolerance of the states between steps of load."""
-NEAR = 2
-"""Newton's steps from a guess so near that the equilibrium is believed to be stable as the one before."""
 MOST_BELIEVED = 10
 """Of as many frames of a drag one at least shows by a factor of its tangent that the equilibrium is stable."""
+COLD = 1e-4
+"""A cold solve's tolerance over the scene's."""
 
 
-def static_analysis(
-    scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
-) -> StaticAnalysis:
-    """The analysis of a solid at rest that its plan calls for; arguments as in `StaticAnalysis`."""
-    made = StaticAnalysis
-    if plan.solver.equations == "nonlinear":
-        made = NonlinearStatic
-    elif plan.on("buckling"):
-        made = BucklingAnalysis
-    return made(scene, plan, comm, policy, calibration, stages)
+class NonlinearSystem:
+    """Holds what lives as long as a mesh does: the operator's pattern, and Newton's method.
+
+    Args:
+        comm: PETSc communicator.
+        problem: on the mesh.
+        backend: of the operator.
+        solver: of linear systems, which outlives meshes.
+        prefix: of the options of Newton's method in PETSc's database.
+    """
+
+    def __init__(
+        self, comm: PETSc.Comm, problem: Problem, backend: str | None, solver: LinearSolver, prefix: str
+    ) -> None:
+        mask = problem.boundary.mask
+        fields = mask.shape[1]
+        self.operator = Operator(comm, fields, problem.space.node_offsets, backend, symmetric=solver.symmetric)
+        self.operator.set_topology(problem.blocks(), mask)
+        self.rows = rows = self.operator.rows
+        self.newton = Newton(comm, prefix, solver, mask.shape, rows)
+        self.places = problem.space.X[rows.start // fields : rows.stop // fields]
 
 
-class NonlinearStatic(StaticAnalysis):
-    """The equilibrium of a solid of large deformation, frame after frame.
+@dataclass(frozen=True, eq=False)
+class NonlinearState(SteadyState):
+    """A solution of a nonlinear problem; further arguments:
 
-    Newton's method starts at the guess along the drag. Where that fails, the force that the last state lacks on the new
-    shape is put on as a load that keeps it, and taken away in steps; then the same from the rest shape, where these
-    steps are those of the load. An equilibrium counts if no cell is inverted and, unless the guess was near, if the
-    tangent is positive definite.
+    Args:
+        equations: of the problem.
+        residual: over its scale.
+        believed: frames since the tangent of a solution, or of a guess at one, was last factored.
+        age: frames since the preconditioner was made.
+    """
 
-    Arguments as in `StaticAnalysis`.
+    equations: ResidualEquations | None = None
+    residual: float = 0.0
+    believed: int = 0
+    age: int = 0
+
+
+class NonlinearSteadyAnalysis(SteadyAnalysis):
+    """The solution of a nonlinear problem, frame after frame, by `EquilibriumSearch`; arguments as `SteadyAnalysis`.
 
     Source: docs/theory.md, section 2.
     """
 
-    def __init__(
-        self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
-    ) -> None:
-        super().__init__(scene, plan, comm, policy, calibration, stages)
-        self.guess = CurvedGuess(policy.extrapolate)
-        self.newton: Newton | None = None
-        self.equations: Equilibrium | None = None
-        self.made: list[Newton] = []
-        self.frames = 0
-        # Frames since the tangent of an equilibrium, or of a guess at one, was last factored.
-        self.believed, self.tested = 0, False
-        self.left_over = 0.0
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
+        super().__init__(scene, plan, context, make)
+        self.state = NonlinearState(plan)
+        self.guess = CurvedGuess(context.policy.extrapolate)
+        self._made: list[Newton] = []
 
     def solve(self, frame: Frame) -> LinearReport:
-        """Bring the displacement `x` (n, 2) [m] up to date with a frame.
+        """Bring the unknowns `x` up to date with a frame.
 
         Raises:
-            ReplayProblem: no equilibrium is found, or a value has no number somewhere.
-            UserError: the scene's supports no longer hold the body. In both cases `mesh` and `x` stay as they were.
+            ReplayProblem: no solution is found, or a value has no number somewhere.
+            UserError: the scene makes no sense for the problem any more. In both cases the state is that of before.
         """
         try:
             report = super().solve(frame)
         except (ReplayProblem, UserError):
             # The tangent that is assembled is that of the frame that failed.
-            if self.newton:
-                self.newton.take(self.equations)
+            if self.state.system:
+                self.state.system.newton.take(self.state.equations)
             raise
         finally:
-            free(self.made, self.newton)
-        return self._settled(report) if frame.settled and self.believed else report
+            self._destroy_unused()
+        return self._confirmed(report) if frame.settled and self.state.believed else report
 
     def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
-        """The s (n, 2) of K s = rhs with the tangent stiffness K of the present state, on the kept preconditioner.
+        """The s (n, f) of K s = rhs with the tangent K of the present state, on the kept preconditioner.
 
-        Arguments as in `StaticAnalysis.linear_solve`. K is not symmetric where pressures follow the boundary.
+        Arguments as in `SteadyAnalysis.linear_solve`.
         """
-        return self._solve_aside(self._tangent(), rhs, tolerance)
+        return self._auxiliary_solve(self.tangent(), rhs, tolerance)
 
-    def accept(self, x: np.ndarray) -> None:
-        """Take displacements x (n, 2) [m] for those of the mesh as it lies now, without a solve."""
-        super().accept(x)
-        self.equations.begin()
-        self.newton.current = False
-        self.left_over = 0.0
+    def set_values(self, x: np.ndarray) -> None:
+        """Take unknowns x (n, f) for those of the space as it lies now, without a solve."""
+        super().set_values(x)
+        self.state.equations.begin()
+        self.state = replace(self.state, residual=0.0)
 
-    def row(self) -> dict[str, str]:
+    def row(self) -> dict[str, Any]:
         """What the frame's row tells besides."""
-        return rounding_note(self.left_over, self.solver.tolerance)
+        return rounding_note(self.state.residual, self.solver.tolerance)
 
-    def residual(self) -> float:
-        """The forces out of balance over the load, or over internal forces where supports move; norms at free nodes."""
-        # Newton's last one was of this very displacement, unless it was predicted.
-        if not self.accepted:
-            return self.left_over
-        norm = float(np.linalg.norm(self.equations.whole_residual(self.x)))
-        return norm / self.scale if self.scale else norm
+    def residual_norm(self) -> float:
+        """The residual over the load, or over internal forces where supports move; norms at free unknowns."""
+        state = self.state
+        # Newton's last one was of these very unknowns, unless they were predicted.
+        if not state.predicted:
+            return state.residual
+        norm = float(np.linalg.norm(state.equations.whole_residual(state.x)))
+        return norm / state.scale if state.scale else norm
 
-    # --- a frame --------------------------------------------------------------------------------------------------
+    def tangent(self) -> PETSc.Mat:
+        """The tangent at the last solution."""
+        return self.state.system.newton.tangent(self.state.x)
 
-    def _make_solver(self, scene: Scene) -> LinearSolver:
-        return tangent_solver(self, "solid_", scene)
+    # --- a frame ------------------------------------------------------------------------------------------------------
 
-    def _allocate(self, mesh: Mesh) -> None:
-        """Make what solves for the unknowns of a new mesh."""
-        rows = self.operator.rows
-        self.newton = Newton(self.comm, "solid_newton_", self.solver, mesh.X.shape, rows)
-        self.made.append(self.newton)
-        self.mesh_places = mesh.X[rows.start // 2 : rows.stop // 2]
+    def _directions(self) -> int:
+        return 0
+
+    def _make_system(self, problem: Problem) -> NonlinearSystem:
+        context = self.context
+        prefix = f"{self.make.name}_newton_"
+        system = NonlinearSystem(context.comm, problem, context.policy.backend, self.solver, prefix)
+        self._made.append(system.newton)
+        return system
 
     def _solve(self, frame: Frame, new_mesh: bool) -> LinearReport:
-        mesh, physics = frame.mesh, self.physics
-        if self.equations is None or self.equations.physics is not physics:
-            self.equations = Equilibrium(physics, self.operator, self.stages)
-            self.newton.take(self.equations)
-        with self.stages("values"):
-            physics.move()
-            self.equations.begin()
-            self.load = self._load()
+        state, stages = self.state, self.context.stages
+        problem, system, equations = state.problem, state.system, state.equations
+        if equations is None or equations.problem is not problem:
+            equations = ResidualEquations(problem, system.operator, stages)
+            system.newton.take(equations)
+        with stages("values"):
+            problem.update()
+            equations.begin()
+            search = self._search(equations)
         # The solver may have met the mesh of a frame that failed, which is gone.
-        patched = not new_mesh and mesh.topology != self.topology
-        self.newton.begin(new_mesh or self.failed, patched, self.mesh_places)
+        patched = not new_mesh and frame.mesh.topology != state.topology
+        system.newton.begin(new_mesh or self.interrupted, patched, self._rigid_places)
         # A drag goes on from a stable equilibrium in small steps; other edits may leap over a limit.
-        dragged = not (new_mesh or self.accepted) and frame.scene is self.scene
-        self.tested = False
-        outcome, x = self._find(self.guess(self.x, frame.hand), dragged and self.believed + 1 < MOST_BELIEVED)
-        refreshed = outcome.refreshed or (self.tested and self._told)
-        self.believed = 0 if self.tested else 1 if refreshed else self.believed + 1
-        self.left_over = outcome.norm / (self.scale or 1.0)
+        dragged = not (new_mesh or state.predicted or self.interrupted) and frame.scene is state.scene
+        guess = self.guess(state.x, frame.hand)
+        outcome, x = search.find(guess, state.x, dragged and state.believed + 1 < MOST_BELIEVED)
+        refreshed = outcome.refreshed or (search.tested and self._tests_factor)
         self.guess.keep(x, frame.hand)
-        self.x, self.observed, self.accepted = x, None, False
-        self.frames = 0 if refreshed else self.frames + 1
-        return LinearReport(outcome.iterations, refreshed, self.frames, self.solver.name, outcome.newton)
+        self.state = replace(
+            state,
+            equations=equations,
+            x=x,
+            scale=search.scale,
+            residual=outcome.norm / (search.scale or 1.0),
+            believed=0 if search.tested else 1 if refreshed else state.believed + 1,
+            age=0 if refreshed else state.age + 1,
+            predicted=False,
+        )
+        return LinearReport(outcome.iterations, refreshed, self.state.age, self.solver.name, outcome.newton)
 
-    def _find(self, guess: np.ndarray, near: bool) -> tuple[Outcome, np.ndarray]:
-        """The equilibrium (n, 2) near a guess, by steps of load where Newton's method does not reach it."""
-        x = guess.copy()
-        self._hold(x)
-        outcome, problem = self._attempt(x, near=near)
-        if not problem:
-            return outcome, x
-        starts = [self.x] if self.x.any() else []
-        for start in [*starts, np.zeros_like(x)]:
-            found = self._stepped(start, outcome)
-            outcome = found.outcome
-            if found.reached == 1.0:
-                return outcome, found.x
-        raise ReplayProblem(f"no equilibrium found beyond {100 * found.reached:.3g} % of the load: {found.why}")
+    def _search(self, equations: ResidualEquations) -> EquilibriumSearch:
+        steps = equations.problem.load_steps
+        return EquilibriumSearch(
+            equations, self.state.system.newton, lambda: self.solver.aim, self.solver.tolerance, steps
+        )
 
-    def _stepped(self, start: np.ndarray, before: Outcome) -> LoadPath:
-        """Load steps to this frame's equilibrium from a state (n, 2) [m], after other runs of Newton's method."""
-        constrained, prescribed = self.physics.constrained, self.physics.prescribed.ravel()
-        equations, at_rest = self.equations, not start.any()
-
-        def put_on(x: np.ndarray, part: float) -> None:
-            held = (1.0 - part) * start.ravel() + part * prescribed
-            x.ravel()[constrained] = held[constrained]
-            if at_rest and equations.pressed != part:
-                equations.pressed, self.newton.current = part, False
-
-        steps = self.plan.settings("large_deformation").load_steps
-        try:
-            equations.pressed = 0.0 if at_rest else 1.0
-            return step_load(self._attempt, start, equations.whole_residual(start), put_on, before, steps)
-        finally:
-            equations.pressed = 1.0
-
-    def _attempt(
-        self, x: np.ndarray, added: np.ndarray | None = None, searched: bool = False, near: bool = False
-    ) -> tuple[Outcome, str]:
-        """Newton's method from x (n, 2), which is changed, under an added load: what came of it, and what is wrong.
-
-        Near a stable equilibrium, one that takes few steps is believed to be stable.
-        """
-        total = None
-        while True:
-            self.scale = self._scale(x)
-            goal = (self.solver.aim if added is None else ROUGH) * self.scale
-            outcome = self.newton.solve(x, goal, self.scale, searched, added, rounding(self.physics))
-            total = outcome if total is None else outcome.after(total)
-            if not outcome.converged:
-                return total, outcome.why
-            if added is not None or self.scale <= SCALE_SLACK * self._scale(x) or not outcome.newton:
-                return total, self._objection(x, near and total.monotone and total.newton <= NEAR)
-
-    def _objection(self, x: np.ndarray, stable: bool) -> str:
-        """What speaks against the equilibrium x (n, 2) that Newton's method has found."""
-        problem = inversion(self.physics, self.equations.inverted_cells(x)) or vanishing(self.physics, x)
-        if problem or stable:
-            return problem
-        self.tested = True
-        return "" if self.newton.definite(x) else INDEFINITE
-
-    def _settled(self, report: LinearReport) -> LinearReport:
-        """The report of a frame at the end of a drag, whose equilibrium is stable, as it was believed to be."""
-        self.newton.current = False
-        if self.newton.definite(self.x):
-            self.believed = self.frames = 0
-            return replace(report, refreshed=self._told, age=0) if self._told else report
-        before, self.believed = self.believed, MOST_BELIEVED
-        raise ReplayProblem(f"{INDEFINITE}; so may be those of up to {before} frames before")
+    def _confirmed(self, report: LinearReport) -> LinearReport:
+        """The report of a frame at the end of a drag, whose solution is stable, as it was believed to be."""
+        state = self.state
+        if state.system.newton.definite(state.x):
+            self.state = replace(state, believed=0, age=0)
+            return replace(report, refreshed=True, age=0) if self._tests_factor else report
+        self.state = replace(state, believed=MOST_BELIEVED)
+        raise ReplayProblem(f"{INDEFINITE}; so may be those of up to {state.believed} frames before")
 
     @property
-    def _told(self) -> bool:
-        """Tell whether a test of stability makes a factor, for others cannot tell."""
+    def _tests_factor(self) -> bool:
+        """Whether a test of stability makes a factor, for others cannot tell."""
         return self.solver.kind in COMPLETE
 
-    def _hold(self, x: np.ndarray) -> None:
-        """Set the held unknowns of x (n, 2)."""
-        constrained = self.physics.constrained
-        x.ravel()[constrained] = self.physics.prescribed.ravel()[constrained]
+    def _destroy_unused(self) -> None:
+        """Free all of Newton's methods but the present one.
 
-    def _tangent(self) -> PETSc.Mat:
-        """The tangent stiffness at the last solution."""
-        return self.newton.tangent(self.x)
+        A SNES and the functions that it calls hold each other: it goes when it is told to.
+        """
+        kept = self.state.system.newton if self.state.system else None
+        for newton in self._made:
+            if newton is not kept:
+                newton.destroy()
+        self._made[:] = [kept] if kept else []
 
-    def _load(self) -> float:
-        """The norm of the loads at free nodes [N]."""
-        return float(np.linalg.norm(self.equations.load()))
+    # --- for comparison with a cold solve -----------------------------------------------------------------------------
 
-    def _scale(self, x: np.ndarray) -> float:
-        """What residuals are measured against [N]: the load, and internal forces where supports move."""
-        if not self.physics.displaced:
-            return self.load
-        return max(self.load, self.physics.internal_force(x), least_scale(self.physics, x, self.solver.tolerance))
-
-    # --- for comparison with a cold solve -----------------------------------------------------------------------
-
-    def system(self) -> System:
-        """The tangent stiffness and the solution as they stand, whole on every rank."""
-        energy = float(self.physics.energies(self.x).sum())
-        return System(whole_matrix(self._tangent(), self.comm), self.x.ravel().copy(), energy)
+    def warm_system(self) -> System:
+        """The tangent and the solution as they stand, whole on every rank."""
+        matrix = whole_matrix(self.tangent(), self.context.comm)
+        return System(matrix, self.x.ravel().copy(), energy(self.problem, self.x))
 
     def cold_system(self) -> System:
         """The tangent at this frame's solution on a new pattern, and the solution of a cold analysis from nothing."""
-        rebuild = policy("rebuild")
-        cold = NonlinearStatic(self.scene, self.plan, self.comm, rebuild, self.calibration, self.stages)
+        state, context = self.state, replace(self.context, policy=policy("rebuild"))
+        cold = NonlinearSteadyAnalysis(state.scene, state.plan, context, self.make)
         cold.solver.tolerance *= COLD
         none = np.empty(0, dtype=np.int32)
-        cold.solve(Frame(self.mesh, none, None, self.scene, (None, (0.0, 0.0))))
-        solution = cold.x.ravel().copy()
-        cold.newton.current = False
-        matrix = whole_matrix(cold.newton.tangent(self.x), self.comm)
-        cold.newton.destroy()
-        return System(matrix, solution)
+        cold.solve(Frame(state.space, none, None, state.scene, (None, (0.0, 0.0))))
+        newton = cold.state.system.newton
+        matrix = whole_matrix(newton.tangent(self.x), context.comm)
+        newton.destroy()
+        return System(matrix, cold.x.ravel().copy())
+
+
+def rounding_note(residual: float, tolerance: float) -> dict[str, Any]:
+    """What a frame's row tells besides where rounding leaves more of the load, or of the forces, than the tolerance."""
+    return {"note": f"a tolerance of {tolerance:g} is out of reach of rounding"} if residual > tolerance else {}

@@ -1,31 +1,25 @@
-"""Solids of large deformation that move while their rest shape is edited: Newton's method in each Newmark step."""
+"""Nonlinear problems in time while the rest shape is edited: Newton's method in each implicit step."""
+
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from restshape.algebra.gather import System, whole_matrix
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
-from restshape.algebra.stages import Stages
-from restshape.analysis.effective import State
+from restshape.analysis.analysis import Context
+from restshape.analysis.equilibrium_search import least_scale, rounding
 from restshape.analysis.frame import Frame
-from restshape.analysis.large import (
-    COLD,
-    free,
-    inversion,
-    least_scale,
-    rounding,
-    rounding_note,
-    tangent_solver,
-    vanishing,
-)
-from restshape.analysis.newmark import MotionSystem
-from restshape.analysis.transient import TransientAnalysis
-from restshape.calibration import Calibration
+from restshape.analysis.motion_equations import MotionSystem
+from restshape.analysis.nonlinear import COLD, rounding_note
+from restshape.analysis.transient import TransientAnalysis, TransientState
 from restshape.errors import ReplayProblem
-from restshape.physics.vibrating import VibratingSolid
-from restshape.policy import Policy, policy
+from restshape.fem.problem import TransientProblem
+from restshape.fem.semidiscrete import SemiDiscrete
+from restshape.fem.time_integration import TimeIntegration, TimeState
+from restshape.policy import policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -33,184 +27,205 @@ GAIN = 0.5
 """Energy that a motion may gain from nothing, over the largest that it has had less this gain."""
 
 
-def transient_analysis(
-    scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
-) -> TransientAnalysis:
-    """The analysis of a solid that moves that its plan calls for; arguments as in `TransientAnalysis`."""
-    made = NonlinearTransient if plan.solver.equations == "nonlinear" else TransientAnalysis
-    return made(scene, plan, comm, policy, calibration, stages)
+@dataclass(frozen=True)
+class EnergyGain:
+    """The energy that a motion has gained from nothing since the start, or since the scene got the values that it has.
+
+    Args:
+        gained: in all [J].
+        largest: that the motion has had [J].
+        scene: with these values.
+    """
+
+    gained: float = 0.0
+    largest: float = 0.0
+    scene: Scene | None = None
 
 
-class NonlinearTransient(TransientAnalysis):
-    """The motion of a solid of large deformation relative to the ground, frame after frame.
+@dataclass(frozen=True, eq=False)
+class NonlinearTransientState(TransientState):
+    """A motion of a nonlinear problem; further arguments:
+
+    Args:
+        scale: that the last step's residual is measured against.
+        residual: the largest of the frame's steps over it.
+        gain: of energy.
+    """
+
+    scale: float = 0.0
+    residual: float = 0.0
+    gain: EnergyGain = EnergyGain()
+
+
+class NonlinearTransientAnalysis(TransientAnalysis):
+    """The motion, or diffusion, of a nonlinear problem, frame after frame; arguments as in `TransientAnalysis`.
 
     Newmark's method keeps the energy of linear motions only: where a step is too long for a large one, the energy
-    grows without end. So it is watched, on ground that stands still under dead loads.
-
-    Arguments as in `TransientAnalysis`.
+    grows without end. So it is watched, on a base that stands still under dead loads.
 
     Source: docs/theory.md, section 2.
     """
 
-    def __init__(
-        self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
-    ) -> None:
-        super().__init__(scene, plan, comm, policy, calibration, stages)
-        self.made: list[Newton] = []
-        self.scale = 0.0
-        # The gain of energy from nothing since the start, or since the scene got the values that it has.
-        self.gained = self.largest = 0.0
-        self.gained_under: Scene | None = None
-        self.left_over = 0.0
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
+        super().__init__(scene, plan, context, make)
+        self.state = NonlinearTransientState(plan)
+        self._made: list[Newton] = []
 
     def solve(self, frame: Frame) -> LinearReport:
-        """Bring the displacement `x` (n, 2) [m] and the velocity `v` (n, 2) [m/s] up to date with a frame.
+        """Bring the motion up to date with a frame.
 
         Raises:
             ReplayProblem: a step finds no solution, gains energy, or a value has no number somewhere.
-            UserError: the scene's new values make no sense. In both cases mesh, motion and time stay as they were.
+            UserError: the scene's new values make no sense. In both cases the state is that of before, time included.
         """
         try:
             return super().solve(frame)
         finally:
-            free(self.made, self.system_now.newton if self.body else None)
+            self._destroy_unused()
 
-    def residual(self) -> float:
+    def residual_norm(self) -> float:
         """The residual of the last step, relative to its forces of inertia or to the load."""
-        if self.unsolved or self.scale == 0.0:
+        state = self.state
+        if state.unsolved or state.scale == 0.0:
             return 0.0
-        return float(np.linalg.norm(self.system_now.equations.whole_residual(self.x))) / self.scale
+        return float(np.linalg.norm(state.system.equations.whole_residual(self.x))) / state.scale
 
-    def row(self) -> dict[str, str]:
+    def row(self) -> dict[str, Any]:
         """What the frame's row tells besides."""
-        return rounding_note(self.left_over, self.solver.tolerance)
+        return rounding_note(self.state.residual, self.solver.tolerance)
 
-    # --- a new frame ----------------------------------------------------------------------------------------------
+    # --- a new frame --------------------------------------------------------------------------------------------------
 
     def _read(self, scene: Scene) -> None:
         super()._read(scene)
         # The frame after a refused one takes up the scene again, whose values are not new.
-        if scene is not self.gained_under:
-            self.gained_under, self.gained = scene, 0.0
+        if scene is not self.state.gain.scene:
+            self.state = replace(self.state, gain=replace(self.state.gain, scene=scene, gained=0.0))
 
-    def _make_solver(self, scene: Scene) -> LinearSolver:
-        return tangent_solver(self, "motion_", scene)
+    def _make_system(self, body: SemiDiscrete, integration: TimeIntegration) -> MotionSystem:
+        return self._system_of(body, integration, self.context.policy.backend, self.solver)
 
-    def _make_system(self) -> MotionSystem:
-        return self._system_of(self.body, self.policy.backend, self.solver)
+    def _system_of(
+        self, body: SemiDiscrete, integration: TimeIntegration, backend: str | None, solver: LinearSolver
+    ) -> MotionSystem:
+        comm, stages = self.context.comm, self.context.stages
 
-    def _system_of(self, body: VibratingSolid, backend: str | None, solver: LinearSolver) -> MotionSystem:
         def newton(shape: tuple[int, int], rows: slice) -> Newton:
-            return Newton(self.comm, "motion_newton_", solver, shape, rows)
+            return Newton(comm, "motion_newton_", solver, shape, rows)
 
-        made = MotionSystem(self.comm, body, self.newmark, newton, backend, self.stages, solver.symmetric)
-        self.made.append(made.newton)
+        made = MotionSystem(comm, body, integration.scheme, newton, backend, stages, solver.symmetric)
+        self._made.append(made.newton)
         return made
 
     def _make_matrix(self) -> None:
-        self.system_now.equations.begin()
+        self.state.system.equations.begin()
 
     def _run(self, stale: bool, new_system: bool, steps: int) -> LinearReport:
-        watched = steps and self.ground is None and self.system_now.equations.potential
+        state, equations = self.state, self.state.system.equations
+        second, still = state.integration.scheme.order == 2, state.integration.excitation is None
+        watched = steps and second and still and equations.potential
         if stale and steps:
-            with self.stages("values"):
-                self.system_now.equations.begin()
-        before, self.left_over = self.whole_energy() if watched else 0.0, 0.0
+            with self.context.stages("values"):
+                equations.begin()
+        before = self.whole_energy() if watched else 0.0
+        self.state = replace(state, residual=0.0)
         report = super()._run(stale, new_system, steps)
         if watched:
-            self.gained += self.whole_energy() - before
-            self.largest = max(self.largest, self.energy())
-            if not self.gained <= GAIN * (self.largest - max(self.gained, 0.0)):
-                raise ReplayProblem(
-                    f"the motion has gained {self.gained:.3g} J from nothing: the time step is too long for so large a "
-                    "deformation; make effects.dynamics.time_step smaller"
-                )
+            self._watch(before)
         return report
 
-    # --- time steps -----------------------------------------------------------------------------------------------
+    def _watch(self, before: float) -> None:
+        """Refuse a frame that has gained too much energy [J] from nothing."""
+        gain = self.state.gain
+        gained = gain.gained + (self.whole_energy() - before)
+        largest = max(gain.largest, self.energy())
+        self.state = replace(self.state, gain=replace(gain, gained=gained, largest=largest))
+        if not gained <= GAIN * (largest - max(gained, 0.0)):
+            raise ReplayProblem(
+                f"the motion has gained {gained:.3g} J from nothing: the time step is too long for so large a "
+                "deformation; make effects.dynamics.time_step smaller"
+            )
+
+    def _destroy_unused(self) -> None:
+        """Free all of Newton's methods but the present one; see `NonlinearSteadyAnalysis`."""
+        kept = self.state.system.newton if self.state.system else None
+        for newton in self._made:
+            if newton is not kept:
+                newton.destroy()
+        self._made[:] = [kept] if kept else []
+
+    # --- time steps ---------------------------------------------------------------------------------------------------
 
     def _step(self, stale: bool, new_system: bool) -> LinearReport:
         """One time step."""
-        system, state, step = self.system_now, self.state, self.newmark
-        equations, newton, time = system.equations, system.newton, state.time + step.dt
-        with self.stages("values"):
+        system, state, scheme = self.state.system, self.state.now, self.state.integration.scheme
+        equations, newton, problem = system.equations, system.newton, self.problem
+        time = state.time + scheme.dt
+        with self.context.stages("values"):
             equations.start(state, self._shaking(state.time), self._shaking(time))
-        newton.begin(new_system, stale, system.places)
+        newton.begin(new_system, stale, system.places if self.solver.traits.rigid_motions else None)
         x = self._guess(state)
-        solid, tolerance = self.body.solid, self.solver.tolerance
-        self.scale = max(equations.load_norm, equations.force_norm, least_scale(solid, x, tolerance))
-        goal, rounded = self.solver.aim * self.scale, rounding(solid)
-        outcome = newton.solve(x, goal, self.scale, rounding=rounded)
-        if not outcome.converged or len(equations.inverted_cells(x)) or vanishing(solid, x):
+        least = least_scale(problem, x, self.solver.tolerance)
+        scale = max(equations.load_norm, equations.force_norm, least)
+        goal, rounded = self.solver.aim * scale, rounding(problem)
+        outcome = newton.solve(x, goal, scale, rounding=rounded)
+        if not outcome.converged or problem.objection(x):
             x = equations.before.copy()
-            outcome = newton.solve(x, goal, self.scale, searched=True, rounding=rounded).after(outcome)
-            why = inversion(solid, equations.inverted_cells(x)) or vanishing(solid, x) or outcome.why
+            outcome = newton.solve(x, goal, scale, searched=True, rounding=rounded).after(outcome)
+            why = problem.objection(x) or outcome.why
             if why:
                 raise ReplayProblem(
                     f"no state is found at {time:.6g} s: {why}; make effects.dynamics.time_step smaller, or the load"
                 )
-        self.left_over = max(self.left_over, outcome.norm / self.scale if self.scale else 0.0)
-        self.previous, self.state = state, self._after(state, x - self.body.solid.prescribed, time)
-        self.motion.v, self.unsolved = self.state.v, False
-        if self.observer.watched:
-            self.observer.step(self.x)
+        residual = max(self.state.residual, outcome.norm / scale if scale else 0.0)
+        self.state = replace(self.state, scale=scale, residual=residual)
+        self._advance(scheme.after(state, x - problem.boundary.values))
         return LinearReport(outcome.iterations, outcome.refreshed, self.solver.age, self.solver.name, outcome.newton)
 
-    def _after(self, state: State, y: np.ndarray, time: float) -> State:
-        """The state with the displacement y (n, 2) [m] after a step from another."""
-        step, moved = self.newmark, y - state.y
-        v, a = step.a1 * moved - step.a4 * state.v, None
-        if state.a is not None:
-            v -= step.a5 * state.a
-            a = step.a0 * moved - step.a2 * state.v - step.a3 * state.a
-        return State(y, v, a, time)
-
-    def _guess(self, state: State) -> np.ndarray:
-        """Displacements (n, 2) [m] after a step, at the mean acceleration of the step before."""
-        x = self.system_now.equations.before
-        if not self.policy.extrapolate:
+    def _guess(self, state: TimeState) -> np.ndarray:
+        """Unknowns (n, f) after a step, at the mean rate of change of the rates in the step before."""
+        x, previous = self.state.system.equations.before, self.state.previous
+        if not self.context.policy.extrapolate:
             return x.copy()
-        dt = self.newmark.dt
-        same = self.previous.time < state.time and self.previous.v.shape == state.v.shape
-        gained = state.v - self.previous.v if same else 0.0
+        dt = self.state.integration.scheme.dt
+        same = previous.time < state.time and previous.v.shape == state.v.shape
+        gained = state.v - previous.v if same else 0.0
         return x + dt * (state.v + 0.5 * gained)
 
     def whole_energy(self) -> float:
-        """Strain and kinetic energy less the work of the dead loads [J]: constant on still ground, undamped."""
-        return self.system_now.equations.whole_energy(self.x, self.v)
+        """Internal and kinetic energy less the work of the dead loads [J]: constant on a still base, undamped."""
+        return self.state.system.equations.whole_energy(self.x, self.v)
 
-    # --- for comparison with other solves -------------------------------------------------------------------------
+    # --- for comparison with other solves -----------------------------------------------------------------------------
 
-    def system(self) -> System:
+    def warm_system(self) -> System:
         """The tangent and the solution of the last step as they stand, whole on every rank."""
-        solution = np.zeros(self.x.size) if self.unsolved else self.state.y.ravel().copy()
-        newton = self.system_now.newton
-        newton.current = False
-        return System(whole_matrix(newton.tangent(self.x), self.comm), solution)
+        state = self.state
+        solution = np.zeros(self.x.size) if state.unsolved else state.now.y.ravel().copy()
+        return System(whole_matrix(state.system.newton.tangent(self.x), self.context.comm), solution)
 
     def cold_system(self) -> System:
         """The tangent on a new pattern, and the last step's solution with a new factor and no guess."""
-        body = VibratingSolid(self.scene, self.plan, self.mesh)
+        state, context, body = self.state, self.context, self._cold_body()
         solver = LinearSolver(
-            self.comm,
+            context.comm,
             "cold_",
             policy("rebuild").solver,
             COLD * self.solver.tolerance,
-            self.calibration,
-            self.stages,
-            symmetric=self.solver.symmetric,
+            context.calibration,
+            context.stages,
+            traits=self.solver.traits,
         )
-        cold = self._system_of(body, "coo", solver)
-        equations, newton, before, now = cold.equations, cold.newton, self.previous, self.state
+        cold = self._system_of(body, state.integration, "coo", solver)
+        equations, newton, before, now = cold.equations, cold.newton, state.previous, state.now
         equations.begin()
         solution = np.zeros_like(now.y)
-        if not self.unsolved:
+        if not state.unsolved:
             equations.start(before, self._shaking(before.time), self._shaking(now.time))
             x = equations.before.copy()
             newton.begin(True, False, cold.places)
-            newton.solve(x, solver.tolerance * self.scale, self.scale, rounding=rounding(body.solid))
-            solution = x - body.solid.prescribed
-        newton.current = False
-        matrix = whole_matrix(newton.tangent(self.x), self.comm)
+            newton.solve(x, solver.tolerance * state.scale, state.scale, rounding=rounding(body.problem))
+            solution = x - body.problem.boundary.values
+        matrix = whole_matrix(newton.tangent(self.x), context.comm)
         solver.ksp.destroy()
         return System(matrix, solution.ravel())

@@ -1,30 +1,31 @@
-"""The error that one step of Newmark's method makes."""
+"""The error that one implicit step makes."""
 
 import numpy as np
 
-from restshape.analysis.correction import Operation, conjugate_steps, tangent_product
-from restshape.analysis.effective import State
-from restshape.physics.dynamics import Newmark
-from restshape.physics.vibrating import VibratingSolid
+from restshape.analysis.correction import conjugate_steps
+from restshape.fem.balance import Operation, stiffness_product
+from restshape.fem.semidiscrete import SemiDiscrete
+from restshape.fem.time_integration import Scheme, TimeState
 
 
 def local_error(
-    body: VibratingSolid,
-    newmark: Newmark,
-    states: tuple[State, State],
+    body: SemiDiscrete,
+    scheme: Scheme,
+    states: tuple[TimeState, TimeState],
     shaken: tuple[np.ndarray, np.ndarray],
     precondition: Operation,
 ) -> np.ndarray:
-    """The displacement (n, 2) [m] by which a step is wrong that began in the right state.
+    """The unknowns (n, f) by which a step is wrong that began in the right state.
 
-    (beta - 1/6) dt^2 (a' - a), the acceleration smoothed by (M + beta dt^2 K)^-1 M: what the step is too long for
-    swings on for ever in Newmark's method, and the formula knows nothing of it.
+    In second order (beta - 1/6) dt^2 (a' - a), the acceleration smoothed by (M + beta dt^2 K)^-1 M: what the step is
+    too long for swings on for ever in Newmark's method, and the formula knows nothing of it. In first order
+    (theta - 1/2) dt (v' - v), likewise.
 
     Args:
         body: at the shape of the step.
-        newmark: the step.
+        scheme: of the step, with an `error_factor`.
         states: that it leads from and to.
-        shaken: the ground's accelerations (2,) [m/s^2] at both.
+        shaken: the base's accelerations (f,) at both.
         precondition: the kept preconditioner of the step's matrix K + a0 M + a1 C.
 
     Source: docs/theory.md, section 9; Zienkiewicz and Xie, Earthquake Engng Struct. Dyn. 20 (1991) 871; Shampine and
@@ -32,21 +33,21 @@ def local_error(
     """
     before, now = states
     if before.a is not None and now.a is not None:
-        change = body.inertia.apply(now.a - before.a)
+        change = body.mass.apply(now.a - before.a)
     else:
         change = body.force(now.y) - body.force(before.y) - body.damping(now.v - before.v)
         ground = shaken[1] - shaken[0]
         if ground.any():
-            change -= body.inertia.apply(np.zeros_like(change) + ground)
+            change -= body.mass.apply(np.zeros_like(change) + ground)
     change[body.held] = 0.0
-    stiff = tangent_product(body.solid, now.y + body.solid.prescribed)
-    of_stiffness = 1.0 + newmark.a1 * body.rayleigh.beta
-    of_mass = newmark.a0 + newmark.a1 * body.rayleigh.alpha
+    stiff = stiffness_product(body.problem, body.unknowns(now.y))
+    of_stiffness = 1.0 + scheme.a1 * body.damping_of.beta
+    of_mass = scheme.a0 + scheme.a1 * body.damping_of.alpha
 
     def product(d: np.ndarray) -> np.ndarray:
-        heavy = body.inertia.apply(np.ascontiguousarray(d.reshape(change.shape)))
+        heavy = body.mass.apply(np.ascontiguousarray(d.reshape(change.shape)))
         heavy[body.held] = 0.0
         return of_stiffness * stiff(d) + of_mass * heavy.ravel()
 
-    smoothed = conjugate_steps(product, precondition, newmark.a0 * change.ravel())
-    return (newmark.beta - 1.0 / 6.0) * newmark.dt**2 * smoothed.reshape(change.shape)
+    smoothed = conjugate_steps(product, precondition, scheme.a0 * change.ravel())
+    return scheme.error_factor * scheme.dt**scheme.order * smoothed.reshape(change.shape)

@@ -1,350 +1,469 @@
-"""Linear solids that vibrate while their rest shape is edited: Newmark steps on kept patterns and factors."""
+"""Linear problems in time while the rest shape is edited: implicit steps on kept patterns and factors."""
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from petsc4py import PETSc
 from scipy.sparse.linalg import spsolve
 
 from restshape.algebra.gather import System, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
-from restshape.algebra.stages import Stages
-from restshape.analysis.carry import project_velocity
+from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.comparison import compared
 from restshape.analysis.correction import preconditioner
-from restshape.analysis.effective import EffectiveSystem, State
-from restshape.analysis.estimated import Estimated
+from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
-from restshape.analysis.increments import IncrementProjection
-from restshape.analysis.shown import DisplacedSolid
+from restshape.analysis.increment_subspace import IncrementProjection
 from restshape.analysis.time_error import local_error
+from restshape.analysis.velocity_projection import project_velocity
 from restshape.application import application
-from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
-from restshape.mesh.mesh import Mesh
+from restshape.fem.error_estimate import RecoveryEstimate
+from restshape.fem.problem import MASS, STIFFNESS, Fields, TransientProblem
+from restshape.fem.quantity import Observer
+from restshape.fem.semidiscrete import SemiDiscrete
+from restshape.fem.space import Space
+from restshape.fem.time_integration import Motion, TimeIntegration, TimeState
 from restshape.mesh.transfer import transfer
-from restshape.physics.dynamics import Ground, Newmark
-from restshape.physics.motion import Motion, MotionObserver
-from restshape.physics.quantities import von_mises
-from restshape.physics.vibrating import VibratingSolid
-from restshape.policy import Policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
 
-NO_SHAKING = np.zeros(2)
+NOTHING = TimeState(np.zeros((0, 2)), np.zeros((0, 2)), None, 0.0)
 
 
-class TransientAnalysis(Estimated, DisplacedSolid):
-    """The motion of a linear elastic solid relative to the ground, frame after frame.
+@dataclass(frozen=True)
+class EnergyAccount:
+    """Where the energy of a motion comes from.
 
-    A frame takes the time steps that ``[effects.dynamics]`` asks for, on one matrix; the first frame takes none. When
-    the rest shape changes, displacement and velocity stay with the nodes, the acceleration never: equilibrium on the
-    new shape gives it anew. What is stale is read from the versions of mesh topology, node places and scene.
+    Args:
+        known: whether anybody asks.
+        last: energy after the last step [J].
+        edit, remesh: as in `Motion`.
+    """
+
+    known: bool = False
+    last: float = 0.0
+    edit: float = 0.0
+    remesh: float = 0.0
+
+
+# The fifteen that a step takes and gives, so that a failure takes back all of them.
+@dataclass(frozen=True, eq=False)
+class TransientState:
+    """A motion, and what it was found with.
+
+    Args:
+        plan: which effects are on.
+        scene: whose values it is for; None before the first solution.
+        integration: in time.
+        body: the scene's problem on its space.
+        system: what outlives frames on the space.
+        observer: of the scene's quantities.
+        increments: what guesses are made of.
+        now, previous: after the last step and before it.
+        account: of energies.
+        topology, geometry: versions of the space that it was found at; -1: on none.
+        factored: the solver has a complete factor of this very matrix.
+        unsolved: no step has been taken yet.
+        age: frames since the preconditioner was made.
+    """
+
+    plan: Plan
+    scene: Scene | None = None
+    integration: TimeIntegration | None = None
+    body: SemiDiscrete | None = None
+    system: Any = None
+    observer: Observer | None = None
+    increments: IncrementProjection | None = None
+    now: TimeState = NOTHING
+    previous: TimeState = NOTHING
+    account: EnergyAccount = field(default_factory=EnergyAccount)
+    topology: int = -1
+    geometry: int = -1
+    factored: bool = False
+    unsolved: bool = True
+    age: int = 0
+
+    @property
+    def space(self) -> Space | None:
+        """Where the unknowns live."""
+        return None if self.body is None else self.body.problem.space
+
+    @property
+    def motion(self) -> Motion:
+        """What quantities see beside the unknowns."""
+        return Motion(self.now.v, self.account.edit, self.account.remesh)
+
+
+class TransientAnalysis:
+    """The motion, or diffusion, of a linear problem, frame after frame; an `analysis.Analysis`.
+
+    A frame takes the time steps that the problem's integration asks for, on one matrix; the first frame takes none.
+    When the rest shape changes, unknowns and rates stay with the nodes, accelerations never: equilibrium on the new
+    shape gives them. What is stale is read from the versions of mesh topology, node places and scene.
 
     Args:
         scene: what the user wrote.
         plan: which effects are on.
-        comm: PETSc communicator.
-        policy: what is reused.
-        calibration: seconds a unit of counted work.
-        stages: takes the time of each stage.
+        context: what all parts of the replay share.
+        make: the class of the problem, made of scene, plan and space.
 
     Source: docs/theory.md, sections 1 and 2.
     """
 
-    def __init__(
-        self, scene: Scene, plan: Plan, comm: PETSc.Comm, policy: Policy, calibration: Calibration, stages: Stages
-    ) -> None:
-        self.plan, self.comm, self.policy, self.stages = plan, comm, policy, stages
-        self.scene: Scene | None = None
-        self.mesh: Mesh | None = None
-        self.topology = self.geometry = -1
-        self.age = 0
-        self.body: VibratingSolid | None = None
-        self.ground: Ground | None = None
-        self.state = self.previous = State(np.zeros((0, 2)), np.zeros((0, 2)), None, 0.0)
-        self.motion = Motion(self.state.v)
-        self.energy_before = 0.0
-        # The largest displacement that errors of time steps have been related to.
-        self.farthest = 0.0
-        self.unsolved, self.exact, self.failed = True, False, False
-        self.observed: dict[str, float] | None = None
-        self.calibration = calibration
+    predictor = None
+    why_not = "only bodies at rest and modes are predicted: a motion depends on its past, not on its shape alone"
+
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
+        self.context, self.make = context, make
+        self.state = TransientState(plan)
+        self.interrupted = False
         self.solver = self._make_solver(scene)
+        self.estimated = f"{make.unknowns[0].name} in the energy norm"
+        # The largest unknowns that errors of time steps have been related to.
+        self._largest = 0.0
+        self._observed: tuple[TransientState | None, dict[str, float]] = (None, {})
+        self._estimate: tuple[SemiDiscrete | None, RecoveryEstimate | None] = (None, None)
 
     def _make_solver(self, scene: Scene) -> LinearSolver:
         """The linear solver that outlives all frames."""
+        context = self.context
         return LinearSolver(
-            self.comm,
+            context.comm,
             "motion_",
-            self.policy.solver,
+            context.policy.solver,
             scene.solve.tolerance,
-            self.calibration,
-            self.stages,
+            context.calibration,
+            context.stages,
             memory=scene.solve.factor_memory,
-            symmetric=self.plan.solver.symmetric,
+            traits=self.make.traits(self.state.plan),
         )
 
     def solve(self, frame: Frame) -> LinearReport:
-        """Bring the displacement `x` (n, 2) [m] and the velocity `v` (n, 2) [m/s] up to date with a frame.
+        """Bring the motion up to date with a frame.
 
         Raises:
             ReplayProblem: a solve does not converge, or a value has no number somewhere.
-            UserError: the scene's new values make no sense. In both cases mesh, motion and time stay as they were.
+            UserError: the scene's new values make no sense. In both cases the state is that of before, time included.
         """
-        kept, motion = self.__dict__.copy(), replace(self.motion)
+        before, mesh = self.state, frame.mesh
         try:
             stale, new_mesh = self._follow(frame)
             # The solver may have met the mesh of a frame that failed, which is gone.
-            report = self._run(stale, new_mesh or self.failed, 0 if kept["mesh"] is None else self.steps)
+            steps = 0 if before.body is None else self.state.integration.steps
+            report = self._run(stale, new_mesh or self.interrupted, steps)
         except (ReplayProblem, UserError):
-            # Without a scene the next frame binds anew.
-            self.__dict__.update(kept, scene=None, failed=True)
-            vars(self.motion).update(vars(motion))
+            self.state, self.interrupted = before, True
             raise
-        mesh, self.failed = frame.mesh, False
-        self.mesh, self.scene, self.topology, self.geometry = mesh, frame.scene, mesh.topology, mesh.geometry
+        self.interrupted = False
+        self.state = replace(self.state, scene=frame.scene, topology=mesh.topology, geometry=mesh.geometry)
         return report
 
-    def begin(self, u: np.ndarray, v: np.ndarray, time: float = 0.0) -> None:
-        """Let the motion go on from displacements u (n, 2) [m] and velocities v (n, 2) [m/s] at a time [s]."""
-        self.increments = self._no_increments()
-        self._enter(u - self.body.solid.prescribed, v, time)
-        self.energy_before = self.energy() if self.tracked else 0.0
+    def begin(self, x: np.ndarray, v: np.ndarray, time: float = 0.0) -> None:
+        """Let the motion go on from unknowns x (n, f) and rates v (n, f) at a time [s]."""
+        self.state = replace(self.state, increments=self._no_increments(self.state))
+        self._enter(x - self.problem.boundary.values, v, time)
+        account = self.state.account
+        self.state = replace(self.state, account=replace(account, last=self.energy() if account.known else 0.0))
+
+    def set_integration(self, **changes: Any) -> None:
+        """Let the next steps be others: changes of the `TimeIntegration`, until the scene's settings are read again."""
+        self.state = replace(self.state, integration=replace(self.state.integration, **changes))
+
+    # --- what is asked of a state -------------------------------------------------------------------------------------
 
     @property
     def x(self) -> np.ndarray:
-        """Displacements (n, 2) [m] relative to the ground."""
-        return self.state.y if self.body is None else self.state.y + self.body.solid.prescribed
+        """Unknowns (n, f) after the last step, relative to the base."""
+        state = self.state
+        return state.now.y if state.body is None else state.body.unknowns(state.now.y)
 
     @property
     def v(self) -> np.ndarray:
-        """Velocities (n, 2) [m/s] relative to the ground."""
-        return self.state.v
+        """Their rates (n, f) [1/s]."""
+        return self.state.now.v
 
     @property
     def time(self) -> float:
         """Simulated time [s]: that of all steps so far."""
-        return self.state.time
+        return self.state.now.time
+
+    @property
+    def body(self) -> SemiDiscrete | None:
+        """What moves."""
+        return self.state.body
+
+    @property
+    def problem(self) -> TransientProblem:
+        """The problem of what moves."""
+        return self.state.body.problem
+
+    @property
+    def space(self) -> Space | None:
+        """Where the unknowns live; None before the first solution."""
+        return self.state.space
 
     @property
     def unknowns(self) -> int:
         """Unknowns of the linear system, prescribed ones included."""
-        return self.state.y.size
+        return self.state.now.y.size
+
+    @property
+    def tolerance(self) -> float:
+        """That solutions meet, in the energy norm."""
+        return self.state.scene.solve.tolerance
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest after the last step, evaluated once a frame."""
-        if self.observed is None:
-            self.observed = self.observer(self.x)
-        return self.observed
+        if self._observed[0] is not self.state:
+            self._observed = (self.state, self.state.observer(self.x, self.state.motion))
+        return self._observed[1]
 
-    def von_mises(self) -> np.ndarray:
-        """Equivalent stress (ne,) [Pa] of each cell after the last step."""
-        return von_mises(self.body.solid.stress(self.x))
+    def row(self) -> dict[str, Any]:
+        """Columns of the frame's row that only this analysis has: none."""
+        return {}
+
+    def fields(self) -> Fields:
+        """What a recording shows of the unknowns after the last step."""
+        return self.problem.fields(self.x)
+
+    def blank_fields(self, space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+        return self.make.blank_fields(space)
 
     def energy(self) -> float:
-        """Strain energy and kinetic energy relative to the ground [J]."""
-        return self.body.energy(self.state.y, self.state.v)
+        """Internal energy and kinetic energy relative to the base [J]."""
+        return self.state.body.energy(self.state.now.y, self.state.now.v)
 
-    def residual(self) -> float:
+    def residual_norm(self) -> float:
         """The true residual of the last step's solve, relative to its right side."""
-        return true_residual(self.system_now.mat, self.system_now.b, self.system_now.solution)
+        system = self.state.system
+        return true_residual(system.mat, system.b, system.solution)
 
-    def estimate(self) -> float:
-        """The estimated relative error of the mesh in the displacement after the last step, in the energy norm."""
-        return self.estimator_of(self.body.solid).relative(self.x)
+    def errors(self) -> dict[str, float]:
+        """The estimated relative error of the mesh in the unknowns after the last step, and that of the step alone."""
+        return {"estimate": self.error_estimate.relative(self.x), "estimate_time": self._time_error()}
 
-    def estimate_time(self) -> float:
-        """The estimated error of the last step alone over the largest displacement of a frame so far, or NaN."""
-        before, now = self.previous, self.state
-        if not before.time < now.time or before.y.shape != now.y.shape:
+    @property
+    def error_estimate(self) -> RecoveryEstimate:
+        """The estimate on the problem's space, kept until there is another problem."""
+        if self._estimate[0] is not self.state.body:
+            self._estimate = (self.state.body, self.problem.error_estimate())
+        return self._estimate[1]
+
+    def _time_error(self) -> float:
+        """The estimated error of the last step over the largest unknowns of a frame so far, or NaN."""
+        state = self.state
+        before, now, scheme = state.previous, state.now, state.integration.scheme
+        if not before.time < now.time or before.y.shape != now.y.shape or scheme.error_factor is None:
             return float("nan")
         shaken = self._shaking(before.time), self._shaking(now.time)
-        kept = preconditioner(self.solver, self.system_now.rows)
-        error = local_error(self.body, self.newmark, (before, now), shaken, kept)
-        self.farthest = max(self.farthest, float(np.linalg.norm(self.x, axis=1).max()))
-        return float(np.linalg.norm(error, axis=1).max()) / self.farthest if self.farthest else float("nan")
+        kept = preconditioner(self.solver, state.system.rows)
+        error = local_error(state.body, scheme, (before, now), shaken, kept)
+        self._largest = max(self._largest, float(np.linalg.norm(self.x, axis=1).max()))
+        return float(np.linalg.norm(error, axis=1).max()) / self._largest if self._largest else float("nan")
 
-    # --- a new frame ----------------------------------------------------------------------------------------------
+    # --- a new frame --------------------------------------------------------------------------------------------------
 
     def _follow(self, frame: Frame) -> tuple[bool, bool]:
         """Take up the frame's mesh and scene; tells whether the matrix is stale, and the mesh another one."""
-        mesh = frame.mesh
-        new_mesh, new_scene = mesh is not self.mesh, frame.scene is not self.scene
-        flipped = mesh.topology != self.topology
-        if not (new_mesh or new_scene or flipped or mesh.geometry != self.geometry):
+        mesh, before = frame.mesh, self.state
+        new_mesh, new_scene = mesh is not before.space, self.interrupted or frame.scene is not before.scene
+        flipped = mesh.topology != before.topology
+        if not (new_mesh or new_scene or flipped or mesh.geometry != before.geometry):
             return False, False
-        if frame.reseats:
-            prescribed = self.body.solid.prescribed
-            self.state = self.state._replace(y=frame.reseat(self.x) - prescribed, v=frame.reseat(self.v))
+        if frame.interpolations:
+            prescribed, now = self.problem.boundary.values, before.now
+            moved = now._replace(y=frame.interpolate(self.x) - prescribed, v=frame.interpolate(now.v))
+            self.state = replace(before, now=moved)
         if new_scene:
             self._read(frame.scene)
         if new_mesh or new_scene:
             self._bind(frame.scene, mesh, new_mesh)
         else:
             if flipped:
-                with self.stages("pattern"):
-                    self.system_now.patch(frame.changed_cells)
-            self.body.move()
-            if self.newmark.a5 or frame.reseats:
-                self._enter(self.state.y, self.state.v, self.time)
-        if self.tracked:
-            energy = self.energy()
-            self.motion.edit += energy - self.energy_before
-            self.energy_before = energy
+                with self.context.stages("pattern"):
+                    self.state.system.patch(frame.changed_cells)
+            self.state.body.update()
+            if self.state.integration.scheme.a5 or frame.interpolations:
+                self._enter(self.state.now.y, self.state.now.v, self.time)
+        if self.state.account.known:
+            self._account(edited=True)
         return True, new_mesh
+
+    def _account(self, edited: bool) -> None:
+        """Take in the present energy, and its change as work of the edit where one was made."""
+        account, found = self.state.account, self.energy()
+        edit = account.edit + (found - account.last) if edited else account.edit
+        self.state = replace(self.state, account=replace(account, last=found, edit=edit))
 
     def _read(self, scene: Scene) -> None:
         """Take the settings of a scene, whose values may be others."""
-        if self.mesh is not None:
-            self.plan = planned(scene, application(scene.app))
-        settings = self.plan.settings("dynamics")
-        self.newmark, self.steps = Newmark(settings.beta, settings.gamma, settings.time_step), settings.steps
-        shaking = self.plan.settings("ground")
-        self.ground = None if shaking is None else Ground(shaking, self.ground, self.time)
-        self.tracked = any(quantity.energy in ("edit", "remesh") for quantity in scene.quantities.values())
+        state = self.state
+        plan = planned(scene, application(scene.app)) if state.body is not None else state.plan
+        integration = self.make.time_integration(plan, state.integration, self.time)
+        known = any(quantity.energy in ("edit", "remesh") for quantity in scene.quantities.values())
+        account = replace(state.account, known=known)
+        self.state = replace(state, plan=plan, integration=integration, account=account)
 
-    def _bind(self, scene: Scene, mesh: Mesh, new_mesh: bool) -> None:
+    def _bind(self, scene: Scene, mesh: Space, new_mesh: bool) -> None:
         """Set up what depends on the mesh topology or on the scene's values, and bring the motion there."""
-        before = self.body
-        with self.stages("pattern"):
-            self.body = VibratingSolid(scene, self.plan, mesh)
+        before, integration = self.state, self.state.integration
+        with self.context.stages("pattern"):
+            body = SemiDiscrete(self.make(scene, before.plan, mesh), integration.damping)
+            system, increments = before.system, before.increments
             if new_mesh:
-                self.system_now = self._make_system()
-                self.increments = self._no_increments()
+                system = self._make_system(body, integration)
             else:
-                self.system_now.bind(self.body, self.newmark)
-        if before is None:
-            self._enter(np.zeros_like(mesh.X), np.zeros_like(mesh.X), 0.0)
+                system.bind(body, integration.scheme)
+        self.state = replace(before, body=body, system=system)
+        if new_mesh:
+            increments = self._no_increments(self.state)
+        observer = body.problem.motion_observer(scene.quantities, body.mass)
+        self.state = replace(self.state, increments=increments, observer=observer)
+        if before.body is None:
+            self._enter(np.zeros_like(body.static), np.zeros_like(body.static), 0.0)
         elif new_mesh:
-            with self.stages("map"):
-                self._carry(before)
+            with self.context.stages("map"):
+                self._project(before.body)
         else:
-            self._enter(self.state.y, self.state.v, self.time)
-        self.observer = MotionObserver(self.body.solid, self.body.inertia, self.motion, scene.quantities)
+            self._enter(self.state.now.y, self.state.now.v, self.time)
 
-    def _make_system(self) -> EffectiveSystem:
+    def _make_system(self, body: SemiDiscrete, integration: TimeIntegration) -> EffectiveSystem:
         """What solves for the steps on a new mesh."""
-        return EffectiveSystem(self.comm, self.body, self.newmark, self.policy.backend)
+        return EffectiveSystem(self.context.comm, body, integration.scheme, self.context.policy.backend)
 
-    def _carry(self, before: VibratingSolid) -> None:
-        """Bring the motion to a new mesh: displacements interpolated, velocities projected."""
-        x, v = self.state.y + before.solid.prescribed, self.state.v
-        if self.tracked:
+    def _project(self, before: SemiDiscrete) -> None:
+        """Bring the motion to a new mesh: unknowns interpolated, velocities projected; rates of diffusion are new."""
+        state = self.state
+        body, now, account = state.body, state.now, state.account
+        if account.known:
             # The nodes of the mesh before already lie on the new shape, wherever they could follow it.
-            energy = before.energy(self.state.y, v)
-            self.motion.edit += energy - self.energy_before
-        y = transfer(before.mesh, self.body.mesh, x) - self.body.solid.prescribed
-        self._enter(y, project_velocity(before.inertia, self.body.inertia, v), self.time)
-        if self.tracked:
-            self.energy_before = self.energy()
-            self.motion.remesh += self.energy_before - energy
+            energy = before.energy(now.y, now.v)
+            account = replace(account, edit=account.edit + (energy - account.last))
+        y = transfer(before.problem.space, body.problem.space, before.unknowns(now.y)) - body.problem.boundary.values
+        second = state.integration.scheme.order == 2
+        v = project_velocity(before.mass, body.mass, now.v) if second else np.zeros_like(y)
+        self._enter(y, v, self.time)
+        if account.known:
+            last = self.energy()
+            account = replace(account, last=last, remesh=account.remesh + (last - energy))
+        self.state = replace(self.state, account=account)
 
     def _enter(self, y: np.ndarray, v: np.ndarray, time: float) -> None:
-        """Make y and v the state, at rest where the body is held, with the acceleration that equilibrium asks for."""
-        y, v = (np.where(self.body.held, 0.0, values) for values in (y, v))
-        a = self.body.acceleration(y, v, self._shaking(time)) if self.newmark.a5 else None
-        self.state = self.previous = State(y, v, a, time)
-        self.motion.v, self.observed = v, None
+        """Make y and v the state, at rest where prescribed, with the acceleration that equilibrium asks for."""
+        body = self.state.body
+        y, v = (np.where(body.held, 0.0, values) for values in (y, v))
+        a = body.acceleration(y, v, self._shaking(time)) if self.state.integration.scheme.a5 else None
+        now = TimeState(y, v, a, time)
+        self.state = replace(self.state, now=now, previous=now)
 
-    # --- time steps -----------------------------------------------------------------------------------------------
+    # --- time steps ---------------------------------------------------------------------------------------------------
 
     def _run(self, stale: bool, new_system: bool, steps: int) -> LinearReport:
         """Take the time steps of a frame; the matrix of a frame without any is made too."""
         if stale and not steps:
             self._make_matrix()
-        self.age += 1
+        age = self.state.age + 1
         if not steps:
+            self.state = replace(self.state, age=age)
             return LinearReport(0, False, 0, self.solver.name)
         iterations, newton, refreshed = 0, 0, False
-        if self.observer.watched:
-            self.observer.begin()
+        if self.state.observer.watched:
+            self.state.observer.begin()
         for k in range(steps):
             report = self._step(stale and k == 0, new_system and k == 0)
             iterations, refreshed = iterations + report.iterations, refreshed or report.refreshed
             newton += report.newton
-        self.age = 0 if refreshed else self.age
-        if self.tracked:
-            self.energy_before = self.energy()
-        self.observed = None
-        return LinearReport(iterations, refreshed, self.age, self.solver.name, newton)
+        self.state = replace(self.state, age=0 if refreshed else age)
+        if self.state.account.known:
+            self._account(edited=False)
+        return LinearReport(iterations, refreshed, self.state.age, self.solver.name, newton)
 
     def _make_matrix(self) -> None:
         """The matrix of a frame without steps, for looking at."""
-        with self.stages("values"):
-            self.system_now.assemble(self.state, NO_SHAKING)
-        self.system_now.rhs[:] = 0.0
+        system = self.state.system
+        with self.context.stages("values"):
+            system.assemble(self.state.now, np.zeros(system.right.shape[1]))
+        system.right[:] = 0.0
 
     def _step(self, stale: bool, new_system: bool) -> LinearReport:
         """One time step."""
-        system, state, step = self.system_now, self.state, self.newmark
-        time = state.time + step.dt
-        with self.stages("values"):
-            shaking = self._shaking(time) + step.a3 * self._shaking(state.time)
+        system, state, integration = self.state.system, self.state.now, self.state.integration
+        scheme, factored = integration.scheme, self.state.factored
+        time = state.time + scheme.dt
+        with self.context.stages("values"):
+            shaking = self._shaking(time) + scheme.a3 * self._shaking(state.time)
             (system.assemble if stale else system.right_side)(state, shaking)
         if stale:
-            self.exact = self.solver.prepare(system.mat, new_system, self.steps)
-        guessed = self.policy.extrapolate and not self.exact
-        if self.exact:
+            factored = self.solver.prepare(system.mat, new_system, integration.steps)
+            self.state = replace(self.state, factored=factored)
+        guessed = self.context.policy.extrapolate and not factored
+        if factored:
             report = self.solver.apply(system.b, system.solution)
         else:
             system.full[:] = state.y.ravel()
             system.solution.stateIncrease()
             if guessed:
-                system.full += self.increments(system.force())
+                system.full += self.state.increments(system.force())
                 system.solution.stateIncrease()
             report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale)
-        whole_vector(system.full, system.rows, self.comm)
-        y = system.full.reshape(-1, 2).copy()
-        moved = y - state.y
-        v = step.a1 * moved - step.a4 * state.v
-        a = None
-        if state.a is not None:
-            v -= step.a5 * state.a
-            a = step.a0 * moved - step.a2 * state.v - step.a3 * state.a
+        whole_vector(system.full, system.rows, self.context.comm)
+        y = system.full.reshape(state.y.shape).copy()
         if guessed:
-            self.increments.keep(moved.ravel())
-        self.previous, self.state = state, State(y, v, a, time)
-        self.motion.v, self.unsolved = v, False
-        if self.observer.watched:
-            self.observer.step(self.x)
+            self.state.increments.keep((y - state.y).ravel())
+        self._advance(scheme.after(state, y))
         return report
 
-    def _no_increments(self) -> IncrementProjection:
-        rows = self.system_now.rows
-        return IncrementProjection(self.body.mesh.X.size, rows.stop - rows.start, self.comm)
+    def _advance(self, now: TimeState) -> None:
+        """Take in the state after a step."""
+        self.state = replace(self.state, previous=self.state.now, now=now, unsolved=False)
+        if self.state.observer.watched:
+            self.state.observer.step(self.x, self.state.motion)
+
+    def _no_increments(self, state: TransientState) -> IncrementProjection:
+        rows = state.system.rows
+        return IncrementProjection(state.body.static.size, rows.stop - rows.start, self.context.comm)
 
     def _shaking(self, time: float) -> np.ndarray:
-        return NO_SHAKING if self.ground is None else self.ground.acceleration(time)
+        return self.state.integration.shaking(time, self.state.body.static.shape[1])
 
-    # --- for comparison with other solves -------------------------------------------------------------------------
+    # --- for comparison with other solves -----------------------------------------------------------------------------
 
     def matrices(self) -> tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]:
-        """Stiffness, mass and damping of the free unknowns (ascending; 2 i + a at node i), whole on each rank."""
-        solid, inertia, X = self.body.solid, self.body.inertia, self.body.mesh.X
-        free = np.flatnonzero(~self.body.held.ravel())
-        found = []
-        for element, params in ((solid.element, solid.stiffness_params), (inertia.element, inertia.params)):
-            operator = self.system_now.mass
-            matrix = operator.assemble([(0, element, X, np.zeros_like(X), params, 1.0)], None)
-            found.append(whole_matrix(matrix, self.comm)[free][:, free])
-        self.system_now.products_current = False
+        """Stiffness, mass and damping of the free unknowns (ascending; f i + a at node i), whole on each rank."""
+        body = self.state.body
+        free, zero, found = np.flatnonzero(~body.held.ravel()), np.zeros_like(body.static), []
+        for kind in (STIFFNESS, MASS):
+            terms = [part.term(zero) for part in body.problem.integrals(kind)]
+            matrix = self.state.system.mass.assemble(terms, None)
+            found.append(whole_matrix(matrix, self.context.comm)[free][:, free])
         stiffness, mass = found
-        return stiffness, mass, self.body.rayleigh.alpha * mass + self.body.rayleigh.beta * stiffness
+        return stiffness, mass, body.damping_of.alpha * mass + body.damping_of.beta * stiffness
 
-    def system(self) -> System:
+    def compare_cold(self) -> Comparison:
+        """The last step beside a solve with new pattern, values and factor, and no guess."""
+        return compared(self.warm_system(), self.cold_system())
+
+    def warm_system(self) -> System:
         """The matrix and the solution of the last step as they stand, whole on every rank."""
-        return System(whole_matrix(self.system_now.mat, self.comm), self.system_now.full.copy())
+        system = self.state.system
+        return System(whole_matrix(system.mat, self.context.comm), system.full.copy())
 
     def cold_system(self) -> System:
         """Matrix and solution of the last step with new pattern, values and factor, and no guess."""
-        body = VibratingSolid(self.scene, self.plan, self.mesh)
-        cold = EffectiveSystem(self.comm, body, self.newmark, "coo")
-        before, now = self.previous, self.state
-        cold.assemble(before, self._shaking(now.time) + self.newmark.a3 * self._shaking(before.time))
-        matrix, b = whole_matrix(cold.mat, self.comm), whole_vector(cold.rhs.ravel(), cold.rows, self.comm)
-        if self.unsolved:
+        state, comm, scheme = self.state, self.context.comm, self.state.integration.scheme
+        cold = EffectiveSystem(comm, self._cold_body(), scheme, "coo")
+        before, now = state.previous, state.now
+        cold.assemble(before, self._shaking(now.time) + scheme.a3 * self._shaking(before.time))
+        matrix, b = whole_matrix(cold.mat, comm), whole_vector(cold.right.ravel(), cold.rows, comm)
+        if state.unsolved:
             return System(matrix, np.zeros_like(b))
         return System(matrix, spsolve(matrix.tocsc(), b))
+
+    def _cold_body(self) -> SemiDiscrete:
+        state = self.state
+        return SemiDiscrete(self.make(state.scene, state.plan, state.space), state.integration.damping)

@@ -16,7 +16,7 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.sizing import refuse_endless
 from restshape.mesh.thickness import Thickness
-from restshape.physics.held import require_held
+from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
 from restshape.scene.bodies import Body, Start
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.model import Load, Material, Scene, Support
@@ -108,7 +108,7 @@ def check_supports(scene: Scene, outline: Outline) -> None:
             points.append(found)
             masks.append(np.tile([axis in support.fix for axis in "xy"], (len(found), 1)))
     body = np.concatenate([outline.points, *points])
-    require_held(body, np.concatenate([np.zeros_like(outline.points), *masks]), scene)
+    check_rigid_body_modes(body, np.concatenate([np.zeros_like(outline.points), *masks]), scene)
 
 
 def check_thickness(scene: Scene, outline: Outline) -> None:

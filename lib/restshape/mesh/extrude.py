@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace, Reseat
+from restshape.mesh.space import EdgeInterpolation, LagrangeSpace
 from restshape.mesh.thickness import Thickness
 from restshape.scene.expressions import Value
 from restshape.shape.outline import Outline
@@ -40,10 +40,13 @@ class Extrusion:
             (0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3).
         levels: nodes of a column; node_offsets: (ranks + 1,) nodes of rank r are node_offsets[r]:node_offsets[r + 1].
         geometry: version of the positions, another one in each body and after each `follow`.
+        dim: of the cells; cell_type: their shape and order, as elements are named.
 
     Raises:
         ReplayProblem: the thickness is not positive somewhere.
     """
+
+    dim = 3
 
     def __init__(
         self,
@@ -56,7 +59,8 @@ class Extrusion:
         self.plane, self.layers = plane, layers
         self.thickness = Thickness(thickness, parameters or {})
         self.datum = DATUMS[flat]
-        self.order = 1 if plane.cells.shape[1] == 3 else 2
+        self.order = 1 if plane.cell_type == "tri3" else 2
+        self.cell_type = {1: "tet4", 2: "tet10"}[self.order]
         self.levels = self.order * layers + 1
         self.node_offsets = (plane.node_offsets * self.levels).astype(np.int32)
         self.X = np.empty((len(plane.X) * self.levels, 3))
@@ -74,6 +78,11 @@ class Extrusion:
     def n_cells(self) -> int:
         """Number of tetrahedra."""
         return len(self.cells)
+
+    @property
+    def dofs(self) -> np.ndarray:
+        """Nodes (ne, 4 or 10) whose unknowns a tetrahedron has: its own."""
+        return self.cells
 
     @property
     def corners(self) -> np.ndarray:
@@ -149,17 +158,17 @@ class Extrusion:
             self._columns_at(rates, self.thickness.rate(self.plane.X, rates), out)
         return result
 
-    def reseated(self, field: np.ndarray, reseats: tuple[Reseat, ...]) -> np.ndarray:
+    def interpolate(self, field: np.ndarray, interpolations: tuple[EdgeInterpolation, ...]) -> np.ndarray:
         """A field (n, f) after flips: values of the old one where the columns in flipped edges now are.
 
         Args:
             field: before; it stays as it is.
-            reseats: of the plane mesh, in their order.
+            interpolations: of the plane mesh, in their order.
         """
-        if not reseats:
+        if not interpolations:
             return field
         result = field.reshape(len(self.plane.X), -1).copy()
-        for nodes, stencil, weights in reseats:
+        for nodes, stencil, weights in interpolations:
             result[nodes] = np.einsum("ij,ijk->ik", weights, result[stencil])
         return result.reshape(field.shape)
 

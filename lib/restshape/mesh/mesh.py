@@ -36,6 +36,9 @@ class Mesh:
         places: (n,) of the nodes in an order that does not hang on the number of ranks; default: their numbers.
         topology, geometry: versions; equal versions mean the same connectivity, the same positions.
         hierarchy: the meshes that this one is the finest of, if it is nested in a coarser one.
+
+    Attributes:
+        dim: of the cells; cell_type: their shape and order, as elements are named.
     """
 
     X: np.ndarray
@@ -56,7 +59,10 @@ class Mesh:
     geometry: int = 0
     hierarchy: NestedMesh | None = None
 
-    reseats: ClassVar[tuple] = ()
+    dim: ClassVar[int] = 2
+    cell_type: ClassVar[str] = "tri3"
+
+    interpolations: ClassVar[tuple] = ()
     """What flips did to nodes of edges, of which there are none; see `restshape.mesh.space`."""
 
     @classmethod
@@ -113,6 +119,19 @@ class Mesh:
     def corners(self) -> np.ndarray:
         """Corners (ne, 3) of the triangles: all their nodes."""
         return self.cells
+
+    @property
+    def dofs(self) -> np.ndarray:
+        """Nodes (ne, 3) whose unknowns a triangle has: its corners."""
+        return self.cells
+
+    def follow(self, changed: np.ndarray) -> np.ndarray:
+        """The triangles (k,) int32 that flips have changed: those that are given, for the arrays are the mesh's own."""
+        return changed
+
+    def interpolate(self, field: np.ndarray, interpolations: tuple) -> np.ndarray:
+        """A field (n, f) after flips, of which corners know nothing."""
+        return field
 
     def nodes_of(self, name: str) -> np.ndarray:
         """Sorted nodes of an entity: of a vertex, on edges and holes, in and around regions; of all cells for "all".

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, ClassVar
 
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
+from restshape.shape.outline import Outline
 
 SIDES = [2, 0, 1]
 """Corner opposite to each side (0, 1), (1, 2), (2, 0)."""
@@ -21,7 +23,7 @@ class MorleySpace:
     that the mesh gives it.
 
     Args:
-        mesh: of the corners, whose nodes may move; after flips `connect` takes in the new triangles.
+        mesh: of the corners, whose nodes may move, to be followed by `place`, and by `follow` after flips.
 
     Attributes:
         X: (n, 2) rest positions [m], of edges their middles.
@@ -30,6 +32,9 @@ class MorleySpace:
         corner_number: (corners,) node of each of the mesh's; side_number: (edges,) node of each mesh edge.
         node_offsets: (ranks + 1,) nodes of rank r are node_offsets[r]:node_offsets[r + 1].
     """
+
+    dim: ClassVar[int] = 2
+    cell_type: ClassVar[str] = "tri6"
 
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
@@ -46,16 +51,63 @@ class MorleySpace:
         self.cells = np.empty((len(mesh.cells), 6), dtype=np.int32)
         self.corners = np.empty_like(mesh.cells)
         self.signs = np.empty((len(mesh.cells), 3))
-        self.connect()
-        self.follow()
+        self._connect(slice(None))
+        self.place()
 
     @property
     def n_nodes(self) -> int:
         """Number of nodes, of corners and edges."""
         return len(self.X)
 
-    def connect(self, cells: np.ndarray | slice = slice(None)) -> None:
-        """Take in the corners and edges of triangles that flips have changed, or of all."""
+    @property
+    def n_cells(self) -> int:
+        """Number of triangles."""
+        return len(self.cells)
+
+    @property
+    def dofs(self) -> np.ndarray:
+        """Nodes (ne, 6) whose unknowns an element reads: those of the cells."""
+        return self.cells
+
+    @property
+    def cell_region(self) -> np.ndarray:
+        """The region (ne,) of each cell, as of the mesh."""
+        return self.mesh.cell_region
+
+    @property
+    def topology(self) -> int:
+        """Version of the connectivity, that of the mesh."""
+        return self.mesh.topology
+
+    @property
+    def geometry(self) -> int:
+        """Version of the positions, that of the mesh."""
+        return self.mesh.geometry
+
+    @property
+    def outline(self) -> Outline:
+        """Whose entities the mesh resolves."""
+        return self.mesh.outline
+
+    def nodes_of(self, name: str) -> np.ndarray:
+        """Sorted nodes (k,) int32 of an entity of the outline: its corners, for edges have slopes of their own."""
+        return np.sort(self.corner_number[self.mesh.nodes_of(name)])
+
+    def cells_of(self, name: str) -> np.ndarray:
+        """Cells (k,) int32 inside an entity of the outline."""
+        return self.mesh.cells_of(name)
+
+    def follow(self, changed: np.ndarray) -> np.ndarray:
+        """Take in the triangles (k,) that flips have changed, and go where the corners are; returns these triangles."""
+        self._connect(changed)
+        self.place()
+        return changed
+
+    def interpolate(self, field: np.ndarray, interpolations: tuple[Any, ...]) -> np.ndarray:
+        """A field (n, f) after flips: as it is, with the slopes of flipped edges left to the next solution."""
+        return field.copy()
+
+    def _connect(self, cells: np.ndarray | slice) -> None:
         mesh = self.mesh
         edges = mesh.cell_edges[cells][:, SIDES]
         self.corners[cells] = self.corner_number[mesh.cells[cells]]
@@ -63,7 +115,7 @@ class MorleySpace:
         self.cells[cells, 3:] = self.side_number[edges]
         self.signs[cells] = np.where(mesh.cells[cells] == mesh.edge_nodes[edges, 0], 1.0, -1.0)
 
-    def follow(self) -> None:
+    def place(self) -> None:
         """Go where the corners are."""
         self.X[self.corner_number] = self.mesh.X
         self.X[self.side_number] = self.mesh.X[self.mesh.edge_nodes].mean(axis=1)
@@ -73,6 +125,27 @@ class MorleySpace:
         start, end = self.mesh.X[self.mesh.edge_nodes].swapaxes(0, 1)
         d = end - start
         return np.column_stack([d[:, 1], -d[:, 0]])
+
+    def curvatures(self, x: np.ndarray) -> np.ndarray:
+        """Second derivatives (ne, f, 3) xx, yy and twice xy of unknowns x (n, f) in the triangles.
+
+        By Gauss's theorem from the slopes of their sides, whose means are those in the middle.
+        """
+        corners, sides = self.corners, self.cells[:, 3:]
+        start, end = corners, np.roll(corners, -1, axis=1)
+        d = self.X[end] - self.X[start]
+        length = np.linalg.norm(d, axis=2)
+        t = d / length[..., None]
+        n = np.stack([t[..., 1], -t[..., 0]], axis=-1)
+        twice = d[:, 0, 0] * d[:, 1, 1] - d[:, 0, 1] * d[:, 1, 0]
+        slope, rise = self.signs[..., None] * x[sides], x[end] - x[start]
+        pairs = ((0, 0, 1.0), (1, 1, 1.0), (0, 1, 2.0))
+        parts = [
+            np.einsum("es,esa->ea", f * n[..., i] * n[..., j], slope)
+            + np.einsum("es,esa->ea", 0.5 * f * (t[..., i] * n[..., j] + t[..., j] * n[..., i]), rise)
+            for i, j, f in pairs
+        ]
+        return np.stack(parts, axis=-1) * (2.0 / twice)[:, None, None]
 
     def placed(
         self, place: Callable[[np.ndarray], np.ndarray], slope: Callable[[np.ndarray], np.ndarray]

@@ -6,7 +6,6 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix
 
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.quality import areas
@@ -51,12 +50,6 @@ class Refined:
     def prolonged(self, field: np.ndarray) -> np.ndarray:
         """Values (n, f) at the nodes, from those (n_coarse, f) at the coarse ones: the means of their parents."""
         return 0.5 * (field[self.parents[:, 0]] + field[self.parents[:, 1]])
-
-    def prolongation(self) -> csr_matrix:
-        """The matrix (n, n_coarse) of `prolonged` for one value a node."""
-        n, coarse = len(self.parents), len(self.corner_number)
-        rows = np.repeat(np.arange(n, dtype=np.int32), 2)
-        return csr_matrix((np.full(2 * n, 0.5), (rows, self.parents.ravel())), shape=(n, coarse))
 
     def spoilt(self, share: float) -> np.ndarray:
         """Those (k,) of `curved_cells` of which a part has less than a share of a quarter of the area."""
@@ -104,17 +97,6 @@ class NestedMesh:
     def prolong(self, level: int, field: np.ndarray) -> np.ndarray:
         """Values (n, f) on the mesh of level + 1, from those (n_coarse, f) on that of a level, 0 being the coarsest."""
         return self.steps[level].prolonged(field)
-
-    def restrict(self, level: int, field: np.ndarray) -> np.ndarray:
-        """Sums (n_coarse, f) at the nodes of a level from forces (n, f) on level + 1: the transpose of `prolong`."""
-        parents, field = self.steps[level].parents, 0.5 * np.asarray(field)
-        n = len(self.meshes[level].X)
-        sums = [np.bincount(parents[:, side], column, n) for column in field.T for side in (0, 1)]
-        return np.add(sums[0::2], sums[1::2]).T.copy()
-
-    def prolongation(self, level: int) -> csr_matrix:
-        """The matrix of `prolong` for one value a node."""
-        return self.steps[level].prolongation()
 
     def follow(self) -> int:
         """Go where the coarsest mesh is, with its versions; tells how many of its triangles bent sides spoil."""

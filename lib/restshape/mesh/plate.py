@@ -23,11 +23,15 @@ class PlateMesh:
 
     Attributes:
         X: (n, 3) places in the plane and thickness there [m].
+        dim: of the cells; cell_type: their shape and order, as elements are named.
         geometry: version of `X`, another one in each plate and after each `follow`.
 
     Raises:
         ReplayProblem: the thickness is not positive somewhere.
     """
+
+    dim = 2
+    cell_type = "tri3"
 
     def __init__(self, plane: Mesh, thickness: Value, parameters: dict[str, float] | None = None) -> None:
         self.plane, self.thickness = plane, Thickness(thickness, parameters or {})
@@ -48,6 +52,11 @@ class PlateMesh:
     @property
     def cells(self) -> np.ndarray:
         """Triangles (ne, 3): the plane mesh's."""
+        return self.plane.cells
+
+    @property
+    def dofs(self) -> np.ndarray:
+        """Nodes (ne, 3) whose unknowns a triangle has: its corners."""
         return self.plane.cells
 
     @property
@@ -112,6 +121,10 @@ class PlateMesh:
             self.X[:, 2] = self.thickness.at(self.plane.X)
         self._place()
         return np.empty(0, dtype=np.int32) if changed is None else changed
+
+    def interpolate(self, field: np.ndarray, interpolations: tuple) -> np.ndarray:
+        """A field (n, f) after flips; see `Mesh.interpolate`."""
+        return self.plane.interpolate(field, interpolations)
 
     def motion(self, motion: np.ndarray) -> np.ndarray:
         """Velocities (k, n, 3) of `X` from those (k, n, 2) of the plane nodes: the thickness is that of the place.

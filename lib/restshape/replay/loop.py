@@ -10,17 +10,18 @@ from petsc4py import PETSc
 from restshape.algebra.gather import bury
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import NAMES, Stages
+from restshape.analysis.analysis import Analysis, Context
 from restshape.analysis.frame import Frame
 from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
+from restshape.fem.quantity import areas
 from restshape.mesh.importer import read_mesh
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import Advance, MovingMesh
-from restshape.physics.quantities import areas
 from restshape.policy import Policy
 from restshape.replay.columns import ESTIMATES
-from restshape.replay.foresight import Foresight
+from restshape.replay.prediction import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.sessions import session_of
@@ -68,17 +69,16 @@ class Replay:
         self.policy, self.comm, self.recorder = policy, comm, recorder
         self.stages = Stages()
         self.session, self.moving = self._set_up(scene, script, application)
-        self.analysis = application.make_analysis()(
-            scene, plan(scene, application), comm, policy, calibration, self.stages
-        )
+        context = Context(comm, policy, calibration, self.stages)
+        self.analysis: Analysis = application.make_analysis()(scene, plan(scene, application), context)
         ahead = predict == "linear"
         if ahead and script.header.analysis != "every frame":
             raise UserError("frames that are not analysed cannot be predicted", "--predict", "--predict none")
-        self.foresight = Foresight(self.analysis, self.moving, self.session, policy) if ahead else None
+        self.prediction = PredictedFrames(self.analysis, self.moving, self.session, policy) if ahead else None
         self.recorded_topology: tuple[int, int] | None = None
         self.solved = False
         self.known = False
-        self.foretold: Any = None
+        self.expected: Any = None
         self.estimating = True
         self.limits = limits_of(scene.quantities)
         self.dimensions = {name: quantity.dimension for name, quantity in scene.quantities.items()}
@@ -114,10 +114,10 @@ class Replay:
         """Compute one frame; one with a problem is recorded as refused, and all goes on from the last solution."""
         refused, predicted = edit.refused or "", False
         solved, self.solved = self.solved, False
-        self.foretold = None
+        self.expected = None
         try:
             advance = self.moving.advance(edit)
-            predicted = self.foresight is not None and self.foresight.show(edit, advance)
+            predicted = self.prediction is not None and self.prediction.show(edit, advance)
             if not edit.analysed:
                 report, self.known = self._no_report(), self.known and edit.change == "none"
             elif predicted:
@@ -135,9 +135,9 @@ class Replay:
                 ) from problem
             refused = str(problem).replace("\n  try:", "; try:")
             self.moving.take_back()
-            if self.foresight:
-                self.foresight.take_back()
-                predicted = self.foresight.shown
+            if self.prediction:
+                self.prediction.rollback()
+                predicted = self.prediction.shown
             if edit.change != "none":
                 self.session.take_back()
             advance, report = Advance.nothing(), self._no_report()
@@ -146,7 +146,7 @@ class Replay:
         for stage, seconds in advance.stages.items():
             self.stages.seconds[stage] += seconds
         self.row = self._row(edit, advance, report, quantities) | {"predicted": int(predicted), "refused": refused}
-        if self.known and hasattr(self.analysis, "row"):
+        if self.known:
             self.row.update(both(self.row, self.analysis.row()))
         return self.row
 
@@ -168,8 +168,8 @@ class Replay:
             "newton": report.newton,
             "preconditioner": report.preconditioner,
             "unknowns": self.analysis.unknowns,
-            "elements": len((self.analysis if self.known else self.moving).mesh.cells),
-            "note": self.foresight.note if self.foresight else "",
+            "elements": len((self.analysis.space if self.known else self.moving.mesh).cells),
+            "note": self.prediction.note if self.prediction else "",
             "verdict": verdict(self.limits, quantities),
             "broken": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
             **{f"q_{name}": value for name, value in quantities.items()},
@@ -178,22 +178,24 @@ class Replay:
     def _solve(self, edit: EditFrame, advance: Advance, solved: bool) -> LinearReport:
         """Solve a frame; `solved` tells whether the one before was."""
         mesh, hand = self.moving.field_mesh, (edit.gesture, tuple(edit.c))
-        reseats = self.analysis.mesh.reseats if self.analysis.mesh else ()
+        interpolations = self.analysis.space.interpolations if self.analysis.space else ()
         # Flips of a frame that failed are not known any more.
         changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
-        if self.foresight:
-            self.foresight.start(edit)
+        if self.prediction:
+            self.prediction.start(edit)
         # On a new mesh, or one whose middle nodes have gone elsewhere, nothing is left to compare with.
-        stays = advance.level < 3 and advance.old_mesh is None and not reseats
-        self.foretold = self.foresight.foretold if self.foresight and stays else None
-        report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand, reseats, edit.settled))
+        stays = advance.level < 3 and advance.old_mesh is None and not interpolations
+        self.expected = self.prediction.predicted if self.prediction and stays else None
+        report = self.analysis.solve(
+            Frame(mesh, changed, advance.old_mesh, edit.scene, hand, interpolations, edit.settled)
+        )
         self.solved = self.known = True
-        if mesh.reseats:
-            mesh.reseats = ()
-        if self.foresight:
+        if mesh.interpolations:
+            mesh.interpolations = ()
+        if self.prediction:
             found = report.iterations or report.refreshed
-            idle = edit.change == "none" and not (self.foresight.shown or found)
-            self.foresight.anchor(edit, idle)
+            idle = edit.change == "none" and not (self.prediction.shown or found)
+            self.prediction.set_expansion_point(edit, idle)
         return report
 
     def _no_report(self) -> LinearReport:
@@ -211,9 +213,9 @@ class Replay:
 
     def _record(self, edit: EditFrame, row: dict[str, Any], end: float) -> None:
         """Hand the frame to the recorder; residual and error are measured here, off the frame's time."""
-        row["residual"] = self.analysis.residual() if self.known else np.nan
+        row["residual"] = self.analysis.residual_norm() if self.known else np.nan
         row.update(self._estimates(row))
-        mesh = self.analysis.mesh if self.known else self.moving.field_mesh
+        mesh = self.analysis.space if self.known else self.moving.field_mesh
         if self.recorder:
             version = (id(mesh), mesh.topology)
             if version != self.recorded_topology:
@@ -231,11 +233,9 @@ class Replay:
         found = dict.fromkeys(ESTIMATES, np.nan)
         if not (self.estimating and self.known) or row["refused"]:
             return found
-        found["estimate"] = self.analysis.estimate()
-        if hasattr(self.analysis, "estimate_time"):
-            found["estimate_time"] = self.analysis.estimate_time()
-        if self.foretold is not None:
-            found["prediction_error"] = self.analysis.prediction_error(self.foretold)
+        found.update(self.analysis.errors())
+        if self.expected is not None:
+            found["prediction_error"] = self.analysis.predictor.error(self.expected)
         return found
 
     def _set_up(self, scene: Scene, script: Script, application: Application) -> tuple[Any, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from restshape.physics.laid import rotation
+from restshape.physics.cloth.initial_placement import rotation
 from restshape.scene.bodies import Body, Box, Capsule, Plane, Sphere
 
 PIECES = 12

@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgba
 
 from restshape.errors import UserError
-from restshape.physics.goals import goal_curve
+from restshape.physics.elasticity.target_curves import goal_curve
 from restshape.replay.recording import Recording
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.style import BODY, COLOURS, GOAL, INK, MESH, length_unit, scaled_unit, si

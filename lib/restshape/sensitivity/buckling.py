@@ -1,13 +1,31 @@
 """How critical load factors follow the shape."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
 import numpy as np
 
-from restshape.analysis.buckling import BucklingAnalysis
+from restshape.algebra.buckling import BucklingSolver
+from restshape.fem.assembled import Assembled
+from restshape.fem.problem import STIFFNESS
 from restshape.sensitivity.modal import parted
+from restshape.sensitivity.static import Solved as SolvedAtRest
 from restshape.sensitivity.static import design_derivative
 
+if TYPE_CHECKING:
+    from restshape.analysis.buckling_state import BucklingState
 
-def load_factor_rates(analysis: BucklingAnalysis, dX: np.ndarray, s: np.ndarray) -> np.ndarray:
+
+class Solved(Protocol):
+    """What a derivative needs of an analysis of buckling that has been solved on the mesh as it lies."""
+
+    state: BucklingState
+    rest: SolvedAtRest
+    solver: BucklingSolver
+
+
+def load_factor_rates(state: BucklingState, dX: np.ndarray, s: np.ndarray) -> np.ndarray:
     """The rate (k, k) of the matrix diag(mu) when nodes move with dX (n, 2) and the displacement changes with s (n, 2).
 
     mu_i mu_j phi_i . (G' - (lambda_i + lambda_j)/2 K') phi_j with lambda = -1/mu and phi K phi = 1. On its diagonal are
@@ -15,29 +33,28 @@ def load_factor_rates(analysis: BucklingAnalysis, dX: np.ndarray, s: np.ndarray)
     is linear in the displacement, so that s adds the geometric stiffness of s.
 
     Args:
-        analysis: solved on the mesh as it lies.
-        dX: rates of the nodes' places; s: those of the displacement, held unknowns included.
+        state: solved on the mesh as it lies.
+        dX: rates of the nodes' places; s: those of the displacement, prescribed unknowns included.
 
     Source: docs/theory.md, section 8.
     """
-    physics, part, factors = analysis.physics, analysis.geometric, analysis.load_factors
-    mesh, at_rest, moved = physics.mesh, part.params(analysis.x), part.params(s)
-    stiff, loaded = np.zeros((2, *analysis.modes.shape))
-    for mode, stiff_row, loaded_row in zip(analysis.modes, stiff, loaded):
-        phi = np.ascontiguousarray(mode.reshape(-1, 2))
-        out = np.zeros_like(phi)
-        physics.element.design(mesh.X, dX, phi, mesh.cells, physics.stiffness_params, out)
-        stiff_row[:] = out.ravel()
-        loaded_row[:] = (part.design_product(at_rest, phi, dX) + part.product(moved, phi)).ravel()
+    problem, modes, factors = state.rest.problem, state.modes.vectors, state.modes.load_factors
+    stiffness = Assembled(problem.integrals(STIFFNESS))
+    at_rest, moved = (Assembled([problem.geometric_stiffness(u)]) for u in (state.rest.x, s))
+    stiff, loaded = np.zeros((2, *modes.shape))
+    for mode, stiff_row, loaded_row in zip(modes, stiff, loaded):
+        phi = np.ascontiguousarray(mode.reshape(state.rest.x.shape))
+        stiff_row[:] = stiffness.design_product(phi, dX).ravel()
+        loaded_row[:] = (at_rest.design_product(phi, dX) + moved.residual(phi)).ravel()
     # Modes are 0 where the body is held, so that forces there do not count.
-    loaded *= analysis.sign
+    loaded *= state.sign
     values = -1.0 / factors
     middle = 0.5 * (values[:, None] + values[None, :])
-    rates = analysis.modes @ loaded.T - middle * (analysis.modes @ stiff.T)
+    rates = modes @ loaded.T - middle * (modes @ stiff.T)
     return factors[:, None] * factors[None, :] * 0.5 * (rates + rates.T)
 
 
-def load_factor_derivatives(analysis: BucklingAnalysis, dX: np.ndarray, tolerance: float) -> np.ndarray:
+def load_factor_derivatives(analysis: Solved, dX: np.ndarray, tolerance: float) -> np.ndarray:
     """Derivatives (k,) of the load factors where nodes move with dX (n, 2), those of coinciding ones ascending.
 
     Args:
@@ -47,12 +64,13 @@ def load_factor_derivatives(analysis: BucklingAnalysis, dX: np.ndarray, toleranc
     Raises:
         ReplayProblem: that solve does not converge.
     """
-    s = design_derivative(analysis, np.stack([dX, np.zeros_like(dX)]), tolerance)[0]
-    return parted(analysis.load_factors, load_factor_rates(analysis, dX, s), analysis.critical.reach)
+    s = design_derivative(analysis.rest, np.stack([dX, np.zeros_like(dX)]), tolerance)[0]
+    factors = analysis.state.modes.load_factors
+    return parted(factors, load_factor_rates(analysis.state, dX, s), analysis.solver.reach)
 
 
-def buckling_derivative(analysis: BucklingAnalysis, Psi: np.ndarray, tolerance: float) -> np.ndarray:
-    """Derivatives (2, 2 n + k k) of `BucklingAnalysis.state` along the two directions of the hand.
+def buckling_derivative(analysis: Solved, Psi: np.ndarray, tolerance: float) -> np.ndarray:
+    """Derivatives (2, 2 n + k k) of `BucklingPrediction.values` along the two directions of the hand.
 
     All known load factors are one cluster to the subspace rule, so that a prediction knows of crossings among them.
 
@@ -64,6 +82,6 @@ def buckling_derivative(analysis: BucklingAnalysis, Psi: np.ndarray, tolerance: 
     Raises:
         ReplayProblem: a solve does not converge.
     """
-    s = design_derivative(analysis, Psi, tolerance)
-    rates = [load_factor_rates(analysis, np.ascontiguousarray(dX), rate) for dX, rate in zip(Psi, s)]
+    s = design_derivative(analysis.rest, Psi, tolerance)
+    rates = [load_factor_rates(analysis.state, np.ascontiguousarray(dX), rate) for dX, rate in zip(Psi, s)]
     return np.concatenate([s.reshape(2, -1), np.stack(rates).reshape(2, -1)], axis=1)

@@ -1,10 +1,22 @@
 """How frequencies and modes follow the shape: along a drag, by nodes, along the outline, with the material."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
 import numpy as np
 
+from restshape.algebra.clusters import clusters
+from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.minimal_residual import minimal_residual
-from restshape.analysis.modal import CLUSTER, ModalAnalysis
 from restshape.errors import ReplayProblem
+from restshape.fem.assembled import Assembled
+from restshape.fem.problem import MASS, STIFFNESS
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import Context
+    from restshape.analysis.modal_state import ModalState
+    from restshape.fem.eigenproblem import Maker
 
 COINCIDE, ROUNDING = 100.0, 1e-9
 """Eigenvalues whose distance, as a share of themselves, is below that many squares of the tolerance of residuals, or
@@ -14,26 +26,30 @@ MOST = 120
 """Iterations of one solve for the derivative of a mode."""
 
 
-def design_products(analysis: ModalAnalysis, modes: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+class Solved(Protocol):
+    """What a derivative needs of an analysis of free vibrations that has been solved on the mesh as it lies."""
+
+    state: ModalState
+    solver: EigenSolver
+    context: Context
+    make: Maker
+
+
+def design_products(analysis: Solved, modes: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """K' phi and M' phi (k, n f) of modes (k, n f) when the nodes of the body move with a velocity (n, d)."""
-    body = analysis.body
-    products = np.zeros((2, len(modes), *body.mask.shape))
-    parts = ((body.stiffness, body.stiffness_params), (body.mass, body.mass_params))
-    for out, (element, params) in zip(products, parts):
-        for mode, product in zip(modes, out):
-            phi = np.ascontiguousarray(mode.reshape(body.mask.shape))
-            element.design(body.mesh.X, velocity, phi, body.mesh.cells, params, product)
-    products[:, :, body.mask != 0] = 0.0
-    return products[0].reshape(len(modes), -1), products[1].reshape(len(modes), -1)
+    body = analysis.state.body
+    boundary, found = body.boundary, []
+    for kind in (STIFFNESS, MASS):
+        assembled, rows = Assembled(body.integrals(kind)), []
+        for mode in modes:
+            product = assembled.design_product(np.ascontiguousarray(mode.reshape(boundary.mask.shape)), velocity)
+            boundary.zero(product)
+            rows.append(product.ravel())
+        found.append(np.stack(rows))
+    return found[0], found[1]
 
 
-def clusters(values: np.ndarray, width: float = CLUSTER) -> list[np.ndarray]:
-    """Indices of values (k,), ascending, in groups whose neighbours differ by less than a share `width`."""
-    cuts = np.flatnonzero(np.diff(values) > width * np.abs(values[1:])) + 1
-    return np.split(np.arange(len(values)), cuts)
-
-
-def frequency_derivatives(analysis: ModalAnalysis, velocity: np.ndarray, width: float = 0.0) -> np.ndarray:
+def frequency_derivatives(analysis: Solved, velocity: np.ndarray, width: float = 0.0) -> np.ndarray:
     """Derivatives (modes,) [Hz] of the frequencies that the scene asks for, where nodes move with a velocity (n, d).
 
     phi^T (K' - lambda M') phi; of eigenvalues that coincide the eigenvalues of Phi^T (K' - lambda M') Phi, ascending:
@@ -41,19 +57,18 @@ def frequency_derivatives(analysis: ModalAnalysis, velocity: np.ndarray, width: 
 
     Args:
         analysis: solved on the mesh as it lies.
-        velocity: of the nodes of the body, such as `Oscillator.motion` gives it from that of the plane mesh.
+        velocity: of the nodes of the body, such as `VibratingBody.motion` gives it from that of the plane mesh.
         width: share below which eigenvalues coincide, beyond those that the solve does not tell apart: with `CLUSTER` a
             pair that the mesh parts has the rates of one that it does not.
 
     Source: docs/theory.md, section 7.
     """
     known = known_modes(analysis)
-    return rates(analysis, known, *design_products(analysis, analysis.modes[known], velocity), width)
+    vectors = analysis.state.modes.vectors[known]
+    return rates(analysis, known, *design_products(analysis, vectors, velocity), width)
 
 
-def rates(
-    analysis: ModalAnalysis, known: np.ndarray, stiff: np.ndarray, heavy: np.ndarray, width: float = 0.0
-) -> np.ndarray:
+def rates(analysis: Solved, known: np.ndarray, stiff: np.ndarray, heavy: np.ndarray, width: float = 0.0) -> np.ndarray:
     """Derivatives (modes,) of the frequencies that the scene asks for, from K' phi and M' phi of the known modes.
 
     Args:
@@ -61,10 +76,11 @@ def rates(
         known: (k,) indices of modes that have converged, those of clusters together.
         stiff, heavy: (k, n f) K' phi and M' phi; width: as in `frequency_derivatives`.
     """
-    modes, values = analysis.modes[known], analysis.values[known]
+    state = analysis.state
+    modes, values = state.modes.vectors[known], state.modes.values[known]
     middle = 0.5 * (values[:, None] + values[None, :])
     found = parted(values, modes @ stiff.T - middle * (modes @ heavy.T), analysis.solver.tolerance, width)
-    return found[analysis.chosen] / (8.0 * np.pi**2 * analysis.frequencies)
+    return found[state.modes.chosen] / (8.0 * np.pi**2 * state.frequencies)
 
 
 def parted(values: np.ndarray, rates: np.ndarray, tolerance: float, width: float = 0.0) -> np.ndarray:
@@ -87,21 +103,21 @@ def parted(values: np.ndarray, rates: np.ndarray, tolerance: float, width: float
     return found
 
 
-def known_modes(analysis: ModalAnalysis) -> np.ndarray:
+def known_modes(analysis: Solved) -> np.ndarray:
     """Indices of the modes that have converged: at least those up to the last one that is asked for and its cluster."""
-    return np.arange(min(analysis.count, len(analysis.values)))
+    return np.arange(min(analysis.state.count, len(analysis.state.modes.values)))
 
 
-def stands_alone(analysis: ModalAnalysis, mode: int) -> bool:
-    """Whether the eigenvalue of a mode, an index among `modes`, is in no cluster with others."""
-    return any(len(group) == 1 and group[0] == mode for group in clusters(analysis.values))
+def stands_alone(analysis: Solved, mode: int) -> bool:
+    """Whether the eigenvalue of a mode, an index among the modes, is in no cluster with others."""
+    return any(len(group) == 1 and group[0] == mode for group in clusters(analysis.state.modes.values))
 
 
 # --- along a drag --------------------------------------------------------------------------------------------------
 
 
-def modal_derivative(analysis: ModalAnalysis, plane_motion: np.ndarray, tolerance: float) -> np.ndarray:
-    """Derivatives (2, k, k + n f) of `ModalAnalysis.x` along the two directions of the hand.
+def modal_derivative(analysis: Solved, plane_motion: np.ndarray, tolerance: float) -> np.ndarray:
+    """Derivatives (2, k, k + n f) of `ModalPrediction.values` along the two directions of the hand.
 
     All modes that are known are one cluster to the subspace rule: H' = Phi^T (K' - (lambda_i + lambda_j)/2 M') Phi, so
     that a prediction H + c H' knows of crossings between them. A mode changes by its turning among them, which is left
@@ -118,11 +134,11 @@ def modal_derivative(analysis: ModalAnalysis, plane_motion: np.ndarray, toleranc
 
     Source: docs/theory.md, section 7; (D.7), (D.9) of the thesis, mended.
     """
-    known, x = known_modes(analysis), analysis.x
-    result = np.zeros((2, *x.shape))
-    count = len(x)
-    modes, values = analysis.modes[known], analysis.values[known]
-    for direction, velocity in zip(result, analysis.body.motion(plane_motion)):
+    known, state = known_modes(analysis), analysis.state
+    count, n = state.modes.vectors.shape
+    result = np.zeros((2, count, count + n))
+    modes, values = state.modes.vectors[known], state.modes.values[known]
+    for direction, velocity in zip(result, state.body.motion(plane_motion)):
         if not np.any(velocity):
             continue
         stiff, heavy = design_products(analysis, modes, velocity)
@@ -137,9 +153,7 @@ def modal_derivative(analysis: ModalAnalysis, plane_motion: np.ndarray, toleranc
     return result
 
 
-def _beyond(
-    analysis: ModalAnalysis, modes: np.ndarray, value: float, force: np.ndarray, tolerance: float
-) -> np.ndarray:
+def _beyond(analysis: Solved, modes: np.ndarray, value: float, force: np.ndarray, tolerance: float) -> np.ndarray:
     """The part v (n f,) of a mode's change that is orthogonal to the known modes, rigid motions in it included.
 
     Args:
@@ -148,7 +162,7 @@ def _beyond(
     """
     solver = analysis.solver
     pencil, rigid = solver.pencil, solver.deflation
-    heavy = analysis.heavy[: len(modes)]
+    heavy = analysis.state.modes.heavy[: len(modes)]
 
     def clean(v: np.ndarray) -> np.ndarray:
         row = v - (heavy @ v) @ modes
@@ -183,36 +197,26 @@ def _beyond(
 # --- by nodes, along the outline -----------------------------------------------------------------------------------
 
 
-def nodal_gradient(analysis: ModalAnalysis, mode: int) -> np.ndarray:
+def nodal_gradient(analysis: Solved, mode: int) -> np.ndarray:
     """The gradient (n, d) of an eigenvalue by the places of the body's nodes: phi^T (K_X - lambda M_X) phi.
-
-    Each node of each cell is moved by itself, all cells at once: as many design derivatives as a cell has coordinates.
 
     Args:
         analysis: solved on the mesh as it lies.
-        mode: index among `modes`; its eigenvalue stands alone.
+        mode: index among the modes; its eigenvalue stands alone.
     """
-    body = analysis.body
-    cells, value = body.mesh.cells, analysis.values[mode]
-    ne, nodes = cells.shape
-    X = np.ascontiguousarray(body.mesh.X[cells].reshape(ne * nodes, -1))
-    phi = np.ascontiguousarray(analysis.modes[mode].reshape(body.mask.shape)[cells].reshape(ne * nodes, -1))
-    own = np.arange(ne * nodes, dtype=np.int32).reshape(ne, nodes)
-    gradient = np.zeros_like(body.mesh.X)
-    for i in range(nodes):
-        for axis in range(X.shape[1]):
-            dX = np.zeros_like(X)
-            dX[own[:, i], axis] = 1.0
-            parts = []
-            for element, params in ((body.stiffness, body.stiffness_params), (body.mass, body.mass_params)):
-                out = np.zeros_like(phi)
-                element.design(X, dX, phi, own, params, out)
-                parts.append((phi * out).reshape(ne, -1).sum(axis=1))
-            gradient[:, axis] += np.bincount(cells[:, i], parts[0] - value * parts[1], len(gradient))
+    body, modes = analysis.state.body, analysis.state.modes
+    phi, value = modes.vectors[mode].reshape(body.boundary.mask.shape), modes.values[mode]
+    (stiff,), (heavy,) = (
+        [integral.work_derivatives(phi) for integral in body.integrals(kind)] for kind in (STIFFNESS, MASS)
+    )
+    rates, gradient = stiff - value * heavy, np.zeros_like(body.space.X)
+    for i, nodes in enumerate(body.space.cells.T):
+        for axis in range(gradient.shape[1]):
+            gradient[:, axis] += np.bincount(nodes, rates[:, i, axis], len(gradient))
     return gradient
 
 
-def material_derivatives(analysis: ModalAnalysis, mode: int) -> dict[str, dict[str, float]]:
+def material_derivatives(analysis: Solved, mode: int) -> dict[str, dict[str, float]]:
     """Derivatives of a frequency [Hz] by each material's `E` [Hz/Pa] and `rho` [Hz m^3/kg], its Poisson's ratios kept.
 
     K is proportional to E in the cells of a material, and M to rho. Of a material with a grain `stiffness` [Hz] is the
@@ -220,17 +224,17 @@ def material_derivatives(analysis: ModalAnalysis, mode: int) -> dict[str, dict[s
 
     Args:
         analysis: solved on the mesh as it lies.
-        mode: index among `modes`; its eigenvalue stands alone.
+        mode: index among the modes; its eigenvalue stands alone.
     """
-    body, value = analysis.body, float(analysis.values[mode])
-    phi = np.ascontiguousarray(analysis.modes[mode].reshape(body.mask.shape))
-    stiff = 2.0 * body.stiffness.energy(body.mesh.X, phi, body.mesh.cells, body.stiffness_params)
-    heavy = 2.0 * body.mass.energy(body.mesh.X, phi, body.mesh.cells, body.mass_params)
+    body, modes = analysis.state.body, analysis.state.modes
+    value = float(modes.values[mode])
+    phi = np.ascontiguousarray(modes.vectors[mode].reshape(body.boundary.mask.shape))
+    (stiff,), (heavy,) = ([2.0 * part.energies(phi) for part in body.integrals(kind)] for kind in (STIFFNESS, MASS))
     scale = 1.0 / (8.0 * np.pi**2 * np.sqrt(value) / (2.0 * np.pi))
     result = {}
-    for name, material in analysis.scene.material.items():
+    for name, material in analysis.state.scene.material.items():
         regions = [k for k, own in enumerate(body.materials) if own is material]
-        cells = np.isin(body.mesh.cell_region, regions)
+        cells = np.isin(body.space.cell_region, regions)
         key, size = ("stiffness", 1.0) if material.E is None else ("E", material.E)
         result[name] = {
             key: scale * float(stiff[cells].sum()) / size,

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.analysis.modal import ModalAnalysis
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.relocate import Boundary, extension
 from restshape.mesh.space import LagrangeSpace
-from restshape.sensitivity.modal import nodal_gradient
+from restshape.sensitivity.modal import Solved, nodal_gradient
 
 
 @dataclass(frozen=True)
@@ -32,17 +31,17 @@ class OutlineDensity:
     edge: np.ndarray
 
 
-def plane_gradient(analysis: ModalAnalysis, mode: int) -> np.ndarray:
+def plane_gradient(analysis: Solved, mode: int) -> np.ndarray:
     """The gradient (n2, 2) [Hz/m] of a frequency by the places of the corners of the plane mesh.
 
     Nodes in the middle of sides follow their ends, columns of nodes their foot, and the thickness is that of the place.
 
     Args:
         analysis: solved on the mesh as it lies.
-        mode: index among `modes`; its eigenvalue stands alone.
+        mode: index among the modes; its eigenvalue stands alone.
     """
-    body, plane = analysis.body, analysis.mesh
-    scale = 1.0 / (4.0 * np.pi * np.sqrt(analysis.values[mode]))
+    body, plane = analysis.state.body, analysis.state.space
+    scale = 1.0 / (4.0 * np.pi * np.sqrt(analysis.state.modes.values[mode]))
     gradient = scale * nodal_gradient(analysis, mode)
     on_plane = np.empty((len(plane.X), 2))
     for axis in range(2):
@@ -50,7 +49,7 @@ def plane_gradient(analysis: ModalAnalysis, mode: int) -> np.ndarray:
         unit[0, :, axis] = 1.0
         # Each plane node moves its own nodes only, so that all may be moved at once.
         pulled = (body.motion(unit)[0] * gradient).sum(axis=1)
-        on_plane[:, axis] = body.over_plane(pulled).reshape(len(plane.X), -1).sum(axis=1)
+        on_plane[:, axis] = body.by_plane_nodes(pulled).reshape(len(plane.X), -1).sum(axis=1)
     return _of_corners(plane, on_plane)
 
 
@@ -65,12 +64,12 @@ def _of_corners(plane: Mesh | LagrangeSpace, gradient: np.ndarray) -> np.ndarray
     return corners
 
 
-def outline_density(analysis: ModalAnalysis, mode: int) -> OutlineDensity:
+def outline_density(analysis: Solved, mode: int) -> OutlineDensity:
     """The density of a frequency's derivative along the outline; arguments as in `plane_gradient`.
 
     Source: docs/theory.md, section 7.
     """
-    plane = analysis.mesh
+    plane = analysis.state.space
     mesh = plane.mesh if isinstance(plane, LagrangeSpace) else plane
     nodes = Boundary(mesh).nodes
     inside = extension(mesh, nodes, "harmonic")(np.eye(len(nodes)))
@@ -103,14 +102,14 @@ class EdgeDensity:
     density: np.ndarray
 
 
-def edge_densities(analysis: ModalAnalysis, found: OutlineDensity) -> dict[str, EdgeDensity]:
+def edge_densities(analysis: Solved, found: OutlineDensity) -> dict[str, EdgeDensity]:
     """The density on each edge that is boundary, by the edge's name.
 
     Args:
         analysis: solved on the mesh as it lies.
         found: `outline_density` of a mode.
     """
-    plane = analysis.mesh
+    plane = analysis.state.space
     mesh = plane.mesh if isinstance(plane, LagrangeSpace) else plane
     row = np.full(len(mesh.X), -1)
     row[found.nodes] = np.arange(len(found.nodes))

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from restshape.analysis.modal import ModalAnalysis
 from restshape.errors import ReplayProblem, UserError
-from restshape.physics.bodies import oscillator
-from restshape.physics.oscillator import Oscillator
+from restshape.fem.assembled import Assembled
+from restshape.fem.eigenproblem import Eigenproblem
+from restshape.fem.problem import MASS, STIFFNESS
 from restshape.scene.load import revise
-from restshape.sensitivity.modal import known_modes, rates
+from restshape.sensitivity.modal import Solved, known_modes, rates
 
 STEP = 1e-4
 """Of the differences of K and M at fixed modes, a share of the value, or for 0 this [SI]: the first that is tried."""
@@ -28,7 +28,7 @@ KEYS = ("material", "parameters")
 """Tables whose numbers change matrices and no mesh."""
 
 
-def parameter_derivatives(analysis: ModalAnalysis, key: str) -> np.ndarray:
+def parameter_derivatives(analysis: Solved, key: str) -> np.ndarray:
     """Derivatives (modes,) [Hz a SI unit of the number] of the frequencies that the scene asks for.
 
     K and M are differenced at fixed modes, which no solve enters: phi (K' - lambda M') phi, and for eigenvalues that
@@ -68,24 +68,24 @@ def parameter_derivatives(analysis: ModalAnalysis, key: str) -> np.ndarray:
     return best
 
 
-def _differenced(analysis: ModalAnalysis, key: str, value: float, step: float) -> np.ndarray:
+def _differenced(analysis: Solved, key: str, value: float, step: float) -> np.ndarray:
     """The derivatives (modes,) by central differences with a step.
 
     Raises:
         UserError, ReplayProblem: the scene makes no sense there.
     """
-    known, ends = known_modes(analysis), []
+    state, known, ends = analysis.state, known_modes(analysis), []
     for changed in (value + step, value - step):
-        scene = revise(analysis.scene, *_revision(analysis, key, changed))
-        body = oscillator(scene, analysis.plan, analysis.mesh, analysis.policy.lumped_mass)
-        ends.append([_products(body, analysis.modes[known], which) for which in ("stiffness", "mass")])
+        scene = revise(state.scene, *_revision(analysis, key, changed))
+        body = analysis.make(scene, state.plan, state.space, analysis.context.policy.lumped_mass)
+        ends.append([_products(body, state.modes.vectors[known], kind) for kind in (STIFFNESS, MASS)])
     stiff, heavy = ((ahead - behind) / (2.0 * step) for ahead, behind in zip(*ends))
     if not (np.isfinite(stiff).all() and np.isfinite(heavy).all()):
         raise UserError(f"{value:g} +- {step:g} makes no sense", key, "choose another value")
     return rates(analysis, known, stiff, heavy)
 
 
-def number_at(analysis: ModalAnalysis, key: str) -> float:
+def number_at(analysis: Solved, key: str) -> float:
     """The number [SI] that a key names.
 
     Raises:
@@ -98,7 +98,7 @@ def number_at(analysis: ModalAnalysis, key: str) -> float:
             "--by",
             "name one like material.brass.E; for the outline ask for --outline",
         )
-    here = _at(analysis.scene, parts)
+    here = _at(analysis.state.scene, parts)
     if isinstance(here, bool) or not isinstance(here, int | float):
         raise UserError(f"{key!r} is no number of this scene", "--by", "name one like material.brass.E")
     return float(here)
@@ -116,21 +116,20 @@ def _at(here: Any, parts: Sequence[str]) -> Any:
     return here
 
 
-def _revision(analysis: ModalAnalysis, key: str, value: float) -> tuple[str, Any]:
+def _revision(analysis: Solved, key: str, value: float) -> tuple[str, Any]:
     """The key to change and its new value: of a list the whole of it."""
     whole, _, place = key.rpartition(".")
-    around = _at(analysis.scene, whole.split("."))
+    around = _at(analysis.state.scene, whole.split("."))
     if not isinstance(around, list | tuple):
         return key, value
     return whole, [value if k == int(place) else known for k, known in enumerate(around)]
 
 
-def _products(body: Oscillator, modes: np.ndarray, which: str) -> np.ndarray:
-    """K phi or M phi (k, n f) of modes (k, n f)."""
-    element, params = getattr(body, which), getattr(body, f"{which}_params")
-    products = np.zeros((len(modes), *body.mask.shape))
-    for mode, product in zip(modes, products):
-        phi = np.ascontiguousarray(mode.reshape(body.mask.shape))
-        element.residual(body.mesh.X, phi, body.mesh.cells, params, product)
-    products[:, body.mask != 0] = 0.0
-    return products.reshape(len(modes), -1)
+def _products(problem: Eigenproblem, modes: np.ndarray, kind: str) -> np.ndarray:
+    """K phi or M phi (k, n f) of modes (k, n f), of the integrals of a kind."""
+    assembled, boundary, found = Assembled(problem.integrals(kind)), problem.boundary, np.empty_like(modes)
+    for mode, row in zip(modes, found):
+        product = assembled.residual(np.ascontiguousarray(mode.reshape(boundary.mask.shape)))
+        boundary.zero(product)
+        row[:] = product.ravel()
+    return found

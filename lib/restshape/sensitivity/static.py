@@ -1,40 +1,40 @@
-"""The design derivative of an answer at rest: how its displacement follows the hand."""
+"""The design derivative of a steady solution: how its unknowns follow the hand."""
 
 from typing import Protocol
 
 import numpy as np
 
 from restshape.errors import ReplayProblem
-from restshape.physics.design import design_force
-from restshape.physics.solid import PlaneSolid
+from restshape.fem.balance import design_rates, tangent_product
+from restshape.fem.problem import Problem
 
 SLACK = 100.0
 """A derivative whose true residual is so many times what was asked for has been spoilt by rounding."""
 
 
-class Statics(Protocol):
-    """What a derivative needs of an analysis that has just been solved.
+class Solved(Protocol):
+    """What a derivative needs of an analysis that has just been solved."""
 
-    Attributes:
-        physics: the solid on its mesh.
-        x: (n, 2) displacement [m].
-    """
+    @property
+    def problem(self) -> Problem:
+        """On its space."""
 
-    physics: PlaneSolid
-    x: np.ndarray
+    @property
+    def x(self) -> np.ndarray:
+        """(n, f) unknowns."""
 
     def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
-        """s (n, 2) with (dR/dx) s = rhs (n, 2) at free unknowns, 0 at held ones, by the kept preconditioner."""
+        """s (n, f) with (dR/dx) s = rhs (n, f) at free unknowns, 0 at prescribed ones, by the kept preconditioner."""
 
 
-def design_derivative(analysis: Statics, Psi: np.ndarray, tolerance: float) -> np.ndarray:
-    """Derivatives s (2, n, 2) of the displacement along the two directions of the hand.
+def design_derivative(analysis: Solved, Psi: np.ndarray, tolerance: float) -> np.ndarray:
+    """Derivatives s (2, n, f) of the unknowns along the two directions of the hand.
 
     (dR/dx) s_i = -(dR/dX) Psi_i, with the tangent of the answer and whatever factor there is.
 
     Args:
         analysis: solved on the mesh as it lies.
-        Psi: (2, n, 2) node displacements a unit of each of the hand's coefficients.
+        Psi: (2, n, d) node displacements a unit of each of the hand's coefficients.
         tolerance: of each solve, relative to its right side.
 
     Raises:
@@ -42,22 +42,22 @@ def design_derivative(analysis: Statics, Psi: np.ndarray, tolerance: float) -> n
 
     Source: docs/theory.md, "The design derivative"; (5.10) to (5.15) of the thesis.
     """
-    s = np.zeros_like(Psi)
+    s = np.zeros((len(Psi), *analysis.x.shape))
     for direction, motion in zip(s, Psi):
         if np.any(motion):
-            force, held = design_force(analysis.physics, analysis.x, motion)
-            direction[...] = _response(analysis, force, tolerance) + held
+            rates, prescribed = design_rates(analysis.problem, analysis.x, motion)
+            direction[...] = _response(analysis, rates, tolerance) + prescribed
     return s
 
 
-def _response(analysis: Statics, force: np.ndarray, tolerance: float) -> np.ndarray:
-    """The displacement rates (n, 2) at free unknowns that make up for rates of forces (n, 2) [N]."""
-    physics = analysis.physics
-    rhs = -force
-    rhs.ravel()[physics.constrained] = 0.0
+def _response(analysis: Solved, rates: np.ndarray, tolerance: float) -> np.ndarray:
+    """The rates (n, f) of free unknowns that make up for rates of the residual (n, f)."""
+    problem = analysis.problem
+    rhs = -rates
+    problem.boundary.zero(rhs)
     s = analysis.linear_solve(rhs, tolerance)
-    left = tangent_product(physics, analysis.x, s) - rhs
-    left.ravel()[physics.constrained] = 0.0
+    left = tangent_product(problem, analysis.x, s) - rhs
+    problem.boundary.zero(left)
     error, scale = float(np.linalg.norm(left)), float(np.linalg.norm(rhs))
     if not error <= SLACK * tolerance * scale:
         raise ReplayProblem(
@@ -65,13 +65,3 @@ def _response(analysis: Statics, force: np.ndarray, tolerance: float) -> np.ndar
             f"(its residual is {error / scale:.1e} of the right side)"
         )
     return s
-
-
-def tangent_product(physics: PlaneSolid, x: np.ndarray, s: np.ndarray) -> np.ndarray:
-    """The rates (n, 2) [N] of the forces on nodes when the displacement x (n, 2) [m] changes with s (n, 2)."""
-    mesh, out = physics.mesh, np.zeros_like(x)
-    still = np.zeros_like(mesh.X)
-    physics.element.design(mesh.X, still, x, mesh.cells, physics.params, out, dx=s)
-    for load in physics.followers:
-        physics.pressure.design(mesh.X, still, x, load.facets, load.pressure_params, out, dx=s)
-    return out

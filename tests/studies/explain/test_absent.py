@@ -14,9 +14,9 @@ from counted import begin_log, happened, kernels, tally, watched
 from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag, meshed, write_scene, write_script
 
 from restshape import _kernels
-from restshape.analysis.drape import DrapeAnalysis
 from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.static import StaticAnalysis
+from restshape.analysis.relaxation.analysis import RelaxationAnalysis
+from restshape.analysis.steady import StaticAnalysis
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import applications
 
@@ -154,7 +154,7 @@ def rows_of(folder, app, text):
     """The rows of a short drag, and the law that they obey in a scene without anything but its body."""
     script = write_script(folder, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.5), 3)))
     rows, replay = watched(write_scene(folder, text), script)
-    mesh = replay.analysis.body.mesh if app == "metallophone" else replay.analysis.mesh
+    mesh = replay.analysis.state.body.space if app == "metallophone" else replay.analysis.space
     if app == "couture":
         return rows, ClothLaw(text, mesh.cells, len(mesh.X))
     return rows, Law(app, text, mesh.cells, len(mesh.X))
@@ -202,7 +202,7 @@ def wasteful(solve):
         (TransientAnalysis, "vibration", "gravity"),
         (TransientAnalysis, "vibration", "ground"),
         (ModalAnalysis, "metallophone", "in_plane_modes"),
-        (DrapeAnalysis, "couture", "contact"),
+        (RelaxationAnalysis, "couture", "contact"),
     ],
 )
 def test_the_law_notices_what_is_computed_without_being_asked_for(tmp_path, monkeypatch, analysis, app, effect):

@@ -1,0 +1,35 @@
+"""How long the factor of a pencil serves: until the substitutions that its age has cost would have paid for another."""
+
+from restshape.algebra.pencil import Pencil
+from restshape.calibration import Calibration
+
+
+class FactorLife:
+    """The refactorisation criterion of an eigensolver that lives on old factors.
+
+    Args:
+        pencil: whose factor it is.
+        calibration: seconds a unit of counted work.
+
+    Attributes:
+        age: frames since the factor was made.
+        excess: substitutions since then beyond those that a new factor would have needed.
+    """
+
+    def __init__(self, pencil: Pencil, calibration: Calibration) -> None:
+        self.pencil, self.calibration = pencil, calibration
+        self.age, self.excess = 0, 0.0
+
+    def begin(self) -> None:
+        """Note that the factor is new."""
+        self.age, self.excess = 0, 0.0
+
+    def spend(self, iterations: int, count: int) -> None:
+        """Note a solve for `count` modes: with a new factor it would have taken one iteration."""
+        self.excess += max(0, iterations - 1) * count
+
+    def price(self) -> float:
+        """Substitutions, each with its products, that cost as much as a new factor."""
+        known, pencil = self.calibration, self.pencil
+        work = (pencil.size, pencil.entries, pencil.nonzeros or 3.0 * pencil.entries)
+        return max(1.0, known.refresh_seconds(*work) / known.iteration_seconds(*work))

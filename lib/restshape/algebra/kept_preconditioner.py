@@ -1,0 +1,157 @@
+"""A preconditioner that outlives the matrix that it was made from."""
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.choice import ILU, Candidate, Choice, Prices, Size, prices
+from restshape.algebra.pivots import factors_of, negative_pivots, zero_pivots
+from restshape.algebra.preconditioner import kind_of, nonzeros, set_preconditioner, set_rigid_motions
+from restshape.algebra.traits import Traits
+
+COMPLETE = ("cholesky", "lu")
+
+
+class KeptPreconditioner:
+    """Sets up the preconditioner of a KSP, by name or as a `Choice` prefers, and keeps it.
+
+    Args:
+        ksp: whose preconditioner it is.
+        choice: among candidates.
+        traits: of the matrices.
+        named: kind that the user names; None leaves it to the method.
+        method: as of `LinearSolver`.
+
+    Attributes:
+        kind: PETSc's type; candidate: that was chosen; None where there was no choice.
+        chooses: each new system has its choice.
+        ready: there is one, which fits the present system.
+        filled: nonzeros in it.
+        size: of the present system; handle: of its matrix.
+        pattern_changed: since it was made.
+    """
+
+    def __init__(self, ksp: PETSc.KSP, choice: Choice, traits: Traits, named: str | None, method: str) -> None:
+        self.ksp, self.choice, self.traits, self.ranks = ksp, choice, traits, ksp.getComm().size
+        self.kind = named or ("ilu" if method == "ilu" else traits.factor)
+        self.chooses = method == "auto" and named is None and bool(choice.candidates(traits))
+        self.candidate: Candidate | None = ILU if method == "ilu" and named is None else None
+        self.ready = self.pattern_changed = False
+        self.filled = 0.0
+        self.handle, self.size = 0, Size(0, 0.0, traits.dimension)
+        self._given: list[str] = []
+        self._set(ILU.levels)
+
+    @property
+    def name(self) -> str:
+        """As in tables."""
+        return self.candidate.name if self.candidate else self.kind
+
+    @property
+    def complete(self) -> bool:
+        """Whether it is a complete factor, of each rank's own rows."""
+        return self.kind in COMPLETE
+
+    @property
+    def exact(self) -> bool:
+        """Whether it is a complete factor of the whole matrix."""
+        return self.complete and self.ranks == 1
+
+    def measure(self, mat: PETSc.Mat) -> bool:
+        """Take in the size of a matrix that is another one; tells whether it has changed."""
+        before = self.size
+        self.handle = mat.handle
+        filled = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
+        self.size = Size(mat.getSize()[0], filled, self.traits.dimension, self.ranks)
+        return self.size != before
+
+    def begin_system(self) -> None:
+        """Forget what was made: the system is another one, which has its choice."""
+        self.ksp.reset()
+        self.ready = self.pattern_changed = False
+        if self.chooses:
+            chosen = self.choice(self.size)
+            if chosen is not self.candidate:
+                self._take(chosen)
+
+    def make(self, mat: PETSc.Mat, places: np.ndarray | None, anew: bool = False) -> None:
+        """Make it from a matrix, then keep it.
+
+        Args:
+            mat: of the present system.
+            places: (m, d) this rank's nodes [m], whose rigid motions coarse grids must know; None: none.
+            anew: no interpolation of multigrid is kept either.
+        """
+        pc = self.ksp.getPC()
+        if self.kind == "gamg" and (anew or self.pattern_changed or not self.ready):
+            # A reset, or a kept interpolation with another pattern, leaves coarse grids of the old sizes.
+            pc.setType("none")
+            self._set(0)
+        if places is not None and self.kind == "gamg" and mat.getBlockSize() == places.shape[1]:
+            set_rigid_motions(mat, places)
+        pc.setReusePreconditioner(False)
+        self.ksp.setOperators(mat)
+        self.ksp.setUp()
+        if self.ranks > 1:
+            self.ksp.setUpOnBlocks()
+        pc.setReusePreconditioner(True)
+        self.ready, self.pattern_changed = True, False
+
+    def note_kind(self) -> None:
+        """Take in what PETSc has made of it, once the options for its set-up are not needed any more."""
+        self._forget_options()
+        self.kind = kind_of(self.ksp.getPC())
+
+    def price(self) -> Prices:
+        """Seconds that it costs, from counted work on all ranks and the calibration."""
+        size = self.size
+        counted = self.filled = nonzeros(self.ksp.getPC())
+        if self.candidate and counted:
+            self.choice.count_fill(self.candidate, size, counted)
+        # An LU factor has the nonzeros of two triangles, of which the prices expect one.
+        filled = 0.5 * counted if self.kind == "lu" else counted
+        return prices(self.kind, size, filled or size.nonzeros, self.choice.calibration)
+
+    def count(self, uses: int, iterations: int) -> None:
+        """Take in a solve with it, the `uses`-th since it was made."""
+        if self.candidate:
+            self.choice.count(self.candidate, self.size, uses, iterations)
+
+    def replace_failed(self) -> bool:
+        """After a failure of a fresh one, take one of another kind; tells whether any is left."""
+        if not self.chooses or self.candidate is None or self.candidate.kind == "cholesky":
+            return False
+        self.choice.exclude(self.candidate)
+        left = self.choice.open(self.size)
+        if left[0] is self.candidate or left[0].name in self.choice.excluded:
+            return False
+        self.ksp.reset()
+        self._take(left[0])
+        return True
+
+    def negative_pivots(self) -> int:
+        """Negative pivots of a complete factor, of all ranks' own blocks; 0 where there is none to ask."""
+        if not self.complete:
+            return 0
+        return self._summed(sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp)))
+
+    def zero_pivots(self) -> int:
+        """Pivots of a complete factor that are zero, likewise."""
+        return self._summed(sum(zero_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp)))
+
+    def _summed(self, found: int) -> int:
+        return found if self.ranks == 1 else self.ksp.getComm().tompi4py().allreduce(found)
+
+    def _take(self, candidate: Candidate) -> None:
+        self.candidate, self.kind = candidate, candidate.kind
+        self._set(candidate.levels)
+
+    def _set(self, levels: int) -> None:
+        self._forget_options()
+        self._given = set_preconditioner(self.ksp, self.kind, levels)
+
+    def _forget_options(self) -> None:
+        """Take out of PETSc's database what was put there for a set-up: it is not what the user said."""
+        options = PETSc.Options(self.ksp.getOptionsPrefix() or "")
+        for key in self._given:
+            options.delValue(key)
+        self._given = []

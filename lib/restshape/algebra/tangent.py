@@ -1,0 +1,42 @@
+"""The tangent of equations, and the place where it was assembled."""
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.equations import Equations
+
+
+class Tangent:
+    """One matrix of equations, assembled again when the equations or the unknowns are others.
+
+    Args:
+        equations: whose `version` tells when they are others.
+
+    Attributes:
+        mat: the matrix; None before it is first assembled.
+    """
+
+    def __init__(self, equations: Equations) -> None:
+        self.equations = equations
+        self.mat: PETSc.Mat | None = None
+        self._version: object = None
+        self._x: np.ndarray | None = None
+
+    def assemble(self, x: np.ndarray, out: np.ndarray | None) -> PETSc.Mat:
+        """The tangent at x (n, f); sets `out` (n, f) to the residual in the same pass."""
+        self.mat = self.equations.assemble(x, out)
+        self._version, self._x = self.equations.version, x.copy()
+        return self.mat
+
+    def is_at(self, x: np.ndarray) -> bool:
+        """Whether the matrix is the tangent at x (n, f)."""
+        return self._x is not None and self._version == self.equations.version and np.array_equal(self._x, x)
+
+    def at(self, x: np.ndarray) -> PETSc.Mat:
+        """The tangent at x (n, f), assembled where the matrix is another one."""
+        return self.mat if self.is_at(x) else self.assemble(x, None)
+
+    def shift(self, value: float) -> None:
+        """Add a value to the diagonal; the matrix is no tangent any more."""
+        self._x = None
+        self.mat.shift(value)

@@ -1,0 +1,129 @@
+"""What the replay asks of an analysis, whatever its physics."""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.stages import Stages
+from restshape.analysis.frame import Frame
+from restshape.calibration import Calibration
+from restshape.fem.problem import Fields
+from restshape.fem.space import Space
+from restshape.policy import Policy
+
+
+@dataclass(frozen=True)
+class Context:
+    """What all parts of one replay share.
+
+    Args:
+        comm: PETSc communicator.
+        policy: what is reused from frame to frame.
+        calibration: seconds a unit of counted work.
+        stages: takes the time of each stage.
+    """
+
+    comm: PETSc.Comm
+    policy: Policy
+    calibration: Calibration
+    stages: Stages
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A frame beside a cold solve on the same mesh.
+
+    Args:
+        entries: largest difference of matrix entries over the largest entry.
+        solution: relative difference of the solutions, in the analysis's own norm.
+    """
+
+    entries: float
+    solution: float
+
+
+class Predictor(Protocol):
+    """Shows frames of a drag to first order in the hand, without a solve."""
+
+    def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
+        """Derivatives (2, ...) of `values` along the hand's two directions.
+
+        Args:
+            motion: (2, n, d) node displacements a unit of each of the hand's coefficients.
+            tolerance: of each linear solve.
+
+        Raises:
+            ReplayProblem: there is no derivative.
+        """
+
+    def values(self) -> np.ndarray:
+        """What is predicted, at the last solution or prediction."""
+
+    def set_values(self, values: np.ndarray) -> None:
+        """Take predicted values for those of the mesh as it lies now, without a solve."""
+
+    @property
+    def shown(self) -> Any:
+        """The prediction that the analysis holds; None where it holds a solution."""
+
+    def error(self, predicted: Any) -> float:
+        """The relative distance of a prediction on this mesh from the solution."""
+
+
+class Analysis(Protocol):
+    """Computes the answer of each frame of an edit, from that of the frame before.
+
+    Attributes:
+        state: frozen; `solve` replaces it, and a failed `solve` leaves it. Versions in it decide what is stale.
+        space: of the last solution; None before the first.
+        estimated: what the estimates of `errors` are of.
+        predictor: None where frames cannot be predicted; `why_not` then says why, and what to do.
+    """
+
+    state: Any
+    estimated: str
+    predictor: Predictor | None
+    why_not: str
+
+    @property
+    def space(self) -> Space | None: ...
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of the system, prescribed ones included."""
+
+    @property
+    def tolerance(self) -> float:
+        """That solutions meet, in the norm of `compare_cold`."""
+
+    def solve(self, frame: Frame) -> LinearReport:
+        """Bring the state up to date with a frame.
+
+        Raises:
+            ReplayProblem: no solution is found; the state is that of before.
+            UserError: the scene's new values make no sense; likewise.
+        """
+
+    def observe(self) -> dict[str, float]:
+        """The scene's quantities of interest at the state."""
+
+    def row(self) -> dict[str, Any]:
+        """Columns of the frame's row that only this analysis has."""
+
+    def residual_norm(self) -> float:
+        """The residual of the state over what it is measured against."""
+
+    def errors(self) -> dict[str, float]:
+        """Error estimates of the state by column: `estimate` of the mesh, `estimate_time` of time steps."""
+
+    def fields(self) -> Fields:
+        """What a recording shows of the state."""
+
+    def blank_fields(self, space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+
+    def compare_cold(self) -> Comparison:
+        """The state beside a solve with new pattern, values and factor, and no guess."""

@@ -1,0 +1,52 @@
+"""Buckling beside a solve with nothing kept: new pattern, new values, and another library's eigensolver."""
+
+import numpy as np
+import scipy.sparse as sp
+from petsc4py import PETSc
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
+
+from restshape.algebra.gather import System, matrix_difference, whole_matrix
+from restshape.algebra.operator import Operator
+from restshape.analysis.analysis import Comparison
+from restshape.analysis.buckling_state import BucklingState
+from restshape.fem.assembled import Assembled
+
+
+def compare_cold(state: BucklingState, warm: System, cold: System) -> Comparison:
+    """Largest differences of the entries of K and G, and of displacement and load factors, from a cold solve.
+
+    Entries relative to the largest; of G at the same displacement. Displacements in the energy norm.
+
+    Args:
+        state: solved on the mesh as it lies.
+        warm, cold: the system of its equilibrium, as it was solved and from nothing.
+    """
+    rest, found = state.rest, state.modes.load_factors
+    kept = whole_matrix(state.matrices.geometric, PETSc.COMM_SELF)
+    entries = max(matrix_difference(warm.matrix, cold.matrix), matrix_difference(kept, _geometric(state, rest.x)))
+    error = warm.solution - cold.solution
+    distance = float(np.sqrt(max(0.0, error @ (cold.matrix @ error)) / (2.0 * warm.energy))) if warm.energy else 0.0
+    boundary = rest.problem.boundary
+    free = np.flatnonzero(boundary.mask.ravel() == 0)
+    u = cold.solution.reshape(boundary.values.shape) + boundary.values
+    stiffness, geometric = (part[free][:, free] for part in (cold.matrix, _geometric(state, u)))
+    if len(found):
+        distance = max(distance, float(np.max(np.abs(found / cold_load_factors(stiffness, geometric, len(found)) - 1))))
+    return Comparison(entries, distance)
+
+
+def cold_load_factors(stiffness: sp.csr_matrix, geometric: sp.csr_matrix, count: int) -> np.ndarray:
+    """The `count` lowest positive load factors (count,), ascending, of K and G of free unknowns, by ARPACK."""
+    inverse = LinearOperator(stiffness.shape, splu(stiffness.tocsc()).solve)
+    start = np.random.default_rng(11).uniform(-1.0, 1.0, stiffness.shape[0])
+    values = eigsh(-geometric, count, stiffness, which="LA", Minv=inverse, v0=start, return_eigenvectors=False)
+    return 1.0 / np.sort(values)[::-1]
+
+
+def _geometric(state: BucklingState, u: np.ndarray) -> sp.csr_matrix:
+    """G of a displacement u (n, 2) on a new pattern."""
+    problem = state.rest.problem
+    operator = Operator(PETSc.COMM_SELF, u.shape[1], np.array([0, len(u)], dtype=np.int32), "coo", False)
+    operator.set_topology([problem.space.cells], problem.boundary.mask)
+    assembled = Assembled([problem.geometric_stiffness(u, state.sign)], operator)
+    return whole_matrix(assembled.tangent(np.zeros_like(u)), PETSc.COMM_SELF)

@@ -1,0 +1,56 @@
+"""What is shown of buckling: quantities, columns of a row, modes, and how far they are from solving their equation."""
+
+from typing import Any
+
+import numpy as np
+
+from restshape.algebra.buckling import BucklingSolver
+from restshape.analysis.buckling_matrices import products
+from restshape.analysis.buckling_state import BucklingState
+
+
+def observed(state: BucklingState) -> dict[str, float]:
+    """The scene's quantities that are load factors, by name; infinite where there is none."""
+    quantities = state.rest.scene.quantities.items()
+    return {name: state.load_factor(q.load_factor) for name, q in quantities if q.load_factor is not None}
+
+
+def row(state: BucklingState, shown: int, solver: BucklingSolver) -> dict[str, Any]:
+    """Columns of a frame's row that only buckling has.
+
+    Args:
+        state: of the frame.
+        shown: load factors that have a column.
+        solver: with its tolerance, and what rounding leaves of it.
+    """
+    row: dict[str, Any] = {f"mu_{k}": state.load_factor(k) for k in range(1, shown + 1)}
+    count = len(state.modes.load_factors)
+    row["track"] = " ".join(map(str, state.modes.ids.ids[:count]))
+    row["counted"], row["missed"] = int(state.report.inertia_checked), state.report.missed_modes
+    if not count and not state.predicted:
+        reach = f"up to {state.most:.3g}, where the mean strain is 1" if np.isfinite(state.most) else "without a load"
+        row["note"] = f"nothing buckles: no load factor {reach}"
+    elif solver.reach > solver.tolerance:
+        row["note"] = f"rounding keeps residuals of modes above a tolerance of {solver.tolerance:g}"
+    return row
+
+
+def fields(state: BucklingState, shown: int) -> dict[str, np.ndarray]:
+    """Fields (n, 2) of the nodes: the modes, the largest displacement of each 1; NaN where there are not so many."""
+    found, modes = {}, state.modes.vectors
+    for k in range(1, shown + 1):
+        shape = np.full_like(state.rest.x, np.nan)
+        if k <= len(modes):
+            shape = modes[k - 1].reshape(shape.shape)
+            shape = shape / np.linalg.norm(shape, axis=1).max()
+        found[f"buckling_mode_{k}"] = shape
+    return found
+
+
+def residual_norm(state: BucklingState) -> float:
+    """The largest |K phi + mu G phi| / |K phi| of the modes, element by element; 0 where there are none."""
+    worst, modes = 0.0, state.modes
+    stiff, loaded = products(state.rest.problem, modes.vectors, state.rest.x, state.sign)
+    for factor, force, load in zip(modes.load_factors, stiff, loaded):
+        worst = max(worst, float(np.linalg.norm(force - factor * load) / np.linalg.norm(force)))
+    return worst

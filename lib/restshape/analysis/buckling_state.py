@@ -1,0 +1,86 @@
+"""What an analysis of buckling knows after a frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from restshape.algebra.eigen import EigenReport
+from restshape.analysis.buckling_matrices import BucklingMatrices
+from restshape.analysis.mode_tracking import ModeIds
+from restshape.analysis.steady import SteadyState
+from restshape.fem.balance import energy
+from restshape.fem.quantity import area
+
+SIGNS = {"given": 1.0, "reversed": -1.0}
+
+ROUNDING = 1e-10
+"""Strains below this share of the displacement over the body's size are none."""
+
+
+@dataclass(frozen=True, eq=False)
+class BucklingModes:
+    """Load factors and their modes.
+
+    Args:
+        load_factors: (k,) ascending, as many as there are up to those that the scene asks for.
+        vectors: (k, 2 n) with phi K phi = 1; heavy: (k, 2 n) their products K phi.
+        ids: of the modes.
+    """
+
+    load_factors: np.ndarray
+    vectors: np.ndarray
+    heavy: np.ndarray
+    ids: ModeIds
+
+    @classmethod
+    def none(cls) -> BucklingModes:
+        """Before the first solution."""
+        empty = np.empty((0, 0))
+        return cls(np.empty(0), empty, empty, ModeIds.none())
+
+
+@dataclass(frozen=True, eq=False)
+class BucklingState:
+    """The load factors of an equilibrium.
+
+    Args:
+        rest: the equilibrium whose stress loads the body.
+        matrices: of the eigenproblem; None before the first solution.
+        modes: load factors and modes; those of a prediction have the vectors of the last solution.
+        most: the load factor beyond which there is none.
+        predicted: the load factors are a prediction.
+        report: of the last solve for them.
+    """
+
+    rest: SteadyState
+    matrices: BucklingMatrices | None = None
+    modes: BucklingModes = field(default_factory=BucklingModes.none)
+    most: float = np.inf
+    predicted: bool = False
+    report: EigenReport = field(default_factory=lambda: EigenReport(0, False, 0, ""))
+
+    @property
+    def sign(self) -> float:
+        """Of the load that is meant, -1 where it is turned round."""
+        return SIGNS[self.rest.plan.settings("buckling").load]
+
+    def load_factor(self, k: int) -> float:
+        """The k-th load factor, from 1; infinite where there is none, not a number where it is not computed."""
+        if k > self.rest.plan.settings("buckling").modes:
+            return float("nan")
+        found = self.modes.load_factors
+        return float(found[k - 1]) if k <= len(found) else float("inf")
+
+
+def most_load_factor(rest: SteadyState) -> float:
+    """The load factor at which the mean strain is 1: linear elasticity knows nothing beyond; infinite without load.
+
+    The square of the mean strain is twice the strain energy over the stiffness of the body.
+    """
+    problem, size = rest.problem, area(rest.space)
+    strain = float(np.sqrt(2.0 * energy(problem, rest.x) / (problem.stiffest * size)))
+    # Supports may only carry the body somewhere else: what strain it then has is rounding.
+    carried = float(np.abs(rest.x).max()) / np.sqrt(size)
+    return 1.0 / strain if strain > ROUNDING * carried else np.inf

@@ -1,0 +1,23 @@
+"""A frame's system beside that of a cold solve."""
+
+import numpy as np
+import scipy.sparse as sp
+
+from restshape.algebra.gather import System, matrix_difference
+from restshape.analysis.analysis import Comparison
+
+
+def compared(warm: System, cold: System) -> Comparison:
+    """How far a system is from a cold one: entries relative to the largest, solutions in the energy norm."""
+    entries = matrix_difference(warm.matrix, cold.matrix)
+    return Comparison(entries, energy_distance(cold.matrix, warm.solution, cold.solution, warm.energy))
+
+
+def energy_distance(matrix: sp.csr_matrix, x: np.ndarray, reference: np.ndarray, energy: float | None = None) -> float:
+    """The energy norm of x - reference over that of reference, or over that of unknowns with a known energy."""
+
+    def norm(v: np.ndarray) -> float:
+        return float(np.sqrt(max(0.0, v @ (matrix @ v))))
+
+    scale = norm(reference) if energy is None else np.sqrt(2.0 * energy)
+    return float(norm(x - reference) / scale) if scale else norm(x - reference)

@@ -1,0 +1,173 @@
+"""The linear system of a time step: the effective stiffness and its right sides."""
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.operator import Operator
+from restshape.fem.problem import STIFFNESS
+from restshape.fem.semidiscrete import SemiDiscrete
+from restshape.fem.time_integration import Scheme, TimeState
+
+
+class StepWeights:
+    """What a step multiplies the state by, before K and M are applied to it.
+
+    Args:
+        scheme: of the step.
+        alpha, beta: of the damping C = alpha M + beta K.
+
+    Source: docs/theory.md, section 2.
+    """
+
+    def __init__(self, scheme: Scheme, alpha: float, beta: float) -> None:
+        lag = scheme.a4 - scheme.a3
+        self.of_stiffness, self.of_mass = 1.0 + scheme.a1 * beta, scheme.a0 + scheme.a1 * alpha
+        self.load = 1.0 + scheme.a3
+        self.stiff_y, self.stiff_v, self.stiff_a = self.of_stiffness - self.load, lag * beta, scheme.a5 * beta
+        self.inert_y, self.inert_v, self.inert_a = self.of_mass, scheme.a2 + lag * alpha, scheme.a5 * alpha
+
+    def apply(self, state: TimeState, stiff: np.ndarray, inert: np.ndarray) -> None:
+        """Set `stiff` and `inert` (n, f) to what K and M are applied to."""
+        np.multiply(state.y, self.stiff_y, out=stiff)
+        np.multiply(state.y, self.inert_y, out=inert)
+        inert += self.inert_v * state.v
+        if self.stiff_v:
+            stiff += self.stiff_v * state.v
+        if state.a is not None:
+            stiff += self.stiff_a * state.a
+            inert += self.inert_a * state.a
+
+
+class EffectiveSystem:
+    """A y' = b with A = K + a0 M + a1 C for the unknowns y' after a step.
+
+    The right side is written with M a = f - K y - C v, so that the acceleration is equilibrium's on the present shape:
+    b = f' + a3 f + A y - (1 + a3) K y + M (a2 + (a4 - a3) alpha) v + K (a4 - a3) beta v + a5 C a.
+    Where the matrix is new, its own element loop gives b; in later steps two products with kept matrices do.
+
+    Args:
+        comm: PETSc communicator.
+        body: on a mesh that stays this one.
+        scheme: of the step.
+        backend: of the operators.
+
+    Attributes:
+        mass: an operator with the same pattern, for other matrices.
+
+    Source: docs/theory.md, section 2.
+    """
+
+    def __init__(self, comm: PETSc.Comm, body: SemiDiscrete, scheme: Scheme, backend: str | None) -> None:
+        space, shape = body.problem.space, body.static.shape
+        self.operator, self.mass = (Operator(comm, shape[1], space.node_offsets, backend) for _ in "AM")
+        self.rows = self.operator.rows
+        size = (self.rows.stop - self.rows.start, body.static.size)
+
+        def vector(array: np.ndarray) -> PETSc.Vec:
+            return PETSc.Vec().createWithArray(array.ravel()[self.rows], size=size, comm=comm)
+
+        self.right, self.full = np.zeros(shape), np.zeros(body.static.size)
+        self.b, self.solution = vector(self.right), vector(self.full)
+        self._products = StepProducts(vector, shape, size)
+        self.bind(body, scheme)
+
+    def bind(self, body: SemiDiscrete, scheme: Scheme) -> None:
+        """Take a body with other values on the same mesh, and other settings of the step."""
+        self.body = body
+        self.weights = StepWeights(scheme, body.damping_of.alpha, body.damping_of.beta)
+        for operator in (self.operator, self.mass):
+            operator.set_topology(body.problem.blocks(), body.problem.boundary.mask)
+        self._products.version = None
+
+    def patch(self, changed: np.ndarray) -> None:
+        """Take in the cells (k,) that flips have changed."""
+        for operator in (self.operator, self.mass):
+            operator.patch(0, changed)
+
+    def assemble(self, state: TimeState, shaking: np.ndarray) -> None:
+        """Make the matrix of the present shape, and the right side of the step from a state.
+
+        Args:
+            state: before the step.
+            shaking: (f,) the base's a' + a3 a.
+        """
+        weights, products = self.weights, self._products
+        weights.apply(state, products.stiff, products.inert)
+        products.inert -= shaking
+        np.multiply(self.body.static, weights.load, out=self.right)
+        stiffness, mass = self.body.problem.integrals(STIFFNESS), self.body.mass.integrals
+        terms = [part.term(products.stiff, weights.of_stiffness, -1.0) for part in stiffness]
+        terms += [part.term(products.inert, weights.of_mass, -1.0) for part in mass]
+        self.mat = self.operator.assemble(sorted(terms, key=_block), self.right.ravel())
+        self.b.stateIncrease()
+        products.version = None
+
+    def right_side(self, state: TimeState, shaking: np.ndarray) -> None:
+        """Make the right side of the step from a state, on the matrix as it is; arguments as in `assemble`."""
+        products, weights = self._products, self.weights
+        if products.version != self.mass.version:
+            products.assemble(self.mass, self.body, weights.load)
+        weights.apply(state, products.stiff, products.inert)
+        products.stiff /= weights.of_stiffness
+        products.inert -= weights.of_mass * products.stiff
+        products.multiply(self.mat, self.b)
+        self.right += products.constant
+        if shaking.any():
+            self.right -= products.uniform(self.body) * shaking
+        self.b.stateIncrease()
+
+    def force(self) -> np.ndarray:
+        """This rank's rows of b - A `full`: the force of the increment that is sought; valid until the next call."""
+        return self._products.force(self.mat, self.solution, self.right.ravel()[self.rows])
+
+
+def _block(term: tuple) -> int:
+    return term[0]
+
+
+class StepProducts:
+    """Vectors and the mass matrix that give right sides without an element loop.
+
+    Args:
+        vector: makes PETSc's vector of this rank's rows of an array (n, f).
+        shape: (n, f) of the unknowns; size: local and global size of vectors.
+
+    Attributes:
+        stiff, inert: (n, f) what K and M are applied to.
+        constant: (n, f) load of each step.
+        version: of the operator that the matrix was assembled with; None: there is none for the present shape.
+    """
+
+    def __init__(self, vector: object, shape: tuple[int, int], size: tuple[int, int]) -> None:
+        self.stiff, self.inert = np.zeros(shape), np.zeros(shape)
+        self._stiff, self._inert = vector(self.stiff), vector(self.inert)
+        self._own_force = np.zeros(size[0])
+        self._force = PETSc.Vec().createWithArray(self._own_force, size=size, comm=self._stiff.comm)
+        self.constant, self._uniform = self.stiff, None
+        self.version: object = None
+
+    def assemble(self, operator: Operator, body: SemiDiscrete, load: float) -> None:
+        """Assemble the mass matrix, and the load of each step."""
+        zero = np.zeros_like(body.static)
+        self._mass = operator.assemble([part.term(zero) for part in body.mass.integrals], None)
+        self.constant, self._uniform = body.static * load, None
+        self.version = operator.version
+
+    def multiply(self, mat: PETSc.Mat, b: PETSc.Vec) -> None:
+        """Set b to mat `stiff` + M `inert`."""
+        for vector in (self._stiff, self._inert, b):
+            vector.stateIncrease()
+        mat.mult(self._stiff, b)
+        self._mass.multAdd(self._inert, b, b)
+
+    def uniform(self, body: SemiDiscrete) -> np.ndarray:
+        """The inertia (n, f) of a body that moves as a whole: only a shaking base asks for it."""
+        if self._uniform is None:
+            self._uniform = body.mass.apply(np.ones_like(body.static))
+            self._uniform[body.held] = 0.0
+        return self._uniform
+
+    def force(self, mat: PETSc.Mat, solution: PETSc.Vec, own_b: np.ndarray) -> np.ndarray:
+        """own_b - mat solution, of this rank's rows."""
+        mat.mult(solution, self._force)
+        return np.subtract(own_b, self._own_force, out=self._own_force)

@@ -1,0 +1,84 @@
+"""The linear system of a frame: operator, right side and solution on one mesh."""
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.gather import whole_vector
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.operator import Operator
+from restshape.fem.problem import Problem
+
+
+class LinearSystem:
+    """Holds what lives as long as a mesh does: the operator's pattern, and vectors.
+
+    Args:
+        comm: PETSc communicator.
+        problem: on the mesh.
+        backend: of the operator.
+        symmetric: whether the solver takes matrices for symmetric.
+
+    Attributes:
+        rows: this rank's, of all n f unknowns.
+        right: (n, f) right side, full: (n f,) solution, of all nodes; b, solution: PETSc's vectors of this rank's rows.
+        places: (m, d) this rank's nodes [m].
+        mat: as it was assembled last.
+    """
+
+    def __init__(self, comm: PETSc.Comm, problem: Problem, backend: str | None, symmetric: bool) -> None:
+        X, mask = problem.space.X, problem.boundary.mask
+        fields = mask.shape[1]
+        self.comm = comm
+        self.operator = Operator(comm, fields, problem.space.node_offsets, backend, symmetric=symmetric)
+        self.operator.set_topology(problem.blocks(), mask)
+        self.rows = rows = self.operator.rows
+        self.right, self.full = np.zeros(mask.shape), np.zeros(mask.size)
+        size = (rows.stop - rows.start, mask.size)
+        self.b = PETSc.Vec().createWithArray(self.right.ravel()[rows], size=size, comm=comm)
+        self.solution = PETSc.Vec().createWithArray(self.full[rows], size=size, comm=comm)
+        self.places = X[rows.start // fields : rows.stop // fields]
+        self.mat: PETSc.Mat | None = None
+
+    def gather(self) -> None:
+        """Fill `full` with all ranks' rows of the solution."""
+        whole_vector(self.full, self.rows, self.comm)
+
+
+def auxiliary_solve(
+    solver: LinearSolver,
+    operator: Operator,
+    mat: PETSc.Mat,
+    rhs: np.ndarray,
+    tolerance: float,
+    constrained: np.ndarray,
+    places: np.ndarray,
+    same_matrix: bool,
+) -> np.ndarray:
+    """The s (n, f) of mat s = rhs beside the sequence of solves, on the kept preconditioner.
+
+    Args:
+        solver: of that sequence.
+        operator: whose rows are this rank's.
+        mat: a tangent.
+        rhs: (n, f), ignored at constrained unknowns, where s is 0.
+        tolerance: of the residual, relative to rhs.
+        constrained: indices among all n f unknowns.
+        places: (m, d) this rank's nodes [m].
+        same_matrix: mat is that of the last solve.
+
+    Raises:
+        ReplayProblem: the solve does not converge.
+    """
+    rows, n, comm = operator.rows, rhs.size, operator.comm
+    right, full = rhs.ravel().copy(), np.zeros(n)
+    right[constrained] = 0.0
+    size = (rows.stop - rows.start, n)
+    b, s = (PETSc.Vec().createWithArray(array[rows], size=size, comm=comm) for array in (right, full))
+    norm = b.norm()
+    if norm > 0.0:
+        scale = norm * tolerance / solver.tolerance
+        solver.solve(mat, b, s, False, same_matrix=same_matrix, places=places, scale=scale, aside=True)
+        whole_vector(full, rows, comm)
+    for vector in (b, s):
+        vector.destroy()
+    return full.reshape(rhs.shape)

@@ -1,0 +1,89 @@
+"""A vibrating body on the mesh and with the values of a frame, and the last modes on its nodes."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from restshape.algebra.eigen import EigenSolver
+from restshape.algebra.stages import Stages
+from restshape.analysis.analysis import Context
+from restshape.analysis.frame import Frame
+from restshape.analysis.modal_matrices import ModalMatrices
+from restshape.analysis.modal_state import ModalState
+from restshape.application import application
+from restshape.fem.eigenproblem import Eigenproblem, Maker
+from restshape.mesh.transfer import transfer
+from restshape.scene.plan import plan as planned
+
+
+def bound(
+    state: ModalState, solver: EigenSolver, frame: Frame, context: Context, make: Maker
+) -> tuple[ModalState, np.ndarray]:
+    """The state with a new body, and the last modes (k, n f) on its nodes; none where they are of another kind.
+
+    Args:
+        state: of the last solution.
+        solver: begins a new system with these modes.
+        frame: with another mesh, or other values.
+        context: what all parts of the replay share.
+        make: makes the body.
+
+    Raises:
+        UserError: the scene makes no sense for a vibrating body.
+    """
+    old, before = state.body, state.modes.vectors
+    with context.stages("pattern"):
+        plan = planned(frame.scene, application(frame.scene.app))
+        body = make(frame.scene, plan, frame.mesh, context.policy.lumped_mass)
+        matrices = ModalMatrices(body)
+    solver.tolerance = frame.scene.solve.tolerance
+    mask = body.boundary.mask
+    carried = np.empty((0, mask.size))
+    if old is not None and old.axes == body.axes:
+        with context.stages("map"):
+            carried = _on_new_mesh(old, before, frame) if frame.mesh is not state.space else before
+        if carried.shape[1] != mask.size:
+            carried = np.empty((0, mask.size))
+    carried = np.where(mask.ravel() == 0, carried, 0.0)
+    solver.restart(carried if len(carried) and context.policy.transfer else None)
+    count = max(state.count, plan.settings("modal").modes)
+    return replace(state, plan=plan, body=body, matrices=matrices, count=count), carried
+
+
+def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stages) -> np.ndarray:
+    """The last modes (k, n f) on the plane mesh of a frame, whose nodes have moved and whose edges may have flipped.
+
+    Args:
+        state: of the last solution, or a prediction; its body and matrices go along.
+        solver: its modes of the last frames go along.
+        frame: on the same mesh.
+        stages: takes the time of each stage.
+    """
+    body, modes = state.body, state.modes.vectors
+    flipped = frame.mesh.topology != state.topology
+    with stages("relocate"):
+        changed = body.follow(frame.changed_cells if flipped else np.empty(0, dtype=np.int32))
+    if flipped:
+        with stages("pattern"):
+            state.matrices.patch(changed)
+            if frame.interpolations:
+                modes = _interpolated(body, modes, frame)
+                solver.history = [_interpolated(body, block, frame) for block in solver.history]
+    if state.predicted:
+        solver.history = [modes, *solver.history]
+    return modes
+
+
+def _interpolated(body: Eigenproblem, modes: np.ndarray, frame: Frame) -> np.ndarray:
+    """Modes (k, n f) at the new places of nodes of flipped edges."""
+    fields = [body.space.interpolate(mode.reshape(-1, len(body.axes)), frame.interpolations) for mode in modes]
+    return np.stack(fields).reshape(modes.shape)
+
+
+def _on_new_mesh(old: Eigenproblem, modes: np.ndarray, frame: Frame) -> np.ndarray:
+    """Modes (k, n f) of an old body on a new mesh, column by column."""
+    n, fields = len(old.plane.X), [mode.reshape(-1, len(old.axes)) for mode in modes]
+    shapes = [old.by_plane_nodes(old.space.interpolate(field, frame.interpolations)).reshape(n, -1) for field in fields]
+    there = transfer(old.plane, frame.mesh, np.concatenate(shapes, axis=1))
+    there = there.reshape(len(frame.mesh.X), len(modes), -1)
+    return np.ascontiguousarray(there.transpose(1, 0, 2)).reshape(len(modes), -1)

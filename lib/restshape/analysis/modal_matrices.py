@@ -1,0 +1,61 @@
+"""Stiffness and mass matrices of a body that vibrates, on patterns that are kept from frame to frame."""
+
+import numpy as np
+import scipy.sparse as sp
+from petsc4py import PETSc
+
+from restshape.algebra.gather import whole_matrix
+from restshape.algebra.operator import Operator
+from restshape.fem.assembled import Assembled
+from restshape.fem.eigenproblem import Eigenproblem
+from restshape.fem.problem import MASS, STIFFNESS
+
+
+class ModalMatrices:
+    """K and M of a problem, of one pattern each, whole on every rank.
+
+    Args:
+        problem: whose integrals are linear; kept by reference.
+        backend: of the operators.
+    """
+
+    def __init__(self, problem: Eigenproblem, backend: str | None = None) -> None:
+        self.problem = problem
+        offsets, mask = np.array([0, len(problem.space.X)], dtype=np.int32), problem.boundary.mask
+        self.operators = [Operator(PETSc.COMM_SELF, mask.shape[1], offsets, backend) for _ in range(2)]
+        for operator in self.operators:
+            operator.set_topology(problem.blocks(), mask)
+
+    def patch(self, changed: np.ndarray) -> None:
+        """Take in cells (k,) that flips have changed."""
+        for operator in self.operators:
+            operator.patch(0, changed)
+
+    def assemble(self) -> tuple[PETSc.Mat, PETSc.Mat]:
+        """K and M as the nodes lie; they belong to the operators."""
+        constrained, rest = self.problem.boundary.constrained, np.zeros(self.problem.boundary.mask.shape)
+        stiffness, mass = (
+            Assembled(self.problem.integrals(kind), operator).tangent(rest)
+            for kind, operator in zip((STIFFNESS, MASS), self.operators)
+        )
+        if len(constrained):
+            # Alone on their rows, with a mass they would be modes of their own.
+            diagonal = mass.getDiagonal()
+            diagonal.getArray()[constrained] = 0.0
+            mass.setDiagonal(diagonal)
+            diagonal.destroy()
+        return stiffness, mass
+
+    def gather(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Copies of K and M as they stand, with the rows of prescribed unknowns."""
+        return tuple(whole_matrix(operator.mat, PETSc.COMM_SELF) for operator in self.operators)
+
+
+def products(problem: Eigenproblem, modes: np.ndarray) -> np.ndarray:
+    """K phi and M phi (2, k, n f) of modes (k, n f), without matrices; forces at constrained unknowns are in them."""
+    shape, found = problem.boundary.mask.shape, np.empty((2, *modes.shape))
+    for kind, out in zip((STIFFNESS, MASS), found):
+        assembled = Assembled(problem.integrals(kind))
+        for mode, product in zip(modes, out):
+            product[:] = assembled.residual(np.ascontiguousarray(mode.reshape(shape))).ravel()
+    return found

@@ -1,0 +1,107 @@
+"""Modes of the frames of a drag to first order in the hand, without a solve."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from restshape.algebra.eigen import EigenReport
+from restshape.analysis.correction import largest_values
+from restshape.analysis.frequencies import largest_difference
+from restshape.analysis.modal_matrices import products
+from restshape.analysis.modal_state import ModalState, Modes, frequencies
+from restshape.analysis.mode_search import ModeSearch
+from restshape.sensitivity.modal import modal_derivative
+
+if TYPE_CHECKING:
+    from restshape.analysis.modal import ModalAnalysis
+
+
+class ModalPrediction:
+    """The `analysis.analysis.Predictor` of modes.
+
+    Its values are (k, k + n f): the stiffness that the modes see, which is diagonal at a solution, beside the modes.
+
+    Args:
+        analysis: whose state it reads and replaces.
+
+    Source: docs/theory.md, section 7.
+    """
+
+    def __init__(self, analysis: ModalAnalysis) -> None:
+        self.analysis = analysis
+
+    def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
+        """Derivatives (2, k, k + n f) of `values`; arguments as in `sensitivity.modal.modal_derivative`."""
+        return modal_derivative(self.analysis, motion, tolerance)
+
+    def values(self) -> np.ndarray:
+        """What is predicted, at the last solution or prediction."""
+        modes = self.analysis.state.modes
+        return np.column_stack([np.diag(modes.values), modes.vectors])
+
+    def set_values(self, values: np.ndarray) -> None:
+        """Take predicted values for those of the mesh as it lies now: the eigenvectors of the stiffness mix the modes.
+
+        Args:
+            values: (k, k + n f), the stiffness symmetric but for rounding.
+        """
+        state, count = self.analysis.state, len(values)
+        small = values[:, :count]
+        eigenvalues, turn = np.linalg.eigh(0.5 * (small + small.T))
+        order = np.argmax(np.abs(turn), axis=0)
+        turn = turn * np.sign(turn[order, np.arange(count)])
+        modes = self._reordered(state, order)
+        modes = replace(modes, values=eigenvalues, basis=values[:, count:], turn=turn)
+        report = EigenReport(0, False, state.report.age, state.report.method)
+        self.analysis.state = replace(state, modes=modes, report=report)
+
+    @property
+    def shown(self) -> np.ndarray | None:
+        """The predicted frequencies; None where there are none."""
+        return self.analysis.frequencies if self.analysis.state.predicted else None
+
+    def error(self, predicted: np.ndarray) -> float:
+        """The largest relative difference of predicted frequencies (modes,) from the solved ones."""
+        return largest_difference(predicted, self.analysis.frequencies)
+
+    def distance(self) -> float:
+        """About the largest relative difference of the predicted frequencies from those of the same mesh.
+
+        From the frequencies that the matrices of this shape give in the space of the predicted modes and what these
+        lack, by the kept factor.
+        """
+        state, solver = self.analysis.state, self.analysis.solver
+        body, vectors = state.body, state.modes.vectors
+        body.follow(np.empty(0, dtype=np.int32))
+        free = body.boundary.mask.ravel() == 0
+
+        def weighed(rows: np.ndarray) -> np.ndarray:
+            """K phi and M phi (2, k, n f) of rows (k, n f), at free unknowns."""
+            return np.where(free, products(body, rows), 0.0)
+
+        stiff, heavy = weighed(vectors)
+        values = np.einsum("ki,ki->k", vectors, stiff) / np.einsum("ki,ki->k", vectors, heavy)
+        missing = solver.pencil.solve_aside(np.ascontiguousarray(values[:, None] * heavy - stiff))
+        # The rigid motions are those of the last solve: what is left of them is of higher order.
+        solver.deflation.clean(missing)
+        space = np.concatenate([vectors, missing])
+        stiff, heavy = (np.concatenate(pair) for pair in zip((stiff, heavy), weighed(missing)))
+        values = np.sort(1.0 / largest_values(space @ heavy.T, space @ stiff.T, len(vectors)))
+        return largest_difference(state.frequencies, frequencies(values[state.modes.chosen]))
+
+    def _reordered(self, state: ModalState, order: np.ndarray) -> Modes:
+        """The modes with the ids of the last solution where mode k is what was order[k] there.
+
+        Where the prediction leaves and comes back, the order is that of the solution again.
+        """
+        if len(set(order)) != len(order):
+            return state.modes
+        settings, solved = state.plan.settings("modal"), state.solved
+        participation = solved.participation[order]
+        # By rank, as a solve chooses; what had not converged is not predicted.
+        search = ModeSearch(self.analysis.solver, state.body, settings.modes, settings.in_plane)
+        chosen = search.choose(participation, order < state.count)
+        return replace(state.modes, participation=participation, ids=solved.ids.reordered(order), chosen=chosen)

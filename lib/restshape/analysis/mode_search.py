@@ -1,0 +1,100 @@
+"""How many modes must be solved for, so that those that a scene asks for are among them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.clusters import cluster_end
+from restshape.algebra.eigen import EigenReport, EigenSolver
+from restshape.analysis.mode_tracking import ModeIds, normalise_signs
+from restshape.errors import ReplayProblem
+from restshape.fem.eigenproblem import Eigenproblem
+
+NORMAL = 0.5
+"""Share of the kinetic energy beyond which a mode counts as out of the plane."""
+
+MOST_BESIDE = 24
+"""Modes in the plane that may lie below the last one out of the plane that is wanted."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundModes:
+    """What a search has come to; fields as in `analysis.modal_state.Modes`, `count` as in `ModalState`."""
+
+    values: np.ndarray
+    vectors: np.ndarray
+    heavy: np.ndarray
+    participation: np.ndarray
+    chosen: np.ndarray
+    count: int
+    report: EigenReport
+
+
+@dataclass(frozen=True)
+class ModeSearch:
+    """Looks for the lowest modes of a body, those in the plane left out where they are not asked for.
+
+    Args:
+        solver: of the eigenproblem.
+        body: what vibrates.
+        modes: how many are wanted.
+        in_plane: those in the plane count too.
+    """
+
+    solver: EigenSolver
+    body: Eigenproblem
+    modes: int
+    in_plane: bool
+
+    def __call__(
+        self, stiffness: PETSc.Mat, mass: PETSc.Mat, rigid: np.ndarray, count: int, new_system: bool, verify: bool
+    ) -> FoundModes:
+        """The modes of K and M, as many as it takes to have those that are wanted and the clusters that they are in.
+
+        Args:
+            stiffness, mass, rigid, new_system, verify: as in `EigenSolver.solve`.
+            count: of modes that are solved for at first.
+
+        Raises:
+            ReplayProblem: too many lie in the plane, or the eigenproblem has no solution that can be found.
+        """
+        total = None
+        while True:
+            found, report = self.solver.solve(stiffness, mass, rigid, count, new_system and total is None, verify)
+            total = report if total is None else total.followed_by(report)
+            heavy = np.empty_like(found.modes)
+            self.solver.pencil.apply(mass, found.modes, heavy)
+            participation = self.body.normal_participation(found.modes, heavy)
+            chosen = self.choose(participation, np.arange(len(participation)) < count)
+            if len(chosen) == self.modes:
+                whole = cluster_end(found.values, int(chosen[-1]))
+                if whole <= count or count >= self.modes + MOST_BESIDE:
+                    return FoundModes(found.values, found.modes, heavy, participation, chosen, count, total)
+                count = whole
+                continue
+            if count >= self.modes + MOST_BESIDE:
+                raise ReplayProblem(
+                    f"only {len(chosen)} of the {count} lowest modes are out of the plane, not {self.modes}"
+                )
+            count += max(1, self.modes - len(chosen))
+
+    def ids(self, found: FoundModes, before: ModeIds, previous: np.ndarray, sizes: np.ndarray) -> ModeIds:
+        """The ids of modes that have been found, whose signs are set.
+
+        Args:
+            found: the modes.
+            before: ids of those before.
+            previous: (k, n f) the modes before, on the nodes of now; (0, n f) where there are none.
+            sizes: (k,) their phi^T M phi in the mass of now.
+        """
+        if len(previous):
+            return before.track(previous, found.vectors, found.heavy, sizes)
+        normalise_signs(found.vectors, found.heavy)
+        return ModeIds.first(len(found.vectors), found.chosen)
+
+    def choose(self, participation: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Indices of the lowest modes that are wanted, among known (k,) ones with their participation (k,)."""
+        if "z" in self.body.axes and not self.in_plane:
+            known = known & (participation >= NORMAL)
+        return np.flatnonzero(known)[: self.modes]

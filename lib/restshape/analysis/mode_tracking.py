@@ -1,0 +1,85 @@
+"""Mode ids that follow modes from frame to frame by their shape, not by the rank of their frequency."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+SAME = 0.3
+"""Modal assurance criterion (MAC) above which two modes may be the same one. Modes that meet and part again share
+theirs: half each where they turn by 45 degrees in a frame."""
+
+
+def normalise_signs(modes: np.ndarray, heavy: np.ndarray) -> None:
+    """Make the component of largest size positive: a mode's sign means nothing, but must not depend on luck.
+
+    Args:
+        modes: (k, n), changed in place; heavy: (k, n) their products M phi, likewise.
+    """
+    for mode, weight in zip(modes, heavy):
+        # The first one of nearly the largest, for symmetric modes have several.
+        top = np.flatnonzero(np.abs(mode) > 0.999 * np.abs(mode).max())[0]
+        if mode[top] < 0.0:
+            mode *= -1.0
+            weight *= -1.0
+
+
+@dataclass(frozen=True, eq=False)
+class ModeIds:
+    """The id of each mode, which it keeps for as long as it is computed, across crossings too.
+
+    Args:
+        ids: (k,) of the modes of a frame, in the order of their frequencies.
+        free: the next id that no mode has had.
+    """
+
+    ids: np.ndarray
+    free: int
+
+    @classmethod
+    def first(cls, count: int, chosen: np.ndarray) -> ModeIds:
+        """Ids of modes that none has gone before.
+
+        Args:
+            count: how many there are.
+            chosen: indices of those that get the lowest ids, in their order.
+        """
+        order = [*chosen, *(k for k in range(count) if k not in set(chosen))]
+        ids = np.empty(count, dtype=int)
+        ids[order] = np.arange(1, count + 1)
+        return cls(ids, count + 1)
+
+    @classmethod
+    def none(cls) -> ModeIds:
+        """Those of no mode."""
+        return cls(np.empty(0, dtype=int), 1)
+
+    def reordered(self, order: np.ndarray) -> ModeIds:
+        """The same where mode k is what was mode order[k]."""
+        return ModeIds(self.ids[order], self.free)
+
+    def track(self, before: np.ndarray, after: np.ndarray, heavy: np.ndarray, sizes: np.ndarray) -> ModeIds:
+        """The ids of the modes of a frame: of those before that look most like them, whose signs they take.
+
+        Args:
+            before: (k, n) modes that these ids are of, on the nodes of now.
+            after: (m, n) modes of now, whose signs are changed in place; heavy: (m, n) their products M phi, likewise.
+            sizes: (k,) phi^T M phi of the modes before, in the mass of now.
+        """
+        overlap = before @ heavy.T
+        # Carried to another mesh the old modes are not of unit mass any more; new ones are. A body that was thrown off
+        # its old place takes nothing of its modes along.
+        mac = overlap**2 / np.where(sizes > 0.0, sizes, np.inf)[:, None]
+        rows, columns = linear_sum_assignment(-mac)
+        ids, free = np.full(len(after), -1), self.free
+        for row, column in zip(rows, columns):
+            if mac[row, column] >= SAME:
+                ids[column] = self.ids[row]
+                if overlap[row, column] < 0.0:
+                    after[column] *= -1.0
+                    heavy[column] *= -1.0
+        for column in np.flatnonzero(ids < 0):
+            ids[column], free = free, free + 1
+        return ModeIds(ids, free)

@@ -1,0 +1,1 @@
+"""Relaxation: how a body without inertia of its own is brought to a stable equilibrium."""

@@ -1,0 +1,178 @@
+"""Cloth that is relaxed, frame after frame, on pattern, factors and positions that are kept."""
+
+# More modules than most have: here all parts of a relaxation meet.
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from restshape.algebra.linear_report import LinearReport
+from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.frame import Frame
+from restshape.analysis.relaxation.binding import bind
+from restshape.analysis.relaxation.comparison import compare_cold
+from restshape.analysis.relaxation.options import RelaxationOptions, Watch
+from restshape.analysis.relaxation.relaxing import relax
+from restshape.analysis.relaxation.row import Row
+from restshape.analysis.relaxation.state import RelaxationState
+from restshape.errors import ReplayProblem, UserError
+from restshape.fem.problem import Fields
+from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.error_estimate import ClothEstimate
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+
+class RelaxationAnalysis:
+    """The equilibrium of cloth on bodies and supports while they, or its pattern, are edited; an `analysis.Analysis`.
+
+    The first frame, and every one that starts cold, lets the cloth fall from where the scene places it, from a soft
+    membrane to a stiff one and from coarse meshes to fine ones; others go on from the last positions.
+
+    Args:
+        scene: what the user wrote.
+        plan: which effects are on.
+        context: what all parts of the replay share.
+
+    Attributes:
+        bound: the state that the last relaxation has started from.
+        interrupted: the last frame has failed: what was set up for it must be set up again.
+        age: frames in which nothing was solved since the solver was made.
+        watch: called with the solver, positions (n, 3) and residual over load at each iterate.
+
+    Source: docs/theory.md, section "Cloth".
+    """
+
+    estimated = "strain of the cloth in the energy norm"
+    predictor = None
+    why_not = "cloth is not predicted yet: all its frames are solved"
+
+    def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:
+        self.context, self.state = context, RelaxationState(plan)
+        self.bound: RelaxationState | None = None
+        self.interrupted, self.age = False, 0
+        self.watch: Watch = lambda *_: None
+        self._row = Row(scene.bodies)
+        self._origin: RelaxationState | None = None
+        self._observed: tuple[RelaxationState | None, dict[str, float]] = (None, {})
+        self._estimate: ClothEstimate | None = None
+
+    def solve(self, frame: Frame) -> LinearReport:
+        """Bring the positions `x` (n, 3) [m] up to date with a frame.
+
+        Raises:
+            ReplayProblem: a step has no solution, or a value no number.
+            UserError: the scene's cloth cannot be had. In both cases the state is that of before.
+        """
+        mesh, before = frame.mesh, self.state
+        new_mesh = mesh is not before.mesh or mesh.topology != before.topology
+        new_values = self.interrupted or frame.scene is not before.scene
+        if not (new_mesh or new_values or mesh.geometry != before.geometry):
+            self.age += 1
+            return LinearReport(0, False, self.age, self._preconditioner)
+        try:
+            with self.context.stages("pattern"):
+                options = self._options(frame.scene, new_values)
+                bound, cold = bind(before, frame, new_mesh, options, self._origin)
+            self.bound = bound
+            found = relax(bound, cold, options)
+        except (ReplayProblem, UserError):
+            self.interrupted = True
+            if before.problem:
+                self._restore(before)
+            raise
+        self.interrupted, self._origin = False, None
+        self.age = self.age if found.problem is before.problem else 0
+        self.state = replace(found, scene=frame.scene, topology=mesh.topology, geometry=mesh.geometry)
+        report = found.report
+        return LinearReport(report.iterations, report.factors > 0, self.age, self._preconditioner, report.newton)
+
+    def start_from(self, other: RelaxationAnalysis) -> None:
+        """Let the first frame start at the equilibrium of another analysis of the same mesh, its friction included."""
+        self._origin = other.state
+
+    @staticmethod
+    def _restore(state: RelaxationState) -> None:
+        """Let the problem of a state have its friction and all of its stiffness again."""
+        if state.friction is not None:
+            state.problem.contact.history = state.friction
+        state.problem.soften(1.0)
+
+    def _options(self, scene: Scene, new_values: bool) -> RelaxationOptions:
+        """How the cloth of a scene is relaxed."""
+        known = None if new_values else self.state.plan
+        return RelaxationOptions.of(self.context, scene, known, lambda *iterate: self.watch(*iterate))
+
+    @property
+    def _preconditioner(self) -> str:
+        return "cholesky" if self.context.policy.name != "thesis" else "ilu"
+
+    # --- what is asked of a state -------------------------------------------------------------------------------------
+
+    @property
+    def x(self) -> np.ndarray:
+        """Positions (n, 3) [m] at the last solution, and with Morley's triangles slopes of edges."""
+        return self.state.x
+
+    @property
+    def problem(self) -> ClothProblem | None:
+        """What was solved last."""
+        return self.state.problem
+
+    @property
+    def space(self) -> Mesh | None:
+        """The mesh whose nodes are shown; None before the first solution."""
+        return self.state.mesh
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of the equations, prescribed ones included."""
+        return self.state.x.size
+
+    @property
+    def tolerance(self) -> float:
+        """Residual over load at an equilibrium."""
+        return self.state.plan.settings("drape").rest
+
+    def observe(self) -> dict[str, float]:
+        """The scene's quantities of interest, evaluated once a solution."""
+        if self._observed[0] is not self.state:
+            self._observed = (self.state, self.state.observer(self.state.x))
+        return self._observed[1]
+
+    def row(self) -> dict[str, Any]:
+        """Columns of the frame's row that only this analysis has."""
+        return self._row(self.state)
+
+    def residual_norm(self) -> float:
+        """The residual over the weight; norms at free unknowns."""
+        return self.state.solver.residual_norm(self.state.x)
+
+    def errors(self) -> dict[str, float]:
+        """The estimated relative error of tensions and moments in the energy norm."""
+        return {"estimate": self.error_estimate.relative(self.state.x)}
+
+    @property
+    def error_estimate(self) -> ClothEstimate:
+        """The estimate of the present problem, kept until there is another one."""
+        if self._estimate is None or self._estimate.problem is not self.state.problem:
+            self._estimate = ClothEstimate(self.state.problem)
+        self._estimate.update()
+        return self._estimate
+
+    def fields(self) -> Fields:
+        """Displacement [m] of the nodes from the flat pattern, larger principal tension [N/m] of the cells."""
+        return self.state.problem.fields(self.state.x)
+
+    def blank_fields(self, space: Mesh) -> Fields:
+        """The same fields, all NaN, on a mesh that has not been solved on."""
+        return ClothProblem.blank_fields(space)
+
+    def compare_cold(self) -> Comparison:
+        """The state beside a solve with a new problem, pattern, values and factor, and no guess."""
+        options = self._options(self.state.scene, False)
+        return compare_cold(self.state, options.make_solver)

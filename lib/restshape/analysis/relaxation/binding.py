@@ -1,0 +1,149 @@
+"""What a frame changes about cloth before it is solved for: values, mesh, places of the material, bodies, friction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from restshape.analysis.frame import Frame
+from restshape.analysis.relaxation.options import RelaxationOptions
+from restshape.analysis.relaxation.row import penetration_notes
+from restshape.analysis.relaxation.state import RelaxationState
+from restshape.mesh.transfer import transfer
+from restshape.physics.cloth.body_motion import body_axes, moved_with
+from restshape.physics.cloth.contact import FrictionHistory
+from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.quantities import observer
+from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact
+from restshape.physics.cloth.tunnelling import penetrations
+from restshape.scene.bodies import Body
+from restshape.scene.model import Scene
+
+
+def bind(
+    before: RelaxationState, frame: Frame, new_mesh: bool, options: RelaxationOptions, origin: RelaxationState | None
+) -> tuple[RelaxationState, bool]:
+    """The state that a frame's relaxation starts from, and whether that is the initial placement.
+
+    Args:
+        before: the last equilibrium.
+        frame: what is told of it.
+        new_mesh: the mesh, or its connectivity, is another one.
+        options: of the frame's scene.
+        origin: the equilibrium of other cloth on the same mesh to start from instead, its friction included.
+    """
+    mesh, scene = frame.mesh, frame.scene
+    arguments = options.arguments(mesh)
+    # Cloth that has fallen out of reach is thrown again, so that an edit, or its undo, brings it back.
+    cold = before.problem is None or options.context.policy.regenerate or before.report.falls
+    if new_mesh or not same_elements(before.problem, arguments):
+        corners = None
+        if not cold:
+            with options.context.stages("map"):
+                corners = moved_corners(before, frame, scene)
+        state = new_problem(before, frame, arguments, corners)
+        state = replace(state, solver=options.make_solver(state.problem))
+    else:
+        state = moved_material(before, arguments)
+        if cold:
+            state = replace(state, x=state.problem.flat(arguments.start))
+    problem, notes = state.problem, ()
+    state = replace(state, plan=options.plan, bodies=options.bodies)
+    if cold and problem.contact:
+        depths = penetrations(problem.contact.bodies, problem.corners(state.x))
+        notes = tuple(penetration_notes("begins", problem, scene, depths))
+    if problem.contact and before.friction is not None and not cold:
+        state = replace(state, x=move_with_bodies(state, before.bodies))
+    if origin:
+        state, cold = replace(state, x=problem.constrain(origin.x)), False
+        if problem.contact and origin.friction is not None:
+            problem.contact.history = origin.friction
+    state.solver.set_tolerance(options.settings.rest)
+    state.solver.set_reach(options.reach)
+    return replace(state, observer=observer(problem, scene.quantities), notes=notes), cold
+
+
+def same_elements(problem: ClothProblem, arguments: ClothArguments) -> bool:
+    """Whether the elements of a problem are those of other arguments."""
+    fabric, new, contact = problem.fabric, arguments.fabric, problem.contact
+    if (contact is None) != (not arguments.bodies):
+        return False
+    if contact is not None and len(contact.bodies) != len(arguments.bodies):
+        return False
+    return (fabric.kind, fabric.law) == (new.kind, new.law)
+
+
+def new_problem(
+    before: RelaxationState, frame: Frame, arguments: ClothArguments, corners: np.ndarray | None
+) -> RelaxationState:
+    """The state on a mesh, or with elements, that are not known.
+
+    Args:
+        before: the state before.
+        frame: with the mesh.
+        arguments: of the problem.
+        corners: (corners, 3) [m] where the last cloth is on that mesh; None: it starts cold.
+    """
+    problem, old = cloth_problem(frame.mesh, arguments), before.problem
+    x = problem.flat(arguments.start if corners is None else corners)
+    if corners is not None and problem.contact and before.friction is not None:
+        if len(before.friction.anchors) == len(problem.contact.bodies):
+            same = frame.mesh is old.mesh
+            interpolate = (lambda values: values) if same else (lambda values: transfer(old.mesh, frame.mesh, values))
+            problem.contact.history = before.friction.mapped(old.corners(before.x), corners, interpolate)
+    return replace(before, problem=problem, x=x)
+
+
+def moved_corners(before: RelaxationState, frame: Frame, scene: Scene) -> np.ndarray:
+    """Positions (corners, 3) of the last frame: along the cloth, or, on a new mesh, by their displacements."""
+    problem = before.problem
+    if frame.mesh is problem.mesh:
+        return before.carried().corners_at(frame.mesh.X, problem.corner_number)
+    placement = InitialPlacement(scene.start, scene.parameters)
+    moved = problem.corners(before.x) - placement.places(problem.mesh.X)
+    return placement.places(frame.mesh.X) + transfer(problem.mesh, frame.mesh, moved)
+
+
+def moved_material(before: RelaxationState, arguments: ClothArguments) -> RelaxationState:
+    """The state with moved nodes, other values, supports and bodies on the same topology."""
+    problem = before.problem
+    # Material that has come elsewhere takes the place that the cloth has there.
+    cloth = before.carried()
+    problem.set_values(arguments.fabric, arguments.supports, arguments.g)
+    sides = problem.morley.side_number if problem.morley else None
+    x = cloth.unknowns_at(problem.place, sides)
+    if problem.contact:
+        set_contact(problem, arguments)
+        # What sticks does so wherever its nodes are in it.
+        way = problem.corners(x) - problem.corners(before.x)
+        friction = before.friction
+        problem.contact.history = replace(friction, anchors=friction.anchors + way)
+    return replace(before, x=problem.constrain(x))
+
+
+def move_with_bodies(state: RelaxationState, before: tuple[Body, ...]) -> np.ndarray:
+    """Let anchors go where their bodies have gone; returns a guess (n, 3) of the positions.
+
+    Cloth that lies on one body alone, and hangs nowhere, is guessed to go where this goes.
+    """
+    problem, contact = state.problem, state.problem.contact
+    anchors = contact.history.anchors.copy()
+    for k, (old, new) in enumerate(zip(before, state.bodies)):
+        anchors[k] = moved_with(old, new, anchors[k])
+    contact.history = replace(contact.history, anchors=anchors)
+    pressed = [k for k in range(len(state.bodies)) if contact.history.pressed(k)]
+    if len(pressed) != 1 or len(problem.boundary.constrained):
+        return state.x
+    old, new = before[pressed[0]], state.bodies[pressed[0]]
+    if old.kind != new.kind:
+        return state.x
+    x = state.x.copy()
+    x[problem.corner_number] += body_axes(new)[0] - body_axes(old)[0]
+    return x
+
+
+def friction_of(problem: ClothProblem) -> FrictionHistory | None:
+    """What friction remembers now; None where nothing touches."""
+    return problem.contact.history if problem.contact else None

@@ -1,0 +1,131 @@
+"""The equations of cloth as SNES wants them, on operators whose pattern and bending stiffness are kept."""
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.operator import Operator
+from restshape.algebra.stages import Stages
+from restshape.fem.assembled import Assembled
+from restshape.physics.cloth.problem import ClothProblem
+
+SUPPORTING = 0.02
+"""Inertia of the tangent of descents, over that of a pendulum as long as the cloth, g/L: without any, cloth that lies
+loosely has motions that nothing resists."""
+WEIGHTLESS = 1.0
+"""The same inertia [1/s^2] where there is no weight."""
+
+
+class KeptOperator:
+    """Tangents of a problem, with the pattern and the constant terms kept while its stiffness is the same.
+
+    Args:
+        problem: whose nodes may move, and whose membrane may be softened.
+        comm: PETSc communicator.
+        stages: takes the times of patterns and values.
+        backend: of the operator.
+
+    Attributes:
+        patterned: it has been asked for a tangent.
+    """
+
+    def __init__(self, problem: ClothProblem, comm: PETSc.Comm, stages: Stages, backend: str | None) -> None:
+        self.stages, self.problem = stages, problem
+        self.operator = Operator(comm, 3, problem.space.node_offsets, backend)
+        self.patterned, self._version, self._constant = False, -1, False
+
+    def matrix(self, x: np.ndarray, stabilised: bool, inertia: float) -> PETSc.Mat:
+        """The tangent at x (n, 3) [m], with or without its compressed part, plus `inertia` [1/s^2] times the mass."""
+        with self.stages("values"):
+            if self._version != self.problem.stiffness_version:
+                self._prepare()
+            integrals = self.problem.tangent_integrals(stabilised, inertia)
+            return Assembled(integrals, self.operator).tangent(x, kept=self._constant)
+
+    def _prepare(self) -> None:
+        problem = self.problem
+        if self.patterned:
+            self.operator.set_constraints(problem.boundary.mask)
+        else:
+            with self.stages("pattern"):
+                self.operator.set_topology(problem.blocks(), problem.boundary.mask)
+        self._constant = problem.quadratic_bending
+        if self._constant:
+            Assembled(problem.bending_integrals(), self.operator).keep(np.zeros((problem.n_nodes, 3)))
+        self.patterned, self._version = True, problem.stiffness_version
+
+
+class ClothEquations:
+    """The residual of cloth, as `algebra.newton`, `kinetic_damping` and `descent` want it.
+
+    Args:
+        problem: whose nodes may move, and whose membrane may be softened.
+        comm: PETSc communicator.
+        stages: takes the times of patterns and values.
+        backend: of the operators; by default, on one rank, motion may have one in blocks of nodes.
+
+    Attributes:
+        stabilised: whether `tangent` leaves out what is compressed; inertia: times the mass, on its diagonal.
+    """
+
+    potential = True
+
+    def __init__(self, problem: ClothProblem, comm: PETSc.Comm, stages: Stages, backend: str | None = None) -> None:
+        self.problem, self.stages = problem, stages
+        self.tangents = KeptOperator(problem, comm, stages, backend)
+        own = comm.size == 1 and backend is None
+        self.steps = KeptOperator(problem, comm, stages, "bcsr") if own else self.tangents
+        self.stabilised, self.inertia = True, self.supporting_inertia
+
+    @property
+    def version(self) -> tuple[object, int]:
+        """Another one whenever forces or the true tangent's matrix may be others at the same positions."""
+        return self.problem.version, self.tangents.operator.version
+
+    @property
+    def supporting_inertia(self) -> float:
+        """Inertia [1/s^2] that is small beside what moves the cloth."""
+        size = float(np.ptp(self.problem.X, axis=0).max())
+        return SUPPORTING * float(np.linalg.norm(self.problem.g)) / size or WEIGHTLESS
+
+    @property
+    def rows(self) -> slice:
+        """This rank's, of all 3 n."""
+        return self.tangents.operator.rows
+
+    @property
+    def held(self) -> np.ndarray:
+        """Unknowns, of all 3 n, that are constrained."""
+        return self.problem.boundary.constrained
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Of the nodes (n,) [kg]."""
+        return self.problem.lumped.mass
+
+    def residual(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` (n, 3) [N] to the residual at positions x (n, 3) [m]."""
+        with self.stages("values"):
+            self.problem.residual(x, out)
+
+    def energy(self, x: np.ndarray) -> float:
+        """Potential energy [J]."""
+        with self.stages("values"):
+            return self.problem.energy(x)
+
+    def assemble(self, x: np.ndarray, out: np.ndarray | None) -> PETSc.Mat:
+        """The true tangent at x (n, 3) [m]; `out` as in `residual`."""
+        if out is not None:
+            self.residual(x, out)
+        return self.tangents.matrix(x, False, 0.0)
+
+    def tangent(self, x: np.ndarray) -> PETSc.Mat:
+        """The tangent that descents make steps with."""
+        return self.tangents.matrix(x, self.stabilised, self.inertia)
+
+    def true_tangent(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
+        """The true tangent plus `inertia` [1/s^2] times the mass."""
+        return self.tangents.matrix(x, False, inertia)
+
+    def step_matrix(self, x: np.ndarray, inertia: float, blocks: bool) -> PETSc.Mat:
+        """The stabilised tangent plus `inertia` [1/s^2] times the mass; with `blocks` it may be of type BAIJ."""
+        return (self.steps if blocks else self.tangents).matrix(x, True, inertia)

@@ -1,0 +1,248 @@
+"""The solution strategy of cloth: motion with kinetic damping, descent, and Newton refinement at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.descent import MEMORY, Descent
+from restshape.algebra.kinetic_damping import KineticDamping, Steps
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.newton import Newton
+from restshape.algebra.stages import Stages
+from restshape.analysis.relaxation.equations import ClothEquations
+from restshape.analysis.relaxation.report import FALLS, ConvergenceReport
+from restshape.errors import ReplayProblem
+from restshape.physics.cloth.problem import ClothProblem
+
+NEAR = 1e-3
+"""Residual over load at which Newton's method takes over."""
+ROUGH = 0.05
+"""Residual over load at which the next softness, or mesh, takes over."""
+SLIPPING = 1e-2
+"""Slip distance that friction may still have at an equilibrium, over that at which it is all there."""
+STIFFER = 10.0
+"""Factor of the inertia where a descent does not get on."""
+LEAST = 1e-9
+"""Strain whose forces are the least that residuals of cloth without weight are measured against."""
+ROUND_OFF = 4e-16
+"""Rounding of a force, over the membrane's stiffness times the place of its node."""
+TRIES = 4
+"""Descents in a row that may fail before the cloth is said not to converge."""
+
+
+class EquilibriumSolver:
+    """Finds the equilibrium of one cloth, again and again, with patterns, factors and solvers that are kept.
+
+    Args:
+        problem: the cloth.
+        comm: PETSc communicator.
+        stages: takes the time of values, factors and Krylov iterations.
+        linear: solves for Newton's steps; None: Newton's method is not used.
+        goal: residual over load at an equilibrium.
+        motion: how kinetic damping steps.
+        backend: of the operator.
+        prefix: of options in PETSc's database.
+
+    Attributes:
+        on_iterate: called with positions (n, 3) and residual over load at each iterate of any method.
+
+    Source: docs/theory.md, section "Cloth".
+    """
+
+    def __init__(
+        self,
+        problem: ClothProblem,
+        comm: PETSc.Comm,
+        stages: Stages,
+        linear: LinearSolver | None,
+        goal: float = 1e-4,
+        motion: Steps | None = None,
+        backend: str | None = None,
+        prefix: str = "drape_",
+    ) -> None:
+        self.problem, self.comm, self.stages, self.linear, self.goal = problem, comm, stages, linear, goal
+        self.motion = motion or Steps()
+        self.equations = ClothEquations(problem, comm, stages, backend)
+        rows, shape, mass = self.equations.rows, (problem.n_nodes, 3), self.equations.mass
+        self._moving = KineticDamping(comm, f"{prefix}kinetic_", self.equations, mass, shape, rows, self.motion)
+        reach = self.motion.reach
+        self.descent = Descent(comm, f"{prefix}descent_", self.equations, shape, rows, reach=reach)
+        self._newton = Newton(comm, f"{prefix}newton_", linear, shape, rows) if linear else None
+        self._met, self._noted = -1, 0
+        self.on_iterate: Callable[[np.ndarray, float], None] = lambda *_: None
+        self._moving.on_step = self.descent.on_step = self.note
+        # Friction that followed at peaks alone would be none for what slides ever faster and has no peak.
+        self._moving.on_move = problem.follow_friction
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        # SNES calls `destroy` of its python context, whose name this must not be.
+        self._moving.free()
+        for part in (self.descent, self._newton):
+            if part:
+                part.destroy()
+        # Matrices go with the operator, which must not wait until Python looks for cycles.
+        del self.equations, self._moving, self.descent, self._newton
+
+    @property
+    def newton(self) -> Newton | None:
+        """Newton's method for the problem as it is now."""
+        if self._newton and self._met != self.problem.stiffness_version:
+            self._newton.take(self.equations)
+            self._newton.begin(self._met < 0, False, self.places)
+            self._met = self.problem.stiffness_version
+        return self._newton
+
+    @property
+    def moving(self) -> KineticDamping:
+        """Kinetic damping of the problem as it is now."""
+        self._moving.set_mass(self.equations.mass)
+        return self._moving
+
+    @property
+    def places(self) -> np.ndarray:
+        """Material coordinates (k, 2) [m] of this rank's nodes."""
+        rows = self.equations.rows
+        return self.problem.X[rows.start // 3 : rows.stop // 3]
+
+    def set_tolerance(self, goal: float) -> None:
+        """Converge to another residual over the load."""
+        self.goal = self.linear.tolerance = goal
+
+    def set_reach(self, reach: float) -> None:
+        """Let no node go farther in one step than so much [m]."""
+        self.motion = replace(self.motion, reach=reach)
+        self._moving.steps, self.descent.reach = self.motion, reach
+
+    def scale(self, x: np.ndarray) -> float:
+        """What residuals are measured against [N]: the weight, or without any the forces at supports."""
+        problem, lumped = self.problem, self.problem.lumped
+        if lumped.load > 0.0:
+            return lumped.load
+        forces = np.empty_like(x)
+        problem.internal_forces(x, forces)
+        least = LEAST * problem.fabric.membrane.max() * lumped.area.sum() ** 0.5
+        return max(float(np.linalg.norm(forces[problem.boundary.mask.astype(bool)])), least)
+
+    def damp(self, x: np.ndarray, goal: float, report: ConvergenceReport) -> None:
+        """Kinetic damping from x (n, 3), which is changed, until the residual over the load is at `goal`."""
+        self.problem.update_friction(x)
+        try:
+            with self.stages("krylov"):
+                self.moving.run(x, goal * self.scale(x))
+        except ReplayProblem as problem:
+            # From where it has come to, other methods may get on.
+            report.why = str(problem)
+        report.residual = self.residual_norm(x)
+        report.steps += self._moving.snes.getIterationNumber()
+        report.iterations += self._moving.iterations
+
+    def descend(self, x: np.ndarray, goal: float, most: int, report: ConvergenceReport) -> bool:
+        """Quasi-Newton steps from x (n, 3), which is changed, on a fresh tangent every few steps; tells of success."""
+        equations, failed, taken = self.equations, 0, 0
+        least = equations.inertia = equations.supporting_inertia
+        report.why = ""
+        while taken < most:
+            report.slip = self.problem.update_friction(x)
+            before = x.copy()
+            with self.stages("krylov"):
+                norm = self.descent.run(x, goal * self.scale(x), min(MEMORY, most - taken))
+            steps = self.descent.steps
+            report.factors, report.iterations = report.factors + 1, report.iterations + steps
+            report.steps, taken = report.steps + steps, taken + max(steps, 1)
+            report.residual = norm / self.scale(x)
+            if not self.is_valid(x):
+                x[:] = before
+            if report.residual <= goal:
+                return True
+            if self.problem.falls(x):
+                report.falls, report.why = True, FALLS
+                # Nothing is left of friction then.
+                self.problem.update_friction(x)
+                return False
+            # A descent that ends at once has a tangent that does not fit: more inertia makes steps shorter.
+            failed = failed + 1 if steps < 2 else 0
+            if failed >= TRIES:
+                report.why = "no step makes the energy smaller"
+                return False
+            equations.inertia = equations.inertia * STIFFER if steps < 2 else max(equations.inertia / STIFFER, least)
+        return False
+
+    def refine(self, x: np.ndarray, report: ConvergenceReport) -> bool:
+        """Newton's method from x (n, 3) near an equilibrium, which it is set to where one is found; tells whether."""
+        scale, start = self.scale(x), x.copy()
+        try:
+            outcome = self.newton.solve(x, self.goal * scale, scale, searched=True, rounding=self.rounding)
+        except ReplayProblem:
+            x[:] = start
+            return False
+        report.newton += outcome.newton
+        report.steps += outcome.newton
+        report.iterations += outcome.iterations
+        if not outcome.converged or not np.isfinite(x).all():
+            x[:] = start
+            return False
+        report.residual = outcome.norm / scale
+        self.note(x, outcome.norm)
+        return True
+
+    def converge(self, x: np.ndarray, most: int, report: ConvergenceReport) -> ConvergenceReport:
+        """Descent and Newton's method from x (n, 3), which is changed, until nothing moves, friction included."""
+        near, begun = max(NEAR, self.goal), report.steps
+        while True:
+            left = most - (report.steps - begun)
+            if left <= 0:
+                report.why = report.why or f"{most} steps are over"
+                break
+            if not self.descend(x, near, left, report):
+                report.why = report.why or f"{most} steps are over"
+                break
+            if self.newton and not self.refine(x, report):
+                # Where the true tangent is of no use yet, descent goes on alone.
+                near = max(0.1 * near, self.goal)
+                if near > self.goal or report.residual > self.goal:
+                    continue
+            report.slip = self.problem.update_friction(x)
+            report.residual = self.residual_norm(x)
+            if report.residual <= self.goal and report.slip <= SLIPPING * self.slip_distance:
+                report.converged, report.why = True, ""
+                break
+            if report.residual > self.goal and report.residual * self.scale(x) <= self.rounding * np.abs(x).max():
+                report.why = "rounding leaves no smaller residual"
+                break
+            near = max(near, self.goal)
+        return report
+
+    @property
+    def rounding(self) -> float:
+        """Forces [N] a metre of the places below which a residual that steps do not lower any more is rounding."""
+        return ROUND_OFF * float(self.problem.fabric.membrane.max()) * len(self.problem.mesh.X) ** 0.5
+
+    def _places(self) -> np.ndarray:
+        return self.problem.X[self.rows.start // 3 : self.rows.stop // 3]
+
+    def residual_norm(self, x: np.ndarray) -> float:
+        """The norm of the residual over the load, at x (n, 3)."""
+        out = np.empty_like(x)
+        self.problem.residual(x, out)
+        return float(np.linalg.norm(out)) / self.scale(x)
+
+    def is_valid(self, x: np.ndarray) -> bool:
+        """Whether positions x (n, 3), their energy and their residual are numbers."""
+        return bool(np.isfinite([np.abs(x).max(), self.problem.energy(x), self.residual_norm(x)]).all())
+
+    @property
+    def slip_distance(self) -> float:
+        """Way at which friction is all there [m]; infinite without contact."""
+        return self.problem.contact.slip if self.problem.contact else np.inf
+
+    def note(self, x: np.ndarray, norm: float) -> bool:
+        """Hand on an iterate x (n, 3) and its residual's norm [N]; tells whether the cloth falls without end."""
+        self.on_iterate(x, norm / self.scale(x))
+        self._noted += 1
+        # Looked at in every step it would cost a twentieth of it.
+        return self._noted % MEMORY == 0 and self.problem.falls(x)

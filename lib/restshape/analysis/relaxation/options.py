@@ -1,0 +1,103 @@
+"""How the cloth of one scene is relaxed: settings of its plan, and solvers made by them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from restshape.algebra.kinetic_damping import Steps
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.traits import Traits
+from restshape.analysis.analysis import Context
+from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
+from restshape.application import application
+from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.scene import ClothArguments, cloth_arguments
+from restshape.physics.cloth.tunnelling import size_of
+from restshape.scene.bodies import Body
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+from restshape.scene.plan import plan as planned
+
+PASSED = 0.5
+"""Part of the smallest size of a body that a node goes in one step: it must not come out on the other side."""
+SMALL = 600
+"""Nodes up to which motion is solved for with complete factors."""
+FIRST_STEP = 1.0 / 60.0
+"""Time step [s] that motion begins with; the thesis's for all of it."""
+
+Watch = Callable[[EquilibriumSolver, np.ndarray, float], None]
+
+
+@dataclass(frozen=True)
+class RelaxationOptions:
+    """What a scene, its plan and the policy say about relaxations.
+
+    Args:
+        context: what all parts of the replay share.
+        plan: which effects are on.
+        scene: whose cloth it is.
+        bodies: that it touches, of numbers alone.
+        watch: called with the solver, positions (n, 3) and residual over load at each iterate.
+    """
+
+    context: Context
+    plan: Plan
+    scene: Scene
+    bodies: tuple[Body, ...]
+    watch: Watch
+
+    @classmethod
+    def of(cls, context: Context, scene: Scene, known: Plan | None, watch: Watch) -> RelaxationOptions:
+        """The options of a scene, whose plan may be known already."""
+        plan = known or planned(scene, application(scene.app))
+        bodies = tuple(body.settled(scene.parameters) for body in scene.bodies.values())
+        return cls(context, plan, scene, bodies, watch)
+
+    @property
+    def settings(self) -> Any:
+        """Of the effect `drape`."""
+        return self.plan.settings("drape")
+
+    @property
+    def strategy(self) -> str:
+        """The name of the solution strategy."""
+        return "kinetic" if self.context.policy.name == "thesis" else self.settings.way
+
+    @property
+    def reach(self) -> float:
+        """The farthest way of a node in one step [m]."""
+        return PASSED * min((size_of(body) for body in self.bodies), default=np.inf)
+
+    def arguments(self, mesh: Mesh) -> ClothArguments:
+        """What the problem on a mesh is made from."""
+        return cloth_arguments(self.scene, self.plan, mesh)
+
+    def make_solver(self, problem: ClothProblem, prefix: str = "drape_") -> EquilibriumSolver:
+        """A solver of a problem, with a prefix of options in PETSc's database."""
+        context, settings, complete = self.context, self.settings, "direct"
+        if context.policy.name == "auto":
+            # A complete factor tells how to leave an unstable equilibrium, and on one rank alone there is one.
+            complete = "stale" if context.comm.size == 1 else "auto"
+        linear = LinearSolver(
+            context.comm,
+            f"{prefix}linear_",
+            complete,
+            settings.rest,
+            context.calibration,
+            context.stages,
+            memory=self.scene.solve.factor_memory,
+            traits=Traits(fields=3, dimension=3),
+        )
+        # A complete factor of a small matrix costs less than the iterations without one.
+        small = settings.way == "auto" and problem.n_nodes <= SMALL
+        preconditioner = "ilu" if context.policy.name == "thesis" else "cholesky" if small else "sor"
+        steps = Steps(FIRST_STEP, reach=self.reach, most=100, preconditioner=preconditioner)
+        backend = context.policy.backend
+        solver = EquilibriumSolver(problem, context.comm, context.stages, linear, settings.rest, steps, backend, prefix)
+        solver.on_iterate = lambda x, residual: self.watch(solver, x, residual)
+        return solver

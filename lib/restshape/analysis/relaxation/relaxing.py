@@ -1,0 +1,65 @@
+"""One relaxation of cloth: from a cold start or the last positions to an equilibrium that is stable."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from restshape.analysis.relaxation.binding import friction_of
+from restshape.analysis.relaxation.cold_start import ColdStart, restart_soft
+from restshape.analysis.relaxation.options import RelaxationOptions
+from restshape.analysis.relaxation.report import ConvergenceReport
+from restshape.analysis.relaxation.saddle_escape import SaddleEscape
+from restshape.analysis.relaxation.state import RelaxationState
+from restshape.analysis.relaxation.strategies import STRATEGIES
+from restshape.errors import ReplayProblem
+
+ESCAPES = 5
+"""Saddles of the energy that are left in one frame before the cloth is said to rest on one."""
+SHORT = 300
+"""Steps from a saddle after which the membrane is softened for the rest of the way."""
+
+
+def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> RelaxationState:
+    """The state at the equilibrium that a frame's problem has near the state's positions.
+
+    Args:
+        state: with problem and solver of the frame; it stays as it is.
+        cold: the cloth starts from its initial placement.
+        options: of the frame's scene.
+
+    Raises:
+        ReplayProblem: positions are no numbers.
+    """
+    solver, most, strategy = state.solver, options.settings.steps, options.strategy
+    report, x = ConvergenceReport(), state.x.copy()
+    if cold and strategy == "auto":
+        start = ColdStart(solver, options.settings.levels, options.arguments, options.make_solver)
+        x = start.find(most, report)
+    STRATEGIES[strategy](solver, x, most, report)
+    if not np.isfinite(x).all():
+        raise ReplayProblem("the cloth's positions are no numbers")
+    if report.converged:
+        _stabilise(state, x, options, report)
+    problem = state.problem
+    return replace(state, x=x, report=report, place=problem.place, friction=friction_of(problem))
+
+
+def _stabilise(state: RelaxationState, x: np.ndarray, options: RelaxationOptions, report: ConvergenceReport) -> None:
+    """Leave saddles of the energy from x (n, 3), which is changed, until the equilibrium is stable."""
+    solver, most, strategy = state.solver, options.settings.steps, options.strategy
+    saddle, converge = SaddleEscape(solver), STRATEGIES[strategy]
+    for _ in range(ESCAPES):
+        report.stable = saddle.is_stable(x)
+        if report.stable or strategy != "auto" or report.steps >= most:
+            return
+        if not saddle.escape(x):
+            # Nothing but a motion that hardly anything resists, such as turning about a pin.
+            return
+        report.converged = False
+        converge(solver, x, min(most, SHORT), report)
+        if not report.converged:
+            restart_soft(solver, x, most, report)
+            converge(solver, x, most, report)
+    report.stable = saddle.is_stable(x) if report.converged else None

@@ -1,0 +1,33 @@
+"""How a relaxation ended."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+FALLS = "nothing catches the cloth: it falls without end"
+
+
+@dataclass
+class ConvergenceReport:
+    """How far an equilibrium was reached, filled in by the methods on the way.
+
+    Args:
+        residual: norm of the residual over the load.
+        converged: it is small enough, and friction has stopped slipping.
+        stable: the true tangent there is positive definite; None: not looked at.
+        steps: of all methods; newton: of Newton's; iterations: of linear solvers; factors: made.
+        slip: largest slip distance of friction at the end [m].
+        falls: nothing catches the cloth.
+        why: it has not converged, for people.
+    """
+
+    residual: float = np.inf
+    converged: bool = False
+    stable: bool | None = None
+    steps: int = 0
+    newton: int = 0
+    iterations: int = 0
+    factors: int = 0
+    slip: float = 0.0
+    falls: bool = False
+    why: str = ""

@@ -1,0 +1,72 @@
+"""What a frame's row tells of cloth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import compress
+from typing import Any
+
+from restshape.analysis.relaxation.state import RelaxationState
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.tunnelling import penetrations, tunnelling
+from restshape.scene.bodies import Body
+from restshape.scene.body_columns import body_columns, body_row
+from restshape.scene.model import Scene
+
+
+class Row:
+    """Makes the columns that only cloth has.
+
+    Args:
+        bodies: of the first scene by name, whose numbers have columns.
+    """
+
+    def __init__(self, bodies: Mapping[str, Body]) -> None:
+        self.body_columns = list(body_columns(bodies))
+
+    def __call__(self, state: RelaxationState) -> dict[str, Any]:
+        """The columns at a state."""
+        bodies, report = state.scene.bodies, state.report
+        notes, deepest = _notes(state)
+        return {
+            "at_rest": int(report.converged),
+            "stable": -1 if report.stable is None else int(report.stable),
+            "steps": report.steps,
+            "factors": report.factors,
+            "dragged": report.slip,
+            "deepest": deepest,
+            "note": "; ".join(notes),
+            **body_row(dict(zip(bodies, state.bodies)), self.body_columns),
+        }
+
+
+def _notes(state: RelaxationState) -> tuple[list[str], float]:
+    """What there is to say of a state, and the depth [m] of the deepest node in a body."""
+    problem, bodies = state.problem, state.scene.bodies
+    notes, deepest = convergence_notes(state), 0.0
+    if problem.contact:
+        corners, kernels = problem.corners(state.x), problem.contact.bodies
+        through = tunnelling(state.bodies, kernels, corners[problem.mesh.cells])
+        notes += [f"bodies.{name} comes through the cloth" for name in compress(bodies, through)]
+        depths = penetrations(kernels, corners)
+        deepest = max(depths, default=0.0)
+        notes += [*state.notes, *penetration_notes("lies", problem, state.scene, depths)]
+    return notes, deepest
+
+
+def convergence_notes(state: RelaxationState) -> list[str]:
+    """Whether the cloth is not in a stable equilibrium, and why."""
+    report = state.report
+    if not report.converged:
+        scale = "weight" if state.problem.lumped.load > 0.0 else "forces of the supports"
+        return [f"not at rest: residual {report.residual:.2e} of the {scale}; {report.why}"]
+    if report.stable is False:
+        return ["at rest where it may not stay: the tangent is not positive definite"]
+    return []
+
+
+def penetration_notes(how: str, problem: ClothProblem, scene: Scene, depths: Sequence[float]) -> list[str]:
+    """Bodies in which cloth is deeper than contact begins above their surface, by how deep [m] it is in each."""
+    least = problem.contact.thickness
+    found = zip(scene.bodies, depths)
+    return [f"cloth {how} {1e3 * depth:.3g} mm inside bodies.{name}" for name, depth in found if depth > least]

@@ -1,0 +1,86 @@
+"""Stability of an equilibrium of cloth, and how one that is not stable is left."""
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.gather import whole_matrix
+from restshape.analysis.relaxation.equilibrium import STIFFER, EquilibriumSolver
+from restshape.errors import ReplayProblem
+
+MOST_INERTIA = 1e12
+"""Inertia [1/s^2] above which there is no use in more."""
+INVERSE_STEPS, LEAP = 4, 1e-3
+"""Steps of the inverse iteration for the lowest mode of an unstable equilibrium; how far that is left along it [m]."""
+FAINT = 1e-4
+"""Inertia over that of descents below which an unstable motion is too slow to be one."""
+
+
+class SaddleEscape:
+    """Tells whether equilibria of one cloth are stable, and leaves those that are not.
+
+    Args:
+        solver: of the equilibria.
+
+    Source: docs/theory.md, section "Cloth".
+    """
+
+    def __init__(self, solver: EquilibriumSolver) -> None:
+        self.solver = solver
+
+    def is_stable(self, x: np.ndarray) -> bool:
+        """Whether the true tangent at x (n, 3) is positive definite, by a factor of all of it on each rank."""
+        solver = self.solver
+        if solver.comm.size == 1:
+            return solver.newton.definite(x)
+        whole = whole_matrix(solver.newton.tangent(x), solver.comm)
+        matrix = PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data), comm=PETSc.COMM_SELF)
+        pc = PETSc.PC().create(PETSc.COMM_SELF)
+        pc.setType("cholesky")
+        pc.setFactorOrdering("amd")
+        pc.setOperators(matrix)
+        pc.setUp()
+        negative, zero, _ = pc.getFactorMatrix().getInertia()
+        for part in (pc, matrix):
+            part.destroy()
+        return negative == 0 and zero == 0
+
+    def escape(self, x: np.ndarray) -> bool:
+        """Leave an unstable equilibrium x (n, 3), which is changed, along its lowest mode; False where it is stable."""
+        solver, equations = self.solver, self.solver.equations
+        inertia = least = FAINT * equations.supporting_inertia
+        while not solver.linear.definite(matrix := equations.true_tangent(x, inertia), solver.places, False):
+            inertia *= STIFFER
+            if inertia > MOST_INERTIA:
+                # What has no mass is not supported by any.
+                return False
+        if inertia == least:
+            return False
+        mode = self._lowest_mode(matrix)
+        sides = x + mode, x - mode
+        best = min(sides, key=solver.problem.energy)
+        if not mode.any() or not solver.is_valid(best):
+            return False
+        x[:] = best
+        return True
+
+    def _lowest_mode(self, matrix: PETSc.Mat) -> np.ndarray:
+        """The lowest mode (n, 3) of a definite tangent, as long as the way off a saddle [m]; 0 where none is found."""
+        solver, problem = self.solver, self.solver.problem
+        nodal, mass = solver.moving.nodal, solver.equations.mass
+        rows = nodal.vector(), nodal.vector()
+        mode = np.random.default_rng(0).uniform(-1.0, 1.0, (problem.n_nodes, 3)) * problem.boundary.free
+        try:
+            for _ in range(INVERSE_STEPS):
+                nodal.put(mass[:, None] * mode, rows[0])
+                rows[1].set(0.0)
+                solver.linear.solve(matrix, *rows, False, same_matrix=True, places=solver.places, aside=True)
+                mode = nodal.values(rows[1]).copy()
+                if not (size := np.abs(problem.corners(mode)).max()):
+                    break
+                mode *= LEAP / size
+        except ReplayProblem:
+            mode = np.zeros_like(mode)
+        finally:
+            for row in rows:
+                row.destroy()
+        return mode

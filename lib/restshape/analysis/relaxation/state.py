@@ -1,0 +1,62 @@
+"""What a relaxation knows of its last equilibrium."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
+from restshape.analysis.relaxation.report import ConvergenceReport
+from restshape.fem.quantity import Observer
+from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.contact import FrictionHistory
+from restshape.physics.cloth.material_motion import CarriedCloth, MaterialPlace
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.scene.bodies import Body
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxationState:
+    """An equilibrium of cloth, and what it was found with.
+
+    Args:
+        plan: which effects are on.
+        scene: whose values it is for; None before the first solution.
+        problem: of that scene on its mesh; solver: of its equilibria.
+        observer: of the scene's quantities.
+        bodies: that the cloth touches, of numbers alone.
+        x: (n, 3) positions [m], and with Morley's triangles slopes of edges.
+        place: of the nodes in the material at these positions.
+        friction: what it remembers; None where nothing touches.
+        report: how the last relaxation ended.
+        topology, geometry: versions of the mesh that it was found at; -1: on none.
+        notes: what a cold start had to say of where it began.
+    """
+
+    plan: Plan
+    scene: Scene | None = None
+    problem: ClothProblem | None = None
+    solver: EquilibriumSolver | None = None
+    observer: Observer | None = None
+    bodies: tuple[Body, ...] = ()
+    x: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    place: MaterialPlace | None = None
+    friction: FrictionHistory | None = None
+    report: ConvergenceReport = field(default_factory=ConvergenceReport)
+    topology: int = -1
+    geometry: int = -1
+    notes: tuple[str, ...] = ()
+
+    @property
+    def mesh(self) -> Mesh | None:
+        """Of the cloth."""
+        return None if self.problem is None else self.problem.mesh
+
+    def carried(self) -> CarriedCloth:
+        """The cloth at these positions, to be taken to other places of its nodes."""
+        corners = self.problem.membrane.corners
+        nodes = self.problem.morley.cells if self.problem.morley else corners
+        return CarriedCloth(self.place, corners, nodes, self.x)

@@ -1,0 +1,119 @@
+"""Solution strategies of cloth, by name: the usual one, and those that it is compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from restshape.algebra.descent import MEMORY, Descent
+from restshape.algebra.kinetic_damping import KineticDamping
+from restshape.analysis.relaxation.equilibrium import SLIPPING, EquilibriumSolver
+from restshape.analysis.relaxation.report import FALLS, ConvergenceReport
+from restshape.errors import ReplayProblem
+
+Strategy = Callable[[EquilibriumSolver, np.ndarray, int, ConvergenceReport], ConvergenceReport]
+FREELY = 1e-6
+"""Inertia [1/s^2] of plain and stabilised Newton's methods: enough for a factor where cloth lies loosely."""
+ALPHA, BETA = 4.0, 1e-3
+"""Rayleigh damping [1/s], [s]: about half of the critical one of a cloth that swings by half a metre."""
+LONG = 150
+"""Steps of conjugate gradients between which friction follows: they begin anew with each run."""
+ROUNDS = 200
+"""Runs of a method, between which friction follows, after which it is given up."""
+
+
+def moved(
+    solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport, damping: str = "kinetic"
+) -> ConvergenceReport:
+    """Motion alone, with kinetic damping, until it converges."""
+    if damping == "kinetic":
+        return _in_rounds(solver, solver.moving, lambda: solver.moving.snes.getIterationNumber(), x, most, report)
+    steps = replace(solver.motion, damping="rayleigh", alpha=ALPHA, beta=BETA)
+    equations = solver.equations
+    moving = KineticDamping(solver.comm, "drape_rayleigh_", equations, equations.mass, x.shape, equations.rows, steps)
+    moving.on_step, moving.on_move = solver.moving.on_step, solver.moving.on_move
+    try:
+        return _in_rounds(solver, moving, lambda: moving.snes.getIterationNumber(), x, most, report)
+    finally:
+        moving.free()
+
+
+def descended(
+    solver: EquilibriumSolver,
+    x: np.ndarray,
+    most: int,
+    report: ConvergenceReport,
+    kind: str,
+    stabilised: bool = True,
+) -> ConvergenceReport:
+    """One kind of SNES alone, until it converges."""
+    equations = solver.equations
+    equations.stabilised, equations.inertia = stabilised, FREELY
+    reach = solver.motion.reach
+    descent = Descent(solver.comm, f"drape_{kind}_", equations, x.shape, equations.rows, kind, reach=reach)
+    descent.on_step = solver.descent.on_step
+    try:
+        return _in_rounds(solver, descent, lambda: descent.steps, x, most, report)
+    finally:
+        equations.stabilised = True
+        descent.destroy()
+
+
+def _in_rounds(
+    solver: EquilibriumSolver,
+    method: KineticDamping | Descent,
+    steps: Callable[[], int],
+    x: np.ndarray,
+    most: int,
+    report: ConvergenceReport,
+) -> ConvergenceReport:
+    """Runs of a method from x (n, 3), which is changed, with friction following in between, until all converges."""
+    for _ in range(ROUNDS):
+        report.slip = solver.problem.update_friction(x)
+        report.residual = solver.residual_norm(x)
+        if report.residual <= solver.goal and report.slip <= SLIPPING * solver.slip_distance:
+            report.converged, report.why = True, ""
+            return report
+        left = most - report.steps
+        before = x.copy()
+        try:
+            if isinstance(method, Descent):
+                # Without friction that follows cloth would slide off what it lies on.
+                norm = method.run(x, solver.goal * solver.scale(x), min(left, MEMORY if method.kind.tangent else LONG))
+            else:
+                method.steps = replace(method.steps, most=left)
+                norm = method.run(x, solver.goal * solver.scale(x))
+                report.iterations += method.iterations
+        except ReplayProblem as problem:
+            report.why = str(problem)
+            return report
+        report.steps += steps()
+        if not solver.is_valid(x):
+            x[:], report.why = before, "it goes where positions, or their energy, are no numbers"
+            return report
+        report.residual = norm / solver.scale(x)
+        if solver.problem.falls(x):
+            report.falls, report.why = True, FALLS
+            return report
+        if steps() == 0 or report.steps >= most:
+            break
+    report.why = f"{report.steps} steps are over" if report.steps >= most else "no step gets any further"
+    return report
+
+
+def converged(solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport) -> ConvergenceReport:
+    """Descent, then Newton's method."""
+    return solver.converge(x, most, report)
+
+
+STRATEGIES: dict[str, Strategy] = {
+    "auto": converged,
+    "kinetic": moved,
+    "rayleigh": lambda *a: moved(*a, damping="rayleigh"),
+    "newton": lambda *a: descended(*a, kind="newton", stabilised=False),
+    "stabilised": lambda *a: descended(*a, kind="newton"),
+    "cg": lambda *a: descended(*a, kind="cg"),
+}
+"""By the name that a scene gives in ``effects.drape.way``."""

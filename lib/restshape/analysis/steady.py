@@ -1,0 +1,380 @@
+"""Linear problems without time: one solve a frame, reusing pattern, factor and solution of the frames before."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from scipy.sparse.linalg import spsolve
+
+from restshape.algebra.gather import System, whole_matrix, whole_vector
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.linear_report import LinearReport, true_residual
+from restshape.algebra.operator import Operator
+from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.comparison import compared
+from restshape.analysis.correction import correction
+from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
+from restshape.analysis.frame import Frame
+from restshape.analysis.guess import Guess
+from restshape.analysis.linear_system import LinearSystem, auxiliary_solve
+from restshape.analysis.steady_predictor import SteadyPredictor
+from restshape.application import application
+from restshape.errors import ReplayProblem, UserError
+from restshape.fem.assembled import Assembled
+from restshape.fem.balance import dead_loads, energy, internal_norm, residual_norm
+from restshape.fem.error_estimate import RecoveryEstimate
+from restshape.fem.problem import INTERNAL, Fields, Problem
+from restshape.fem.quantity import Observer
+from restshape.fem.space import Space
+from restshape.mesh.transfer import transfer
+from restshape.scene.model import Quantity, Scene
+from restshape.scene.plan import Plan
+from restshape.scene.plan import plan as planned
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyState:
+    """A solution, and what it was found with.
+
+    Args:
+        plan: which effects are on.
+        scene: whose values it is for; None before the first solution.
+        problem: of that scene on its space.
+        system: what outlives frames on the space.
+        observer: of the scene's quantities.
+        x: (n, f) unknowns.
+        topology, geometry: versions of the space that they were found at; -1: on none.
+        scale: what residuals are measured against; None: the right side.
+        predicted: the unknowns are a prediction.
+    """
+
+    plan: Plan
+    scene: Scene | None = None
+    problem: Problem | None = None
+    system: Any = None
+    observer: Observer | None = None
+    x: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    topology: int = -1
+    geometry: int = -1
+    scale: float | None = None
+    predicted: bool = False
+
+    @property
+    def space(self) -> Space | None:
+        """Where the unknowns live."""
+        return None if self.problem is None else self.problem.space
+
+
+class SteadyAnalysis:
+    """The solution of a linear problem, frame after frame; an `analysis.Analysis`.
+
+    What is stale is read from the versions of mesh topology, node places and scene; nobody tells the analysis.
+
+    Args:
+        scene: what the user wrote.
+        plan: which effects are on.
+        context: what all parts of the replay share.
+        make: the class of the problem, made of scene, plan and space.
+
+    Attributes:
+        interrupted: the last frame has failed: what was set up for it must be set up again.
+
+    Source: docs/theory.md, sections 1 and 2.
+    """
+
+    why_not = ""
+
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
+        self.context, self.make = context, make
+        self.state = SteadyState(plan)
+        self.interrupted = False
+        self.guess = Guess(context.policy.extrapolate)
+        self.solver = self._make_solver(scene)
+        self.predictor = SteadyPredictor(self)
+        self.estimated = f"{make.unknowns[0].name} in the energy norm"
+        self._observed: tuple[SteadyState | None, dict[str, float]] = (None, {})
+        self._estimate: tuple[Problem | None, RecoveryEstimate | None] = (None, None)
+
+    def _make_solver(self, scene: Scene) -> LinearSolver:
+        """The linear solver that outlives all frames."""
+        solve, context = scene.solve, self.context
+        return LinearSolver(
+            context.comm,
+            f"{self.make.name}_",
+            context.policy.solver,
+            solve.tolerance,
+            context.calibration,
+            context.stages,
+            memory=solve.factor_memory,
+            directions=self._directions(),
+            traits=self.make.traits(self.state.plan),
+        )
+
+    def _directions(self) -> int:
+        """Increments of the solution along which guesses are improved."""
+        return self.context.policy.directions
+
+    def solve(self, frame: Frame) -> LinearReport:
+        """Bring the unknowns `x` up to date with a frame.
+
+        Raises:
+            ReplayProblem: the solve does not converge, or a value has no number somewhere.
+            UserError: the scene makes no sense for the problem any more. In both cases the state is that of before.
+        """
+        mesh, before = frame.mesh, self.state
+        new_mesh, new_scene = mesh is not before.space, self.interrupted or frame.scene is not before.scene
+        if not (new_mesh or new_scene or mesh.topology != before.topology or mesh.geometry != before.geometry):
+            self.solver.age += 1
+            return LinearReport(0, False, self.solver.age, self.solver.name)
+        try:
+            if new_mesh or new_scene:
+                self._bind(frame, new_mesh)
+            if not new_mesh and mesh.topology != before.topology:
+                with self.context.stages("pattern"):
+                    self._flip(frame)
+            report = self._solve(frame, new_mesh)
+        except (ReplayProblem, UserError):
+            self.state, self.interrupted = before, True
+            raise
+        self.interrupted = False
+        self.state = replace(self.state, scene=frame.scene, topology=mesh.topology, geometry=mesh.geometry)
+        return report
+
+    def rollback(self, state: SteadyState) -> None:
+        """Take back a frame that was solved, but of which others could make nothing: `state` is that of before."""
+        self.state, self.interrupted = state, True
+        # What was solved for may be of a mesh that is gone.
+        self.guess.restart()
+
+    # --- what is asked of a state -------------------------------------------------------------------------------------
+
+    @property
+    def x(self) -> np.ndarray:
+        """The unknowns (n, f) at the last solution."""
+        return self.state.x
+
+    @property
+    def problem(self) -> Problem | None:
+        """What was solved last."""
+        return self.state.problem
+
+    @property
+    def space(self) -> Space | None:
+        """Where the unknowns live; None before the first solution."""
+        return self.state.space
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of the linear system, prescribed ones included."""
+        return self.state.x.size
+
+    @property
+    def tolerance(self) -> float:
+        """That solutions meet, in the energy norm."""
+        return self.state.scene.solve.tolerance
+
+    def observe(self) -> dict[str, float]:
+        """The scene's quantities of interest at the last solution, evaluated once a solution."""
+        if self._observed[0] is not self.state:
+            self._observed = (self.state, self.state.observer(self.state.x))
+        return self._observed[1]
+
+    def row(self) -> dict[str, Any]:
+        """Columns of the frame's row that only this analysis has: none."""
+        return {}
+
+    def fields(self) -> Fields:
+        """What a recording shows of the last solution."""
+        return self.state.problem.fields(self.state.x)
+
+    def blank_fields(self, space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+        return self.make.blank_fields(space)
+
+    def residual_norm(self) -> float:
+        """The true residual over the right side, or over internal forces where supports move."""
+        state = self.state
+        if not state.predicted:
+            return true_residual(state.system.mat, state.system.b, state.system.solution, state.scale)
+        problem, boundary = state.problem, state.problem.boundary
+        scale = internal_norm(problem, state.x) if boundary.nonzero else residual_norm(problem, boundary.values)
+        error = residual_norm(problem, state.x)
+        return error / scale if scale > 0 else error
+
+    def errors(self) -> dict[str, float]:
+        """The estimated relative error of the unknowns, in the energy norm: that of the mesh, recovery-based.
+
+        Of a prediction its distance from the solution on the same mesh, by a correction with the kept preconditioner.
+        """
+        state = self.state
+        if not state.predicted:
+            return {"estimate": self.error_estimate.relative(state.x)}
+        missing = correction(state.problem, state.x, self.solver, state.system.rows)
+        return {"estimate": self.error_estimate.distance(state.x, state.x + missing)}
+
+    @property
+    def error_estimate(self) -> RecoveryEstimate:
+        """The estimate on the problem's space, kept until there is another problem."""
+        if self._estimate[0] is not self.state.problem:
+            self._estimate = (self.state.problem, self.state.problem.error_estimate())
+        return self._estimate[1]
+
+    # --- prediction ---------------------------------------------------------------------------------------------------
+
+    def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
+        """The s (n, f) of K s = rhs with the matrix K of the last solve, on the kept preconditioner.
+
+        Args:
+            rhs: (n, f), ignored at prescribed unknowns, where s is 0.
+            tolerance: of the residual, relative to rhs.
+
+        Raises:
+            ReplayProblem: the solve does not converge.
+        """
+        return self._auxiliary_solve(self.state.system.mat, rhs, tolerance, same_matrix=True)
+
+    def set_values(self, x: np.ndarray) -> None:
+        """Take unknowns x (n, f) for those of the space as it lies now, without a solve.
+
+        Supports prescribe what they do there, whatever x says. The next frame solves, from them.
+        """
+        problem = self.state.problem
+        problem.update()
+        if problem.varies:
+            x = np.where(problem.boundary.mask, problem.boundary.values, x)
+        self.state = replace(self.state, x=x, geometry=-1, predicted=True)
+        self.guess.restart()
+
+    def _auxiliary_solve(self, mat: Any, rhs: np.ndarray, tolerance: float, same_matrix: bool = False) -> np.ndarray:
+        """Solve mat s = rhs beside the sequence of solves; arguments as in `linear_solve`."""
+        system, constrained = self.state.system, self.state.problem.boundary.constrained
+        return auxiliary_solve(
+            self.solver, system.operator, mat, rhs, tolerance, constrained, system.places, same_matrix
+        )
+
+    # --- a frame ------------------------------------------------------------------------------------------------------
+
+    def _bind(self, frame: Frame, new_mesh: bool) -> None:
+        """Set up what depends on the mesh topology or on the scene's values."""
+        mesh, context, before = frame.mesh, self.context, self.state
+        with context.stages("pattern"):
+            plan = planned(frame.scene, application(frame.scene.app))
+            problem = self.make(frame.scene, plan, mesh)
+            observer = problem.observer(self._observed_quantities(frame.scene.quantities))
+            system = before.system
+            if new_mesh:
+                system = self._make_system(problem)
+            else:
+                system.operator.set_constraints(problem.boundary.mask)
+        x = before.x
+        if new_mesh:
+            projected = None
+            if context.policy.transfer and before.space is not None:
+                with context.stages("map"):
+                    projected = transfer(before.space, mesh, frame.interpolate(x))
+            x = projected if projected is not None else np.zeros(problem.boundary.mask.shape)
+            self.guess.restart()
+        self.state = replace(before, plan=plan, problem=problem, observer=observer, system=system, x=x)
+
+    def _observed_quantities(self, quantities: dict[str, Quantity]) -> dict[str, Quantity]:
+        """The quantities of the scene that the problem knows."""
+        return quantities
+
+    def _make_system(self, problem: Problem) -> LinearSystem:
+        """What outlives frames on a new mesh."""
+        return LinearSystem(self.context.comm, problem, self.context.policy.backend, self.solver.symmetric)
+
+    def _flip(self, frame: Frame) -> None:
+        """Follow flipped edges: with the pattern and, where such edges have nodes, with the last solutions."""
+        self.state.system.operator.patch(0, frame.changed_cells)
+        if frame.interpolations:
+            shape = self.state.x.shape
+            self.state = replace(self.state, x=frame.interpolate(self.state.x))
+            self.guess.interpolate(frame.interpolate)
+            self.solver.interpolate(lambda row: frame.interpolate(row.reshape(shape)).ravel())
+
+    def _solve(self, frame: Frame, new_mesh: bool) -> LinearReport:
+        state, context = self.state, self.context
+        problem, system = state.problem, state.system
+        with context.stages("values"):
+            problem.update()
+            dead_loads(problem, system.right)
+            internal = Assembled(problem.integrals(INTERNAL), system.operator)
+            system.mat = internal.system(problem.boundary.values, system.right)
+        # PETSc keeps a vector's norm until it is told that the array behind it has changed.
+        system.b.stateIncrease()
+        guess = self.guess(state.x, frame.hand)
+        np.subtract(guess, problem.boundary.values, out=system.full.reshape(guess.shape))
+        system.full[problem.boundary.constrained] = 0.0
+        system.solution.stateIncrease()
+        # The solver may have met the mesh of a frame that failed, which is gone.
+        patched = not new_mesh and frame.mesh.topology != state.topology
+        report, x, scale = self._converge(new_mesh or self.interrupted, patched)
+        self.guess.keep(x, frame.hand)
+        self.state = replace(state, x=x, scale=scale, predicted=False)
+        return report
+
+    def _converge(self, new_system: bool, patched: bool) -> tuple[LinearReport, np.ndarray, float | None]:
+        """Solve until the residual is small against the loads, or against internal forces where supports move.
+
+        Where they move, the right side is the force of a jump over one layer of elements, which says nothing of the
+        forces in the body; and those are known only with the solution, hence the second look.
+        """
+        system, boundary, total = self.state.system, self.state.problem.boundary, None
+        while True:
+            scale = self._force_scale(self._whole_solution()) if boundary.nonzero else None
+            report = self.solver.solve(
+                system.mat,
+                system.b,
+                system.solution,
+                new_system and total is None,
+                same_matrix=total is not None,
+                patched=patched,
+                places=self._rigid_places,
+                scale=scale,
+            )
+            system.gather()
+            x = self._whole_solution()
+            total = report if total is None else total.followed_by(report)
+            if scale is None or scale <= SCALE_SLACK * self._force_scale(x) or not report.iterations:
+                return total, x, scale
+
+    @property
+    def _rigid_places(self) -> np.ndarray | None:
+        """This rank's nodes, where rigid motions are what coarse grids must know."""
+        return self.state.system.places if self.solver.traits.rigid_motions else None
+
+    def _force_scale(self, x: np.ndarray) -> float:
+        """Internal forces at the unknowns x (n, f), but not less than what round-off lets a residual tell."""
+        least = ROUND_OFF / self.solver.tolerance * self.state.system.b.norm()
+        return max(internal_norm(self.state.problem, x), least)
+
+    def _whole_solution(self) -> np.ndarray:
+        """The unknowns (n, f), prescribed ones included."""
+        values = self.state.problem.boundary.values
+        return self.state.system.full.reshape(values.shape) + values
+
+    # --- for comparison with a cold solve -----------------------------------------------------------------------------
+
+    def compare_cold(self) -> Comparison:
+        """The state beside a solve with new pattern, values and factor, and no guess."""
+        return compared(self.warm_system(), self.cold_system())
+
+    def warm_system(self) -> System:
+        """The matrix and the free part of the solution as they stand, whole on every rank."""
+        state = self.state
+        matrix = whole_matrix(state.system.mat, self.context.comm)
+        return System(matrix, state.system.full.copy(), energy(state.problem, state.x))
+
+    def cold_system(self) -> System:
+        """Matrix and solution of this frame with new pattern, values and factor, and no guess."""
+        comm, space = self.context.comm, self.state.space
+        problem = self.make(self.state.scene, self.state.plan, space)
+        shape = problem.boundary.mask.shape
+        operator = Operator(comm, shape[1], space.node_offsets, "coo")
+        operator.set_topology(problem.blocks(), problem.boundary.mask)
+        right = np.zeros(shape)
+        dead_loads(problem, right)
+        mat = Assembled(problem.integrals(INTERNAL), operator).system(problem.boundary.values, right)
+        matrix = whole_matrix(mat, comm)
+        return System(matrix, spsolve(matrix.tocsc(), whole_vector(right.ravel(), operator.rows, comm)))

@@ -1,0 +1,62 @@
+"""Predictions of steady solutions by their design derivative."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from restshape.fem.error_estimate import RecoveryEstimate
+from restshape.fem.problem import Problem
+from restshape.sensitivity.static import design_derivative
+
+
+class Steady(Protocol):
+    """What is predicted: an analysis whose state has unknowns `x` (n, f), a `problem`, and tells a prediction."""
+
+    state: Any
+
+    @property
+    def problem(self) -> Problem: ...
+    @property
+    def x(self) -> np.ndarray: ...
+    @property
+    def error_estimate(self) -> RecoveryEstimate: ...
+
+    def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
+        """s (n, f) with (dR/dx) s = rhs (n, f) at free unknowns, 0 at prescribed ones, by the kept preconditioner."""
+
+    def set_values(self, x: np.ndarray) -> None:
+        """Take unknowns x (n, f) for those of the space as it lies now, without a solve."""
+
+
+class SteadyPredictor:
+    """An `analysis.Predictor` of the unknowns.
+
+    Args:
+        analysis: that is predicted.
+    """
+
+    def __init__(self, analysis: Steady) -> None:
+        self.analysis = analysis
+
+    def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
+        """Derivatives (2, n, f) of the unknowns along the hand's two directions; see `analysis.Predictor`."""
+        return design_derivative(self.analysis, motion, tolerance)
+
+    def values(self) -> np.ndarray:
+        """The unknowns (n, f) at the last solution or prediction."""
+        return self.analysis.x
+
+    def set_values(self, values: np.ndarray) -> None:
+        """Take predicted unknowns (n, f) for those of the space as it lies now, without a solve."""
+        self.analysis.set_values(values)
+
+    @property
+    def shown(self) -> np.ndarray | None:
+        """The prediction that the analysis holds; None where it holds a solution."""
+        return self.analysis.x if self.analysis.state.predicted else None
+
+    def error(self, predicted: np.ndarray) -> float:
+        """The relative distance of predicted unknowns (n, f) on this space from the solution, in the energy norm."""
+        return self.analysis.error_estimate.distance(predicted, self.analysis.x)

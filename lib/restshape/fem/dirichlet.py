@@ -1,0 +1,106 @@
+"""Dirichlet conditions: unknowns whose values supports prescribe."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.fem.values import Nodal, varies
+
+AGREES = 1e-9
+"""Relative difference below which two values prescribed at one node are the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prescribed:
+    """One component that a condition of the scene prescribes on some nodes.
+
+    Args:
+        where: its key in the scene, for messages.
+        component: column of the unknowns.
+        nodes: (k,) int32.
+        value: number or expression of the place.
+    """
+
+    where: str
+    component: int
+    nodes: np.ndarray
+    value: Any
+
+
+class Dirichlet:
+    """Prescribed unknowns of one space.
+
+    Args:
+        shape: (n, f) of the unknowns.
+        conditions: in the order of the scene.
+        parameters: of the scene, for expressions.
+        unit: of the values, for messages.
+
+    Attributes:
+        mask: (n, f) uint8, 1 where an unknown is prescribed.
+        values: (n, f) prescribed values, 0 elsewhere.
+        constrained: (k,) indices of the prescribed ones among all n f unknowns.
+        varies: whether a value changes when nodes move.
+    """
+
+    def __init__(
+        self, shape: tuple[int, int], conditions: Sequence[Prescribed], parameters: dict[str, float], unit: str = "m"
+    ) -> None:
+        self.conditions, self.parameters, self.unit = tuple(conditions), parameters, unit
+        self.mask, self.values = np.zeros(shape, dtype=np.uint8), np.zeros(shape)
+        for condition in self.conditions:
+            self.mask[condition.nodes, condition.component] = 1
+        self.constrained = np.flatnonzero(self.mask.ravel())
+        self.varies = any(varies(condition.value) for condition in self.conditions)
+
+    @property
+    def nonzero(self) -> bool:
+        """Whether a prescribed value is not 0."""
+        return bool(np.any(self.values))
+
+    def evaluate(self, X: np.ndarray) -> None:
+        """Set `values` for nodes X (n, d) [m].
+
+        Raises:
+            UserError: two conditions prescribe different values at one node.
+            ReplayProblem: an expression has no number somewhere.
+        """
+        given = np.full_like(self.values, np.nan)
+        for condition in self.conditions:
+            nodes, column = condition.nodes, condition.component
+            values = Nodal(condition.value, self.parameters, condition.where)(X[nodes])
+            self._check_agreement(condition, values, given[nodes, column], X)
+            given[nodes, column] = values
+        np.copyto(self.values, np.nan_to_num(given))
+
+    def rate(self, X: np.ndarray, dX: np.ndarray) -> np.ndarray:
+        """Rates (n, f) of the prescribed values where nodes X (n, d) [m] move with dX (n, d); 0 elsewhere."""
+        out = np.zeros(self.values.shape)
+        for condition in self.conditions:
+            value = Nodal(condition.value, self.parameters, condition.where)
+            out[condition.nodes, condition.component] = value.rate(X[condition.nodes], dX[condition.nodes])
+        return out
+
+    def apply(self, x: np.ndarray) -> None:
+        """Set the prescribed unknowns of x (n, f)."""
+        x.ravel()[self.constrained] = self.values.ravel()[self.constrained]
+
+    def zero(self, out: np.ndarray) -> None:
+        """Set `out` (n, f) to 0 at prescribed unknowns."""
+        out.ravel()[self.constrained] = 0.0
+
+    def _check_agreement(self, condition: Prescribed, values: np.ndarray, before: np.ndarray, X: np.ndarray) -> None:
+        clash = np.flatnonzero(np.abs(values - before) > AGREES * np.maximum(np.abs(values), np.abs(before)))
+        if not len(clash):
+            return
+        first = clash[0]
+        x, y = X[condition.nodes[first]][:2]
+        raise UserError(
+            f"two supports prescribe different values at ({x:.6g}, {y:.6g}) m: "
+            f"{values[first]:.6g} {self.unit} and {before[first]:.6g} {self.unit}",
+            condition.where,
+            "let supports that meet agree where they meet",
+        )

@@ -1,0 +1,70 @@
+"""How far unknowns are from those of a finer mesh, estimated from the fluxes that they give."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.fem.recovery import NodalFlux
+from restshape.fem.space import Space
+
+ROUNDING = 1e-10
+"""Gradients below this share of the unknowns over the body's size are rounding: where supports only shift it."""
+
+NO_KINDS = np.empty(0, dtype=np.int32)
+
+Flux = Callable[[np.ndarray, np.ndarray | None], np.ndarray]
+"""Fluxes, or stresses, (ne, m, 4) of unknowns (n, f) at reference points (m, 2), or (ne, 4) at centroids for None."""
+
+
+class RecoveryEstimate:
+    """The recovery-based estimate of fluxes that derive from a potential, order 1 or 2, one material or several.
+
+    Fluxes are recovered at nodes, on each region by itself, interpolated, and compared with those of the cells in the
+    norm of the complementary energy.
+
+    Args:
+        space: by reference: nodes may move, edges may flip inside regions.
+        flux: that the norm takes; columns that it has not are 0.
+        compliance: (k, 4, 4) from fluxes to gradients, over the thickness; one, or one a region, the rest first.
+        stiffest: as of the problem.
+
+    Source: docs/theory.md, section 9; Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337.
+    """
+
+    def __init__(self, space: Space, flux: Flux, compliance: np.ndarray, stiffest: float) -> None:
+        self.space, self.flux, self.stiffest = space, flux, stiffest
+        self.recovery = NodalFlux(space)
+        # Fluxes of first order are constant in a cell.
+        second = self.recovery.points is not None
+        self._points = _kernels.estimate_points(space.cells.shape[1]) if second else None
+        self._compliance = compliance
+        self._kinds = space.cell_region if len(compliance) > 1 else NO_KINDS
+
+    def relative(self, x: np.ndarray) -> float:
+        """The estimated error of unknowns x (n, f) over their size, both in the energy norm.
+
+        Not a number where there is no flux.
+        """
+        sampled = self.flux(x, self.recovery.points)
+        flux = sampled if self._points is None else self.flux(x, self._points)
+        error, size = self._energies(self.recovery.cell_rows(), self.recovery(sampled), flux)
+        return self._ratio(error, size, x)
+
+    def distance(self, x: np.ndarray, reference: np.ndarray) -> float:
+        """The distance of two sets of unknowns (n, f) over the size of the second, in the same norm."""
+        flux = self.flux(reference, self._points)
+        size, error = self._norm(flux), self._norm(self.flux(x, self._points) - flux)
+        return self._ratio(error, size, reference)
+
+    def _ratio(self, error: float, size: float, x: np.ndarray) -> float:
+        rounding = self.stiffest * (ROUNDING * float(np.abs(x).max(initial=0.0))) ** 2
+        return float(np.sqrt(error / size)) if size > rounding else float("nan")
+
+    def _norm(self, flux: np.ndarray) -> float:
+        """Twice the complementary energy of fluxes of the cells."""
+        return self._energies(np.zeros_like(self.space.cells), np.zeros((1, 4)), flux)[1]
+
+    def _energies(self, rows: np.ndarray, nodal: np.ndarray, flux: np.ndarray) -> tuple[float, float]:
+        space = self.space
+        return _kernels.recovery_energies(space.X, space.cells, rows, nodal, flux, self._compliance, self._kinds)

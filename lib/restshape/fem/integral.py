@@ -1,0 +1,99 @@
+"""An integral of an element's residual over cells, facets or points of a space."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from restshape import _kernels
+
+
+@dataclass(frozen=True, eq=False)
+class Integral:
+    """`factor` times the sum of an element's residuals over some of a space's entities.
+
+    Args:
+        element: what is integrated.
+        X: (n, d) material coordinates [m] of the space, by reference.
+        entities: (m, k) int32 nodes of each cell, facet or point.
+        parameters: (p,) the same everywhere, or (m, p); the element's `parameters` name the columns.
+        factor: of the residual, and with it of tangent and energy.
+        block: of the operator that the entities were registered as; None where they have no tangent.
+        rate: gives the rates, shaped like the parameters, with which they change when nodes move with rates (n, d), as
+            far as the residual is linear in them; None where they are constant.
+    """
+
+    element: _kernels.Element
+    X: np.ndarray
+    entities: np.ndarray
+    parameters: np.ndarray
+    factor: float = 1.0
+    block: int | None = 0
+    rate: Callable[[np.ndarray], np.ndarray | None] | None = None
+
+    def add_residual(self, x: np.ndarray, out: np.ndarray, subset: np.ndarray | None = None) -> None:
+        """Add the residual at x (n, f) to `out` (n, f), of the entities (k,) int32 of a subset alone where given."""
+        if self.factor == 1.0:
+            self.element.residual(self.X, x, self.entities, self.parameters, out, subset)
+        else:
+            own = np.zeros_like(out)
+            self.element.residual(self.X, x, self.entities, self.parameters, own, subset)
+            out += self.factor * own
+
+    def add_tangent_product(self, x: np.ndarray, d: np.ndarray, out: np.ndarray) -> None:
+        """Add (dr/dx) d, at x (n, f) along d (n, f), to `out` (n, f)."""
+        self._add_rates(x, np.zeros_like(self.X), out, d)
+
+    def add_design_product(self, x: np.ndarray, dX: np.ndarray, out: np.ndarray, dx: np.ndarray | None = None) -> None:
+        """Add (dr/dX) dX + (dr/dx) dx to `out` (n, f).
+
+        Args:
+            x: (n, f) unknowns; dx: (n, f) their rates, None where they are constant.
+            dX: (n, d) rates of the material coordinates.
+        """
+        self._add_rates(x, dX, out, dx)
+        changes = None if self.rate is None else self.rate(dX)
+        if changes is not None:
+            replace(self, parameters=changes).add_residual(x, out)
+
+    def _add_rates(self, x: np.ndarray, dX: np.ndarray, out: np.ndarray, dx: np.ndarray | None) -> None:
+        own = out if self.factor == 1.0 else np.zeros_like(out)
+        self.element.design(self.X, dX, x, self.entities, self.parameters, own, dx=dx)
+        if own is not out:
+            out += self.factor * own
+
+    def energies(self, x: np.ndarray) -> np.ndarray:
+        """Energies (m,) of the entities at x (n, f), whose derivative is the residual."""
+        found = self.element.energy(self.X, x, self.entities, self.parameters)
+        return found if self.factor == 1.0 else self.factor * found
+
+    def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> tuple:
+        """The integral at x (n, f) as a term of `algebra.operator.Operator.assemble`."""
+        coefficient = coefficient * self.factor
+        given = () if residual_factor is None else (residual_factor,)
+        return (self.block, self.element, self.X, x, self.parameters, coefficient, *given)
+
+    def stress(self, x: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
+        """Stresses (m, p, c) of the cells at reference points (p, d), or (m, c) at centroids, at x (n, f)."""
+        shape = (len(self.entities),) if points is None else (len(self.entities), len(points))
+        out = np.empty((*shape, self.element.stress_components))
+        self.element.stress(self.X, x, self.entities, self.parameters, out, points)
+        return out
+
+    def work_derivatives(self, x: np.ndarray) -> np.ndarray:
+        """Derivatives (m, k, d) of each entity's x . r(x) by the places of its k nodes, at a constant x (n, f).
+
+        Each node of each entity is moved by itself, all entities at once.
+        """
+        m, nodes = self.entities.shape
+        X = np.ascontiguousarray(self.X[self.entities].reshape(m * nodes, -1))
+        x = np.ascontiguousarray(x[self.entities].reshape(m * nodes, -1))
+        own = np.arange(m * nodes, dtype=np.int32).reshape(m, nodes)
+        found = np.empty((m, nodes, X.shape[1]))
+        for i in range(nodes):
+            for axis in range(X.shape[1]):
+                dX, out = np.zeros_like(X), np.zeros_like(x)
+                dX[own[:, i], axis] = 1.0
+                self.element.design(X, dX, x, own, self.parameters, out)
+                found[:, i, axis] = (x * out).reshape(m, -1).sum(axis=1)
+        return found if self.factor == 1.0 else self.factor * found

@@ -1,0 +1,152 @@
+"""What a physics is to the analyses: unknowns on a space, integrals, Dirichlet conditions, quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from restshape.algebra.traits import Traits
+from restshape.fem.dirichlet import Dirichlet
+from restshape.fem.error_estimate import RecoveryEstimate
+from restshape.fem.integral import Integral
+from restshape.fem.quantity import Observer
+from restshape.fem.space import Space
+from restshape.fem.time_integration import TimeIntegration
+from restshape.scene.model import Quantity, Scene
+from restshape.scene.plan import Plan
+
+if TYPE_CHECKING:
+    from restshape.fem.mass import MassMatrix
+
+INTERNAL, LOADS, FOLLOWERS = "internal", "loads", "followers"
+"""Kinds of integrals that balance: of the cells, with body loads and all else that the unknowns enter; dead loads on
+facets; loads on facets that the unknowns enter and that grow with the part of the load."""
+
+STIFFNESS, REFERENCE = "stiffness", "reference"
+"""Kinds for other uses: `INTERNAL` without any load; that where all unknowns are 0."""
+
+MASS, LUMPED, CONSISTENT = "mass", "lumped mass", "consistent mass"
+"""Inertia or capacity: as the plan asks for it; lumped onto the diagonal; consistent."""
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A field that is solved for.
+
+    Args:
+        name: such as "displacement"; recordings show it by this name.
+        unit: of its values.
+        components: names of the columns, as supports prescribe them.
+    """
+
+    name: str
+    unit: str
+    components: tuple[str, ...]
+
+
+Fields = tuple[dict[str, np.ndarray], dict[str, np.ndarray]]
+"""By name: fields (n, c) of the nodes, fields (ne, c) of the cells."""
+
+
+class Problem(Protocol):
+    """One physics of one scene on one space, from which analyses derive all else: made of scene, plan and space.
+
+    Attributes:
+        name: of the physics, before the options of its solvers in PETSc's database.
+        scene: whose values it has.
+        space: nodes and cells of the unknowns, by reference; its nodes may move.
+        unknowns: fields of each node, in the order of the columns.
+        boundary: prescribed unknowns.
+        symmetric: whether every tangent is symmetric.
+        linear: whether the integrals are linear in the unknowns.
+        varies: whether `update` has anything to do when nodes move.
+        stiffest: of all coefficients of the stiffness, integrated over the thickness, the largest.
+    """
+
+    name: str
+    scene: Scene
+    space: Space
+    unknowns: tuple[Unknown, ...]
+    boundary: Dirichlet
+    symmetric: bool
+    linear: bool
+
+    def __init__(self, scene: Scene, plan: Plan, space: Space) -> None: ...
+
+    @property
+    def varies(self) -> bool: ...
+    @property
+    def stiffest(self) -> float: ...
+    @property
+    def load_steps(self) -> int:
+        """Steps of load that are tried at most where the problem is not linear."""
+
+    @property
+    def loaded(self) -> bool:
+        """Whether there is any load."""
+
+    @property
+    def loaded_inside(self) -> bool:
+        """Whether there is one in the integrals of `INTERNAL`."""
+
+    def update(self) -> None:
+        """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
+
+    def blocks(self) -> list[np.ndarray]:
+        """Entities (m, k) int32 that have a tangent, one array a block of the operator."""
+
+    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral]:
+        """The integrals of a kind at the present places of the nodes; none where the problem has none of it.
+
+        Args:
+            kind: one of those above.
+            part: of the load, in load steps: `FOLLOWERS` grow with it.
+        """
+
+    def add_nodal_loads(self, out: np.ndarray, sign: float, cells: np.ndarray | None = None) -> None:
+        """Add `sign` times the loads that no integral gives, such as point loads, to `out` (n, f).
+
+        Args:
+            cells: (k,) int32; loads inside of others are left out.
+        """
+
+    def add_nodal_load_rates(self, dX: np.ndarray, out: np.ndarray) -> None:
+        """Add the rates of the loads of `add_nodal_loads` when nodes move with rates dX (n, d) to `out` (n, f)."""
+
+    def objection(self, x: np.ndarray) -> str:
+        """What speaks against unknowns x (n, f) that solve the equations, for people; empty where nothing does."""
+
+    def fields(self, x: np.ndarray) -> Fields:
+        """What a recording shows of the unknowns x (n, f)."""
+
+    @staticmethod
+    def traits(plan: Plan) -> Traits:
+        """What it declares of its linear systems under a plan."""
+
+    @staticmethod
+    def blank_fields(space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+
+    def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
+        """What evaluates quantities of the unknowns x (n, f).
+
+        Raises:
+            UserError: a quantity has no meaning, or none where it is asked for.
+        """
+
+    def error_estimate(self) -> RecoveryEstimate:
+        """The recovery-based estimate on this space."""
+
+
+class TransientProblem(Problem, Protocol):
+    """A problem that may be integrated in time: with integrals of the kinds `MASS`, `LUMPED`, `CONSISTENT`."""
+
+    @staticmethod
+    def time_integration(plan: Plan, before: TimeIntegration | None, now: float) -> TimeIntegration:
+        """How it is integrated under a plan; `before` is how it was until the time `now` [s]."""
+
+    def motion_observer(self, quantities: Mapping[str, Quantity], mass: MassMatrix) -> Observer:
+        """What evaluates quantities of unknowns x (n, f) and a `fem.time_integration.Motion`."""

@@ -1,0 +1,78 @@
+"""What a finite-element space offers: nodes and cells that unknowns live on, over a mesh that moves."""
+
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from restshape.shape.outline import Outline
+
+
+@runtime_checkable
+class Space(Protocol):
+    """Nodes and cells over a mesh whose nodes may move and whose edges may flip.
+
+    Attributes:
+        X: (n, d) material coordinates [m], changed in place when the mesh moves.
+        cells: (ne, k) int32 nodes whose X an element reads.
+        dofs: (ne, k) int32 nodes whose unknowns it reads: `cells` itself, but at seams and under periodicity.
+        corners: (ne, c) int32 the corners of the cells.
+        cell_region: (ne,) int32 0, or i + 1 for the i-th region of the outline.
+        node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
+        topology: version of the connectivity; geometry: version of the positions.
+        outline: whose entities the mesh resolves.
+        dim: of the cells; cell_type: their shape and order, as elements are named ("tri3", "tet10").
+    """
+
+    dim: int
+    cell_type: str
+
+    @property
+    def X(self) -> np.ndarray: ...
+    @property
+    def cells(self) -> np.ndarray: ...
+    @property
+    def dofs(self) -> np.ndarray: ...
+    @property
+    def corners(self) -> np.ndarray: ...
+    @property
+    def cell_region(self) -> np.ndarray: ...
+    @property
+    def node_offsets(self) -> np.ndarray: ...
+    @property
+    def topology(self) -> int: ...
+    @property
+    def geometry(self) -> int: ...
+    @property
+    def outline(self) -> Outline: ...
+
+    def nodes_of(self, name: str) -> np.ndarray:
+        """Sorted nodes (k,) int32 of an entity of the outline.
+
+        Raises:
+            UserError: there is no such entity.
+        """
+
+    def cells_of(self, name: str) -> np.ndarray:
+        """Cells (k,) int32 inside an entity of the outline.
+
+        Raises:
+            UserError: there is no such entity.
+        """
+
+    def follow(self, changed: np.ndarray) -> np.ndarray:
+        """Go where the mesh below is.
+
+        Args:
+            changed: (k,) its cells that flips have changed.
+
+        Returns:
+            (m,) int32 cells of this space that are others than before.
+        """
+
+    def interpolate(self, field: np.ndarray, interpolations: tuple[Any, ...]) -> np.ndarray:
+        """A field (n, f) after flips, at the new places of nodes of flipped edges.
+
+        Args:
+            field: before the flips; it stays as it is.
+            interpolations: what the flips did, in their order.
+        """

@@ -1,0 +1,1 @@
+"""Cloth: membrane, bending, inertia and contact with bodies."""

@@ -1,0 +1,126 @@
+"""Bending of cloth: Morley's triangles, or hinges at the edges between flat triangles."""
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.fem.integral import Integral
+from restshape.mesh.hinges import border_cells, hinges, inner_sides, normals
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.morley import MorleySpace
+from restshape.physics.cloth.boundary import ClothSupports
+from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.parameters import UPPER
+
+HINGES = {"hinge": ("hinge4", "hinge_mirrored3"), "nonlinear": ("hinge_nonlinear4", "hinge_nonlinear_mirrored3")}
+"""Elements of inner edges, and of edges whose other triangle is a mirror image."""
+QUADRATIC = ("morley", "hinge")
+"""Kinds whose stiffness is the same at all positions."""
+
+
+class MorleyBending:
+    """Plates whose unknowns are positions of corners and slopes across edges.
+
+    Args:
+        mesh: whose nodes may move; space: over it.
+        block: of the operator.
+    """
+
+    def __init__(self, mesh: Mesh, space: MorleySpace, block: int) -> None:
+        self.mesh, self.space, self.block = mesh, space, block
+        self.element = _kernels.Element("morley_tri6")
+        self.parameters = np.empty(0)
+
+    def blocks(self) -> list[np.ndarray]:
+        """Nodes of what bends, one array a block."""
+        return [self.space.cells]
+
+    def update(self, fabric: Fabric, supports: ClothSupports) -> None:
+        """Take in stiffness."""
+        D = np.broadcast_to(fabric.bending, (len(self.mesh.cells), 3, 3))
+        self.parameters = np.ascontiguousarray(np.hstack([D[:, UPPER[0], UPPER[1]], self.space.signs]))
+
+    def integrals(self, X: np.ndarray) -> list[Integral]:
+        """Over triangles at X (n, 2)."""
+        return [Integral(self.element, X, self.space.cells, self.parameters, block=self.block)]
+
+    def cell_energies(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Energies (ne,) [J] of the triangles at x (n, 3)."""
+        found = np.zeros(len(self.mesh.cells))
+        for integral in self.integrals(X):
+            found += integral.energies(x)
+        return found
+
+
+class HingeBending:
+    """Hinges at inner edges, and mirrored ones at clamps and on planes of symmetry.
+
+    Args:
+        mesh: whose nodes may move.
+        kind: of `HINGES`.
+        supports: name the edges that are mirrored.
+        block: of the operator; mirrored hinges have the next one.
+    """
+
+    def __init__(self, mesh: Mesh, kind: str, supports: ClothSupports, block: int) -> None:
+        self.mesh, self.block = mesh, block
+        self.element = _kernels.Element(HINGES[kind][0])
+        self.nodes = hinges(mesh.cells, mesh.cell_edges)
+        self.parameters = np.empty(0)
+        edges = np.concatenate([supports.clamped, supports.mirrored])
+        self.mirror = _kernels.Element(HINGES[kind][1]) if len(edges) else None
+        if self.mirror:
+            # Of each clamped edge, then of each on a plane of symmetry, with its triangle on the left.
+            self.mirrored_in, self.mirrored_nodes = border_cells(mesh.cells, mesh.cell_edges, edges)
+            self.mirrored_parameters = np.empty(0)
+
+    def blocks(self) -> list[np.ndarray]:
+        """Nodes of what bends, one array a block."""
+        return [self.nodes, self.mirrored_nodes] if self.mirror else [self.nodes]
+
+    def update(self, fabric: Fabric, supports: ClothSupports) -> None:
+        """Take in stiffness: a hinge knows one, that of bending about its edge, from both sides."""
+        D = np.broadcast_to(fabric.bending, (len(self.mesh.cells), 3, 3))
+        sides = self._cells_of_hinges()
+        self.parameters = self._across(self.nodes, 0.5 * (D[sides[:, 0]] + D[sides[:, 1]]), fabric)
+        if self.mirror:
+            slopes = supports.slopes / np.linalg.norm(supports.slopes, axis=1)[:, None]
+            directions = np.vstack([slopes, np.eye(3)[supports.axes]])
+            stiffness = self._across(self.mirrored_nodes, D[self.mirrored_in], fabric)
+            self.mirrored_parameters = np.hstack([stiffness, directions])
+
+    def integrals(self, X: np.ndarray) -> list[Integral]:
+        """Over edges of triangles at X (n, 2)."""
+        found = [Integral(self.element, X, self.nodes, self.parameters, block=self.block)]
+        if self.mirror:
+            nodes, parameters = self.mirrored_nodes, self.mirrored_parameters
+            found.append(Integral(self.mirror, X, nodes, parameters, block=self.block + 1))
+        return found
+
+    def cell_energies(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Energies (ne,) [J] of the triangles at x (n, 3), of a hinge one half on each side."""
+        found = np.zeros(len(self.mesh.cells))
+        inner, *mirrored = (integral.energies(x) for integral in self.integrals(X))
+        found += np.bincount(self._cells_of_hinges().ravel(), np.repeat(0.5 * inner, 2), len(found))
+        for energy in mirrored:
+            found += np.bincount(self.mirrored_in, energy, len(found))
+        return found
+
+    def _across(self, cells: np.ndarray, D: np.ndarray, fabric: Fabric) -> np.ndarray:
+        """What hinges at the edges between the first two nodes of cells (m, .) have of bending stiffness (m, 3, 3)."""
+        n = normals(self.mesh.X, cells)
+        curvature = np.column_stack([n[:, 0] ** 2, n[:, 1] ** 2, 2.0 * n[:, 0] * n[:, 1]])
+        stiffness = fabric.hinge_factor * np.einsum("ia,iab,ib->i", curvature, D, curvature)
+        return np.ascontiguousarray(stiffness[:, None])
+
+    def _cells_of_hinges(self) -> np.ndarray:
+        """The two triangles (m, 2) of each hinge."""
+        return inner_sides(self.mesh.cell_edges) // 3
+
+
+def bending_of(
+    fabric: Fabric, mesh: Mesh, morley: MorleySpace | None, supports: ClothSupports, block: int
+) -> MorleyBending | HingeBending | None:
+    """What bends of a fabric on a mesh, from a block of the operator on; None where nothing does."""
+    if fabric.kind == "none":
+        return None
+    return MorleyBending(mesh, morley, block) if morley else HingeBending(mesh, fabric.kind, supports, block)

@@ -1,0 +1,64 @@
+"""Where points that stick to a body are when the body has moved, turned or grown."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from restshape.physics.cloth.initial_placement import rotation
+from restshape.scene.bodies import Body
+
+Frame = tuple[np.ndarray, np.ndarray]
+
+
+def body_axes(body: Body) -> Frame:
+    """The origin (3,) [m] of a body of numbers, and the matrix (3, 3) that takes its own coordinates to space."""
+    form = body.form
+    match body.kind:
+        case "sphere":
+            return np.array(form.center), form.radius * np.eye(3)
+        case "box":
+            return np.array(form.center), rotation(form.rotate) @ np.diag(form.half)
+        case "capsule":
+            start, end = np.array(form.start), np.array(form.end)
+            length = float(np.linalg.norm(end - start)) or form.radius
+            return 0.5 * (start + end), _axes(end - start) * (length, form.radius, form.radius)
+        case _:
+            return np.array(form.point), _axes(np.array(form.normal))
+
+
+def moved_with(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
+    """Where points (n, 3) [m] on a body are after it has moved; a body of another kind carries none.
+
+    Args:
+        before, after: of numbers alone, without formulas.
+    """
+    if before.kind != after.kind or before.form == after.form:
+        return points
+    (from_, A), (to, B) = body_axes(before), body_axes(after)
+    if before.kind in ("capsule", "plane"):
+        B = _turn(A[:, 0], B[:, 0]) @ _axes(A[:, 0]) * np.linalg.norm(B, axis=0)
+    return (points - from_) @ np.linalg.inv(A).T @ B.T + to
+
+
+def _axes(axis: np.ndarray) -> np.ndarray:
+    """Columns (3, 3) of length 1: along an axis, and two across it."""
+    length = np.linalg.norm(axis)
+    if length == 0.0:
+        return np.eye(3)
+    a = axis / length
+    # The coordinate axis that it has least of is never along it.
+    b = np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
+    b /= np.linalg.norm(b)
+    return np.column_stack([a, b, np.cross(a, b)])
+
+
+def _turn(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The least turn (3, 3) of a direction into another one: a body that is round about it does not roll."""
+    a, b = before / np.linalg.norm(before), after / np.linalg.norm(after)
+    middle = a + b
+    square = middle @ middle
+    # Half a turn goes about any direction across; elsewhere two mirrors make the turn.
+    if square < 1e-20:
+        across = _axes(a)[:, 1]
+        return 2.0 * np.outer(across, across) - np.eye(3)
+    return (np.eye(3) - 2.0 / square * np.outer(middle, middle)) @ (np.eye(3) - 2.0 * np.outer(a, a))

@@ -1,0 +1,73 @@
+"""Parameters of cloth: what the elements of membranes, bending and contact take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))
+"""Rows and columns of 11 12 22 16 26 66 in a matrix of xx, yy, xy."""
+
+HINGE_STIFFNESS = {"plate": 1.0 / 3.0, "strip": 3.0 / 8.0}
+"""Stiffness of `hinge4` that acts on equilateral triangles as 1 of a plate, or of a strip with free sides."""
+
+
+def membrane_params(C: np.ndarray, load: np.ndarray | tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:
+    """Parameters (9,) of the elements membrane_tri3, membrane_stabilised_tri3 and membrane_corotated_tri3.
+
+    Args:
+        C: (3, 3) tensions xx, yy, xy [N/m] by strains xx, yy and twice xy: plane stress times thickness.
+        load: (3,) dead force [N/m^2] of material.
+    """
+    return np.concatenate([C[UPPER], load])
+
+
+def morley_params(D: np.ndarray, signs: np.ndarray) -> np.ndarray:
+    """Parameters (ne, 9) of the element morley_tri6.
+
+    Args:
+        D: (3, 3) moments xx, yy, xy [N] by curvatures xx, yy and twice xy: plane stress times thickness^3/12 [N m].
+        signs: (ne, 3) of the sides, see `restshape.mesh.morley.MorleySpace`.
+    """
+    return np.column_stack([np.tile(D[UPPER], (len(signs), 1)), signs])
+
+
+def isotropic_bending(D: float, nu: float) -> np.ndarray:
+    """Bending stiffness (3, 3) [N m] of an isotropic sheet, D = E h^3/(12 (1 - nu^2)) [N m]."""
+    return D * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, (1.0 - nu) / 2.0]])
+
+
+def lumped(X: np.ndarray, corners: np.ndarray, density: float | np.ndarray = 1.0) -> np.ndarray:
+    """Masses (n,) [kg] of nodes, a third of their triangles', or by default the areas [m^2] that they stand for.
+
+    Args:
+        X: (n, 2) rest positions [m].
+        corners: (ne, 3) nodes of triangles.
+        density: mass by area [kg/m^2], one or (ne,).
+    """
+    a, b, c = X[corners].swapaxes(0, 1)
+    u, v = b - a, c - a
+    share = density * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 6.0
+    return np.bincount(corners.ravel(), np.repeat(share, 3), minlength=len(X))
+
+
+@dataclass(frozen=True, eq=False)
+class Lumped:
+    """What the nodes of cloth stand for.
+
+    Args:
+        area: (n,) [m^2]; density: (ne,) mass by area [kg/m^2] of the triangles; mass: (n,) [kg], 0 for slopes.
+        load: norm of the weight at free unknowns [N].
+    """
+
+    area: np.ndarray
+    density: np.ndarray
+    mass: np.ndarray
+    load: float
+
+    @classmethod
+    def of(cls, X: np.ndarray, corners: np.ndarray, density: np.ndarray, g: np.ndarray) -> Lumped:
+        """What nodes at X (n, 2) [m] stand for; g (n, 3) [m/s^2] is the acceleration of each, 0 where prescribed."""
+        mass = lumped(X, corners, density)
+        return cls(lumped(X, corners), density, mass, float(np.linalg.norm(mass[:, None] * g)))

@@ -1,0 +1,246 @@
+"""Cloth on one mesh as a problem of finite elements: membrane, bending, weight and contact, with positions unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from restshape.fem.assembled import Assembled
+from restshape.fem.integral import Integral
+from restshape.fem.problem import INTERNAL, STIFFNESS, Fields, Unknown
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.morley import MorleySpace
+from restshape.physics.cloth.bending import QUADRATIC, bending_of
+from restshape.physics.cloth.boundary import ClothDirichlet, ClothSupports
+from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.material_motion import MaterialPlace
+from restshape.physics.cloth.membrane import Membrane
+from restshape.physics.cloth.parameters import Lumped
+from restshape.physics.cloth.point_forces import PointForces
+
+
+class ClothProblem:
+    """Cloth in space, with three unknowns a node.
+
+    With one history of friction all of it is the gradient of a potential.
+
+    Args:
+        mesh: kept by reference; its nodes may move.
+        fabric: stiffness and mass.
+        supports: where it is constrained.
+        g: (3,) acceleration [m/s^2].
+        contact: with bodies, over the nodes of the mesh; None: nothing touches.
+
+    Attributes:
+        morley: the space of Morley's triangles; None where the nodes are those of the mesh.
+        corner_number: (corners,) node of each node of the mesh.
+        place: where the nodes were in the material at the last `update`.
+        boundary: prescribed unknowns; lumped: areas and masses of the nodes.
+        softness: part of the membrane's stiffness that there is.
+
+    Source: docs/theory.md, section "Cloth".
+    """
+
+    name = "drape"
+    unknowns = (Unknown("position", "m", ("x", "y", "z")),)
+    symmetric, definite, linear, rigid_motions = True, False, False, True
+
+    def __init__(
+        self, mesh: Mesh, fabric: Fabric, supports: ClothSupports, g: np.ndarray, contact: Contact | None = None
+    ) -> None:
+        self.mesh, self.contact = mesh, contact
+        self.morley = MorleySpace(mesh) if fabric.kind == "morley" else None
+        nodes = np.arange(len(mesh.X), dtype=np.int32)
+        self.corner_number = self.morley.corner_number if self.morley else nodes
+        # A copy, as the place is: flips change the mesh's own.
+        self.membrane = Membrane(fabric.law, self.morley.corners if self.morley else mesh.cells.copy())
+        self.bending = bending_of(fabric, mesh, self.morley, supports, block=2)
+        self.softness, self._changes = 1.0, 0
+        self.set_values(fabric, supports, g)
+
+    @property
+    def space(self) -> MorleySpace | Mesh:
+        """Nodes and cells of the unknowns."""
+        return self.morley or self.mesh
+
+    @property
+    def X(self) -> np.ndarray:
+        """Material coordinates (n, 2) [m] of the nodes, corners and, of Morley's triangles, edges."""
+        return self.place.X
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes, of corners and edges."""
+        return len(self.X)
+
+    @property
+    def version(self) -> tuple[int, object]:
+        """Another one whenever forces or tangent may be others at the same positions."""
+        return self._changes, self.contact.history if self.contact else None
+
+    @property
+    def stiffness_version(self) -> int:
+        """Another one whenever stiffness, mass or supports may be others; contact does not count."""
+        return self._changes
+
+    @property
+    def varies(self) -> bool:
+        """Whether `update` has anything to do when nodes move."""
+        return True
+
+    @property
+    def stiffest(self) -> float:
+        """The largest tension [N/m] by strain."""
+        return float(self.fabric.membrane.max())
+
+    @property
+    def quadratic_bending(self) -> bool:
+        """Whether the bending stiffness is the same at all positions, or there is none of another kind."""
+        return self.fabric.kind in QUADRATIC
+
+    # --- values ---------------------------------------------------------------------------------------------------
+
+    def set_values(self, fabric: Fabric, supports: ClothSupports, g: np.ndarray) -> None:
+        """Take fabric of the same kind, supports and acceleration (3,) [m/s^2], and the mesh as it lies now."""
+        self.fabric, self.supports, self.g = fabric, supports, np.asarray(g, float)
+        self.update()
+
+    def update(self) -> None:
+        """Take in where the nodes of the mesh are now."""
+        mesh, morley = self.mesh, self.morley
+        if morley:
+            morley.place()
+        self.place = MaterialPlace.of(mesh, morley)
+        density = np.broadcast_to(self.fabric.density, len(mesh.cells))
+        self.boundary = ClothDirichlet(self.supports, mesh, self.corner_number, len(self.X), morley)
+        self.lumped = Lumped.of(self.X, self.membrane.corners, density, self.g * self.boundary.free)
+        self.soften(self.softness)
+        if self.bending:
+            self.bending.update(self.fabric, self.supports)
+
+    def soften(self, part: float) -> None:
+        """Give the membrane a part of its stiffness, or 1 for all of it; weight and bending stay."""
+        self.softness, self._changes = part, self._changes + 1
+        self.membrane.update(self.fabric, self.lumped.density, self.g, part)
+
+    # --- unknowns -------------------------------------------------------------------------------------------------
+
+    def flat(self, corners: np.ndarray) -> np.ndarray:
+        """Unknowns (n, 3) of flat triangles between corners (corners, 3) [m], prescribed ones as they are given."""
+        return self.constrain(self.morley.spanned(corners) if self.morley else corners.copy())
+
+    def constrain(self, x: np.ndarray) -> np.ndarray:
+        """Unknowns x (n, 3), prescribed ones as they are given."""
+        return np.where(self.boundary.mask, self.boundary.values, x)
+
+    def corners(self, x: np.ndarray) -> np.ndarray:
+        """Positions (corners, 3) [m] of the mesh's nodes."""
+        return x[self.corner_number]
+
+    def update_friction(self, x: np.ndarray) -> float:
+        """Let friction follow to x (n, 3); returns the largest slip distance of an anchor [m]."""
+        return self.contact.update_friction(self.corners(x)) if self.contact else 0.0
+
+    def follow_friction(self, x: np.ndarray) -> bool:
+        """Let friction follow to x (n, 3); tells whether there is contact, whose energy it changes."""
+        self.update_friction(x)
+        return self.contact is not None
+
+    def falls(self, x: np.ndarray) -> bool:
+        """Whether cloth at x (n, 3) falls without end: nothing supports it, and it goes away from all bodies."""
+        way = np.where(self.supports.mask.any(axis=0), 0.0, self.g)
+        return bool(way.any()) and (self.contact is None or self.contact.passed(self.corners(x), way))
+
+    # --- integrals ------------------------------------------------------------------------------------------------
+
+    def blocks(self) -> list[np.ndarray]:
+        """Nodes of what has a tangent: membrane, points, bending."""
+        bent = self.bending.blocks() if self.bending else []
+        return [self.membrane.corners, np.ascontiguousarray(self.corner_number[:, None]), *bent]
+
+    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral | PointForces]:
+        """The integrals of a kind, see `fem.problem`; no load has steps."""
+        if kind == STIFFNESS:
+            return [self.membrane.integral(self.X, weighs=False), *self.bending_integrals()]
+        if kind != INTERNAL:
+            return []
+        return [self.membrane.integral(self.X), *self.bending_integrals(), *self._contact()]
+
+    def bending_integrals(self) -> list[Integral]:
+        """Those of bending."""
+        return self.bending.integrals(self.X) if self.bending else []
+
+    def tangent_integrals(self, stabilised: bool, inertia: float) -> list[Integral | PointForces]:
+        """Those of a tangent but for quadratic bending.
+
+        Args:
+            stabilised: without what is compressed, positive semidefinite.
+            inertia: [1/s^2] times the mass on the diagonal.
+        """
+        found = [self.membrane.integral(self.X, stabilised)]
+        if self.contact or inertia:
+            found.append(self._points(inertia, curved=not stabilised))
+        return found if self.quadratic_bending else found + self.bending_integrals()
+
+    def _contact(self) -> list[PointForces]:
+        return [self._points()] if self.contact else []
+
+    def _points(self, inertia: float = 0.0, curved: bool = True) -> PointForces:
+        numbers = self.corner_number
+        entities = np.ascontiguousarray(numbers[:, None])
+        return PointForces(self.X, entities, self.contact, self.lumped.mass[numbers], inertia, curved)
+
+    # --- energies and forces --------------------------------------------------------------------------------------
+
+    def energy(self, x: np.ndarray) -> float:
+        """Potential energy [J] at x (n, 3), of weight too."""
+        # Bending is summed by itself first, as it is told by itself.
+        total = Assembled([self.membrane.integral(self.X)]).energy(x) + self.bending_energy(x)
+        return total + Assembled(self._contact()).energy(x)
+
+    def bending_energy(self, x: np.ndarray) -> float:
+        """Energy [J] of bending at x (n, 3)."""
+        return Assembled(self.bending_integrals()).energy(x)
+
+    def bending_energies(self, x: np.ndarray) -> np.ndarray:
+        """Energy (ne,) [J] of bending of each triangle at x (n, 3)."""
+        return self.bending.cell_energies(self.X, x) if self.bending else np.zeros(len(self.mesh.cells))
+
+    def membrane_energy(self, x: np.ndarray) -> float:
+        """Energy [J] of stretching at x (n, 3)."""
+        return Assembled([self.membrane.integral(self.X, weighs=False)]).energy(x)
+
+    def tensions(self, x: np.ndarray) -> np.ndarray:
+        """Second Piola-Kirchhoff tensions (ne, 3) xx, yy, xy [N/m] of the triangles at x (n, 3)."""
+        return self.membrane.tensions(self.X, x)
+
+    def residual(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` (n, 3) [N] to the residual at x (n, 3), 0 where prescribed."""
+        self.unconstrained_residual(x, out)
+        out *= self.boundary.free
+
+    def unconstrained_residual(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` (n, 3) [N] to the residual at x (n, 3) without supports: their reactions where they constrain."""
+        out[:] = 0.0
+        Assembled(self.integrals(INTERNAL)).residual(x, out)
+
+    def internal_forces(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` (n, 3) [N] to the forces of membrane, bending and weight, also where prescribed."""
+        out[:] = 0.0
+        Assembled([self.membrane.integral(self.X), *self.bending_integrals()]).residual(x, out)
+
+    # --- what is shown --------------------------------------------------------------------------------------------
+
+    def fields(self, x: np.ndarray) -> Fields:
+        """Displacement [m] of the nodes from the flat pattern, larger principal tension [N/m] of the cells."""
+        xx, yy, xy = self.tensions(x).T
+        tension = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
+        flat = np.column_stack([self.mesh.X, np.zeros(len(self.mesh.X))])
+        return {"displacement": self.corners(x) - flat}, {"tension": tension}
+
+    @staticmethod
+    def blank_fields(space: Mesh) -> Fields:
+        """The same fields, all NaN, on a mesh that has not been solved on."""
+        return {"displacement": np.full((len(space.X), 3), np.nan)}, {"tension": np.full(len(space.cells), np.nan)}

@@ -1,0 +1,84 @@
+"""Quantities of interest of cloth: numbers that a scene asks for, taken from its positions."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.fem.entity_sets import observed_nodes
+from restshape.fem.quantity import Observer, area, reduction
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.scene.model import Quantity
+
+AXES = "xyz"
+
+
+def observer(problem: ClothProblem, quantities: Mapping[str, Quantity]) -> Observer:
+    """What evaluates the quantities of a scene at positions x (n, 3) [m] of its cloth.
+
+    Displacements are counted from where the cloth was cut, as the mesh lies now.
+
+    Raises:
+        UserError: a quantity has no meaning for cloth, or names a place that is not there.
+    """
+    return Observer({name: _function(problem, name, quantity) for name, quantity in quantities.items()})
+
+
+def reactions(problem: ClothProblem, x: np.ndarray) -> np.ndarray:
+    """Forces (corners, 3) [N] of supports on the nodes at x (n, 3)."""
+    out = np.empty_like(x)
+    problem.unconstrained_residual(x, out)
+    return problem.corners(out)
+
+
+def _function(problem: ClothProblem, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+    mesh = problem.mesh
+    if quantity.area:
+        cells = mesh.cells_of(quantity.at) if quantity.at else slice(None)
+        return lambda x: area(mesh, cells)
+    if quantity.energy:
+        return _energy(problem, name, quantity)
+    if not (quantity.displacement or quantity.reaction):
+        raise UserError(
+            f"cloth has no quantity of the kind {quantity.kind!r}",
+            f"quantities.{name}",
+            "use displacement, reaction, energy or area",
+        )
+    nodes = observed_nodes(mesh, name, quantity)
+    if quantity.reaction:
+        column = AXES.index(quantity.reaction)
+        return lambda x: reactions(problem, x)[nodes, column].sum()
+    return _displacement(problem, quantity, nodes)
+
+
+def _displacement(
+    problem: ClothProblem, quantity: Quantity, nodes: np.ndarray | slice
+) -> Callable[[np.ndarray], float]:
+    take = reduction(problem.mesh, quantity, nodes)
+    flat = np.column_stack([problem.mesh.X, np.zeros(len(problem.mesh.X))])
+
+    def moved(x: np.ndarray) -> np.ndarray:
+        return (problem.corners(x) - flat)[nodes]
+
+    if quantity.displacement == "magnitude":
+        return lambda x: take(np.linalg.norm(moved(x), axis=1))
+    column = AXES.index(quantity.displacement)
+    return lambda x: take(moved(x)[:, column])
+
+
+def _energy(problem: ClothProblem, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+    kinds = {
+        "strain": lambda x: problem.membrane_energy(x) + problem.bending_energy(x),
+        "membrane": problem.membrane_energy,
+        "bending": problem.bending_energy,
+        "potential": problem.energy,
+    }
+    if quantity.energy not in kinds:
+        raise UserError(
+            f"cloth at rest has no {quantity.energy!r} energy",
+            f"quantities.{name}.energy",
+            f"use one of: {', '.join(kinds)}",
+        )
+    if quantity.at is not None:
+        raise UserError("energies of cloth are those of all of it", f"quantities.{name}.at", "leave it out")
+    return kinds[quantity.energy]

@@ -1,0 +1,108 @@
+"""What a scene says about its cloth on one mesh: stiffness, mass, supports, bodies, and where it starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.boundary import ClothSupports
+from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.initial_placement import InitialPlacement, rotation
+from restshape.physics.cloth.materials import fabric_of
+from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.supports import supports_of
+from restshape.scene.bodies import Body
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+
+@dataclass(frozen=True)
+class ClothArguments:
+    """What the problem of cloth is made from.
+
+    Args:
+        fabric: stiffness and mass; one matrix and one number where all cells agree.
+        supports: on this mesh.
+        g: (3,) acceleration [m/s^2].
+        bodies: each with its coefficient of friction, in the scene's order.
+        contact: settings of the effect; None: nothing touches, and there are no bodies.
+        start: (n, 3) where nodes lie at first [m].
+    """
+
+    fabric: Fabric
+    supports: ClothSupports
+    g: np.ndarray
+    bodies: list[tuple[_kernels.Body, float]]
+    contact: Any
+    start: np.ndarray
+
+
+def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
+    """What a scene says about its cloth on a mesh.
+
+    Raises:
+        UserError: a part has no material, supports clash, a slope or a plane of symmetry is on no edge.
+    """
+    gravity = plan.settings("gravity")
+    contact = plan.settings("contact")
+    placement = InitialPlacement(scene.start, scene.parameters)
+    supports = supports_of(scene, mesh, placement)
+    return ClothArguments(
+        fabric=fabric_of(scene, plan, mesh),
+        supports=supports,
+        g=np.array(gravity.g if gravity else (0.0, 0.0, 0.0)),
+        bodies=[] if contact is None else touched(scene),
+        contact=contact,
+        start=np.where(supports.mask, supports.places, placement.scattered(mesh)),
+    )
+
+
+def cloth_problem(mesh: Mesh, arguments: ClothArguments) -> ClothProblem:
+    """The problem of a scene's cloth on a mesh."""
+    problem = ClothProblem(mesh, arguments.fabric, arguments.supports, arguments.g)
+    if arguments.bodies:
+        settings = arguments.contact
+        problem.contact = Contact(
+            [body for body, _ in arguments.bodies],
+            problem.lumped.area[problem.corner_number],
+            settings.stiffness,
+            settings.thickness,
+            [friction for _, friction in arguments.bodies],
+            settings.slip,
+        )
+    return problem
+
+
+def set_contact(problem: ClothProblem, arguments: ClothArguments) -> None:
+    """Let contact be with bodies, and of values, that are others; friction remembers what it did."""
+    contact, settings = problem.contact, arguments.contact
+    contact.bodies = [body for body, _ in arguments.bodies]
+    contact.friction = np.array([friction for _, friction in arguments.bodies])
+    contact.area = problem.lumped.area[problem.corner_number]
+    contact.stiffness, contact.thickness, contact.slip = settings.stiffness, settings.thickness, settings.slip
+
+
+def touched(scene: Scene) -> list[tuple[_kernels.Body, float]]:
+    """The scene's bodies where they are now, each with its coefficient of friction."""
+    bodies = [body.settled(scene.parameters) for body in scene.bodies.values()]
+    return [(kernel_body(body), body.friction) for body in bodies]
+
+
+def kernel_body(body: Body) -> _kernels.Body:
+    """The body, of numbers alone, as the kernels take it."""
+    form = body.form
+    match body.kind:
+        case "sphere":
+            return _kernels.Body.sphere(form.center, form.radius)
+        case "plane":
+            return _kernels.Body.plane(form.point, form.normal)
+        case "capsule":
+            return _kernels.Body.capsule(form.start, form.end, form.radius)
+        case _:
+            # Its axes are the rows.
+            return _kernels.Body.box(form.center, form.half, rotation(form.rotate).T, form.radius)

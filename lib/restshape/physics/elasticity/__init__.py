@@ -1,0 +1,1 @@
+"""Elastic solids in the plane, at rest and in motion."""

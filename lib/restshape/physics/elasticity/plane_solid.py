@@ -1,0 +1,263 @@
+"""Elastic solids in the plane as a problem: integrals, supports, loads and stresses of a scene on one space."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.algebra.traits import Traits
+from restshape.errors import UserError
+from restshape.fem.error_estimate import RecoveryEstimate
+from restshape.fem.facets import SHAPES
+from restshape.fem.integral import Integral
+from restshape.fem.mass import MassMatrix
+from restshape.fem.materials import by_cell, table_by_region
+from restshape.fem.problem import (
+    CONSISTENT,
+    FOLLOWERS,
+    INTERNAL,
+    LOADS,
+    LUMPED,
+    MASS,
+    REFERENCE,
+    STIFFNESS,
+    Fields,
+    Unknown,
+)
+from restshape.fem.quantity import Observer
+from restshape.fem.space import Space
+from restshape.fem.supports import dirichlet_of
+from restshape.fem.time_integration import Newmark, Rayleigh, TimeIntegration
+from restshape.physics.elasticity.base_excitation import GroundMotion
+from restshape.physics.elasticity.body_load import require_density
+from restshape.physics.elasticity.loads import PlaneLoads
+from restshape.physics.elasticity.quantities import MotionQuantities, PlaneQuantities
+from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
+from restshape.physics.elasticity.stress import PlaneStresses, plane_compliance, von_mises
+from restshape.scene.model import Material, Quantity, Scene
+from restshape.scene.plan import Plan
+
+MASSES = {CONSISTENT: "mass", LUMPED: "lumped_mass"}
+
+
+def lame(material: Material, model: str) -> tuple[float, float]:
+    """Lame coefficients (lambda, mu) [Pa] for a plane model; plane stress takes lambda* (docs/theory.md, section 2)."""
+    E, nu = material.E, material.nu
+    mu = E / (2 * (1 + nu))
+    return (E * nu / (1 - nu**2), mu) if model == "plane_stress" else (E * nu / ((1 + nu) * (1 - 2 * nu)), mu)
+
+
+class PlaneSolid:
+    """Elasticity of one scene on one space, a `fem.problem.Problem`.
+
+    The law is linear, or that of St. Venant and Kirchhoff under the effect `large_deformation`: pressures then act on
+    the deformed boundary; all other loads are dead.
+
+    Args:
+        scene: materials, loads and supports.
+        plan: which effects are on.
+        space: kept by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
+
+    Attributes:
+        element: of the law; small: of linear elasticity with the same parameters.
+        materials: (regions + 1, 4) lambda, mu [Pa], thickness [m], density [kg/m^3].
+        stiffness_params: lambda, mu, thickness, 0, 0 of the cells, (5,) or (ne, 5).
+        loads: on points, edges and the volume.
+        stresses: of the cells.
+
+    Raises:
+        UserError: the supports leave the body free to move, or a part of it has no material.
+
+    Source: docs/theory.md, section 2.
+    """
+
+    name = "solid"
+    unknowns = (Unknown("displacement", "m", ("x", "y")),)
+
+    def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
+        shape, model = SHAPES[space.cells.shape[1]][0], plan.settings("solid").model
+        self.scene, self.space, self.plan = scene, space, plan
+        self.linear = not plan.on("large_deformation")
+        mean = "dilatation_" if plan.settings("solid").element == "mean_dilatation" else ""
+        self.small = _kernels.Element(f"linear_elastic_{mean}{shape}")
+        self.element = self.small if self.linear else _kernels.Element(f"stvk_{mean}{shape}")
+        self.materials = table_by_region(scene, space, lambda m: (*lame(m, model), m.thickness, m.rho))
+        self.gravity = np.array(plan.settings("gravity").g) if plan.on("gravity") else None
+        self.loads = PlaneLoads(scene, space, self.materials[:, 2], not self.linear)
+        self.params, self.stiffness_params = self._cell_params()
+        self.stresses = PlaneStresses(
+            space, self.element, self.stiffness_params, not self.linear, model == "plane_stress"
+        )
+        require_density(scene, self.gravity)
+        self.boundary = dirichlet_of(scene, space, self.unknowns)
+        check_rigid_body_modes(space.X, self.boundary.mask, scene)
+        self.boundary.evaluate(space.X)
+        self.symmetric = not self.loads.followers
+
+    # --- a problem -------------------------------------------------------------------------------------------------
+
+    @property
+    def varies(self) -> bool:
+        """Whether a value changes when nodes move."""
+        return self.loads.varies or self.boundary.varies
+
+    @property
+    def stiffest(self) -> float:
+        """The largest modulus times thickness [N/m] of the materials."""
+        lame, shear, thickness, _ = self.materials.T
+        return float(np.nanmax((lame + 2.0 * shear) * thickness))
+
+    @property
+    def load_steps(self) -> int:
+        """Steps of load that are tried at most where the law is not linear."""
+        return self.plan.settings("large_deformation").load_steps
+
+    @property
+    def loaded(self) -> bool:
+        """Whether there is any load."""
+        return self.gravity is not None or bool(self.scene.loads)
+
+    @property
+    def loaded_inside(self) -> bool:
+        """Whether there is a load on the volume."""
+        return self.gravity is not None or bool(self.loads.body.of_cells)
+
+    def update(self) -> None:
+        """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
+        if self.varies:
+            self.params, self.stiffness_params = self._cell_params()
+            self.boundary.evaluate(self.space.X)
+            self.loads.update()
+
+    def blocks(self) -> list[np.ndarray]:
+        """Entities (m, k) int32 that have a tangent: the cells, and the facets of each pressure that follows."""
+        return [self.space.cells, *(part.facets for part in self.loads.followers)]
+
+    def integrals(self, kind: str, part: float = 1.0) -> list[Integral]:
+        """The integrals of a kind at the present places of the nodes; see `fem.problem.Problem`.
+
+        Raises:
+            UserError: inertia of a material without density.
+        """
+        X, cells = self.space.X, self.space.cells
+        if kind == INTERNAL:
+            rate = self._body_rate if self.loads.body.of_cells else None
+            return [Integral(self.element, X, cells, self.params, rate=rate)]
+        if kind == LOADS:
+            return self.loads.on_edges()
+        if kind == FOLLOWERS:
+            return self.loads.following(part)
+        if kind == STIFFNESS:
+            return [Integral(self.element, X, cells, self.stiffness_params)]
+        if kind == REFERENCE:
+            return [Integral(self.small, X, cells, self.stiffness_params)]
+        return [self._mass(f"{self.plan.settings('dynamics').mass} mass" if kind == MASS else kind)]
+
+    def _mass(self, kind: str) -> Integral:
+        """The integral of the mass of the cells, `CONSISTENT` or `LUMPED`.
+
+        Lumped by the sums of rows; of second order, where those of corners are 0, by the diagonal scaled to the mass.
+
+        Raises:
+            UserError: a material has no density.
+        """
+        region = self.space.cell_region
+        thickness, density = self.materials[:, 2], self.materials[:, 3]
+        # Regions that fill the shape leave no cell to row 0, whose material may not exist.
+        if not np.all(density[np.unique(region)] > 0):
+            raise UserError(
+                "a body without density cannot vibrate",
+                f"{self.scene.path}: material",
+                'give each material its rho, e.g. rho = "2400 kg/m^3"',
+            )
+        element = _kernels.Element(f"{MASSES[kind]}_{SHAPES[self.space.cells.shape[1]][0]}")
+        return Integral(element, self.space.X, self.space.cells, by_cell((density * thickness)[:, None], region))
+
+    def add_nodal_loads(self, out: np.ndarray, sign: float, cells: np.ndarray | None = None) -> None:
+        """Add `sign` times the loads that no integral gives to `out` (n, 2) [N]; see `fem.problem.Problem`."""
+        self.loads.add_nodal(out, sign, cells)
+
+    def add_nodal_load_rates(self, dX: np.ndarray, out: np.ndarray) -> None:
+        """Take the rates of these loads, when nodes move with rates dX (n, 2), from `out` (n, 2) [N]."""
+        self.loads.add_nodal_rates(dX, out)
+
+    def objection(self, x: np.ndarray) -> str:
+        """What is wrong with a displacement x (n, 2) [m] that cells cannot bear; empty where nothing is."""
+        return self.stresses.objection(x)
+
+    # --- what is observed ------------------------------------------------------------------------------------------
+
+    def fields(self, x: np.ndarray) -> Fields:
+        """Displacement [m] of the nodes, equivalent stress [Pa] of the cells, at x (n, 2) [m]."""
+        return {"displacement": x}, {"von_mises": von_mises(self.stresses.cauchy(x))}
+
+    @staticmethod
+    def blank_fields(space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+        return {"displacement": np.full((len(space.X), 2), np.nan)}, {"von_mises": np.full(len(space.cells), np.nan)}
+
+    def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
+        """What evaluates quantities of a displacement x (n, 2) [m].
+
+        Raises:
+            UserError: a quantity has no meaning, or none where it is asked for.
+        """
+        functions = PlaneQuantities(self)
+        return Observer({name: functions(name, quantity) for name, quantity in quantities.items()}, functions.refresh)
+
+    @staticmethod
+    def traits(plan: Plan) -> Traits:
+        """What it declares of its linear systems under a plan."""
+        return Traits(symmetric=plan.solver.symmetric)
+
+    @staticmethod
+    def time_integration(plan: Plan, before: TimeIntegration | None, now: float) -> TimeIntegration:
+        """Newmark's method, Rayleigh damping and the ground's motion, as the plan asks for them."""
+        settings, ground = plan.settings("dynamics"), plan.settings("ground")
+        scheme = Newmark(settings.beta, settings.gamma, settings.time_step)
+        excitation = None
+        if ground is not None:
+            excitation = GroundMotion(ground, before.excitation if before else None, now)
+        return TimeIntegration(scheme, settings.steps, Rayleigh.of(plan.settings("damping")), excitation)
+
+    def motion_observer(self, quantities: Mapping[str, Quantity], mass: MassMatrix) -> Observer:
+        """What evaluates quantities of a displacement x (n, 2) [m] and a `fem.time_integration.Motion`.
+
+        Raises:
+            UserError: a quantity has no meaning, or none where it is asked for.
+        """
+        functions = MotionQuantities(self, mass.energies)
+        made = {name: functions(name, quantity) for name, quantity in quantities.items()}
+        return Observer(made, functions.refresh, [name for name, q in quantities.items() if q.take == "peak"])
+
+    def error_estimate(self) -> RecoveryEstimate:
+        """The recovery-based estimate in the energy norm, of small or large strains."""
+        lame, shear, thickness, _ = self.materials.T
+        compliance = plane_compliance(lame, shear, thickness)
+        return RecoveryEstimate(self.space, self.stresses.of_estimate, compliance, self.stiffest)
+
+    def energies(self, x: np.ndarray) -> np.ndarray:
+        """Strain energies (ne,) [J] of the cells at the displacement x (n, 2) [m]; they sum to half of x . K x."""
+        return self.integrals(STIFFNESS)[0].energies(x)
+
+    # --- parts -----------------------------------------------------------------------------------------------------
+
+    def _cell_params(self) -> tuple[np.ndarray, np.ndarray]:
+        """Parameters lambda, mu, thickness, bx, by with body forces, and without: their potential is no strain energy.
+
+        One row where all cells agree, else one row a cell.
+        """
+        table = np.zeros((len(self.materials), 5))
+        table[:, :3] = self.materials[:, :3]
+        stiffness = table.copy()
+        if self.gravity is not None:
+            table[:, 3:] = self.materials[:, 3:4] * self.gravity
+        region = self.space.cell_region
+        if not self.loads.body.of_cells and not np.any(region):
+            return np.ascontiguousarray(table[0]), np.ascontiguousarray(stiffness[0])
+        params = np.ascontiguousarray(table[region])
+        self.loads.body.add_to_cells(params)
+        return params, np.ascontiguousarray(stiffness[region])
+
+    def _body_rate(self, dX: np.ndarray) -> np.ndarray:
+        return self.loads.body.cell_rates(dX, 5)

@@ -1,0 +1,145 @@
+"""Quantities of interest of plane solids: functions of the displacement, and of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.fem.balance import unconstrained_residual
+from restshape.fem.entity_sets import cells_around, observed_nodes
+from restshape.fem.quantity import Function, area, cells_at, reduction
+from restshape.fem.recovery import NodalFlux
+from restshape.physics.elasticity.stress import COMPONENTS
+from restshape.physics.elasticity.target_curves import GoalDistance
+from restshape.scene.model import Quantity
+
+if TYPE_CHECKING:
+    from restshape.physics.elasticity.plane_solid import PlaneSolid
+
+ELSEWHERE = {
+    "frequency": ("only free vibrations have frequencies", 'use app = "metallophone"'),
+    "mode": ("only free vibrations have frequencies", 'use app = "metallophone"'),
+    "load_factor": ("without buckling there are no load factors", 'add [effects.buckling] to a scene of app = "solid"'),
+}
+"""Quantities that a solid at rest or in motion has not: why, and what to do."""
+
+
+class PlaneQuantities:
+    """Makes the functions of the displacement x (n, 2) [m] that quantities of a scene are.
+
+    Stresses are recovered at nodes; at a node between materials each side has its own, and a quantity of a region takes
+    that region's.
+
+    Args:
+        solid: on the space whose nodes are looked at.
+    """
+
+    def __init__(self, solid: PlaneSolid) -> None:
+        self.solid, self.space = solid, solid.space
+        self._nodal: np.ndarray | None = None
+        self._around: dict[str, tuple[int | None, np.ndarray]] = {}
+
+    def __call__(self, name: str, quantity: Quantity) -> Function:
+        """The function that a quantity of this name is.
+
+        Raises:
+            UserError: it has no meaning, or none where it is asked for.
+        """
+        if quantity.area or quantity.energy:
+            cells = cells_at(self.space, name, quantity)
+            if quantity.area:
+                return lambda x, *_: area(self.space, cells)
+            return self.energy(name, quantity.energy, cells)
+        if quantity.distance:
+            return self._distance(name, quantity)
+        for kind, (why, do) in ELSEWHERE.items():
+            if getattr(quantity, kind):
+                key = "load_factor" if kind == "load_factor" else ""
+                raise UserError(why, f"quantities.{name}{key and '.' + key}", f"leave it out, or {do}")
+        nodes = observed_nodes(self.space, name, quantity)
+        if quantity.reaction:
+            column = "xy".index(quantity.reaction)
+            return lambda x, *_: unconstrained_residual(self.solid, x, self._cells(name, nodes))[nodes, column].sum()
+        if quantity.stress:
+            return self._stress(quantity, nodes)
+        reduce = reduction(self.space, quantity, nodes)
+        if quantity.displacement == "magnitude":
+            return lambda x, *_: reduce(np.hypot(x[nodes, 0], x[nodes, 1]))
+        column = "xy".index(quantity.displacement)
+        return lambda x, *_: reduce(x[nodes, column])
+
+    def refresh(self) -> None:
+        """Forget the stresses at nodes: the displacement is another one."""
+        self._nodal = None
+
+    def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
+        """The energy of that kind in the cells; a solid at rest has one kind only."""
+        if kind != "strain":
+            raise UserError(f"a solid at rest has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"')
+        return lambda x, *_: self.solid.energies(x)[cells].sum()
+
+    @cached_property
+    def recovery(self) -> NodalFlux:
+        """What recovers stresses at nodes, made where a quantity is one."""
+        return NodalFlux(self.space)
+
+    def nodal_stress(self, x: np.ndarray) -> np.ndarray:
+        """Recovered stresses [Pa] at the nodes, in the rows of `recovery`, computed once a state."""
+        if self._nodal is None:
+            self._nodal = self.recovery(self.solid.stresses.cauchy(x, self.recovery.points))
+        return self._nodal
+
+    def _stress(self, quantity: Quantity, nodes: np.ndarray | slice) -> Function:
+        component = COMPONENTS[quantity.stress]
+        cells = self.space.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
+        rows = self.recovery.rows(nodes, cells)
+        reduce = reduction(self.space, quantity, self.recovery.nodes[rows])
+        return lambda x, *_: reduce(component(self.nodal_stress(x)[rows]))
+
+    def _distance(self, name: str, quantity: Quantity) -> Function:
+        """The distance between a target curve and the deformed edges."""
+        at = quantity.at or "outline"
+        facets = self.space.facets[self.space.facets_of(at)]
+        if len(facets) == 0:
+            raise UserError(f"{at!r} has no edge", f"quantities.{name}.at", "name an edge, a hole or a group of them")
+        distance = GoalDistance(self.solid.scene.goal[quantity.distance], facets, quantity.take)
+        return lambda x, *_: distance(self.space.X + x)
+
+    def _cells(self, name: str, nodes: np.ndarray) -> np.ndarray:
+        """The cells around the nodes of a quantity, found once a topology."""
+        version, cells = self._around.get(name, (None, None))
+        if version != self.space.topology:
+            cells = cells_around(self.space, nodes)
+            self._around[name] = (self.space.topology, cells)
+        return cells
+
+
+class MotionQuantities(PlaneQuantities):
+    """Makes the functions of displacement x (n, 2) [m] and `Motion` that quantities of a solid that moves are.
+
+    Args:
+        solid: on the space whose nodes are looked at.
+        kinetic: kinetic energies (ne,) [J] of the cells at velocities (n, 2) [m/s].
+    """
+
+    def __init__(self, solid: PlaneSolid, kinetic: Callable[[np.ndarray], np.ndarray]) -> None:
+        super().__init__(solid)
+        self.kinetic = kinetic
+
+    def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
+        """The energy of that kind in the cells; what edits and new meshes did is known of the whole body only."""
+        strain, kinetic = self.solid.energies, self.kinetic
+        if kind in ("edit", "remesh") and not isinstance(cells, slice):
+            raise UserError(f"{kind!r} energy is that of the whole body", f"quantities.{name}.at", "leave `at` out")
+        functions: dict[str, Function] = {
+            "strain": lambda x, motion: strain(x)[cells].sum(),
+            "kinetic": lambda x, motion: kinetic(motion.v)[cells].sum(),
+            "total": lambda x, motion: strain(x)[cells].sum() + kinetic(motion.v)[cells].sum(),
+            "edit": lambda x, motion: motion.edit,
+            "remesh": lambda x, motion: motion.remesh,
+        }
+        return functions[kind]

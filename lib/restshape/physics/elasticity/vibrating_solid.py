@@ -1,0 +1,66 @@
+"""Solids between a bottom and a top over a plane mesh that vibrate freely in space."""
+
+import numpy as np
+
+from restshape.fem.materials import by_cell
+from restshape.mesh.extrude import Extrusion
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.space import LagrangeSpace
+from restshape.physics.elasticity.mode_estimate import SolidModeEstimate
+from restshape.physics.elasticity.stiffness import solid_params, stiffness_of
+from restshape.physics.elasticity.vibrating_body import VibratingBody
+from restshape.physics.elasticity.vibrating_materials import common_thickness, lame, law
+from restshape.scene.model import Scene
+
+
+class VibratingSolid(VibratingBody):
+    """A body between a bottom and a top over the plane mesh, of tetrahedra of the plane mesh's order.
+
+    Args:
+        scene, plane: as in `VibratingBody`.
+        layers: of tetrahedra.
+        lumped: with the mass on the diagonal.
+    """
+
+    axes = ("x", "y", "z")
+    space: Extrusion
+
+    def __init__(self, scene: Scene, plane: Mesh | LagrangeSpace, layers: int, lumped: bool = False) -> None:
+        super().__init__(scene, plane)
+        self.space = Extrusion(plane, layers, common_thickness(scene), scene.parameters)
+        region = self.space.cell_region
+        if law(self.materials) == "anisotropic":
+            rows = [solid_params(stiffness_of(m)) for m in self.materials]
+        else:
+            rows = [(*lame(m, False), 0.0, 0.0, 0.0) for m in self.materials]
+        masses = np.array([[m.rho] for m in self.materials])
+        self.stiffness = self.integral(law(self.materials), by_cell(np.array(rows), region))
+        self.mass = self.integral("lumped_mass" if lumped else "mass", by_cell(masses, region))
+        self.boundary = self.supports()
+
+    def motion(self, plane_motion: np.ndarray) -> np.ndarray:
+        """Velocities (k, n, 3) of the nodes from those (k, n2, 2) of the plane nodes."""
+        return self.space.motion(plane_motion)
+
+    def by_plane_nodes(self, field: np.ndarray) -> np.ndarray:
+        """A field (n, ...) by plane nodes: (n2, levels...)."""
+        return field.reshape(len(self.plane.X), -1)
+
+    def all_rigid_motions(self) -> np.ndarray:
+        """Three translations and three turns (6, n f)."""
+        X = self.space.X
+        basis = np.zeros((6, *X.shape))
+        centre = X - X.mean(axis=0)
+        for a in range(3):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            basis[a, :, a] = 1.0
+            basis[3 + a, :, b], basis[3 + a, :, c] = -centre[:, c], centre[:, b]
+        return basis.reshape(6, -1)
+
+    def shapes(self, modes: np.ndarray) -> np.ndarray:
+        """Displacements (k, n2, 3) of the columns, averaged over bottom, top and what is between, in modes (k, n f)."""
+        return modes.reshape(len(modes), len(self.plane.X), self.space.levels, 3).mean(axis=2)
+
+    def error_estimate(self) -> SolidModeEstimate:
+        """What estimates the errors of its modes."""
+        return SolidModeEstimate(self)

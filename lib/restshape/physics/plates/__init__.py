@@ -1,0 +1,1 @@
+"""Plates with shear over plane meshes."""

@@ -1,0 +1,50 @@
+"""Modes keep their ids by their shape."""
+
+import numpy as np
+
+from restshape.analysis.mode_tracking import ModeIds
+
+
+def followed(before, after):
+    """Ids of `after` when `before` had theirs from 1."""
+    after, heavy = after.copy(), after.copy()
+    ids = ModeIds.first(len(before), np.arange(len(before))).track(before, after, heavy, np.ones(len(before)))
+    return ids.ids, after
+
+
+def test_modes_that_cross_exchange_their_ranks_and_keep_their_numbers():
+    numbers, _ = followed(np.eye(3), np.eye(3)[[1, 0, 2]])
+    assert list(numbers) == [2, 1, 3]
+
+
+def test_sign_follows_the_mode():
+    _, after = followed(np.eye(2), -np.eye(2))
+    assert np.array_equal(after, np.eye(2))
+
+
+def test_mode_from_above_gets_a_new_number_and_an_old_one_keeps_its_own():
+    numbers, _ = followed(np.eye(4)[:2], np.eye(4)[[3, 0]])
+    assert list(numbers) == [3, 1]
+
+
+def test_a_stranger_that_looks_a_little_like_a_lost_mode_does_not_get_its_number():
+    leak = 1e-4
+    stranger = np.array([0.0, leak, np.sqrt(1 - leak**2), 0.0])
+    numbers, _ = followed(np.eye(4)[:2], np.stack([np.eye(4)[0], stranger]))
+    assert list(numbers) == [1, 3]
+
+
+def test_modes_on_another_mesh_are_compared_in_its_mass():
+    after = np.eye(2)[[1, 0]]
+    ids = ModeIds.first(2, np.arange(2)).track(3.0 * np.eye(2), after, after.copy(), np.full(2, 9.0))
+    assert list(ids.ids) == [2, 1]
+
+
+def test_modes_that_turn_in_a_pair_keep_the_nearer_number():
+    c, s = np.cos(0.5), np.sin(0.5)
+    numbers, _ = followed(np.eye(2), np.array([[c, s], [-s, c]]))
+    assert list(numbers) == [1, 2]
+
+
+def test_first_numbers_go_to_the_modes_that_are_asked_for():
+    assert list(ModeIds.first(4, np.array([1, 3])).ids) == [3, 1, 4, 2]
