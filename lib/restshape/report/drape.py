@@ -16,7 +16,7 @@ from restshape.report.raster import FINER, Camera, Hits, hits
 from restshape.report.style import INK, length_unit, scaled_unit
 from restshape.report.tables import column
 from restshape.scene.bodies import Body
-from restshape.scene.body_columns import recorded_bodies
+from restshape.physics.cloth.body_columns import recorded_bodies
 
 TENSION = "tension"
 COLOURS = "YlGnBu"

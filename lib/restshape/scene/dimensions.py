@@ -49,7 +49,7 @@ def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) ->
     named = {name: powers for name, powers in named.items() if powers is not None}
     if not named:
         return
-    for key, formula in formulas(scene, ()):
+    for key, formula in formulas(scene):
         if not formula.names.intersection(named):
             continue
         example = EXAMPLES.get(formula.wanted or "", '"12 mm"')
@@ -77,7 +77,7 @@ def _plain(powers: Powers) -> Powers:
     return tuple(0 if base == "rad" else power for base, power in zip(BASE, powers))
 
 
-def formulas(value: Any, key: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Expression]]:
+def formulas(value: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Expression]]:
     """All formulas of a model, each with its key."""
     if isinstance(value, Expression):
         yield key, value

@@ -188,6 +188,8 @@ def read_fix(raw: Any) -> Any:
 class Support(Strict):
     """``[supports.NAME]``: where, and to which values, unknowns are constrained: ``fix = ["x"]``, or ``{ x = 0 }``."""
 
+    boundary: ClassVar[Mapping[str, str]] = {}
+
     on: Entities
     fix: Annotated[dict[str, Any], BeforeValidator(read_fix)] = {}
 
@@ -286,11 +288,6 @@ class Scene(Strict):
     def sections(self) -> dict[str, Any]:
         """The tables that the scene's physics add, by key, with defaults filled in."""
         return {key: getattr(self, key) for key in type(self).model_fields if key not in Scene.model_fields}
-
-    @property
-    def bodies(self) -> Mapping[str, Body]:
-        """Rigid bodies by name; none where no physics of the scene has them."""
-        return self.sections.get("bodies", {})
 
     @property
     def folder(self) -> Path:

@@ -61,8 +61,8 @@ def _scene_of(
     boundary = {component: dimension for one in physics for component, dimension in one.boundary.items()}
     fields = {key: section.field for key, section in sections.items()}
     fields["material"] = (Annotated[dict[Name, made], Field(min_length=1)], {})
-    fields["supports"] = (dict[Name, _support_type(support, boundary)], {})
-    fields["loads"] = (dict[Name, _load_type(_united(one.loads for one in physics))], {})
+    fields["supports"] = (dict[Name, support_type(support, boundary)], {})
+    fields["loads"] = (dict[Name, load_type(_united(one.loads for one in physics))], {})
     fields["quantities"] = (dict[Name, quantity_type(_united(one.quantities for one in physics))], {})
     return create_model("Scene", __base__=Scene, __doc__=Scene.__doc__, **fields)
 
@@ -96,7 +96,7 @@ def _united(added: Iterable[Mapping[str, Kind]]) -> dict[str, Kind]:
     return found
 
 
-def _support_type(support: type[Support], boundary: Mapping[str, str]) -> type[Support]:
+def support_type(support: type[Support], boundary: Mapping[str, str]) -> type[Support]:
     """The model of supports that may prescribe these components, each by its dimension."""
     components = TypedDict("Components", {key: value_of(of) for key, of in boundary.items()}, total=False)
     components.__pydantic_config__ = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
@@ -105,10 +105,12 @@ def _support_type(support: type[Support], boundary: Mapping[str, str]) -> type[S
         "description": "components, with their values",
     }
     fix = (Annotated[components, BeforeValidator(read_fix), WithJsonSchema(schema)], {})
-    return create_model("Support", __base__=support, __doc__=support.__doc__, fix=fix)
+    made = create_model("Support", __base__=support, __doc__=support.__doc__, fix=fix)
+    made.boundary = boundary
+    return made
 
 
-def _load_type(kinds: Mapping[str, LoadKind]) -> type[Load]:
+def load_type(kinds: Mapping[str, LoadKind]) -> type[Load]:
     """The model of loads of these kinds."""
     fields = {key: (kind.value | None, Field(None, description=kind.summary or None)) for key, kind in kinds.items()}
     made = create_model("Load", __base__=Load, __doc__=Load.__doc__, **fields)
