@@ -20,8 +20,8 @@ from restshape.algebra.gather import bury
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.errors import ReplayProblem, UserError
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
 from restshape.policy import Policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -215,7 +215,7 @@ def _tight(
         tolerance: in place of shares of the setting's.
     """
     own = request.scene.solve.tolerance
-    least = CLOTH_TIGHTEST if request.application.cloth else TIGHTEST
+    least = CLOTH_TIGHTEST if request.application.has("cloth") else TIGHTEST
     chosen = [tolerance] if tolerance else [max(least, share * own) for share in TIGHT]
     states: dict[int, State] = {}
     fresh: dict[int, State] = {}

@@ -9,11 +9,11 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.bench.events import EventCounts
 
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
-from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
 from restshape.errors import ReplayProblem, UserError
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.model import Scene

@@ -12,10 +12,10 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
-from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.application import application
 from restshape.calibration import Calibration
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.equations import ClothEquations
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.scene.load import load_scene, revise

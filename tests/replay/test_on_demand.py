@@ -85,7 +85,7 @@ def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
     assert told["constraint_status"]["holds"] + told["constraint_status"]["fails"] == 8
     printed = capsys.readouterr().out
     assert (
-        f"verdict: {told['constraint_status']['last']} at the end" in printed
+        f"constraint status: {told['constraint_status']['last']} at the end" in printed
         and "solved where nothing moved" in printed
     )
     with Recording(out) as recording:

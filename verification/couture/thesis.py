@@ -13,9 +13,9 @@ from petsc4py import PETSc
 
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
-from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.application import application
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.equations import ClothEquations
 from restshape.replay.still import still
 
 SCENES = application("couture").folder / "scenes"

@@ -4,9 +4,9 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
-from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.application import application
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.report import ConvergenceReport
 from restshape.replay.still import still
 
 BLADE = application("couture").folder / "scenes" / "blade.toml"

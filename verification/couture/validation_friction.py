@@ -7,10 +7,10 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 from scipy.optimize import brentq
 
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
-from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.application import application
 from restshape.physics.cloth.contact import FrictionHistory
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.report import ConvergenceReport
 from restshape.replay.still import still
 
 SCENES = application("couture").folder / "scenes"

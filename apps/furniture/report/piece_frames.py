@@ -12,7 +12,7 @@ from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.report.furniture import Slide, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.guided import grabbed, only_limits, runs
-from restshape_apps.furniture.report.piece_sheet import ACROSS, COLUMNS, EACH, finish_sheet, width_of
+from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.report.status_colour import status_colour
 from restshape_apps.furniture.session.plank_session import PlankFrame
 
@@ -174,7 +174,7 @@ def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> N
         named |= fresh
         push = furniture.piece.pushes[case - 1].name if case else ""
         words, colour = caption(recording, frame.index, push)
-        draw_piece(axes, furniture, words, slide, case, few, box, COLUMNS, fresh)
+        draw_piece(axes, furniture, words, slide, case, few, box, fresh)
         axes.set_title(words, fontsize=8.5, loc="left", color=colour)
     name = shorten(scene_name(recording), 80, placeholder=" …")
     told = meaning(recording, chosen, any(slide for _, slide, _ in made))

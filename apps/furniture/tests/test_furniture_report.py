@@ -10,7 +10,6 @@ from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 from restshape_apps.furniture.cli.guidance import print_guidance
 from restshape_apps.furniture.report import piece_frames, piece_ideas, piece_ranges
-from restshape_apps.furniture.report.furniture import MOVED
 from restshape_apps.furniture.report.guided import grabbed, guidance, only_limits
 from restshape_apps.furniture.report.piece_frames import pieces, telling_frames
 from restshape_apps.furniture.report.piece_ideas import searches
@@ -19,6 +18,7 @@ from restshape_apps.furniture.report.status_colour import BEYOND
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
+from restshape.report.space_scene import SpaceImage
 from restshape.report.style import INK, REFUSED
 from restshape.report.tables import rows_of
 
@@ -48,6 +48,12 @@ def figures(monkeypatch, module):
     made, new = [], module.new_figure
     monkeypatch.setattr(module, "new_figure", lambda *size: made.append(new(*size)) or made[-1])
     return made
+
+
+def space(axes) -> SpaceImage:
+    """What is drawn in space."""
+    (found,) = (artist for artist in axes.get_children() if isinstance(artist, SpaceImage))
+    return found
 
 
 def test_pictures_are_those_of_furniture(recorded):
@@ -132,10 +138,8 @@ def test_suggestions_show_arrows_and_end_states(recorded, tmp_path, monkeypatch)
     for axes, one in zip(panels, told):
         title = axes.get_title(loc="left").replace("\n", " ")
         assert title.startswith(f"{one['number']}: ") and one["words"].split(";")[0] in title
-        ghosts = [image for image in axes.images if image.get_zorder() == 4]
-        arrows = [t for t in axes.texts if t.arrow_patch is not None]
-        assert len(ghosts) == 1 and any(a.arrow_patch.get_edgecolor()[:3] == to_rgb(MOVED) for a in arrows)
-    assert not [image for image in before.images if image.get_zorder() == 4]
+        assert not space(axes).veil.empty
+    assert space(before).veil.empty
 
 
 def test_a_recording_tells_the_pieces_of_its_frames(recorded):

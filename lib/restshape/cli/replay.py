@@ -182,8 +182,9 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     values = [(name, *_ends(v)) for name, v in summary["quantities"].items()]
     print_table("quantities (SI units)", heads, values, right=heads[1:])
     if verdict := summary["constraint_status"]:
-        last = f"{verdict['last']} at the end{verdict['violated_constraints'] and ' for ' + verdict['violated_constraints']}"
-        print(f"verdict: {last}; holds in {verdict['holds']} frames, fails in {verdict['fails']}")
+        broken = verdict["violated_constraints"]
+        last = f"{verdict['last']} at the end{broken and ' for ' + broken}"
+        print(f"constraint status: {last}; holds in {verdict['holds']} frames, fails in {verdict['fails']}")
     if application.report:
         application.report.print_tables(summary["rows"])
     if "parity" in summary:

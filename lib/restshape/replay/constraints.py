@@ -7,7 +7,8 @@ from typing import Any
 
 from restshape.findings import Finding
 from restshape.scene.model import Quantity
-from restshape.scene.quantity import LIMIT_UNITS, in_unit
+from restshape.scene.quantity import in_unit
+from restshape.scene.units import SYMBOLS
 
 HOLDS, FAILS = "holds", "fails"
 LIMIT, MIN, MAX = "limit", "min", "max"
@@ -33,7 +34,7 @@ def limits_of(quantities: Mapping[str, Quantity]) -> Limits:
         name: Limit(
             -math.inf if q.at_least is None else q.at_least,
             math.inf if q.limit is None else q.limit,
-            LIMIT_UNITS.get(q.dimension, ""),
+            SYMBOLS[q.dimension],
         )
         for name, q in quantities.items()
         if q.limit is not None or q.at_least is not None
