@@ -66,7 +66,7 @@ def test_what_is_asked_for_is_what_every_frame_gives(files):
     for one, other in zip(every, asked):
         assert one["q_score"] == pytest.approx(other["q_score"], rel=1e-12)
         assert one["level"] == other["level"]
-        if other["do"] == "analyse":
+        if other["event"] == "analyse":
             assert other["q_strength"] == pytest.approx(one["q_strength"], rel=1e-6)
             assert other["constraint_status"] == one["constraint_status"] and other["residual"] < 1e-8
     known = [row["index"] for row in asked if np.isfinite(row["q_strength"])]
