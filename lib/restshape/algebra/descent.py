@@ -20,7 +20,9 @@ MEMORY = 15
 class Energy(Protocol):
     """An energy of nodal values, its gradient r and a tangent."""
 
-    held: np.ndarray
+    @property
+    def held(self) -> np.ndarray:
+        """Unknowns, of all n f, that are constrained."""
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set `out` (n, f) to r; 0 at held unknowns."""
@@ -91,7 +93,7 @@ class Descent:
         comm: PETSc.Comm,
         prefix: str,
         energy: Energy,
-        shape: tuple[int, int],
+        shape: tuple[int, ...],
         rows: slice,
         kind: str = "quasi",
         factor: str = "cholesky",

@@ -27,7 +27,9 @@ NO_SOLUTION = "a step of the cloth's motion has no solution: part of it has neit
 class Motion(Protocol):
     """Equations r(x) = 0 with a mass, whose tangent may be made positive semidefinite."""
 
-    held: np.ndarray
+    @property
+    def held(self) -> np.ndarray:
+        """Unknowns, of all n f, that are constrained."""
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set `out` (n, f) to r; 0 at held unknowns."""
@@ -97,7 +99,7 @@ class KineticDamping:
         prefix: str,
         motion: Motion,
         mass: np.ndarray,
-        shape: tuple[int, int],
+        shape: tuple[int, ...],
         rows: slice,
         steps: Steps,
     ) -> None:

@@ -32,7 +32,7 @@ class Newton:
     """
 
     def __init__(
-        self, comm: PETSc.Comm, prefix: str, linear: LinearSolver, shape: tuple[int, int], rows: slice
+        self, comm: PETSc.Comm, prefix: str, linear: LinearSolver, shape: tuple[int, ...], rows: slice
     ) -> None:
         self.nodal, self.prefix = Nodal(comm, shape, rows), prefix
         self._tangent: Tangent | None = None

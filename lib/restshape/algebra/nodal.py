@@ -15,7 +15,7 @@ class Nodal:
         rows: this rank's, of n f.
     """
 
-    def __init__(self, comm: PETSc.Comm, shape: tuple[int, int], rows: slice) -> None:
+    def __init__(self, comm: PETSc.Comm, shape: tuple[int, ...], rows: slice) -> None:
         self.comm, self.shape, self.rows = comm, shape, rows
         self.whole = comm.size == 1
 

@@ -45,6 +45,10 @@ class Comparison:
     solution: float
 
 
+Row = dict[str, float | int | str]
+"""Columns of a frame's row by name."""
+
+
 class Predictor(Protocol):
     """Shows frames of a drag to first order in the hand, without a solve."""
 
@@ -110,7 +114,7 @@ class Analysis(Protocol):
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the state."""
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> Row:
         """Columns of the frame's row that only this analysis has."""
 
     def residual_norm(self) -> float:

@@ -18,6 +18,7 @@ from restshape.analysis.modal_errors import FrequencyEstimate, residual_norm
 from restshape.analysis.modal_prediction import ModalPrediction
 from restshape.analysis.modal_state import ModalState
 from restshape.analysis.mode_search import ModeSearch
+from restshape.analysis.settings import modal_settings
 from restshape.analysis.verified_shape import VerifiedShape
 from restshape.errors import ReplayProblem, UserError
 
@@ -118,7 +119,7 @@ class ModalAnalysis:
 
     def blank_fields(self, space: Space) -> Fields:
         """The same fields, all NaN, on a mesh that has not been solved on."""
-        return modal_output.blank_fields(space, self.state.plan.settings("modal").modes)
+        return modal_output.blank_fields(space, modal_settings(self.state.plan).modes)
 
     def residual_norm(self) -> float:
         """The largest |K phi - lambda M phi| / |lambda M phi| of the modes that the scene asks for, element by element.
@@ -191,5 +192,5 @@ class ModalAnalysis:
         return state.solved_for(found, ids)
 
     def _search(self, state: ModalState) -> ModeSearch:
-        settings = state.plan.settings("modal")
+        settings = modal_settings(state.plan)
         return ModeSearch(self.solver, state.body, settings.modes, settings.in_plane)

@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape.analysis.modal_state import ModalState
 from restshape.analysis.pitch import note
+from restshape.analysis.settings import modal_settings
 from restshape.errors import UserError
 from restshape.fem.problem import Fields
 from restshape.fem.quantity import area
@@ -25,7 +26,7 @@ def quantities(state: ModalState) -> dict[str, float]:
 
 def row(state: ModalState) -> dict[str, Any]:
     """Columns of a frame's row that only modes have."""
-    frequencies, settings = state.frequencies, state.plan.settings("modal")
+    frequencies, settings = state.frequencies, modal_settings(state.plan)
     tone, cents = note(float(frequencies[0]), settings.a4)
     return {
         **{f"f_{k + 1}": float(f) for k, f in enumerate(frequencies)},

@@ -52,6 +52,8 @@ class NonlinearTransientState(TransientState):
         gain: of energy.
     """
 
+    # All that a linear system is used for is overridden.
+    system: MotionSystem | None = None  # type: ignore[assignment]
     scale: float = 0.0
     residual: float = 0.0
     gain: EnergyGain = EnergyGain()
@@ -65,6 +67,8 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     Source: docs/theory.md, section 2.
     """
+
+    state: NonlinearTransientState
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
         super().__init__(scene, plan, context, make)
@@ -102,7 +106,9 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         if scene is not self.state.gain.scene:
             self.state = replace(self.state, gain=replace(self.state.gain, scene=scene, gained=0.0))
 
-    def _make_system(self, body: SemiDiscrete, integration: TimeIntegration) -> MotionSystem:
+    def _make_system(  # type: ignore[override]
+        self, body: SemiDiscrete, integration: TimeIntegration
+    ) -> MotionSystem:
         return self._system_of(body, integration, self.context.policy.backend, self.solver)
 
     def _system_of(
@@ -110,7 +116,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
     ) -> MotionSystem:
         comm, stages = self.context.comm, self.context.stages
 
-        def newton(shape: tuple[int, int], rows: slice) -> Newton:
+        def newton(shape: tuple[int, ...], rows: slice) -> Newton:
             return Newton(comm, "motion_newton_", solver, shape, rows)
 
         made = MotionSystem(comm, body, integration.scheme, newton, backend, stages, solver.symmetric)

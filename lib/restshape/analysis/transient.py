@@ -75,7 +75,7 @@ class TransientState:
     scene: Scene | None = None
     integration: TimeIntegration | None = None
     body: SemiDiscrete | None = None
-    system: Any = None
+    system: EffectiveSystem | None = None
     observer: Observer | None = None
     increments: IncrementProjection | None = None
     now: TimeState = NOTHING

@@ -6,7 +6,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.operator import Operator
-from restshape.fem.integral import Integral
+from restshape.fem.integral import Term
 
 
 class Assembled:
@@ -17,9 +17,20 @@ class Assembled:
         operator: holds the pattern of their blocks; None where no matrix is wanted.
     """
 
-    def __init__(self, integrals: Iterable[Integral], operator: Operator | None = None) -> None:
-        self.integrals: Sequence[Integral] = tuple(integrals)
-        self.operator = operator
+    def __init__(self, integrals: Iterable[Term], operator: Operator | None = None) -> None:
+        self.integrals: Sequence[Term] = tuple(integrals)
+        self._operator = operator
+
+    @property
+    def operator(self) -> Operator:
+        """What holds the pattern.
+
+        Raises:
+            ValueError: there is none.
+        """
+        if self._operator is None:
+            raise ValueError("a sum without an operator has no matrix")
+        return self._operator
 
     def residual(self, x: np.ndarray, out: np.ndarray | None = None, subset: np.ndarray | None = None) -> np.ndarray:
         """The residual (n, f) at x (n, f), added to `out` where it is given.

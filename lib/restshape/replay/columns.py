@@ -16,8 +16,8 @@ def columns(quantities: list[str], own: dict[str, Any] | None = None) -> dict[st
         quantities: of the scene.
         own: columns that only the scene's application has.
     """
-    integers = ("index", "line", "level", "flips", "age", "refreshed", "iterations", "newton", "unknowns", "elements")
-    integers += ("predicted",)
+    counts = ("level", "flips", "age", "refreshed", "iterations", "newton", "unknowns", "elements")
+    integers = ("index", "line", *counts, "predicted")
     reals = ("t", "min_quality", "residual", *ESTIMATES, "ms", *(f"ms_{name}" for name in STAGES), "ms_python")
     return {
         **dict.fromkeys(integers, np.int64),

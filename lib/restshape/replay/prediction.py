@@ -49,13 +49,6 @@ class PredictedFrames:
         self.shown = False
         self.note = ""
         self._before: np.ndarray | None = None
-        self._c = (0.0, 0.0)
-
-    @property
-    def way(self) -> float:
-        """How far the hand is from where the predictions start, in its coefficients."""
-        c, start = self._c, self.made.c
-        return float(np.hypot(c[0] - start[0], c[1] - start[1]))
 
     @property
     def predicted(self) -> Any:
@@ -69,7 +62,7 @@ class PredictedFrames:
             return False
         if edit.change == "move":
             self.predictor.set_values(made(edit.c))
-            self._c, self.shown = edit.c, True
+            self.shown = True
         return self.shown and edit.change in ("move", "none")
 
     def start(self, edit: EditFrame) -> None:

@@ -123,7 +123,7 @@ class Recorder:
         self.ready()
         cells = np.ascontiguousarray(cells, dtype=np.int32)
         kind = _CELL_TYPES[cells.shape[1]] if cell_type is None else cell_type
-        self._send(rings.TOPOLOGY, cells, cells.shape[1], kind)
+        self._send(rings.TOPOLOGY, cells.data, cells.shape[1], kind)
         if len(cells) != self._cells:
             self._cells = len(cells)
             self._shape = ()
@@ -213,7 +213,7 @@ class Recorder:
         self.stalled_s += time.monotonic() - started
         return at
 
-    def _send(self, kind: int, data: bytes | np.ndarray, a: float = 0.0, b: float = 0.0) -> None:
+    def _send(self, kind: int, data: bytes | memoryview, a: float = 0.0, b: float = 0.0) -> None:
         view = memoryview(data).cast("B") if len(data) else memoryview(b"")
         at = self._begin(kind, len(view), a, b)
         self._ring.memory[at : at + len(view)] = view

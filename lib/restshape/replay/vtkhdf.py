@@ -218,10 +218,11 @@ class VtkHdfWriter:
             if name not in fields:
                 fields[name] = self._new_field(kind, name, values)
         self._largest[kind] = max(self._largest[kind], count)
-        written = []
+        written: list[np.ndarray] = []
         for name, field in fields.items():
-            values = given.get(name)
-            if values is None:
+            if name in given:
+                values = given[name]
+            else:
                 shape = (count, field.dataset.attrs["components"]) if field.width else (count,)
                 values = np.full(shape, np.nan)
             self._offsets[f"{kind}/{name}"].add(np.array([field.add_changed(_padded(values))], dtype="i8"))

@@ -21,8 +21,10 @@ class Solved(Protocol):
     """What a derivative needs of an analysis of buckling that has been solved on the mesh as it lies."""
 
     state: BucklingState
-    rest: SolvedAtRest
     solver: BucklingSolver
+
+    @property
+    def rest(self) -> SolvedAtRest: ...
 
 
 def load_factor_rates(state: BucklingState, dX: np.ndarray, s: np.ndarray) -> np.ndarray:

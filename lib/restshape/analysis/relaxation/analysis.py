@@ -18,6 +18,7 @@ from restshape.analysis.relaxation.options import RelaxationOptions, Watch
 from restshape.analysis.relaxation.relaxing import relax
 from restshape.analysis.relaxation.row import Row
 from restshape.analysis.relaxation.state import RelaxationState
+from restshape.analysis.settings import relaxation_settings
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Fields
 from restshape.mesh.mesh import Mesh
@@ -136,7 +137,7 @@ class RelaxationAnalysis:
     @property
     def tolerance(self) -> float:
         """Residual over load at an equilibrium."""
-        return self.state.plan.settings("drape").rest
+        return relaxation_settings(self.state.plan).rest
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest, evaluated once a solution."""

@@ -222,9 +222,6 @@ class EquilibriumSolver:
         """Forces [N] a metre of the places below which a residual that steps do not lower any more is rounding."""
         return ROUND_OFF * float(self.problem.fabric.membrane.max()) * len(self.problem.mesh.X) ** 0.5
 
-    def _places(self) -> np.ndarray:
-        return self.problem.X[self.rows.start // 3 : self.rows.stop // 3]
-
     def residual_norm(self, x: np.ndarray) -> float:
         """The norm of the residual over the load, at x (n, 3)."""
         out = np.empty_like(x)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.traits import Traits
 from restshape.analysis.analysis import Context
 from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
+from restshape.analysis.settings import RelaxationSettings, relaxation_settings
 from restshape.application import application
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.problem import ClothProblem
@@ -59,9 +59,9 @@ class RelaxationOptions:
         return cls(context, plan, scene, bodies, watch)
 
     @property
-    def settings(self) -> Any:
+    def settings(self) -> RelaxationSettings:
         """Of the effect `drape`."""
-        return self.plan.settings("drape")
+        return relaxation_settings(self.plan)
 
     @property
     def strategy(self) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -111,9 +112,9 @@ def converged(solver: EquilibriumSolver, x: np.ndarray, most: int, report: Conve
 STRATEGIES: dict[str, Strategy] = {
     "auto": converged,
     "kinetic": moved,
-    "rayleigh": lambda *a: moved(*a, damping="rayleigh"),
-    "newton": lambda *a: descended(*a, kind="newton", stabilised=False),
-    "stabilised": lambda *a: descended(*a, kind="newton"),
-    "cg": lambda *a: descended(*a, kind="cg"),
+    "rayleigh": partial(moved, damping="rayleigh"),
+    "newton": partial(descended, kind="newton", stabilised=False),
+    "stabilised": partial(descended, kind="newton"),
+    "cg": partial(descended, kind="cg"),
 }
 """By the name that a scene gives in ``effects.drape.way``."""
