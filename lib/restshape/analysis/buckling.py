@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from restshape.algebra.buckling import BucklingSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.buckling_binding import bound, flipped
 from restshape.analysis.buckling_comparison import compare_cold
 from restshape.analysis.buckling_output import fields, observed, residual_norm, row
@@ -119,7 +119,7 @@ class BucklingAnalysis:
         """The scene's quantities of interest at the state; a load factor that there is not is infinite."""
         return self.rest.observe() | observed(self.state)
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """Columns of a frame's row that only buckling has."""
         return row(self.state, self.shown, self.solver)
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis import modal_output
-from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.frame import Frame
 from restshape.analysis.modal_binding import bound, followed
 from restshape.analysis.modal_comparison import compare_cold
@@ -108,7 +108,7 @@ class ModalAnalysis:
         """The scene's quantities of interest at the state."""
         return modal_output.quantities(self.state)
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """Columns of a frame's row that only modes have."""
         return modal_output.row(self.state)
 

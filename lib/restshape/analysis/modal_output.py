@@ -1,9 +1,9 @@
 """What is shown of modes: quantities of interest, columns of a row, fields that are not known yet."""
 
-from typing import Any
 
 import numpy as np
 
+from restshape.analysis.analysis import RowValues
 from restshape.analysis.modal_state import ModalState
 from restshape.analysis.pitch import note
 from restshape.analysis.settings import modal_settings
@@ -24,7 +24,7 @@ def quantities(state: ModalState) -> dict[str, float]:
     return {name: modal_quantity(name, quantity, *found) for name, quantity in state.scene.quantities.items()}
 
 
-def row(state: ModalState) -> dict[str, Any]:
+def row(state: ModalState) -> RowValues:
     """Columns of a frame's row that only modes have."""
     frequencies, settings = state.frequencies, modal_settings(state.plan)
     tone, cents = note(float(frequencies[0]), settings.a4)
@@ -32,9 +32,9 @@ def row(state: ModalState) -> dict[str, Any]:
         **{f"f_{k + 1}": float(f) for k, f in enumerate(frequencies)},
         "tone": tone,
         "cents": cents,
-        "track": " ".join(map(str, state.ids)),
-        "counted": int(state.report.inertia_checked),
-        "missed": state.report.missed_modes,
+        "mode_ids": " ".join(map(str, state.ids)),
+        "inertia_checked": int(state.report.inertia_checked),
+        "missed_modes": state.report.missed_modes,
         "elements": len(state.body.space.cells),
     }
 

@@ -12,7 +12,7 @@ from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
 from restshape.algebra.newton_convergence import INDEFINITE
 from restshape.algebra.operator import Operator
-from restshape.analysis.analysis import Context, Row
+from restshape.analysis.analysis import Context, RowValues
 from restshape.analysis.equilibrium_search import EquilibriumSearch
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import CurvedGuess
@@ -120,7 +120,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
         self.state.equations.begin()
         self.state = replace(self.state, residual=0.0)
 
-    def row(self) -> Row:
+    def row(self) -> RowValues:
         """What the frame's row tells besides."""
         return rounding_note(self.state.residual, self.solver.tolerance)
 
@@ -231,6 +231,6 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
         return System(matrix, cold.x.ravel().copy())
 
 
-def rounding_note(residual: float, tolerance: float) -> Row:
+def rounding_note(residual: float, tolerance: float) -> RowValues:
     """What a frame's row tells besides where rounding leaves more of the load, or of the forces, than the tolerance."""
     return {"note": f"a tolerance of {tolerance:g} is out of reach of rounding"} if residual > tolerance else {}

@@ -1,7 +1,6 @@
 """Nonlinear problems in time while the rest shape is edited: Newton's method in each implicit step."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -9,7 +8,7 @@ from restshape.algebra.gather import System, whole_matrix
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
-from restshape.analysis.analysis import Context
+from restshape.analysis.analysis import Context, RowValues
 from restshape.analysis.equilibrium_search import least_scale, rounding
 from restshape.analysis.frame import Frame
 from restshape.analysis.motion_equations import MotionSystem
@@ -94,7 +93,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
             return 0.0
         return float(np.linalg.norm(state.system.equations.whole_residual(self.x))) / state.scale
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """What the frame's row tells besides."""
         return rounding_note(self.state.residual, self.solver.tolerance)
 

@@ -30,21 +30,6 @@ class BucklingSettings(Protocol):
     load: str
 
 
-class RelaxationSettings(Protocol):
-    """Of cloth that comes to rest.
-
-    Attributes:
-        rest: residual over load at an equilibrium.
-        way: name of the solution strategy; steps: the most of a frame.
-        levels: nested meshes that a cold start runs through; None: all.
-    """
-
-    rest: float
-    way: str
-    steps: int
-    levels: int | None
-
-
 def modal_settings(plan: Plan) -> ModalSettings:
     """The settings of the effect `modal`, which is on."""
     return cast(ModalSettings, plan.settings("modal"))
@@ -53,8 +38,3 @@ def modal_settings(plan: Plan) -> ModalSettings:
 def buckling_settings(plan: Plan) -> BucklingSettings:
     """The settings of the effect `buckling`, which is on."""
     return cast(BucklingSettings, plan.settings("buckling"))
-
-
-def relaxation_settings(plan: Plan) -> RelaxationSettings:
-    """The settings of the effect `drape`, which is on."""
-    return cast(RelaxationSettings, plan.settings("drape"))

@@ -11,7 +11,7 @@ from restshape.algebra.gather import System, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator
-from restshape.analysis.analysis import Comparison, Context, Row
+from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.comparison import compared
 from restshape.analysis.correction import correction
 from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
@@ -182,7 +182,7 @@ class SteadyAnalysis(Generic[P]):
             self._observed = (self.state, self.state.observer(self.state.x))
         return self._observed[1]
 
-    def row(self) -> Row:
+    def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has: none."""
         return {}
 

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import spsolve
 from restshape.algebra.gather import System, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
-from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.comparison import compared
 from restshape.analysis.correction import preconditioner
 from restshape.analysis.effective_system import EffectiveSystem
@@ -222,7 +222,7 @@ class TransientAnalysis:
             self._observed = (self.state, self.state.observer(self.x, self.state.motion))
         return self._observed[1]
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has: none."""
         return {}
 

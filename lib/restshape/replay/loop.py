@@ -10,7 +10,7 @@ from petsc4py import PETSc
 from restshape.algebra.gather import bury
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import NAMES, Stages
-from restshape.analysis.analysis import Analysis, Context, Row
+from restshape.analysis.analysis import Analysis, Context, RowValues
 from restshape.analysis.frame import Frame
 from restshape.application import Application
 from restshape.calibration import Calibration
@@ -77,7 +77,7 @@ class Replay:
         ahead = predict == "linear"
         if ahead and script.header.analysis != "every frame":
             raise UserError("frames that are not analysed cannot be predicted", "--predict", "--predict none")
-        self.prediction = PredictedFrames(self.analysis, self.moving, self.session, policy) if ahead else None
+        self.prediction = PredictedFrames(self.analysis, cast(MovingMesh, self.moving), self.session, policy) if ahead else None
         self.recorded_topology: tuple[int, int] | None = None
         self.solved = False
         self.known = False
@@ -85,7 +85,7 @@ class Replay:
         self.estimating = True
         self.limits = limits_of(scene.quantities)
         self.dimensions = {name: quantity.dimension for name, quantity in scene.quantities.items()}
-        self.row: Row = {}
+        self.row: RowValues = {}
 
     @classmethod
     def of(cls, request: Request, comm: PETSc.Comm, recorder: Recorder | None = None) -> Self:
@@ -93,13 +93,13 @@ class Replay:
         scene, script, application = request.scene, request.script, request.application
         return cls(scene, script, application, request.policy, comm, request.calibration, recorder, request.predict)
 
-    def frames(self) -> Iterator[Row]:
+    def frames(self) -> Iterator[RowValues]:
         """The row of each frame, as soon as it is computed and handed to the recorder.
 
         Raises:
             UserError: the scene cannot be simulated, or the recording cannot be written.
         """
-        edits = self.session.frames()
+        edits = cast(Iterator[EditFrame], self.session.frames())
         while True:
             self.stages.reset()
             start = perf_counter()
@@ -113,7 +113,7 @@ class Replay:
             self._record(edit, row, end)
             yield row
 
-    def _frame(self, edit: EditFrame) -> Row:
+    def _frame(self, edit: EditFrame) -> RowValues:
         """Compute one frame; one with a problem is recorded as refused, and all goes on from the last solution."""
         refused, predicted = edit.refused or "", False
         solved, self.solved = self.solved, False
@@ -155,32 +155,33 @@ class Replay:
 
     def _row(
         self, edit: EditFrame, advance: Advance, report: LinearReport, quantities: dict[str, float]
-    ) -> Row:
+    ) -> RowValues:
         """What all applications tell of a frame, but for times and whether it was predicted or refused."""
         return {
             "index": edit.index,
             "t": edit.t,
             "line": edit.line,
-            "do": edit.do,
+            "event": edit.do,
             "level": advance.level,
             "flips": advance.flips,
             "min_quality": advance.min_quality,
-            "age": report.age,
-            "refreshed": int(report.refreshed),
+            "pc_age": report.age,
+            "pc_rebuilt": int(report.refreshed),
             "iterations": report.iterations,
             "newton": report.newton,
             "preconditioner": report.preconditioner,
             "unknowns": self.analysis.unknowns,
             "elements": len(self._space.cells if self.known else self.moving.mesh.cells),
             "note": self.prediction.note if self.prediction else "",
-            "verdict": verdict(self.limits, quantities),
-            "broken": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
+            "constraint_status": verdict(self.limits, quantities),
+            "violated_constraints": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
             **{f"q_{name}": value for name, value in quantities.items()},
         }
 
     def _solve(self, edit: EditFrame, advance: Advance, solved: bool) -> LinearReport:
         """Solve a frame; `solved` tells whether the one before was."""
-        mesh, hand = self.moving.field_mesh, (edit.gesture, (edit.c[0], edit.c[1]))
+        mesh: Mesh | LagrangeSpace = self.moving.field_mesh
+        hand = edit.gesture, (edit.c[0], edit.c[1])
         space = self.analysis.space
         interpolations = space.interpolations if isinstance(space, LagrangeSpace) else ()
         # Flips of a frame that failed are not known any more.
@@ -209,9 +210,9 @@ class Replay:
 
     def _no_report(self) -> LinearReport:
         """The report of a frame that is not solved."""
-        return LinearReport(0, False, self.row["age"], self.row["preconditioner"])
+        return LinearReport(0, False, self.row["pc_age"], self.row["preconditioner"])
 
-    def _times(self, row: Row, start: float, edited: float, end: float) -> None:
+    def _times(self, row: RowValues, start: float, edited: float, end: float) -> None:
         """Add the milliseconds of the frame; `ms_python` is what no compiled stage took."""
         seconds = self.stages.seconds
         row["ms"] = (end - start) * 1e3
@@ -220,7 +221,7 @@ class Replay:
             row[f"ms_{name}"] = seconds[name] * 1e3
         row["ms_python"] = row["ms"] - sum(seconds[name] for name in NATIVE) * 1e3
 
-    def _record(self, edit: EditFrame, row: Row, end: float) -> None:
+    def _record(self, edit: EditFrame, row: RowValues, end: float) -> None:
         """Hand the frame to the recorder; residual and error are measured here, off the frame's time."""
         row["residual"] = self.analysis.residual_norm() if self.known else np.nan
         row.update(self._estimates(row))
@@ -237,7 +238,7 @@ class Replay:
         if row["level"] > 1 or edit.change not in ("none", "move"):
             bury(self.comm)
 
-    def _estimates(self, row: Row) -> dict[str, float]:
+    def _estimates(self, row: RowValues) -> dict[str, float]:
         """What is known of the error of the frame's answer; not numbers where it has none of its own."""
         found = dict.fromkeys(ESTIMATES, np.nan)
         if not (self.estimating and self.known) or row["refused"]:
@@ -286,4 +287,4 @@ class Replay:
         outcome = comm.bcast(outcome)
         if isinstance(outcome, (ReplayProblem, UserError)):
             raise outcome
-        return outcome
+        return cast(Mesh, outcome)

@@ -1,7 +1,5 @@
 """Which frames of a replay are predicted, and from where."""
 
-from typing import Any
-
 import numpy as np
 
 from restshape.analysis.analysis import Analysis, Predictor
@@ -9,7 +7,8 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.moving import Advance, MovingMesh
 from restshape.policy import Policy
 from restshape.sensitivity.prediction import Prediction
-from restshape.shape.session import EditFrame, EditSession
+from restshape.shape.protocol import Session
+from restshape.shape.session import EditFrame
 
 SPRINGS = "not predicted: nodes that springs relax do not follow the hand linearly"
 ARC = "not predicted: bending an arc is not linear"
@@ -34,7 +33,7 @@ class PredictedFrames:
     Source: docs/theory.md, "The design derivative".
     """
 
-    def __init__(self, analysis: Analysis, moving: MovingMesh, session: EditSession, policy: Policy) -> None:
+    def __init__(self, analysis: Analysis, moving: MovingMesh, session: Session, policy: Policy) -> None:
         if analysis.predictor is None:
             raise UserError(analysis.why_not, "--predict linear", "leave it out")
         if policy.regenerate:
@@ -51,7 +50,7 @@ class PredictedFrames:
         self._before: np.ndarray | None = None
 
     @property
-    def predicted(self) -> Any:
+    def predicted(self) -> np.ndarray | None:
         """The prediction that the analysis holds, for `Predictor.error` after the next solve; None: there is none."""
         return self.predictor.shown
 

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import cast
 
 import numpy as np
 
 from restshape.analysis.frame import Frame
-from restshape.analysis.relaxation.options import RelaxationOptions
-from restshape.analysis.relaxation.row import penetration_notes
-from restshape.analysis.relaxation.state import RelaxationState
-from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
 from restshape.physics.cloth.body_motion import body_axes, moved_with
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.quantities import observer
+from restshape.physics.cloth.relaxation.options import RelaxationOptions
+from restshape.physics.cloth.relaxation.row import penetration_notes
+from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact
 from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.bodies import Body
@@ -36,7 +34,7 @@ def bind(
         options: of the frame's scene.
         origin: the equilibrium of other cloth on the same mesh to start from instead, its friction included.
     """
-    mesh, scene = _corners(frame), frame.scene
+    mesh, scene = frame.mesh, frame.scene
     arguments = options.arguments(mesh)
     # Cloth that has fallen out of reach is thrown again, so that an edit, or its undo, brings it back.
     cold = before.problem is None or options.context.policy.regenerate or before.report.falls
@@ -51,8 +49,7 @@ def bind(
         state = moved_material(before, arguments)
         if cold:
             state = replace(state, x=state.problem.flat(arguments.start))
-    notes: tuple[str, ...] = ()
-    problem = state.problem
+    problem, notes = state.problem, ()
     state = replace(state, plan=options.plan, bodies=options.bodies)
     if cold and problem.contact:
         depths = penetrations(problem.contact.bodies, problem.corners(state.x))
@@ -89,13 +86,13 @@ def new_problem(
         arguments: of the problem.
         corners: (corners, 3) [m] where the last cloth is on that mesh; None: it starts cold.
     """
-    problem, old = cloth_problem(_corners(frame), arguments), before.problem
+    problem, old = cloth_problem(frame.mesh, arguments), before.problem
     x = problem.flat(arguments.start if corners is None else corners)
-    if corners is not None and problem.contact and before.friction is not None:
-        if len(before.friction.anchors) == len(problem.contact.bodies):
-            same = frame.mesh is old.mesh
-            interpolate = (lambda values: values) if same else (lambda values: transfer(old.mesh, frame.mesh, values))
-            problem.contact.history = before.friction.mapped(old.corners(before.x), corners, interpolate)
+    friction = before.friction if corners is not None and problem.contact else None
+    if friction is not None and len(friction.anchors) == len(problem.contact.bodies):
+        same = frame.mesh is old.mesh
+        interpolate = (lambda values: values) if same else (lambda values: transfer(old.mesh, frame.mesh, values))
+        problem.contact.history = friction.mapped(old.corners(before.x), corners, interpolate)
     return replace(before, problem=problem, x=x)
 
 
@@ -150,8 +147,3 @@ def move_with_bodies(state: RelaxationState, before: tuple[Body, ...]) -> np.nda
 def friction_of(problem: ClothProblem) -> FrictionHistory | None:
     """What friction remembers now; None where nothing touches."""
     return problem.contact.history if problem.contact else None
-
-
-def _corners(frame: Frame) -> Mesh:
-    """The mesh of a frame: cloth lies on the corners of triangles alone, whatever the order of its bending."""
-    return cast(Mesh, frame.mesh)

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from restshape.algebra.descent import MEMORY, Descent
 from restshape.algebra.kinetic_damping import KineticDamping
-from restshape.analysis.relaxation.equilibrium import SLIPPING, EquilibriumSolver
-from restshape.analysis.relaxation.report import FALLS, ConvergenceReport
 from restshape.errors import ReplayProblem
+from restshape.physics.cloth.relaxation.equilibrium import SLIPPING, EquilibriumSolver
+from restshape.physics.cloth.relaxation.report import FALLS, ConvergenceReport
 
 Strategy = Callable[[EquilibriumSolver, np.ndarray, int, ConvergenceReport], ConvergenceReport]
 FREELY = 1e-6
@@ -112,9 +111,9 @@ def converged(solver: EquilibriumSolver, x: np.ndarray, most: int, report: Conve
 STRATEGIES: dict[str, Strategy] = {
     "auto": converged,
     "kinetic": moved,
-    "rayleigh": partial(moved, damping="rayleigh"),
-    "newton": partial(descended, kind="newton", stabilised=False),
-    "stabilised": partial(descended, kind="newton"),
-    "cg": partial(descended, kind="cg"),
+    "rayleigh": lambda *a: moved(*a, damping="rayleigh"),
+    "newton": lambda *a: descended(*a, kind="newton", stabilised=False),
+    "stabilised": lambda *a: descended(*a, kind="newton"),
+    "cg": lambda *a: descended(*a, kind="cg"),
 }
 """By the name that a scene gives in ``effects.drape.way``."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,11 +12,10 @@ from restshape.algebra.kinetic_damping import Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.traits import Traits
 from restshape.analysis.analysis import Context
-from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
-from restshape.analysis.settings import RelaxationSettings, relaxation_settings
 from restshape.application import application
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.scene import ClothArguments, cloth_arguments
 from restshape.physics.cloth.tunnelling import size_of
 from restshape.scene.bodies import Body
@@ -59,9 +59,9 @@ class RelaxationOptions:
         return cls(context, plan, scene, bodies, watch)
 
     @property
-    def settings(self) -> RelaxationSettings:
+    def settings(self) -> Any:
         """Of the effect `drape`."""
-        return relaxation_settings(self.plan)
+        return self.plan.settings("drape")
 
     @property
     def strategy(self) -> str:

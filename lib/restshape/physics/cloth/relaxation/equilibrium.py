@@ -13,10 +13,10 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
-from restshape.analysis.relaxation.equations import ClothEquations
-from restshape.analysis.relaxation.report import FALLS, ConvergenceReport
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.equations import ClothEquations
+from restshape.physics.cloth.relaxation.report import FALLS, ConvergenceReport
 
 NEAR = 1e-3
 """Residual over load at which Newton's method takes over."""
@@ -221,6 +221,9 @@ class EquilibriumSolver:
     def rounding(self) -> float:
         """Forces [N] a metre of the places below which a residual that steps do not lower any more is rounding."""
         return ROUND_OFF * float(self.problem.fabric.membrane.max()) * len(self.problem.mesh.X) ** 0.5
+
+    def _places(self) -> np.ndarray:
+        return self.problem.X[self.rows.start // 3 : self.rows.stop // 3]
 
     def residual_norm(self, x: np.ndarray) -> float:
         """The norm of the residual over the load, at x (n, 3)."""
