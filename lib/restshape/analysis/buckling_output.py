@@ -1,6 +1,5 @@
 """What is shown of buckling: quantities, columns of a row, modes, and how far they are from solving their equation."""
 
-
 import numpy as np
 
 from restshape.algebra.buckling import BucklingSolver

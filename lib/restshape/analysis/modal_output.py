@@ -1,6 +1,5 @@
 """What is shown of modes: quantities of interest, columns of a row, fields that are not known yet."""
 
-
 import numpy as np
 
 from restshape.analysis.analysis import RowValues

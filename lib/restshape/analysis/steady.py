@@ -1,5 +1,6 @@
 """Linear problems without time: one solve a frame, reusing pattern, factor and solution of the frames before."""
 
+import logging
 from dataclasses import dataclass, field, replace
 from typing import Generic, TypeVar
 
@@ -31,6 +32,8 @@ from restshape.mesh.transfer import transfer
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
+
+log = logging.getLogger("restshape.analysis")
 
 P = TypeVar("P", bound=Problem)
 
@@ -277,6 +280,7 @@ class SteadyAnalysis(Generic[P]):
             if context.policy.transfer and before.space is not None:
                 with context.stages("map"):
                     projected = transfer(before.space, mesh, frame.interpolate(x))
+            log.info("%s", "Cold start" if projected is None else f"Unknowns interpolated to {len(projected)} nodes")
             x = projected if projected is not None else np.zeros(problem.boundary.mask.shape)
             self.guess.restart()
         self.state = replace(before, plan=plan, problem=problem, observer=observer, system=system, x=x)

@@ -1,5 +1,6 @@
 """Linear problems in time while the rest shape is edited: implicit steps on kept patterns and factors."""
 
+import logging
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -30,6 +31,8 @@ from restshape.mesh.transfer import transfer
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
+
+log = logging.getLogger("restshape.analysis")
 
 NOTHING = TimeState(np.zeros((0, 2)), np.zeros((0, 2)), None, 0.0)
 
@@ -346,6 +349,7 @@ class TransientAnalysis:
             account = replace(account, edit=account.edit + (energy - account.last))
         y = transfer(before.problem.space, body.problem.space, before.unknowns(now.y)) - body.problem.boundary.values
         second = state.integration.scheme.order == 2
+        log.info("Unknowns interpolated to %d nodes%s", len(y), ", velocities projected" if second else "")
         v = project_velocity(before.mass, body.mass, now.v) if second else np.zeros_like(y)
         self._enter(y, v, self.time)
         if account.known:

@@ -51,6 +51,8 @@ def evaluate(values: Sequence[Value], X: np.ndarray, parameters: dict[str, float
     return np.column_stack([Nodal(value, parameters, where)(X) for value in values])
 
 
-def rates(values: Sequence[Value], X: np.ndarray, dX: np.ndarray, parameters: dict[str, float], where: str) -> np.ndarray:
+def rates(
+    values: Sequence[Value], X: np.ndarray, dX: np.ndarray, parameters: dict[str, float], where: str
+) -> np.ndarray:
     """How fast (n, 2) a vector value of the scene changes at places X (n, 2) [m] that move with dX (n, 2)."""
     return np.column_stack([Nodal(value, parameters, where).rate(X, dX) for value in values])

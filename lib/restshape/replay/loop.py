@@ -1,5 +1,6 @@
 """The frame loop: edit, shape, mesh, operators, solve, observe, record."""
 
+import logging
 from collections.abc import Callable, Iterator
 from time import perf_counter
 from typing import Self, cast
@@ -34,6 +35,8 @@ from restshape.scene.script import Script
 from restshape.shape.outline import Outline
 from restshape.shape.protocol import Session
 from restshape.shape.session import EditFrame, EditSession
+
+log = logging.getLogger("restshape.replay")
 
 NATIVE = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe")
 
@@ -77,7 +80,9 @@ class Replay:
         ahead = predict == "linear"
         if ahead and script.header.analysis != "every frame":
             raise UserError("frames that are not analysed cannot be predicted", "--predict", "--predict none")
-        self.prediction = PredictedFrames(self.analysis, cast(MovingMesh, self.moving), self.session, policy) if ahead else None
+        self.prediction = (
+            PredictedFrames(self.analysis, cast(MovingMesh, self.moving), self.session, policy) if ahead else None
+        )
         self.recorded_topology: tuple[int, int] | None = None
         self.solved = False
         self.known = False
@@ -137,6 +142,7 @@ class Replay:
                     str(problem), str(edit.scene.path), "mend the scene: its first shape has no solution"
                 ) from problem
             refused = str(problem).replace("\n  try:", "; try:")
+            log.info("%4d Frame refused: %s", edit.index, refused)
             self.moving.take_back()
             if self.prediction:
                 self.prediction.rollback()
@@ -151,11 +157,14 @@ class Replay:
         self.row = self._row(edit, advance, report, quantities) | {"predicted": int(predicted), "refused": refused}
         if self.known:
             self.row.update(both(self.row, self.analysis.row()))
+        level = logging.INFO if report.refreshed or advance.level > 1 else logging.DEBUG
+        if log.isEnabledFor(level):
+            done = "predicted" if predicted else f"{report.newton} Newton steps, {report.iterations} Krylov iterations"
+            rebuilt = f"; PC {report.preconditioner} rebuilt" if report.refreshed else ""
+            log.log(level, "%4d Frame %s: mesh level %d; %s%s", edit.index, edit.do, advance.level, done, rebuilt)
         return self.row
 
-    def _row(
-        self, edit: EditFrame, advance: Advance, report: LinearReport, quantities: dict[str, float]
-    ) -> RowValues:
+    def _row(self, edit: EditFrame, advance: Advance, report: LinearReport, quantities: dict[str, float]) -> RowValues:
         """What all applications tell of a frame, but for times and whether it was predicted or refused."""
         return {
             "index": edit.index,

@@ -1,5 +1,7 @@
 """Which frames of a replay are predicted, and from where."""
 
+import logging
+
 import numpy as np
 
 from restshape.analysis.analysis import Analysis, Predictor
@@ -9,6 +11,8 @@ from restshape.policy import Policy
 from restshape.sensitivity.prediction import Prediction
 from restshape.shape.protocol import Session
 from restshape.shape.session import EditFrame
+
+log = logging.getLogger("restshape.replay")
 
 SPRINGS = "not predicted: nodes that springs relax do not follow the hand linearly"
 ARC = "not predicted: bending an arc is not linear"
@@ -94,13 +98,17 @@ class PredictedFrames:
         if gesture is None or edit.gesture is not gesture:
             if edit.change == "move" and edit.gesture is not None and not edit.gesture.linear:
                 self.note = ARC
+                log.info("%4d Frames %s", edit.index, self.note)
             return
         if self.moving.relocation == "laplacian":
             self.note = SPRINGS
+            log.info("%4d Frames %s", edit.index, self.note)
             return
         try:
             s = self.predictor.derivative(self.moving.field_motion, edit.scene.solve.tolerance)
         except ReplayProblem as problem:
             self.note = f"not predicted: {problem}"
+            log.info("%4d Frames %s", edit.index, self.note)
             return
+        log.info("%4d Expansion point of the frames that follow", edit.index)
         self.made = Prediction(gesture, edit.c, self.predictor.values(), s)
