@@ -9,7 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.block_cholesky import BLOCK, BlockCholesky
-from restshape.algebra.nodal import Nodal
+from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
 
 Reason = PETSc.SNES.ConvergedReason
@@ -100,7 +100,7 @@ class Descent:
         reach: float = np.inf,
     ) -> None:
         self.energy, self.kind, self.reach = energy, KINDS[kind], reach
-        self.nodal = Nodal(comm, shape, rows)
+        self.nodal = NodalVectors(comm, shape, rows)
         self.x, self.f = self.nodal.vector(), self.nodal.vector()
         self.work = np.zeros(shape)
         self.on_step = lambda *_: False

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.nodal import Nodal
+from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.step_solver import StepSolver
 from restshape.errors import ReplayProblem
 
@@ -24,7 +24,7 @@ SHORTEST = 1e-9
 NO_SOLUTION = "a step of the cloth's motion has no solution: part of it has neither mass nor support"
 
 
-class Motion(Protocol):
+class MovingEquations(Protocol):
     """Equations r(x) = 0 with a mass, whose tangent may be made positive semidefinite."""
 
     @property
@@ -97,7 +97,7 @@ class KineticDamping:
         self,
         comm: PETSc.Comm,
         prefix: str,
-        motion: Motion,
+        motion: MovingEquations,
         mass: np.ndarray,
         shape: tuple[int, ...],
         rows: slice,
@@ -105,7 +105,7 @@ class KineticDamping:
     ) -> None:
         self.motion, self.steps = motion, steps
         self.set_mass(mass)
-        self.nodal = Nodal(comm, shape, rows)
+        self.nodal = NodalVectors(comm, shape, rows)
         self.time_step = steps.time_step
         self.resets: list[float] = []
         self.rejected = 0

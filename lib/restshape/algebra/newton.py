@@ -10,7 +10,7 @@ from restshape.algebra.forcing_terms import ForcingTerms
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton_convergence import MOST_SEARCHED, WORDS, ConvergenceTest, Outcome
 from restshape.algebra.newton_step import NewtonStep
-from restshape.algebra.nodal import Nodal
+from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.tangent import Tangent
 
 log = logging.getLogger("restshape.algebra")
@@ -38,7 +38,7 @@ class Newton:
     def __init__(
         self, comm: PETSc.Comm, prefix: str, linear: LinearSolver, shape: tuple[int, ...], rows: slice
     ) -> None:
-        self.nodal, self.prefix = Nodal(comm, shape, rows), prefix
+        self.nodal, self.prefix = NodalVectors(comm, shape, rows), prefix
         self._tangent: Tangent | None = None
         self._step, self._forcing = NewtonStep(linear), ForcingTerms()
         self._test = ConvergenceTest(0.0, 0.0, False, 0.0)

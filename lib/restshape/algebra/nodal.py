@@ -6,7 +6,7 @@ from petsc4py import PETSc
 from restshape.algebra.gather import whole_vector
 
 
-class Nodal:
+class NodalVectors:
     """Turns arrays (n, f) into distributed vectors and back.
 
     Args:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+# More than 15 modules: here matrices, solver, mode ids, prediction and estimates of a frame meet, a module each.
 from dataclasses import replace
 from typing import TYPE_CHECKING
 

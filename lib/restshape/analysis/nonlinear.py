@@ -1,12 +1,13 @@
 """Nonlinear problems without time: Newton's method on kept patterns and factors, in steps of load where it must."""
 
+# More than 15 modules: here problem, Newton's method, load steps and guesses of a frame meet, a module each.
 from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gather import System, whole_matrix
+from restshape.algebra.gather import GatheredSystem, whole_matrix
 from restshape.algebra.linear import COMPLETE, LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
@@ -213,12 +214,12 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------------
 
-    def warm_system(self) -> System:
+    def warm_system(self) -> GatheredSystem:
         """The tangent and the solution as they stand, whole on every rank."""
         matrix = whole_matrix(self.tangent(), self.context.comm)
-        return System(matrix, self.x.ravel().copy(), energy(self.problem, self.x))
+        return GatheredSystem(matrix, self.x.ravel().copy(), energy(self.problem, self.x))
 
-    def cold_system(self) -> System:
+    def cold_system(self) -> GatheredSystem:
         """The tangent at this frame's solution on a new pattern, and the solution of a cold analysis from nothing."""
         state, context = self.state, replace(self.context, policy=policy("rebuild"))
         cold = NonlinearSteadyAnalysis(state.scene, state.plan, context, self.make)
@@ -228,7 +229,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
         newton = cold.state.system.newton
         matrix = whole_matrix(newton.tangent(self.x), context.comm)
         newton.destroy()
-        return System(matrix, cold.x.ravel().copy())
+        return GatheredSystem(matrix, cold.x.ravel().copy())
 
 
 def rounding_note(residual: float, tolerance: float) -> RowValues:

@@ -1,10 +1,11 @@
 """Nonlinear problems in time while the rest shape is edited: Newton's method in each implicit step."""
 
+# More than 15 modules: here time steps and Newton's method of a frame meet, a module each.
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from restshape.algebra.gather import System, whole_matrix
+from restshape.algebra.gather import GatheredSystem, whole_matrix
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
@@ -203,13 +204,13 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     # --- for comparison with other solves -----------------------------------------------------------------------------
 
-    def warm_system(self) -> System:
+    def warm_system(self) -> GatheredSystem:
         """The tangent and the solution of the last step as they stand, whole on every rank."""
         state = self.state
         solution = np.zeros(self.x.size) if state.unsolved else state.now.y.ravel().copy()
-        return System(whole_matrix(state.system.newton.tangent(self.x), self.context.comm), solution)
+        return GatheredSystem(whole_matrix(state.system.newton.tangent(self.x), self.context.comm), solution)
 
-    def cold_system(self) -> System:
+    def cold_system(self) -> GatheredSystem:
         """The tangent on a new pattern, and the last step's solution with a new factor and no guess."""
         state, context, body = self.state, self.context, self._cold_body()
         solver = LinearSolver(
@@ -233,4 +234,4 @@ class NonlinearTransientAnalysis(TransientAnalysis):
             solution = x - body.problem.boundary.values
         matrix = whole_matrix(newton.tangent(self.x), context.comm)
         solver.ksp.destroy()
-        return System(matrix, solution.ravel())
+        return GatheredSystem(matrix, solution.ravel())

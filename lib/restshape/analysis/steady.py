@@ -1,5 +1,6 @@
 """Linear problems without time: one solve a frame, reusing pattern, factor and solution of the frames before."""
 
+# More than 15 modules: here problem, operator, solver, guesses and estimates of a frame meet, a module each.
 import logging
 from dataclasses import dataclass, field, replace
 from typing import Generic, TypeVar
@@ -8,7 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.sparse.linalg import spsolve
 
-from restshape.algebra.gather import System, whole_matrix, whole_vector
+from restshape.algebra.gather import GatheredSystem, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator
@@ -369,13 +370,13 @@ class SteadyAnalysis(Generic[P]):
         """The state beside a solve with new pattern, values and factor, and no guess."""
         return compared(self.warm_system(), self.cold_system())
 
-    def warm_system(self) -> System:
+    def warm_system(self) -> GatheredSystem:
         """The matrix and the free part of the solution as they stand, whole on every rank."""
         state = self.state
         matrix = whole_matrix(state.system.mat, self.context.comm)
-        return System(matrix, state.system.full.copy(), energy(state.problem, state.x))
+        return GatheredSystem(matrix, state.system.full.copy(), energy(state.problem, state.x))
 
-    def cold_system(self) -> System:
+    def cold_system(self) -> GatheredSystem:
         """Matrix and solution of this frame with new pattern, values and factor, and no guess."""
         comm, space = self.context.comm, self.state.space
         problem = self.make(self.state.scene, self.state.plan, space)
@@ -386,4 +387,4 @@ class SteadyAnalysis(Generic[P]):
         dead_loads(problem, right)
         mat = Assembled(problem.integrals(INTERNAL), operator).system(problem.boundary.values, right)
         matrix = whole_matrix(mat, comm)
-        return System(matrix, spsolve(matrix.tocsc(), whole_vector(right.ravel(), operator.rows, comm)))
+        return GatheredSystem(matrix, spsolve(matrix.tocsc(), whole_vector(right.ravel(), operator.rows, comm)))

@@ -1,5 +1,6 @@
 """Linear problems in time while the rest shape is edited: implicit steps on kept patterns and factors."""
 
+# More than 15 modules: here time steps, solver, projections and energies of a frame meet, a module each.
 import logging
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -8,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from restshape.algebra.gather import System, whole_matrix, whole_vector
+from restshape.algebra.gather import GatheredSystem, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.analysis.analysis import Comparison, Context, RowValues
@@ -452,12 +453,12 @@ class TransientAnalysis:
         """The last step beside a solve with new pattern, values and factor, and no guess."""
         return compared(self.warm_system(), self.cold_system())
 
-    def warm_system(self) -> System:
+    def warm_system(self) -> GatheredSystem:
         """The matrix and the solution of the last step as they stand, whole on every rank."""
         system = self.state.system
-        return System(whole_matrix(system.mat, self.context.comm), system.full.copy())
+        return GatheredSystem(whole_matrix(system.mat, self.context.comm), system.full.copy())
 
-    def cold_system(self) -> System:
+    def cold_system(self) -> GatheredSystem:
         """Matrix and solution of the last step with new pattern, values and factor, and no guess."""
         state, comm, scheme = self.state, self.context.comm, self.state.integration.scheme
         cold = EffectiveSystem(comm, self._cold_body(), scheme, "coo")
@@ -465,8 +466,8 @@ class TransientAnalysis:
         cold.assemble(before, self._shaking(now.time) + scheme.a3 * self._shaking(before.time))
         matrix, b = whole_matrix(cold.mat, comm), whole_vector(cold.right.ravel(), cold.rows, comm)
         if state.unsolved:
-            return System(matrix, np.zeros_like(b))
-        return System(matrix, spsolve(matrix.tocsc(), b))
+            return GatheredSystem(matrix, np.zeros_like(b))
+        return GatheredSystem(matrix, spsolve(matrix.tocsc(), b))
 
     def _cold_body(self) -> SemiDiscrete:
         state = self.state

@@ -16,7 +16,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.reconnect import Reconnection
-from restshape.mesh.relocate import Boundary, Extension, extension, motion
+from restshape.mesh.relocate import BoundaryNodes, Extension, extension, motion
 from restshape.mesh.sizing import refuse_endless
 from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import MeshSpec
@@ -443,7 +443,7 @@ class MovingMesh:
         levels = self.spec.levels
         self.nested = NestedMesh(mesh, levels) if levels > 1 else None
         self.space = LagrangeSpace(mesh) if self.order == 2 and not self.nested else None
-        self._boundary = Boundary(mesh)
+        self._boundary = BoundaryNodes(mesh)
         self._flipper: Reconnection | None = None
         self._fixed = np.zeros(len(mesh.X), dtype=np.uint8)
         self._fixed[self._boundary.nodes] = 1

@@ -1,5 +1,6 @@
 """The frame loop: edit, shape, mesh, operators, solve, observe, record."""
 
+# More than 15 modules: session, mesh, analysis, prediction and recorder, which know nothing of each other, meet here.
 import logging
 from collections.abc import Callable, Iterator
 from time import perf_counter
@@ -41,6 +42,7 @@ log = logging.getLogger("restshape.replay")
 NATIVE = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe")
 
 
+# More than 15 attributes: what is known of the last frame stands beside the parts of the loop.
 class Replay:
     """Replays an edit script against a scene.
 

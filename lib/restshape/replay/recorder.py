@@ -26,6 +26,7 @@ _CELL_TYPES = {2: 3, 3: 5, 6: 22, 4: 10, 8: 12, 10: 24}
 _CHECK_EVERY = 64
 
 
+# More than 15 attributes: the process, its pipes, the ring in shared memory, and the layout of the next frame.
 class Recorder:
     """A recording that is being written; made by `Recorder.start`, closed by `close` or at the end of a ``with`` block.
 
