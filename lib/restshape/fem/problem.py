@@ -141,6 +141,13 @@ class Problem(Protocol):
         """The recovery-based estimate on this space."""
 
 
+class PrestressedProblem(Problem, Protocol):
+    """A problem whose stress at a solution changes its stiffness."""
+
+    def geometric_stiffness(self, u: np.ndarray, factor: float = 1.0) -> Integral:
+        """G of unknowns u (n, f), linear in them: phi . G phi = int sigma(u) : grad(phi)^T grad(phi)."""
+
+
 class TransientProblem(Problem, Protocol):
     """A problem that may be integrated in time: with integrals of the kinds `MASS`, `LUMPED`, `CONSISTENT`."""
 
