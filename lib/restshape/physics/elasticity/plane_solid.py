@@ -10,7 +10,6 @@ from restshape.errors import UserError
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
-from restshape.fem.mass import MassMatrix
 from restshape.fem.materials import by_cell, table_by_region
 from restshape.fem.problem import (
     CONSISTENT,
@@ -22,6 +21,7 @@ from restshape.fem.problem import (
     REFERENCE,
     STIFFNESS,
     Fields,
+    Inertia,
     Unknown,
 )
 from restshape.fem.quantity import Observer
@@ -220,7 +220,7 @@ class PlaneSolid:
             excitation = GroundMotion(ground, before.excitation if before else None, now)
         return TimeIntegration(scheme, settings.steps, Rayleigh.of(plan.settings("damping")), excitation)
 
-    def motion_observer(self, quantities: Mapping[str, Quantity], mass: MassMatrix) -> Observer:
+    def motion_observer(self, quantities: Mapping[str, Quantity], mass: Inertia) -> Observer:
         """What evaluates quantities of a displacement x (n, 2) [m] and a `fem.time_integration.Motion`.
 
         Raises:

@@ -55,4 +55,4 @@ class VibratingPlane(VibratingBody):
 
     def error_estimate(self) -> PlaneModeEstimate:
         """What estimates the errors of its modes."""
-        return PlaneModeEstimate(self)
+        return PlaneModeEstimate(self, self.stress)
