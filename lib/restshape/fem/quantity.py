@@ -33,7 +33,7 @@ REDUCTIONS: dict[str, Callable[[np.ndarray], float]] = {
 
 def reduction(space: Space, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
     """What makes one number of values (k,) at nodes (k,): a mean counts lengths and areas, not nodes."""
-    return mean_over(space, quantity.at, nodes) if quantity.take == "mean" else REDUCTIONS[quantity.take]
+    return mean_over(space, quantity.at, nodes) if quantity.reduce == "mean" else REDUCTIONS[quantity.reduce]
 
 
 def area(space: Space, cells: np.ndarray | slice = slice(None)) -> float:
