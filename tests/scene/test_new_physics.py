@@ -7,11 +7,12 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import Field
 
-from restshape.application import Application, Effect, application, applications
+from restshape.application import Application, application, applications
 from restshape.cli.main import main
 from restshape.cli.schema import scene_schema
 from restshape.errors import UserError
 from restshape.physics.elasticity.declaration import PLANE_SOLIDS
+from restshape.scene.effect import Effect
 from restshape.scene.load import load_scene, revise
 from restshape.scene.load_kind import AREAS, CURVES, LoadKind
 from restshape.scene.model import Material

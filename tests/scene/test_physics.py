@@ -7,9 +7,10 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import Field
 
-from restshape.application import Application, Effect
+from restshape.application import Application
 from restshape.cli.schema import scene_schema, script_schema
 from restshape.errors import UserError
+from restshape.scene.effect import Effect
 from restshape.scene.event_line import EventLine
 from restshape.scene.load import load_scene, revise
 from restshape.scene.physics import Physics, Section
