@@ -48,7 +48,9 @@ class Steady(Strict):
 
 def solver(scene, on, settings) -> SolverPlan:
     """One solve a frame."""
-    return SolverPlan("linear", (System("temperature", DEFINITE, "cg", "cholesky", "heat flows down"),), "Fourier's law")
+    return SolverPlan(
+        "linear", (System("temperature", DEFINITE, "cg", "cholesky", "heat flows down"),), "Fourier's law"
+    )
 
 
 HEAT = Physics(
