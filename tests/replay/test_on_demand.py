@@ -27,7 +27,7 @@ size = 0.08
 tolerance = 1e-9
 
 [quantities]
-strength = { stress = "von_mises", take = "max", limit = "3.3 MPa" }
+strength = { stress = "von_mises", reduce = "max", max = "3.3 MPa" }
 score = { area = true }
 """
 EVENTS = [
@@ -143,6 +143,6 @@ def test_the_constraint_status_of_quantities():
 
 
 def test_a_limit_has_the_unit_of_its_quantity(files):
-    assert load_scene(files / "plate.toml").quantities["strength"].limit == 3.3e6
-    with pytest.raises(UserError, match=r"quantities.strength.limit.*(length|pressure)"):
-        load_scene(files / "plate.toml", ['quantities.strength.limit="3 mm"'])
+    assert load_scene(files / "plate.toml").quantities["strength"].max == 3.3e6
+    with pytest.raises(UserError, match=r"quantities.strength.max.*(length|pressure)"):
+        load_scene(files / "plate.toml", ['quantities.strength.max="3 mm"'])

@@ -1,17 +1,16 @@
 """Tables, events and kinds of quantities that a physics adds to scenes: read, checked, reported."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
 import pytest
 from pydantic import Field
 
-from restshape import application as installed
-from restshape.application import Application, Effect
+from restshape.application import Application
 from restshape.cli.schema import scene_schema, script_schema
 from restshape.errors import UserError
+from restshape.scene.effect import Effect
 from restshape.scene.event_line import EventLine
 from restshape.scene.load import load_scene, revise
 from restshape.scene.physics import Physics, Section
@@ -67,35 +66,6 @@ HANGING = Application(
 )
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "hanging"\n'
 ROPE = '[parameters]\nl = "50 cm"\n[ropes.a]\nlength = "2*l"\nmass = "300 g"\n'
-Install = Callable[..., None]
-
-
-@dataclass(order=True)
-class Entry:
-    """An entry point."""
-
-    name: str
-    application: Application = field(compare=False)
-
-    def load(self) -> Application:
-        """The application."""
-        return self.application
-
-
-@pytest.fixture
-def install(monkeypatch) -> Iterator[Install]:
-    """Makes applications the only ones that are installed."""
-
-    def only(*applications: Application) -> None:
-        entries = [Entry(app.name, app) for app in applications]
-        monkeypatch.setattr(installed, "entry_points", lambda group: entries)
-        installed.applications.cache_clear()
-        checked_applications.cache_clear()
-
-    yield only
-    monkeypatch.undo()
-    installed.applications.cache_clear()
-    checked_applications.cache_clear()
 
 
 def scene_of(folder: Path, text: str):
@@ -111,7 +81,7 @@ def test_tables_are_read_with_units_formulas_and_defaults(tmp_path, install):
     assert set(scene.sections) == {"ropes", "air"} and scene.sections["air"].density == 1.2
     assert ropes["a"].length.evaluate(0, 0, scene.parameters) == 1.0 and ropes["a"].mass == 0.3
     pull = scene.quantities["pull"]
-    assert (pull.kind, pull.dimension, pull.take, pull.limit) == ("tension", "force", "max", 2000.0)
+    assert (pull.kind, pull.dimension, pull.reduce, pull.max) == ("tension", "force", "max", 2000.0)
     heavier = revise(scene, "ropes.a.mass", "1 kg")
     assert heavier.sections["ropes"]["a"].mass == 1.0 and heavier.quantities is scene.quantities
 
@@ -124,7 +94,7 @@ def test_tables_are_read_with_units_formulas_and_defaults(tmp_path, install):
         ('[ropes.a]\nlength = "3 kg"\n', "ropes.a.length (line 5)", "a mass", "12 mm"),
         (ROPE.replace("50 cm", "50 kg"), "ropes.a.length (line 7)", "'2*l' is a mass", "12 mm"),
         (ROPE + "[rope.b]\nlength = 1\n", "rope", "no key 'rope'", "'ropes'"),
-        (ROPE + '[quantities]\na = { tension = true, limit = "2 m" }\n', "quantities.a.limit", "a force is wanted", ""),
+        (ROPE + '[quantities]\na = { tension = true, limit = "2 m" }\n', "quantities.a.max", "a force is wanted", ""),
         (ROPE + "[quantities]\na = { tensoin = true }\n", "quantities.a.tensoin", "no key", "'tension'"),
     ],
 )

@@ -62,8 +62,8 @@ def columns(quantities: list[str], own: dict[str, Any] | None = None) -> dict[st
         "newton",
         "unknowns",
         "elements",
+        "predicted",
     )
-    integers += ("predicted",)
     reals = ("t", "min_quality", "residual", *ESTIMATES, "ms", *(f"ms_{name}" for name in STAGES), "ms_python")
     return {
         **dict.fromkeys(integers, np.int64),
