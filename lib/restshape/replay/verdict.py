@@ -1,11 +1,16 @@
 """Verdicts: whether the quantities of a frame keep the limits that the scene gives them."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from restshape.scene.model import Quantity
 from restshape.scene.quantity import with_unit
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import RowValues
 
 HOLDS, FAILS = "holds", "fails"
 
@@ -59,7 +64,7 @@ def breaches(limits: Limits, quantities: Mapping[str, float], dimensions: Mappin
     return told
 
 
-def both(row: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+def both(row: RowValues, own: RowValues) -> RowValues:
     """The columns of an application, with its verdict, its reasons and its notes beside those that a row has."""
     verdicts = [one["constraint_status"] for one in (own, row) if one.get("constraint_status")]
     joined = {"constraint_status": FAILS if FAILS in verdicts else "".join(verdicts[:1])}
@@ -68,7 +73,7 @@ def both(row: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     return {**own, **joined}
 
 
-def counted(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def counted(rows: Sequence[RowValues]) -> dict[str, Any]:
     """How many frames hold and fail, the verdict of the last frame that has one, and the quantities that broke their
     limits there; empty where no frame has one."""
     verdicts = [row["constraint_status"] for row in rows if row["constraint_status"]]
