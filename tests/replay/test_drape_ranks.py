@@ -33,7 +33,7 @@ def test_a_cantilever(tmp_path, restshape, bending):
         '{"format": "restshape-edits", "version": 1, "scene": "cloth.toml", "units": "m"}\n'
         '{"t": 0, "do": "press", "on": "c"}\n{"t": 0.1, "do": "drag", "to": [1.02, 1.01], "frames": 2}\n'
     )
-    words = ("--edits", edits, "--parity", "--set", "effects.drape.rest=1e-7", "--set", "mesh.size=0.2")
+    words = ("--edits", edits, "--parity", "--set", "effects.drape.tolerance=1e-7", "--set", "mesh.size=0.2")
     words += ("--set", f"effects.cloth.bending={bending}", "--set", "material.cotton.bending=0.05")
     one, two = (found(tmp_path, restshape, scene, ranks, *words) for ranks in (1, 2))
     assert one["refused"] == two["refused"] == 0 and one["parity"]["holds"] and two["parity"]["holds"]

@@ -10,9 +10,9 @@ from vibrating import dynamics, tower
 
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.replay.constraints import broken, verdict
 from restshape.replay.recording import Recording
 from restshape.replay.run import replay_files
-from restshape.replay.verdict import broken, verdict
 from restshape.scene.load import load_scene
 
 REST = """
@@ -27,7 +27,7 @@ size = 0.08
 tolerance = 1e-9
 
 [quantities]
-strength = { stress = "von_mises", take = "max", limit = "3.3 MPa" }
+strength = { stress = "von_mises", reduce = "max", max = "3.3 MPa" }
 score = { area = true }
 """
 EVENTS = [
@@ -66,7 +66,7 @@ def test_what_is_asked_for_is_what_every_frame_gives(files):
     for one, other in zip(every, asked):
         assert one["q_score"] == pytest.approx(other["q_score"], rel=1e-12)
         assert one["level"] == other["level"]
-        if other["do"] == "analyse":
+        if other["event"] == "analyse":
             assert other["q_strength"] == pytest.approx(one["q_strength"], rel=1e-6)
             assert other["constraint_status"] == one["constraint_status"] and other["residual"] < 1e-8
     known = [row["index"] for row in asked if np.isfinite(row["q_strength"])]
@@ -142,6 +142,6 @@ def test_verdicts():
 
 
 def test_a_limit_has_the_unit_of_its_quantity(files):
-    assert load_scene(files / "plate.toml").quantities["strength"].limit == 3.3e6
-    with pytest.raises(UserError, match=r"quantities.strength.limit.*(length|pressure)"):
-        load_scene(files / "plate.toml", ['quantities.strength.limit="3 mm"'])
+    assert load_scene(files / "plate.toml").quantities["strength"].max == 3.3e6
+    with pytest.raises(UserError, match=r"quantities.strength.max.*(length|pressure)"):
+        load_scene(files / "plate.toml", ['quantities.strength.max="3 mm"'])

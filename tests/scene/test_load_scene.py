@@ -6,9 +6,12 @@ import pytest
 
 from restshape.application import applications
 from restshape.errors import UserError
+from restshape.physics.elasticity.declaration import PLANE_SOLIDS
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene, parse_override, revise
-from restshape.scene.model import ArcSpec, CircleLoop, Load, Quantity, Scene, Support
+from restshape.scene.model import ArcSpec, CircleLoop, Support
+from restshape.scene.quantity import quantity_type
+from restshape.scene.scene_type import load_type, support_type
 
 
 def test_values_are_si(scene_file):
@@ -27,8 +30,8 @@ def test_short_forms_are_filled_in(scene_file):
     scene = load_scene(scene_file)
     assert scene.supports["wall"].on == ["left"]
     assert scene.supports["wall"].fix == {"x": 0.0, "y": 0.0}
-    assert scene.quantities["peak"].take == "max"
-    assert scene.quantities["stretch"].take == "mean"
+    assert scene.quantities["peak"].reduce == "max"
+    assert scene.quantities["stretch"].reduce == "mean"
     assert scene.effects == {"solid": {"model": "plane_stress", "element": "auto"}}
     assert scene.mesh.order == 1
 
@@ -160,7 +163,7 @@ def test_an_error_in_the_shape_is_located(scene_file):
         ('sides = ["left", "right"]', 'sides = ["left", "rigth"]', "did you mean 'right'"),
         ("near = { window = 0.05 }", "near = { windo = 0.05 }", "did you mean 'window'"),
         ('peak = { stress = "von_mises" }', 'peak = { stress = "mises" }', "did you mean 'von_mises'"),
-        ('peak = { stress = "von_mises" }', 'peak = { take = "max" }', "none of them"),
+        ('peak = { stress = "von_mises" }', 'peak = { reduce = "max" }', "none of them"),
         ("[parameters]", "[parameters]\nx = 1", "meaning in formulas"),
         ("a = [0, 0]", "all = [0, 0]", "means something already"),
         ("a = [0, 0]", '"a.b" = [0, 0]', "cannot be a name"),
@@ -194,9 +197,10 @@ def test_materials_of_regions(scene_file):
 
 
 def test_models_can_be_made_in_code():
-    assert Support(on="left", fix=["x"]).fix == {"x": 0.0}
+    assert support_type(Support, PLANE_SOLIDS.boundary)(on="left", fix=["x"]).fix == {"x": 0.0}
+    Load = load_type(PLANE_SOLIDS.loads)
     assert Load(on="left", pressure="1 bar").pressure == pytest.approx(1e5)
-    assert Quantity(area=True).take == "sum"
+    assert quantity_type({})(area=True).reduce == "sum"
     assert math.isclose(Load(on=["a"], force=["1 kN", 0]).force[0], 1000)
 
 
@@ -222,5 +226,5 @@ def test_the_file_name_of_a_mesh_stands_for_the_shape(scene_file):
 
 def test_json_round_trip(scene_file):
     scene = load_scene(scene_file)
-    again = Scene.model_validate_json(scene.model_dump_json(exclude_none=True))
+    again = type(scene).model_validate_json(scene.model_dump_json(exclude_none=True))
     assert again.model_dump() == scene.model_dump()

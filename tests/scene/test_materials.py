@@ -6,15 +6,15 @@ from pydantic import ValidationError
 
 from restshape.application import application
 from restshape.errors import UserError
+from restshape.physics.elasticity.material_keys import ElasticMaterial
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, stiffness_of, turned
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene
 from restshape.scene.materials import MATERIALS, NAMES
-from restshape.scene.model import Material
 
 
-def material(**keys) -> Material:
-    return Material.model_validate(keys)
+def material(**keys) -> ElasticMaterial:
+    return ElasticMaterial.model_validate(keys)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -41,7 +41,7 @@ def plank_quantities(quantities: Mapping[str, Quantity], known: Observed) -> dic
     found = {}
     for name, quantity in quantities.items():
         values = _values(quantity, known)
-        found[name] = float(REDUCTIONS[quantity.take](values)) if len(values) else np.nan
+        found[name] = float(REDUCTIONS[quantity.reduce](values)) if len(values) else np.nan
     return found
 
 

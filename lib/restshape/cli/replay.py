@@ -13,6 +13,7 @@ from restshape.cli.ranks import first_rank
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
+from restshape.scene.renamed import notes
 from restshape.surroundings import start_petsc
 
 KINDS = ("none", "linear")
@@ -141,6 +142,8 @@ def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> in
     """Print the tables, write the JSON file, and give the exit code."""
     # What is printed may find nobody who reads it.
     write_json(args, {key: value for key, value in summary.items() if key != "rows"})
+    for note in notes(request.scene.raw):
+        print(f"note: {note}")
     print_summary(summary, request.application)
     if request.script.error:
         kept = "replayed and recorded" if args.out else "replayed"

@@ -33,9 +33,9 @@ REDUCTIONS: dict[str, Callable[[np.ndarray], float]] = {
 
 def reduction(space: PlaneSpace, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
     """What makes one number of values (k,) at nodes (k,): a mean counts lengths and areas, not nodes."""
-    # Where the scene says nothing of it, a quantity takes what is usual for its kind.
-    take = cast(str, quantity.take)
-    return mean_over(space, quantity.at, nodes) if take == "mean" else REDUCTIONS[take]
+    # A scene that leaves it out gets what is usual for the kind of quantity.
+    reduce = cast(str, quantity.reduce)
+    return mean_over(space, quantity.at, nodes) if reduce == "mean" else REDUCTIONS[reduce]
 
 
 def area(space: Space, cells: np.ndarray | slice = slice(None)) -> float:

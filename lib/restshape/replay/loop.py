@@ -25,11 +25,11 @@ from restshape.mesh.moving import Advance, MovingMesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.policy import Policy
 from restshape.replay.columns import ESTIMATES
+from restshape.replay.constraints import both, breaches, limits_of, verdict
 from restshape.replay.prediction import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.sessions import Follower, own_session
-from restshape.replay.verdict import both, breaches, limits_of, verdict
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script

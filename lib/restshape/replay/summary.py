@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from restshape.replay.columns import STAGES
-from restshape.replay.verdict import counted
+from restshape.replay.constraints import counted
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues

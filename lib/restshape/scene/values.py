@@ -1,11 +1,15 @@
 """Types of single values in scenes and scripts: numbers with units, formulas, points and names."""
 
 import re
-from typing import Annotated, Any
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import UnionType
+from typing import Annotated, Any, ClassVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema
+from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema, model_validator
 
 from restshape.scene.expressions import Expression, Value
+from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
@@ -13,9 +17,23 @@ RESERVED = ("all", "outline")
 
 
 class Strict(BaseModel):
-    """A model that refuses unknown keys and cannot be changed."""
+    """A model that refuses unknown keys and cannot be changed.
+
+    Attributes:
+        renamed: what version 0.1 called keys, by their names today; both are read.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, allow_inf_nan=False)
+    renamed: ClassVar[Mapping[str, str]] = {}
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        OLD_NAMES.update(cls.renamed)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_old_names(cls, raw: Any) -> Any:
+        return by_todays_names(raw, cls.renamed)
 
 
 def only_one(model: Strict, keys: tuple[str, ...]) -> str:
@@ -38,9 +56,39 @@ def _schema(dimension: str | None, formula: bool = False) -> dict[str, Any]:
     return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": text}
 
 
+@dataclass(frozen=True)
+class Measured:
+    """What the annotation of a value says of it.
+
+    Args:
+        dimension: one of `units.DIMENSIONS`; None: any.
+    """
+
+    dimension: str | None
+
+
+def dimension_of(annotation: Any) -> Any:
+    """The dimension of what an annotation may hold; the annotation without its options where it is no number."""
+    if get_origin(annotation) is Annotated:
+        inner, *said = get_args(annotation)
+        measured = next((one for one in said if isinstance(one, Measured)), None)
+        return measured.dimension if measured else dimension_of(inner)
+    options = [one for one in get_args(annotation) if one is not type(None)]
+    if get_origin(annotation) in (Union, UnionType) and len(options) == 1:
+        return dimension_of(options[0])
+    if get_origin(annotation) in (tuple, list) and options:
+        return dimension_of(options[0])
+    return annotation
+
+
 def number_of(dimension: str | None) -> Any:
     """The type of a number with a unit of that dimension, in SI after validation."""
-    return Annotated[float, BeforeValidator(lambda raw: quantity(raw, dimension)), WithJsonSchema(_schema(dimension))]
+    return Annotated[
+        float,
+        BeforeValidator(lambda raw: quantity(raw, dimension)),
+        WithJsonSchema(_schema(dimension)),
+        Measured(dimension),
+    ]
 
 
 def value_of(dimension: str) -> Any:
@@ -60,7 +108,11 @@ def value_of(dimension: str) -> Any:
         return value.text if isinstance(value, Expression) else value
 
     return Annotated[
-        float | Expression, BeforeValidator(read), PlainSerializer(write), WithJsonSchema(_schema(dimension, True))
+        float | Expression,
+        BeforeValidator(read),
+        PlainSerializer(write),
+        WithJsonSchema(_schema(dimension, True)),
+        Measured(dimension),
     ]
 
 

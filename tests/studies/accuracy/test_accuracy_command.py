@@ -25,9 +25,9 @@ def small(tmp_path) -> tuple[Path, Path]:
     return scene, write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.55, 0.5), 4)))
 
 
-def test_a_pick_is_written_run_again_and_holds(restshape, small, tmp_path):
+def test_a_pick_is_written_run_again_and_holds(command, small, tmp_path):
     scene, edits = small
-    told = restshape(
+    told = command(
         "accuracy", scene, "--edits", edits, *QUICK, "--out", "found", "--json", "found.json", "--error", "50%"
     )
     assert told.returncode == 0, told.stdout + told.stderr
@@ -147,7 +147,7 @@ def test_scenes_of_no_use_for_a_study_are_refused(small, tmp_path, capsys):
 
 
 def test_closed_forms_are_formulas_of_parameters(tmp_path, capsys):
-    text = plate(0.25).replace('energy = { energy = "strain" }', 'energy = { energy = "strain", exact = "x*2" }')
+    text = plate(0.25).replace('energy = { energy = "strain" }', 'energy = { energy = "strain", reference = "x*2" }')
     scene = write_scene(tmp_path, text)
     assert main(["check", str(scene)]) == 2
     assert "cannot name x or y" in capsys.readouterr().err

@@ -57,8 +57,8 @@ def frame(tmp_path):
     [
         ({"constraint_status": "fails"}, "the verdict is fails"),
         ({"flaws": 8}, "the verdict is holds"),
-        ({"use": float("inf")}, "infinite"),
-        ({"use": float("nan")}, "no number"),
+        ({"utilisation": float("inf")}, "infinite"),
+        ({"utilisation": float("nan")}, "no number"),
         ({"at": -0.58}, "at -0.58 the piece holds"),
     ],
 )

@@ -228,7 +228,7 @@ class PlaneSolid:
         """
         functions = MotionQuantities(self, mass.energies)
         made = {name: functions(name, quantity) for name, quantity in quantities.items()}
-        return Observer(made, functions.refresh, [name for name, q in quantities.items() if q.take == "peak"])
+        return Observer(made, functions.refresh, [name for name, q in quantities.items() if q.reduce == "peak"])
 
     def error_estimate(self) -> RecoveryEstimate:
         """The recovery-based estimate in the energy norm, of small or large strains."""

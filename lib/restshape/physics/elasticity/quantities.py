@@ -106,7 +106,7 @@ class PlaneQuantities:
         facets = self.space.facets[self.space.facets_of(at)]
         if len(facets) == 0:
             raise UserError(f"{at!r} has no edge", f"quantities.{name}.at", "name an edge, a hole or a group of them")
-        distance = GoalDistance(self.solid.scene.goal[quantity.distance], facets, quantity.take)
+        distance = GoalDistance(self.solid.scene.goal[quantity.distance], facets, quantity.reduce)
         return lambda x, *_: distance(self.space.X + x)
 
     def _cells(self, name: str, nodes: np.ndarray) -> np.ndarray:

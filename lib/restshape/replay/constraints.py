@@ -22,9 +22,9 @@ Limits = Mapping[str, tuple[float, float]]
 def limits_of(quantities: Mapping[str, Quantity]) -> Limits:
     """The limits that a scene gives its quantities, in their units."""
     return {
-        name: (-math.inf if q.at_least is None else q.at_least, math.inf if q.limit is None else q.limit)
+        name: (-math.inf if q.min is None else q.min, math.inf if q.max is None else q.max)
         for name, q in quantities.items()
-        if q.limit is not None or q.at_least is not None
+        if q.max is not None or q.min is not None
     }
 
 
