@@ -33,9 +33,9 @@ REDUCTIONS: dict[str, Callable[[np.ndarray], float]] = {
 
 def reduction(space: PlaneSpace, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
     """What makes one number of values (k,) at nodes (k,): a mean counts lengths and areas, not nodes."""
-    # A scene that leaves it out gets what is usual for the kind of quantity.
-    reduce = cast(str, quantity.reduce)
-    return mean_over(space, quantity.at, nodes) if reduce == "mean" else REDUCTIONS[reduce]
+    # Where the scene says nothing of it, it is reduced as is usual for its kind.
+    how = cast(str, quantity.reduce)
+    return mean_over(space, quantity.at, nodes) if how == "mean" else REDUCTIONS[how]
 
 
 def area(space: Space, cells: np.ndarray | slice = slice(None)) -> float:

@@ -6,6 +6,8 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from restshape.findings import FINDINGS_BYTES
+
 ALIASES = {
     "bending_utilisation": "bending_use",
     "constraint_status": "verdict",
@@ -73,6 +75,7 @@ def columns(quantities: list[str], own: dict[str, npt.DTypeLike] | None = None) 
         "note": "S160",
         "constraint_status": "S8",
         "violated_constraints": "S160",
+        "findings": f"S{FINDINGS_BYTES}",
         "refused": str,
         **(own or {}),
     }

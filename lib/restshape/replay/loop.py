@@ -19,13 +19,20 @@ from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.quantity import areas
 from restshape.fem.space import Space
+from restshape.findings import encode_findings
 from restshape.mesh.importer import read_mesh
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import Advance, MovingMesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.policy import Policy
 from restshape.replay.columns import ESTIMATES
-from restshape.replay.constraints import both, breaches, limits_of, verdict
+from restshape.replay.constraints import (
+    constraint_status,
+    formatted_constraint,
+    joined,
+    limits_of,
+    violated_constraints,
+)
 from restshape.replay.prediction import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
@@ -91,7 +98,6 @@ class Replay:
         self.expected: np.ndarray | None = None
         self.estimating = True
         self.limits = limits_of(scene.quantities)
-        self.dimensions = {name: quantity.dimension for name, quantity in scene.quantities.items()}
         self.row: RowValues = {}
 
     @classmethod
@@ -158,7 +164,8 @@ class Replay:
             self.stages.seconds[stage] += seconds
         self.row = self._row(edit, advance, report, quantities) | {"predicted": int(predicted), "refused": refused}
         if self.known:
-            self.row.update(both(self.row, self.analysis.row()))
+            self.row.update(joined(self.row, self.analysis.row()))
+        self.row["findings"] = encode_findings(self.row["findings"])
         level = logging.INFO if report.refreshed or advance.level > 1 else logging.DEBUG
         if log.isEnabledFor(level):
             done = "predicted" if predicted else f"{report.newton} Newton steps, {report.iterations} Krylov iterations"
@@ -167,7 +174,8 @@ class Replay:
         return self.row
 
     def _row(self, edit: EditFrame, advance: Advance, report: LinearReport, quantities: dict[str, float]) -> RowValues:
-        """What all applications tell of a frame, but for times and whether it was predicted or refused."""
+        """What all applications report of a frame, but for times and whether it was predicted or refused."""
+        violated = violated_constraints(self.limits, quantities) if quantities else ()
         return {
             "index": edit.index,
             "t": edit.t,
@@ -184,8 +192,9 @@ class Replay:
             "unknowns": self.analysis.unknowns,
             "elements": len(self._space.cells if self.known else self.moving.mesh.cells),
             "note": self.prediction.note if self.prediction else "",
-            "constraint_status": verdict(self.limits, quantities),
-            "violated_constraints": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
+            "constraint_status": constraint_status(self.limits, quantities),
+            "violated_constraints": "; ".join(map(formatted_constraint, violated)),
+            "findings": violated,
             **{f"q_{name}": value for name, value in quantities.items()},
         }
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from restshape.replay.columns import STAGES
-from restshape.replay.constraints import counted
+from restshape.replay.constraints import status_counts
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -92,7 +92,7 @@ def summarise(rows: list[RowValues], policy: str, ranks: int, estimated: str = "
         "preconditioners": dict(Counter(row["preconditioner"] for row in rows if row["level"])),
         "unknowns": rows[-1]["unknowns"] if rows else 0,
         "elements": rows[-1]["elements"] if rows else 0,
-        "constraint_status": counted(rows),
+        "constraint_status": status_counts(rows),
         "estimate": {**spread(rows, "estimate", False), "of": estimated},
         "estimate_time": spread(rows, "estimate_time", False),
         "predicted_estimate": spread(rows, "estimate", True),
