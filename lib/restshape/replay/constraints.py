@@ -72,8 +72,8 @@ def violated_constraints(limits: Limits, quantities: Mapping[str, float]) -> tup
 def value_and_bound(finding: Finding) -> tuple[str, str]:
     """A value beyond a limit and the limit, with units and as many digits as distinguish the two."""
     value, bound, unit = finding.value, finding.bound, finding.unit
-    if bound is None:
-        raise ValueError("the finding has no bound")
+    if value is None or bound is None:
+        raise ValueError("the finding has no value or no bound")
     texts = ((in_unit(unit, value, n), in_unit(unit, bound, n)) for n in (4, 8, 16))
     return next((pair for pair in texts if pair[0] != pair[1]), (str(value), str(bound)))
 
