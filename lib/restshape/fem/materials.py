@@ -52,7 +52,7 @@ def table_by_region(scene: Scene, space: Space, row: Callable[[Material], Sequen
     names = names_by_region(scene, space)
     rows = {name: row(scene.material[name]) for name in names if name is not None}
     absent = np.full(len(next(iter(rows.values()))), np.nan)
-    return np.array([rows.get(name, absent) for name in names], dtype=float)
+    return np.array([absent if name is None else rows[name] for name in names], dtype=float)
 
 
 def by_cell(table: np.ndarray, region: np.ndarray) -> np.ndarray:

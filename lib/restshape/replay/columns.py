@@ -1,9 +1,10 @@
 """The columns of a recording's table: one row a frame."""
 
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from restshape.findings import FINDINGS_BYTES
 
@@ -44,7 +45,7 @@ ESTIMATES = ("estimate", "estimate_time", "prediction_error")
 """What is estimated, or measured, of a frame's error."""
 
 
-def columns(quantities: list[str], own: dict[str, Any] | None = None) -> dict[str, Any]:
+def columns(quantities: list[str], own: dict[str, npt.DTypeLike] | None = None) -> dict[str, npt.DTypeLike]:
     """Name to numpy type, or `str`, of each column.
 
     Args:

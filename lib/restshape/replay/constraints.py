@@ -1,14 +1,19 @@
 """Constraint status: whether the quantities of a frame keep the limits that the scene gives them."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from restshape.findings import Finding
 from restshape.scene.model import Quantity
 from restshape.scene.quantity import in_unit
 from restshape.scene.units import SYMBOLS
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import RowValues
 
 HOLDS, FAILS = "holds", "fails"
 LIMIT, MIN, MAX = "limit", "min", "max"
@@ -67,6 +72,8 @@ def violated_constraints(limits: Limits, quantities: Mapping[str, float]) -> tup
 def value_and_bound(finding: Finding) -> tuple[str, str]:
     """A value beyond a limit and the limit, with units and as many digits as distinguish the two."""
     value, bound, unit = finding.value, finding.bound, finding.unit
+    if value is None or bound is None:
+        raise ValueError("the finding has no value or no bound")
     texts = ((in_unit(unit, value, n), in_unit(unit, bound, n)) for n in (4, 8, 16))
     return next((pair for pair in texts if pair[0] != pair[1]), (str(value), str(bound)))
 
@@ -83,17 +90,17 @@ def formatted_constraint(finding: Finding, worst: bool = False) -> str:
     return f"{finding.subjects[0]} is {far}{value}, {'at least' if finding.detail == MIN else 'at most'} {bound}"
 
 
-def joined(row: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+def joined(row: RowValues, own: RowValues) -> RowValues:
     """The columns of an application, with its constraint status, findings and notes before those that a row has."""
     known = [one["constraint_status"] for one in (own, row) if one.get("constraint_status")]
-    both: dict[str, Any] = {"constraint_status": FAILS if FAILS in known else "".join(known[:1])}
+    both: RowValues = {"constraint_status": FAILS if FAILS in known else "".join(known[:1])}
     for name in ("violated_constraints", "note"):
         both[name] = "; ".join(filter(None, (one.get(name, "") for one in (own, row))))
     both["findings"] = (*own.get("findings", ()), *row.get("findings", ()))
     return {**own, **both}
 
 
-def status_counts(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def status_counts(rows: Sequence[RowValues]) -> dict[str, Any]:
     """How many frames hold and fail, the status of the last frame that has one, and the violated constraints there;
     empty where no frame has one."""
     known = [row["constraint_status"] for row in rows if row["constraint_status"]]

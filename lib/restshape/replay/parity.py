@@ -1,7 +1,5 @@
 """Reuse equals rebuild: each frame against a cold solve on the mesh that it was computed on."""
 
-from typing import Any
-
 from restshape.algebra.gather import bury
 from restshape.replay.loop import Replay
 
@@ -33,7 +31,7 @@ class Parity:
         self.entries, self.solution = max(self.entries, found.entries), max(self.solution, found.solution)
         return {"parity_entries": found.entries, "parity_solution": found.solution}
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, object]:
         """The largest differences over all frames, and whether they are small enough."""
         tolerance = self.replay.analysis.tolerance
         holds = self.entries <= ENTRIES and self.solution <= tolerance

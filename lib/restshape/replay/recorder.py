@@ -4,6 +4,8 @@ Import and start this before MPI starts: the recorder process must be no child o
 no MPI, no HDF5.
 """
 
+from __future__ import annotations
+
 import json
 import os
 import subprocess
@@ -11,13 +13,17 @@ import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from restshape.errors import UserError
 from restshape.replay import ring as rings
 from restshape.replay.rows import RowPacker, row_dtype
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import RowValues
 
 RING_BYTES = 32 << 20
 _MPI_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PRTE_", "HYDRA_", "MPI_LOCAL")
@@ -54,8 +60,8 @@ class Recorder:
 
     @classmethod
     def start(
-        cls, path: str | Path, header: Mapping[str, Any], columns: Mapping[str, Any], wait: bool = True
-    ) -> "Recorder":
+        cls, path: str | Path, header: Mapping[str, object], columns: Mapping[str, npt.DTypeLike], wait: bool = True
+    ) -> Recorder:
         """A recorder whose process runs and, with ``wait``, has opened the file.
 
         Args:
@@ -108,7 +114,7 @@ class Recorder:
             self._answer("ready")
             self._state = "open"
 
-    def add_header(self, extra: Mapping[str, Any]) -> None:
+    def add_header(self, extra: Mapping[str, object]) -> None:
         """Merges more keys into the header, such as versions that are known after MPI has started."""
         self.ready()
         self._send(rings.NOTE, json.dumps(dict(extra), allow_nan=False).encode())
@@ -135,7 +141,7 @@ class Recorder:
         X: np.ndarray,
         point_data: Mapping[str, np.ndarray],
         cell_data: Mapping[str, np.ndarray],
-        row: Mapping[str, Any],
+        row: RowValues,
     ) -> None:
         """Hands over one frame: a copy into shared memory.
 
@@ -290,10 +296,10 @@ class Recorder:
         self._end("closed")
         return self.result
 
-    def __enter__(self) -> "Recorder":
+    def __enter__(self) -> Recorder:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, *_: Any) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if self._state not in ("closed", "failed"):
             self.close("done" if kind is None else "interrupted")
 

@@ -110,7 +110,7 @@ class Writing:
         size = self.writer.close(status, cost)
         self.answer(closed={"frames": frames, "bytes": size, "status": status, **cost})
 
-    def answer(self, **message: Any) -> None:
+    def answer(self, **message: object) -> None:
         """Sends one line to the solver, if it still listens."""
         try:
             os.write(self.answers, json.dumps(message).encode() + b"\n")

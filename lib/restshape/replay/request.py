@@ -1,7 +1,6 @@
 """What is to be replayed, and how."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from restshape import __version__
 from restshape.application import Application
@@ -33,7 +32,7 @@ class Request:
     petsc: tuple[str, ...] = ()
     predict: str = "none"
 
-    def header(self) -> dict[str, Any]:
+    def header(self) -> dict[str, object]:
         """What a recording says of how it was made."""
         return {
             "restshape": __version__,

@@ -1,16 +1,23 @@
 """The table row of a frame: one packed record, the same bytes in the ring and in the file."""
 
+from __future__ import annotations
+
 import struct
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import RowValues
+
 
 TEXT_BYTES = 480
 _CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "i8": "q", "u8": "Q", "f4": "f", "f8": "d"}
 
 
-def row_dtype(columns: Mapping[str, Any]) -> np.dtype:
+def row_dtype(columns: Mapping[str, npt.DTypeLike]) -> np.dtype:
     """The packed little-endian record type of a row; ``str`` becomes UTF-8 text of at most 480 bytes.
 
     Args:
@@ -19,7 +26,7 @@ def row_dtype(columns: Mapping[str, Any]) -> np.dtype:
     return np.dtype([(name, _column_dtype(name, kind)) for name, kind in columns.items()])
 
 
-def _column_dtype(name: str, kind: Any) -> np.dtype:
+def _column_dtype(name: str, kind: npt.DTypeLike) -> np.dtype:
     if kind is str or kind == "str":
         return np.dtype(f"S{TEXT_BYTES}")
     dtype = np.dtype(kind).newbyteorder("<")
@@ -55,12 +62,12 @@ class RowPacker:
         self._struct = struct.Struct("<" + "".join(codes))
 
     @staticmethod
-    def _default(dtype: np.dtype) -> Any:
+    def _default(dtype: np.dtype) -> str | float:
         if dtype.kind == "S":
             return ""
         return float("nan") if dtype.kind == "f" else (-1 if dtype.kind == "i" else 0)
 
-    def pack_into(self, buffer: memoryview, offset: int, row: Mapping[str, Any]) -> None:
+    def pack_into(self, buffer: memoryview, offset: int, row: RowValues) -> None:
         """Writes the row's bytes at ``offset``.
 
         Raises:
@@ -69,7 +76,7 @@ class RowPacker:
         if not row.keys() <= self._names:
             raise ValueError(f"no column is named {', '.join(sorted(row.keys() - self._names))}")
         get = row.get
-        values = [default if (value := get(name)) is None else value for name, default in self._defaults]
+        values: list[Any] = [default if (value := get(name)) is None else value for name, default in self._defaults]
         for i, size in self._texts:
             value = values[i]
             values[i] = encode_text(value, size) if len(value) * 4 > size else value.encode()

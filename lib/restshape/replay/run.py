@@ -9,6 +9,7 @@ from typing import Any
 
 from petsc4py import PETSc
 
+from restshape.analysis.analysis import RowValues
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import UserError
@@ -85,7 +86,7 @@ def _replay(request: Request, recorder: Recorder | None) -> Replay:
         raise refusal(error, request.petsc) from error
 
 
-def _frames(replay: Replay, petsc: Sequence[str]) -> Iterator[dict[str, Any]]:
+def _frames(replay: Replay, petsc: Sequence[str]) -> Iterator[RowValues]:
     """The rows of all frames; where PETSc fails in the first one, what it says against the user's words."""
     frames = replay.frames()
     try:
@@ -116,7 +117,7 @@ def replay_files(
 
 
 @contextmanager
-def _table(path: Path | None, names: list[str]) -> Iterator[Any]:
+def _table(path: Path | None, names: list[str]) -> Iterator[Callable[[RowValues], None] | None]:
     """A function that writes one row to the CSV file, line by line so that none is lost; None without a file."""
     if path is None:
         yield None
@@ -125,7 +126,7 @@ def _table(path: Path | None, names: list[str]) -> Iterator[Any]:
         file = path.open("w", newline="", buffering=1)
     writer = csv.DictWriter(file, names, extrasaction="ignore")
 
-    def write(row: dict[str, Any]) -> None:
+    def write(row: RowValues) -> None:
         with _told(path):
             writer.writerow(row)
 

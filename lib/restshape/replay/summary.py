@@ -1,12 +1,17 @@
 """What a replay was, summed up for programs."""
 
+from __future__ import annotations
+
 from collections import Counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from restshape.replay.columns import STAGES
 from restshape.replay.constraints import status_counts
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import RowValues
 
 
 def percentiles(ms: np.ndarray) -> dict[str, float]:
@@ -20,14 +25,14 @@ def known(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
-def spread(rows: list[dict[str, Any]], column: str, predicted: bool) -> dict[str, float | None]:
+def spread(rows: list[RowValues], column: str, predicted: bool) -> dict[str, float | None]:
     """Median and largest number in a column of the frames that were predicted, or not; None where there is none."""
     values = [row.get(column, np.nan) for row in rows if bool(row["predicted"]) == predicted]
     values = [value for value in values if np.isfinite(value)]
     return {"p50": float(np.median(values)), "max": max(values)} if values else {"p50": None, "max": None}
 
 
-def rest(rows: list[dict[str, Any]]) -> dict[str, Any]:
+def rest(rows: list[RowValues]) -> dict[str, Any]:
     """How many frames are at rest, how many of these where a stable equilibrium is proven, how many are not, and the
     largest residual; nothing of what does not come to rest. Frames that were not analysed, or refused, do not count.
 
@@ -46,7 +51,7 @@ def rest(rows: list[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def summarise(rows: list[dict[str, Any]], policy: str, ranks: int, estimated: str = "") -> dict[str, Any]:
+def summarise(rows: list[RowValues], policy: str, ranks: int, estimated: str = "") -> dict[str, Any]:
     """Counts, times and quantities of a replay from its rows; times leave out the first frame, made from nothing.
 
     Args:

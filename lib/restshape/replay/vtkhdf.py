@@ -12,11 +12,13 @@ import errno
 import json
 import os
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import h5py
 import numpy as np
+import numpy.typing as npt
 
 VERSION = (2, 0)
 FORMAT = 1
@@ -56,7 +58,7 @@ class NoRoom(OSError):
 class Growing:
     """A dataset that is appended to: rows wait in memory until `write`."""
 
-    def __init__(self, group: h5py.Group, name: str, dtype: Any, width: int = 0, chunk: int = 1024) -> None:
+    def __init__(self, group: h5py.Group, name: str, dtype: npt.DTypeLike, width: int = 0, chunk: int = 1024) -> None:
         shape = (0, width) if width else (0,)
         limit = (None, width) if width else (None,)
         chunks = (chunk, width) if width else (chunk,)
@@ -109,7 +111,7 @@ class VtkHdfWriter:
         OSError: the file cannot be made.
     """
 
-    def __init__(self, path: Path, header: dict[str, Any], row_dtype: np.dtype) -> None:
+    def __init__(self, path: Path, header: Mapping[str, object], row_dtype: np.dtype) -> None:
         self.path = path
         self.frames = 0
         self._header = dict(header)
@@ -166,7 +168,7 @@ class VtkHdfWriter:
         text = json.dumps(self._header, allow_nan=False).encode()
         self.own.create_dataset("header", data=np.frombuffer(text, dtype="u1"))
 
-    def add_header(self, extra: dict[str, Any]) -> None:
+    def add_header(self, extra: Mapping[str, object]) -> None:
         """Merges more keys into the header, and commits."""
         self._header |= extra
         self._write_header()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, create_model, field_validator, model_validator
 
@@ -77,6 +77,11 @@ class Quantity(Strict):
     max: Annotated[float, WithJsonSchema(LIMIT_SCHEMA)] | None = None
     min: Annotated[float, WithJsonSchema(LIMIT_SCHEMA)] | None = None
     reference: Annotated[float | Expression, WithJsonSchema(EXACT_SCHEMA)] | None = None
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, key: str) -> Any:
+            """Of a kind that a physics has declared: its value, or None."""
 
     @field_validator("max", "min", mode="before")
     @classmethod
