@@ -6,7 +6,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.fem.entity_sets import observed_nodes
-from restshape.fem.quantity import Observer, area, reduction
+from restshape.fem.quantity import Observer, area_at, reduction
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.scene.model import Quantity
 
@@ -34,8 +34,7 @@ def reactions(problem: ClothProblem, x: np.ndarray) -> np.ndarray:
 def _function(problem: ClothProblem, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
     mesh = problem.mesh
     if quantity.area:
-        cells = mesh.cells_of(quantity.at) if quantity.at else slice(None)
-        return lambda x: area(mesh, cells)
+        return area_at(mesh, name, quantity)
     if quantity.energy:
         return _energy(problem, name, quantity)
     if not (quantity.displacement or quantity.reaction):
