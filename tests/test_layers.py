@@ -26,6 +26,7 @@ MAY_IMPORT = {
 LAYERS = (
     "_kernels",
     "errors",
+    "findings",
     "surroundings",
     "policy",
     "calibration",

@@ -11,11 +11,12 @@ import numpy as np
 from pydantic import Field
 from restshape_apps.furniture.physics.fasteners import fastener, wood
 from restshape_apps.furniture.scene.declaration import PLANKS
-from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
+from restshape_apps.furniture.scene.furniture import RANGES_BYTES, SUGGESTIONS_BYTES
 from restshape_apps.furniture.session.grammar import GRAMMAR
 
-from restshape.application import Application, Decision, Effect, Implied, Reporting, ScriptLines
+from restshape.application import Application, Reporting, ScriptLines
 from restshape.errors import UserError
+from restshape.scene.effect import Decision, Effect, Implied
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -110,7 +111,8 @@ def columns(scene: Scene) -> dict[str, Any]:
     reals += ("ms_equilibrium", "ms_range", "ms_suggestions")
     integers = ("flaws", "inside", "tried", "tested", "suggested")
     texts = dict.fromkeys(("note", "violated_constraints"), "S400")
-    texts |= {"parameter": "S96", "ranges": "S240", "suggestions": f"S{SUGGESTIONS_BYTES}"}
+    texts |= {"parameter": "S96", "ranges": "S240", "valid_ranges": f"S{RANGES_BYTES}"}
+    texts |= {"suggestions": f"S{SUGGESTIONS_BYTES}"}
     texts["no_suggestions"] = "S240"
     return dict.fromkeys(integers, np.int64) | dict.fromkeys(reals, np.float64) | texts
 

@@ -22,7 +22,8 @@ def stretched(near, order):
         + meshed(0.15)
         + f"order = {order}\n[mesh.near]\nb = {near}\n"
         + '[quantities]\nbottom = { displacement = "x", at = "bottom", reduce = "mean" }\n'
-        + 'corner = { displacement = "x", at = "c", reduce = "mean" }\nwhole = { displacement = "x", reduce = "mean" }\n'
+        + 'corner = { displacement = "x", at = "c", reduce = "mean" }\n'
+        + 'whole = { displacement = "x", reduce = "mean" }\n'
     )
 
 

@@ -56,7 +56,7 @@ def newton_rows(study: PlankStudy) -> Lines:
 
 def ratio_rows(study: PlankStudy) -> Lines:
     """Lines of ratios of compliances."""
-    return [[f"{row['ratio']:g}", f"{row['utilisation']:.3g}", f"{row['worst']:.3g}"] for row in study.ratios]
+    return [[f"{row['ratio']:g}", f"{row['use']:.3g}", f"{row['worst']:.3g}"] for row in study.ratios]
 
 
 HEADS: dict[str, Sequence[str]] = {

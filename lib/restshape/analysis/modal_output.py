@@ -1,12 +1,17 @@
 """What is shown of modes: quantities of interest, columns of a row, fields that are not known yet."""
 
+<<<<<<< HEAD
 from collections.abc import Mapping
 from typing import Any
 
+=======
+>>>>>>> e78cdc43fd40adfe9601a3d480011946d9249656
 import numpy as np
 
+from restshape.analysis.analysis import RowValues
 from restshape.analysis.modal_state import ModalState
 from restshape.analysis.pitch import note
+from restshape.analysis.settings import modal_settings
 from restshape.errors import UserError
 from restshape.fem.problem import Fields
 from restshape.fem.quantity import Function, Observer, area_at
@@ -28,9 +33,9 @@ def observer(quantities: Mapping[str, Quantity], space: Space, modes: int) -> Ob
     return Observer({name: _function(name, quantity, space, modes) for name, quantity in quantities.items()})
 
 
-def row(state: ModalState) -> dict[str, Any]:
+def row(state: ModalState) -> RowValues:
     """Columns of a frame's row that only modes have."""
-    frequencies, settings = state.frequencies, state.plan.settings("modal")
+    frequencies, settings = state.frequencies, modal_settings(state.plan)
     tone, cents = note(float(frequencies[0]), settings.a4)
     return {
         **{f"f_{k + 1}": float(f) for k, f in enumerate(frequencies)},

@@ -12,6 +12,7 @@ from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.modal_matrices import products
 from restshape.analysis.modal_state import ModalState, Modes, frequencies
 from restshape.analysis.mode_search import ModeSearch
+from restshape.analysis.settings import modal_settings
 from restshape.sensitivity.modal import Solved, modal_derivative
 
 
@@ -95,7 +96,7 @@ class ModalPrediction:
         """
         if len(set(order)) != len(order):
             return state.modes
-        settings, solved = state.plan.settings("modal"), state.solved
+        settings, solved = modal_settings(state.plan), state.solved
         participation = solved.participation[order]
         # By rank, as a solve chooses; what had not converged is not predicted.
         search = ModeSearch(self.analysis.solver, state.body, settings.modes, settings.in_plane)

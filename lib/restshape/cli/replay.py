@@ -10,6 +10,7 @@ from typing import Any
 from restshape.application import Application, application
 from restshape.cli.options import add_scene, check_output, print_table, read_scene, write_json
 from restshape.cli.ranks import first_rank
+from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
 from restshape.scene.renamed import notes
@@ -41,6 +42,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, metavar="FILE", help="recording (.vtkhdf)")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="a row of numbers a frame")
     parser.add_argument("--parity", action="store_true", help="compare each frame with a cold solve on the same mesh")
+    add_verbose(parser)
     parser.add_argument("--calibration", type=Path, metavar="FILE", help="seconds a unit of work (default: nominal)")
 
 

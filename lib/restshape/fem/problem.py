@@ -138,6 +138,13 @@ class Problem(Protocol):
         """The recovery-based estimate on this space."""
 
 
+class PrestressedProblem(Problem, Protocol):
+    """A problem whose stress at a solution changes its stiffness."""
+
+    def geometric_stiffness(self, u: np.ndarray, factor: float = 1.0) -> Integral:
+        """G of unknowns u (n, f), linear in them: phi . G phi = int sigma(u) : grad(phi)^T grad(phi)."""
+
+
 class Inertia(Protocol):
     """What quantities of a motion need of a mass matrix."""
 

@@ -47,7 +47,11 @@ EXACT_SCHEMA = LIMIT_SCHEMA | {"description": "in SI units, such as 180 MPa, or 
 
 def with_unit(dimension: str, value: float, digits: int = 6) -> str:
     """The value of a quantity of a dimension with its unit, lengths below a metre in millimetres."""
-    unit = SYMBOLS[dimension]
+    return in_unit(SYMBOLS[dimension], value, digits)
+
+
+def in_unit(unit: str, value: float, digits: int = 6) -> str:
+    """The value of a quantity with its SI unit, lengths below a metre in millimetres."""
     factor, unit = (1e3, "mm") if unit == "m" and 0.0 < abs(value) < 1.0 else (1.0, unit)
     return f"{factor * value:.{digits}g} {unit}".rstrip()
 
