@@ -12,10 +12,10 @@ from restshape.analysis.buckling_matrices import products
 from restshape.analysis.correction import correction, largest_values, preconditioner
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.steady import SteadyAnalysis
-from restshape.sensitivity.buckling import Solved, buckling_derivative
+from restshape.sensitivity.buckling import SolvedBuckling, buckling_derivative
 
 
-class Buckling(Solved, Protocol):
+class Buckling(SolvedBuckling, Protocol):
     """What a prediction needs of an analysis of buckling.
 
     Attributes:

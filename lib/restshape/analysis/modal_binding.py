@@ -48,16 +48,11 @@ def bound(
             carried = np.empty((0, mask.size))
     carried = np.where(mask.ravel() == 0, carried, 0.0)
     solver.restart(carried if len(carried) and context.policy.transfer else None)
-<<<<<<< HEAD
-    modes = plan.settings("modal").modes
+    modes = modal_settings(plan).modes
     found = observer(frame.scene.quantities, frame.mesh, modes)
     return replace(
         state, plan=plan, body=body, matrices=matrices, observer=found, count=max(state.count, modes)
     ), carried
-=======
-    count = max(state.count, modal_settings(plan).modes)
-    return replace(state, plan=plan, body=body, matrices=matrices, count=count), carried
->>>>>>> e78cdc43fd40adfe9601a3d480011946d9249656
 
 
 def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stages) -> np.ndarray:

@@ -1,11 +1,7 @@
 """What is shown of modes: quantities of interest, columns of a row, fields that are not known yet."""
 
-<<<<<<< HEAD
 from collections.abc import Mapping
-from typing import Any
 
-=======
->>>>>>> e78cdc43fd40adfe9601a3d480011946d9249656
 import numpy as np
 
 from restshape.analysis.analysis import RowValues

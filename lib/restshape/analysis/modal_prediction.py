@@ -13,7 +13,7 @@ from restshape.analysis.modal_matrices import products
 from restshape.analysis.modal_state import ModalState, Modes, frequencies
 from restshape.analysis.mode_search import ModeSearch
 from restshape.analysis.settings import modal_settings
-from restshape.sensitivity.modal import Solved, modal_derivative
+from restshape.sensitivity.modal import SolvedModes, modal_derivative
 
 
 class ModalPrediction:
@@ -27,7 +27,7 @@ class ModalPrediction:
     Source: docs/theory.md, section 7.
     """
 
-    def __init__(self, analysis: Solved) -> None:
+    def __init__(self, analysis: SolvedModes) -> None:
         self.analysis = analysis
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
