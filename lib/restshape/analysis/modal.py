@@ -107,7 +107,7 @@ class ModalAnalysis:
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the state."""
-        return modal_output.quantities(self.state)
+        return self.state.observer(self.state.frequencies, self.state.ids)
 
     def row(self) -> RowValues:
         """Columns of a frame's row that only modes have."""

@@ -9,6 +9,7 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.modal_matrices import ModalMatrices
+from restshape.analysis.modal_output import observer
 from restshape.analysis.modal_state import ModalState
 from restshape.analysis.settings import modal_settings
 from restshape.application import application
@@ -47,8 +48,11 @@ def bound(
             carried = np.empty((0, mask.size))
     carried = np.where(mask.ravel() == 0, carried, 0.0)
     solver.restart(carried if len(carried) and context.policy.transfer else None)
-    count = max(state.count, modal_settings(plan).modes)
-    return replace(state, plan=plan, body=body, matrices=matrices, count=count), carried
+    modes = modal_settings(plan).modes
+    found = observer(frame.scene.quantities, frame.mesh, modes)
+    return replace(
+        state, plan=plan, body=body, matrices=matrices, observer=found, count=max(state.count, modes)
+    ), carried
 
 
 def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stages) -> np.ndarray:

@@ -1,5 +1,7 @@
 """What is shown of modes: quantities of interest, columns of a row, fields that are not known yet."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from restshape.analysis.analysis import RowValues
@@ -8,19 +10,23 @@ from restshape.analysis.pitch import note
 from restshape.analysis.settings import modal_settings
 from restshape.errors import UserError
 from restshape.fem.problem import Fields
-from restshape.fem.quantity import area
+from restshape.fem.quantity import Function, Observer, area_at
 from restshape.fem.space import Space
 from restshape.scene.model import Quantity
 
 
-def quantities(state: ModalState) -> dict[str, float]:
-    """The scene's quantities of interest, by name.
+def observer(quantities: Mapping[str, Quantity], space: Space, modes: int) -> Observer:
+    """What evaluates quantities of frequencies (modes,) [Hz], ascending, and the ids (modes,) of their modes.
+
+    Args:
+        quantities: of the scene, by name.
+        space: the plane mesh.
+        modes: how many the plan asks for.
 
     Raises:
-        UserError: a quantity that modes do not have, or of a mode that is not computed.
+        UserError: so many modes are not computed, or modes have no such quantity.
     """
-    found = state.space, state.frequencies, state.ids
-    return {name: modal_quantity(name, quantity, *found) for name, quantity in state.scene.quantities.items()}
+    return Observer({name: _function(name, quantity, space, modes) for name, quantity in quantities.items()})
 
 
 def row(state: ModalState) -> RowValues:
@@ -44,32 +50,21 @@ def blank_fields(space: Space, count: int) -> Fields:
     return blank, {"size_of_mode_1": np.full(len(space.cells), np.nan)}
 
 
-def modal_quantity(name: str, quantity: Quantity, space: Space, frequencies: np.ndarray, ids: np.ndarray) -> float:
-    """The value of a quantity of interest; not a number of a mode that is not among those computed.
-
-    Args:
-        name: of the quantity in the scene.
-        quantity: what is asked for.
-        space: the plane mesh.
-        frequencies: (modes,) [Hz], ascending.
-        ids: (modes,) by which they are tracked.
-
-    Raises:
-        UserError: so many modes are not computed, or modes have no such quantity.
-    """
+def _function(name: str, quantity: Quantity, space: Space, modes: int) -> Function:
+    """The function of frequencies and ids that a quantity is; not a number of a mode that is not among those found."""
     if quantity.area:
-        return area(space, space.cells_of(quantity.at) if quantity.at else slice(None))
+        return area_at(space, name, quantity)
     if quantity.frequency is not None:
-        if quantity.frequency > len(frequencies):
+        if quantity.frequency > modes:
             raise UserError(
-                f"only {len(frequencies)} modes are computed",
+                f"only {modes} modes are computed",
                 f"quantities.{name}.frequency",
                 f"set effects.modal.modes to {quantity.frequency} or more",
             )
-        return float(frequencies[quantity.frequency - 1])
+        rank = quantity.frequency - 1
+        return lambda frequencies, ids: frequencies[rank] if rank < len(frequencies) else np.nan
     if quantity.mode is not None:
-        at = np.flatnonzero(ids == quantity.mode)
-        return float(frequencies[at[0]]) if len(at) else float("nan")
+        return lambda frequencies, ids: next(iter(frequencies[ids == quantity.mode]), np.nan)
     raise UserError(
         f"modes have no {quantity.kind}: their size means nothing",
         f"quantities.{name}.{quantity.kind}",

@@ -12,6 +12,7 @@ from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.mode_search import FoundModes
 from restshape.analysis.mode_tracking import ModeIds
 from restshape.fem.eigenproblem import Eigenproblem
+from restshape.fem.quantity import Observer
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import Scene
@@ -60,6 +61,7 @@ class ModalState:
         scene, plan, space: of the last solution, the plane mesh as the space.
         topology, geometry: versions of the plane mesh.
         body: what vibrates; matrices: its.
+        observer: of the scene's quantities.
         modes: shown now; solved: those of the last solution, the same unless these are predicted.
         count: of the lowest modes that are solved for.
         report: of the last solve.
@@ -72,6 +74,7 @@ class ModalState:
     geometry: int = -1
     body: Eigenproblem | None = None
     matrices: ModalMatrices | None = None
+    observer: Observer | None = None
     modes: Modes = field(default_factory=Modes.none)
     solved: Modes | None = None
     count: int = 0

@@ -117,7 +117,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         comm, stages = self.context.comm, self.context.stages
 
         def newton(shape: tuple[int, ...], rows: slice) -> Newton:
-            return Newton(comm, "motion_newton_", solver, shape, rows)
+            return Newton(comm, f"{self.prefix}newton_", solver, shape, rows)
 
         made = MotionSystem(comm, body, integration.scheme, newton, backend, stages, solver.symmetric)
         self._made.append(made.newton)
@@ -149,7 +149,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         if not gained <= GAIN * (largest - max(gained, 0.0)):
             raise ReplayProblem(
                 f"the motion has gained {gained:.3g} J from nothing: the time step is too long for so large a "
-                "deformation; make effects.dynamics.time_step smaller"
+                f"deformation; make {self.problem.time_step_key} smaller"
             )
 
     def _destroy_unused(self) -> None:
@@ -181,7 +181,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
             why = problem.objection(x) or outcome.why
             if why:
                 raise ReplayProblem(
-                    f"no state is found at {time:.6g} s: {why}; make effects.dynamics.time_step smaller, or the load"
+                    f"no state is found at {time:.6g} s: {why}; make {problem.time_step_key} smaller, or the load"
                 )
         residual = max(self.state.residual, outcome.norm / scale if scale else 0.0)
         self.state = replace(self.state, scale=scale, residual=residual)

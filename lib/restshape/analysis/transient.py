@@ -119,7 +119,7 @@ class TransientAnalysis:
     """
 
     predictor = None
-    why_not = "only bodies at rest and modes are predicted: a motion depends on its past, not on its shape alone"
+    why_not = "only equilibria and modes are predicted: a motion in time depends on its past, not on the shape alone"
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
         self.context, self.make = context, make
@@ -137,7 +137,7 @@ class TransientAnalysis:
         context = self.context
         return LinearSolver(
             context.comm,
-            "motion_",
+            self.prefix,
             context.policy.solver,
             scene.solve.tolerance,
             context.calibration,
@@ -145,6 +145,11 @@ class TransientAnalysis:
             memory=scene.solve.factor_memory,
             traits=self.make.traits(self.state.plan),
         )
+
+    @property
+    def prefix(self) -> str:
+        """Of the options of its solvers in PETSc's database."""
+        return f"{self.make.name_in_time or self.make.name}_"
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the motion up to date with a frame.

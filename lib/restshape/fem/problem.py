@@ -153,7 +153,15 @@ class Inertia(Protocol):
 
 
 class TransientProblem(Problem, Protocol):
-    """A problem that may be integrated in time: with integrals of the kinds `MASS`, `LUMPED`, `CONSISTENT`."""
+    """A problem that may be integrated in time: with integrals of the kinds `MASS`, `LUMPED`, `CONSISTENT`.
+
+    Attributes:
+        name_in_time: before the options of its solvers in PETSc's database where it is; empty: `name`.
+        time_step_key: of the scene, for messages.
+    """
+
+    name_in_time: str = ""
+    time_step_key: str
 
     @staticmethod
     def time_integration(plan: Plan, before: TimeIntegration | None, now: float) -> TimeIntegration:

@@ -63,6 +63,16 @@ def cells_at(space: Space, name: str, quantity: Quantity) -> np.ndarray | slice:
     return cells
 
 
+def area_at(space: Space, name: str, quantity: Quantity) -> Function:
+    """The area [m^2] of the cells that a quantity of this name is taken over, whatever the state.
+
+    Raises:
+        UserError: there is no cell there.
+    """
+    cells = cells_at(space, name, quantity)
+    return lambda *_: area(space, cells)
+
+
 class Observer:
     """Evaluates the quantities of a scene, and their peaks over the time steps of a frame.
 

@@ -2,16 +2,50 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 from restshape import _kernels
 from restshape.fem.recovery import NodalFlux
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.morley import MorleySpace
+from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.patch_curvature import PatchCurvature
-from restshape.physics.cloth.problem import ClothProblem
 
 NO_KINDS = np.empty(0, dtype=np.int32)
 ROUNDING = 1e-10
 """Strain below which cloth is not strained but by rounding."""
+
+
+class EstimatedCloth(Protocol):
+    """What an estimate needs of cloth.
+
+    Attributes:
+        mesh: of its corners; morley: the space of Morley's triangles, None where there are none.
+        fabric: stiffness and mass.
+        bending: None where nothing resists it.
+    """
+
+    mesh: Mesh
+    morley: MorleySpace | None
+    fabric: Fabric
+    bending: object | None
+
+    def corners(self, x: np.ndarray) -> np.ndarray:
+        """Positions (corners, 3) [m] of the mesh's nodes."""
+
+    def tensions(self, x: np.ndarray) -> np.ndarray:
+        """Second Piola-Kirchhoff tensions (ne, 3) xx, yy, xy [N/m] of the triangles at x (n, 3)."""
+
+    def membrane_energy(self, x: np.ndarray) -> float:
+        """Energy [J] of stretching at x (n, 3)."""
+
+    def bending_energy(self, x: np.ndarray) -> float:
+        """Energy [J] of bending at x (n, 3)."""
+
+    def bending_energies(self, x: np.ndarray) -> np.ndarray:
+        """Energy (ne,) [J] of bending of each triangle at x (n, 3)."""
 
 
 class ClothEstimate:
@@ -27,7 +61,7 @@ class ClothEstimate:
     Source: docs/theory.md, section "Error estimates"; Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337.
     """
 
-    def __init__(self, problem: ClothProblem) -> None:
+    def __init__(self, problem: EstimatedCloth) -> None:
         self.problem = problem
         self.recovery, self._geometry = NodalFlux(problem.mesh), -1
         self.update()

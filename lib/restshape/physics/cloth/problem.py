@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from restshape.algebra.traits import Traits
 from restshape.fem.assembled import Assembled
 from restshape.fem.integral import Integral
 from restshape.fem.problem import INTERNAL, STIFFNESS, Fields, Unknown
+from restshape.fem.quantity import Observer
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
 from restshape.physics.cloth.bending import QUADRATIC, bending_of
 from restshape.physics.cloth.boundary import ClothDirichlet, ClothSupports
 from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.error_estimate import ClothEstimate
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.material_motion import MaterialPlace
 from restshape.physics.cloth.membrane import Membrane
 from restshape.physics.cloth.parameters import Lumped
 from restshape.physics.cloth.point_forces import PointForces
+from restshape.physics.cloth.quantities import observer
+from restshape.scene.model import Quantity
+from restshape.scene.plan import Plan
 
 
 class ClothProblem:
@@ -239,6 +245,23 @@ class ClothProblem:
         tension = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
         flat = np.column_stack([self.mesh.X, np.zeros(len(self.mesh.X))])
         return {"displacement": self.corners(x) - flat}, {"tension": tension}
+
+    def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
+        """What evaluates quantities of positions x (n, 3) [m].
+
+        Raises:
+            UserError: a quantity has no meaning for cloth, or names a place that is not there.
+        """
+        return observer(self, quantities)
+
+    def error_estimate(self) -> ClothEstimate:
+        """The recovery-based estimate of tensions and moments in the energy norm."""
+        return ClothEstimate(self)
+
+    @staticmethod
+    def traits(plan: Plan) -> Traits:
+        """What it declares of its linear systems, under any plan."""
+        return Traits(fields=3, dimension=3)
 
     @staticmethod
     def blank_fields(space: Mesh) -> Fields:

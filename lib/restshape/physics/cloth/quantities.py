@@ -1,19 +1,45 @@
 """Quantities of interest of cloth: numbers that a scene asks for, taken from its positions."""
 
 from collections.abc import Callable, Mapping
+from typing import Protocol
 
 import numpy as np
 
 from restshape.errors import UserError
 from restshape.fem.entity_sets import observed_nodes
-from restshape.fem.quantity import Observer, area, reduction
-from restshape.physics.cloth.problem import ClothProblem
+from restshape.fem.quantity import Observer, area_at, reduction
+from restshape.mesh.mesh import Mesh
 from restshape.scene.model import Quantity
 
 AXES = "xyz"
 
 
-def observer(problem: ClothProblem, quantities: Mapping[str, Quantity]) -> Observer:
+class ObservedCloth(Protocol):
+    """What quantities need of cloth.
+
+    Attributes:
+        mesh: of its corners.
+    """
+
+    mesh: Mesh
+
+    def corners(self, x: np.ndarray) -> np.ndarray:
+        """Positions (corners, 3) [m] of the mesh's nodes."""
+
+    def unconstrained_residual(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` (n, 3) [N] to the residual at x (n, 3) without supports."""
+
+    def energy(self, x: np.ndarray) -> float:
+        """Potential energy [J] at x (n, 3), of weight too."""
+
+    def membrane_energy(self, x: np.ndarray) -> float:
+        """Energy [J] of stretching at x (n, 3)."""
+
+    def bending_energy(self, x: np.ndarray) -> float:
+        """Energy [J] of bending at x (n, 3)."""
+
+
+def observer(problem: ObservedCloth, quantities: Mapping[str, Quantity]) -> Observer:
     """What evaluates the quantities of a scene at positions x (n, 3) [m] of its cloth.
 
     Displacements are counted from where the cloth was cut, as the mesh lies now.
@@ -24,18 +50,17 @@ def observer(problem: ClothProblem, quantities: Mapping[str, Quantity]) -> Obser
     return Observer({name: _function(problem, name, quantity) for name, quantity in quantities.items()})
 
 
-def reactions(problem: ClothProblem, x: np.ndarray) -> np.ndarray:
+def reactions(problem: ObservedCloth, x: np.ndarray) -> np.ndarray:
     """Forces (corners, 3) [N] of supports on the nodes at x (n, 3)."""
     out = np.empty_like(x)
     problem.unconstrained_residual(x, out)
     return problem.corners(out)
 
 
-def _function(problem: ClothProblem, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
     mesh = problem.mesh
     if quantity.area:
-        cells = mesh.cells_of(quantity.at) if quantity.at else slice(None)
-        return lambda x: area(mesh, cells)
+        return area_at(mesh, name, quantity)
     if quantity.energy:
         return _energy(problem, name, quantity)
     if not (quantity.displacement or quantity.reaction):
@@ -52,7 +77,7 @@ def _function(problem: ClothProblem, name: str, quantity: Quantity) -> Callable[
 
 
 def _displacement(
-    problem: ClothProblem, quantity: Quantity, nodes: np.ndarray | slice
+    problem: ObservedCloth, quantity: Quantity, nodes: np.ndarray | slice
 ) -> Callable[[np.ndarray], float]:
     take = reduction(problem.mesh, quantity, nodes)
     flat = np.column_stack([problem.mesh.X, np.zeros(len(problem.mesh.X))])
@@ -66,7 +91,7 @@ def _displacement(
     return lambda x: take(moved(x)[:, column])
 
 
-def _energy(problem: ClothProblem, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+def _energy(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
     kinds = {
         "strain": lambda x: problem.membrane_energy(x) + problem.bending_energy(x),
         "membrane": problem.membrane_energy,

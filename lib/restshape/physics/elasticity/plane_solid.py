@@ -65,7 +65,7 @@ class PlaneSolid:
     Source: docs/theory.md, section 2.
     """
 
-    name = "solid"
+    name, name_in_time, time_step_key = "solid", "motion", "effects.dynamics.time_step"
     unknowns = (Unknown("displacement", "m", ("x", "y")),)
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:

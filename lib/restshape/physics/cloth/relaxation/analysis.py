@@ -160,7 +160,7 @@ class RelaxationAnalysis:
     def error_estimate(self) -> ClothEstimate:
         """The estimate of the present problem, kept until there is another one."""
         if self._estimate is None or self._estimate.problem is not self.state.problem:
-            self._estimate = ClothEstimate(self.state.problem)
+            self._estimate = self.state.problem.error_estimate()
         self._estimate.update()
         return self._estimate
 

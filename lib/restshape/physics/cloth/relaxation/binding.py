@@ -12,7 +12,6 @@ from restshape.physics.cloth.body_motion import body_axes, moved_with
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.problem import ClothProblem
-from restshape.physics.cloth.quantities import observer
 from restshape.physics.cloth.relaxation.options import RelaxationOptions
 from restshape.physics.cloth.relaxation.row import penetration_notes
 from restshape.physics.cloth.relaxation.state import RelaxationState
@@ -62,7 +61,7 @@ def bind(
             problem.contact.history = origin.friction
     state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
-    return replace(state, observer=observer(problem, scene.quantities), notes=notes), cold
+    return replace(state, observer=problem.observer(scene.quantities), notes=notes), cold
 
 
 def same_elements(problem: ClothProblem, arguments: ClothArguments) -> bool:

@@ -10,7 +10,6 @@ import numpy as np
 
 from restshape.algebra.kinetic_damping import Steps
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.traits import Traits
 from restshape.analysis.analysis import Context
 from restshape.application import application
 from restshape.mesh.mesh import Mesh
@@ -91,7 +90,7 @@ class RelaxationOptions:
             context.calibration,
             context.stages,
             memory=self.scene.solve.factor_memory,
-            traits=Traits(fields=3, dimension=3),
+            traits=problem.traits(self.plan),
         )
         # A complete factor of a small matrix costs less than the iterations without one.
         small = settings.strategy == "auto" and problem.n_nodes <= SMALL
