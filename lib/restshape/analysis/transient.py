@@ -325,7 +325,8 @@ class TransientAnalysis:
         observer = body.problem.motion_observer(scene.quantities, body.mass)
         self.state = replace(self.state, increments=increments, observer=observer)
         if before.body is None:
-            self._enter(np.zeros_like(body.static), np.zeros_like(body.static), 0.0)
+            first = body.problem.initial() - body.problem.boundary.values
+            self._enter(first, np.zeros_like(first), 0.0)
         elif new_mesh:
             with self.context.stages("map"):
                 self._project(before.body)

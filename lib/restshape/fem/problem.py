@@ -54,6 +54,8 @@ Fields = tuple[dict[str, np.ndarray], dict[str, np.ndarray]]
 class Problem(Protocol):
     """One physics of one scene on one space, from which analyses derive all else: made of scene, plan and space.
 
+    What has a body here a problem need not say: it inherits that there are no loads at nodes and no objections.
+
     Attributes:
         name: of the physics, before the options of its solvers in PETSc's database.
         scene: whose values it has.
@@ -83,6 +85,7 @@ class Problem(Protocol):
     @property
     def load_steps(self) -> int:
         """Steps of load that are tried at most where the problem is not linear."""
+        return 1
 
     @property
     def loaded(self) -> bool:
@@ -114,10 +117,11 @@ class Problem(Protocol):
         """
 
     def add_nodal_load_rates(self, dX: np.ndarray, out: np.ndarray) -> None:
-        """Add the rates of the loads of `add_nodal_loads` when nodes move with rates dX (n, d) to `out` (n, f)."""
+        """Take the rates of the loads of `add_nodal_loads`, when nodes move with dX (n, d), from `out` (n, f)."""
 
     def objection(self, x: np.ndarray) -> str:
         """What speaks against unknowns x (n, f) that solve the equations, for people; empty where nothing does."""
+        return ""
 
     def fields(self, x: np.ndarray) -> Fields:
         """What a recording shows of the unknowns x (n, f)."""
@@ -126,9 +130,10 @@ class Problem(Protocol):
     def traits(plan: Plan) -> Traits:
         """What it declares of its linear systems under a plan."""
 
-    @staticmethod
-    def blank_fields(space: Space) -> Fields:
-        """The same fields, all NaN, on a space that has not been solved on."""
+    @classmethod
+    def blank_fields(cls, space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on: by default the unknowns alone."""
+        return {one.name: np.full((len(space.X), len(one.components)), np.nan) for one in cls.unknowns}, {}
 
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates quantities of the unknowns x (n, f).
@@ -143,6 +148,10 @@ class Problem(Protocol):
 
 class TransientProblem(Problem, Protocol):
     """A problem that may be integrated in time: with integrals of the kinds `MASS`, `LUMPED`, `CONSISTENT`."""
+
+    def initial(self) -> np.ndarray:
+        """The unknowns (n, f) at time 0; what is prescribed is so from the first step on."""
+        return self.boundary.values.copy()
 
     @staticmethod
     def time_integration(plan: Plan, before: TimeIntegration | None, now: float) -> TimeIntegration:

@@ -22,6 +22,7 @@ from restshape.fem.problem import (
     REFERENCE,
     STIFFNESS,
     Fields,
+    TransientProblem,
     Unknown,
 )
 from restshape.fem.quantity import Observer
@@ -47,8 +48,8 @@ def lame(material: Material, model: str) -> tuple[float, float]:
     return (E * nu / (1 - nu**2), mu) if model == "plane_stress" else (E * nu / ((1 + nu) * (1 - 2 * nu)), mu)
 
 
-class PlaneSolid:
-    """Elasticity of one scene on one space, a `fem.problem.Problem`.
+class PlaneSolid(TransientProblem):
+    """Elasticity of one scene on one space, a `fem.problem.TransientProblem`.
 
     The law is linear, or that of St. Venant and Kirchhoff under the effect `large_deformation`: pressures then act on
     the deformed boundary; all other loads are dead.
