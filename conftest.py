@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 # Before any test imports PETSc or matplotlib, which would obey files of the current folder.
-import restshape
+import restshape.surroundings
 
 ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",

@@ -6,7 +6,8 @@ distribution_packages=(
     # building the extension
     python3-venv python3-dev g++ make libeigen3-dev libcgal-dev ca-certificates
     # shared libraries that the gmsh and vtk wheels load
-    libglu1-mesa libgl1 libgomp1 libx11-6 libxext6 libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1
+    libglu1-mesa libgl1 libegl1 libgl1-mesa-dri libgomp1
+    libx11-6 libxext6 libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1
 )
 
 missing_packages() {

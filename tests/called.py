@@ -71,8 +71,8 @@ class Law:
         if not self.modal:
             solves = (0 if first else 2) if self.moving else 1
             # A factor that has grown too old is met in a solve of its own.
-            assert solves <= events["KSPSolve"] <= solves + row["refreshed"]
-            assert events["MatCholFctrNum"] <= row["refreshed"]
+            assert solves <= events["KSPSolve"] <= solves + row["pc_rebuilt"]
+            assert events["MatCholFctrNum"] <= row["pc_rebuilt"]
 
     def _linear(self, first: bool) -> dict[str, dict[str, tuple[int, int]]]:
         """Calls in a frame of a linear body."""

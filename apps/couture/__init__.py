@@ -170,12 +170,12 @@ class Drape(Strict):
 def columns(scene: Scene) -> dict[str, Any]:
     """The columns that a replay of cloth has besides: whether it rests and stays, steps, factors, friction, bodies."""
     own = {
-        "at_rest": np.int64,
-        "stable": np.int64,
-        "steps": np.int64,
-        "factors": np.int64,
-        "dragged": np.float64,
-        "deepest": np.float64,
+        "converged": np.int64,
+        "tangent_positive_definite": np.int64,
+        "relaxation_steps": np.int64,
+        "factorisations": np.int64,
+        "slip_distance": np.float64,
+        "max_penetration": np.float64,
     }
     return own | body_columns(scene.bodies)
 
@@ -191,7 +191,7 @@ application = Application(
     },
     implied=CLOTH,
     folder=Path(__file__).parent,
-    analysis="restshape.analysis.relaxation.analysis:RelaxationAnalysis",
+    analysis="restshape.physics.cloth.relaxation.analysis:RelaxationAnalysis",
     directions=("x", "y", "z", "slope"),
     cloth=True,
     nested=True,

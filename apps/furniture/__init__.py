@@ -105,10 +105,11 @@ class Guide(Strict):
 
 def columns(scene: Scene) -> dict[str, Any]:
     """The columns that a replay of furniture has besides."""
-    reals = ("use", "margin", "missing", "sag", "bending_use", "at", "range_low", "range_high")
+    reals = ("utilisation", "stability_margin", "unbalanced_load", "deflection", "bending_utilisation", "at")
+    reals += ("range_low", "range_high")
     reals += ("ms_equilibrium", "ms_range", "ms_suggestions")
     integers = ("flaws", "inside", "tried", "tested", "suggested")
-    texts = dict.fromkeys(("note", "broken"), "S400")
+    texts = dict.fromkeys(("note", "violated_constraints"), "S400")
     texts |= {"parameter": "S96", "ranges": "S240", "suggestions": f"S{SUGGESTIONS_BYTES}"}
     texts["no_suggestions"] = "S240"
     return dict.fromkeys(integers, np.int64) | dict.fromkeys(reals, np.float64) | texts

@@ -54,9 +54,9 @@ def columns(scene: Scene) -> dict[str, Any]:
         **{f"f_{k + 1}": np.float64 for k in range(modes)},
         "tone": "S8",
         "cents": np.float64,
-        "track": "S160",
-        "counted": np.int64,
-        "missed": np.int64,
+        "mode_ids": "S160",
+        "inertia_checked": np.int64,
+        "missed_modes": np.int64,
     }
 
 

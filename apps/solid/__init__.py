@@ -131,7 +131,7 @@ def columns(scene: Scene) -> dict[str, Any]:
         return {}
     modes = Buckling.model_validate(scene.effects["buckling"]).modes
     factors = {f"mu_{k}": np.float64 for k in range(1, modes + 1)}
-    return {**factors, "track": "S80", "counted": np.int64, "missed": np.int64}
+    return {**factors, "mode_ids": "S80", "inertia_checked": np.int64, "missed_modes": np.int64}
 
 
 LARGE_DEFORMATION = Effect(LargeDeformation, "large displacements and rotations, pressures that follow", fixed=True)

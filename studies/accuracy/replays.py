@@ -20,8 +20,8 @@ from restshape.algebra.gather import bury
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
 from restshape.errors import ReplayProblem, UserError
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
 from restshape.policy import Policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request

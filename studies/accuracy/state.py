@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from restshape_studies.accuracy.grid import Grid, Places
 
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
 
 SPECTRA = {"frequencies": "mode_", "load_factors": "buckling_mode_"}
 """Attribute of an analysis that has eigenvalues, and how the fields of their modes are named."""

@@ -9,11 +9,11 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.bench.events import EventCounts
 
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
-from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
 from restshape.errors import ReplayProblem, UserError
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.model import Scene
@@ -125,7 +125,7 @@ def _ended(analysis: RelaxationAnalysis, trace: Trace, over: str) -> dict[str, A
     energies = [energy for energy in trace.energies if energy is not None]
     energy = (energies or [None])[-1] if over else analysis.bound.problem.energy(analysis.x)
     return {
-        "at_rest": not over and report.converged,
+        "converged": not over and report.converged,
         "stable": None if over else report.stable,
         "residual": residual if residual is None else _finite(residual),
         "energy": None if energy is None else _finite(energy),

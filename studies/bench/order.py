@@ -120,6 +120,6 @@ def record(runs: Sequence[Sequence[Row]]) -> Row:
         "iterations": {
             level: mean(row["iterations"] for row in rows) if rows else None for level, rows in levels.items()
         },
-        "refreshes": sum(row["refreshed"] for row in first[1:]),
+        "refreshes": sum(row["pc_rebuilt"] for row in first[1:]),
         "p50_ms": median(middle(rows) for rows in runs),
     }

@@ -125,7 +125,7 @@ def _replay(replay: Replay) -> list[Segment]:
         pending.clear()
         if new or not found:
             found.append(_segment(solver))
-        aim, spent, refreshed = solver.ksp.getTolerances()[:2], row["iterations"], bool(row["refreshed"])
+        aim, spent, refreshed = solver.ksp.getTolerances()[:2], row["iterations"], bool(row["pc_rebuilt"])
         solve = Solve(row["index"], matrix, right, guess, row["level"] == 2, aim, spent, refreshed)
         found[-1].solves.append(solve)
     solver.on_solve = None

@@ -139,7 +139,7 @@ def level_record(rows: Sequence[Row]) -> Row | None:
         "frames": len(rows),
         "ms": percentiles(np.array([row["ms"] for row in rows])),
         "iterations": float(np.mean([row["iterations"] for row in rows])),
-        "refreshes": int(sum(row["refreshed"] for row in rows)),
+        "refreshes": int(sum(row["pc_rebuilt"] for row in rows)),
         "stages": {key[3:]: float(np.median([row[key] for row in rows])) for key in stages},
     }
 

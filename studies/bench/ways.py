@@ -67,7 +67,7 @@ def study(job: Job, plan: Plan, on_run: Callable[[str], None], play: Play = run)
 
 def add_short(ways: Mapping[str, Row]) -> None:
     """Note in each run how much of the fall of the energy, to the lowest at rest, it has missed: `short`, or None."""
-    resting = [entry["energy"] for entry in ways.values() if entry.get("at_rest")]
+    resting = [entry["energy"] for entry in ways.values() if entry.get("converged")]
     for entry in ways.values():
         energy = entry.get("energy")
         entry["short"] = None
@@ -81,15 +81,16 @@ def frames(outcome: Outcome) -> dict[str, Any]:
     Returns: problem; frames; at_rest, of them; and where there are any: p50, mean and longest [s], steps, factors and
         iterations a frame; first: seconds of the first frame.
     """
-    moved = [row for row in outcome.rows[1:] if row["steps"] and row["do"] != "idle"]
+    moved = [row for row in outcome.rows[1:] if row["relaxation_steps"] and row["event"] != "idle"]
     found: dict[str, Any] = {
         "problem": outcome.problem,
         "frames": len(moved),
-        "at_rest": sum(row["at_rest"] for row in moved),
+        "converged": sum(row["converged"] for row in moved),
         "first": outcome.rows[0]["ms"] / 1e3 if outcome.rows else None,
     }
     if moved:
         seconds = [row["ms"] / 1e3 for row in moved]
         found |= {"p50": median(seconds), "mean": mean(seconds), "longest": max(seconds)}
-        found |= {key: mean(row[key] for row in moved) for key in ("steps", "factors", "iterations")}
+        columns = {"steps": "relaxation_steps", "factors": "factorisations", "iterations": "iterations"}
+        found |= {key: mean(row[column] for row in moved) for key, column in columns.items()}
     return found

@@ -90,7 +90,7 @@ def print_drape(name: str, found: Mapping[str, Any]) -> None:
             print_table(f"{name}: {title}", (kind, *heads), rows, heads[1:-1])
     heads = ("frames", "at rest", "first [s]", "p50 [s]", "mean [s]", "longest [s]", "steps a frame", "factors a frame")
     heads += ("iterations a frame", "problem")
-    keys = ("frames", "at_rest", "first", "p50", "mean", "longest", "steps", "factors", "iterations")
+    keys = ("frames", "converged", "first", "p50", "mean", "longest", "steps", "factors", "iterations")
     rows = [(key, *(_number(entry.get(k)) for k in keys), entry["problem"]) for key, entry in found["policies"].items()]
     if rows:
         print_table(f"{name}: policies, frames of the script", ("policy", *heads), rows, heads[:-1])
@@ -99,8 +99,8 @@ def print_drape(name: str, found: Mapping[str, Any]) -> None:
 def _cells(entry: Mapping[str, Any]) -> list[str]:
     if "problem" in entry:
         return [*("" for _ in range(10)), entry["problem"]]
-    resting = "yes" if entry["at_rest"] else "no"
-    if entry["at_rest"] and entry["stable"] is False:
+    resting = "yes" if entry["converged"] else "no"
+    if entry["converged"] and entry["stable"] is False:
         resting = "on a saddle"
     short = entry.get("short")
     return [

@@ -26,13 +26,13 @@ from restshape.shape.session import EditFrame
 
 KEPT = (
     "index",
-    "do",
+    "event",
     "level",
     "unknowns",
     "elements",
     "iterations",
     "newton",
-    "refreshed",
+    "pc_rebuilt",
     "preconditioner",
     "refused",
 )

@@ -52,8 +52,8 @@ def draw_residuals(name: str, runs: Mapping[str, Mapping[str, Any]], path: Path,
         trace = run["trace"]
         residuals = np.array([SHOWN[1] if r is None else r for r in trace["residuals"]], dtype=float)
         rough = np.array([energy is None for energy in trace["energies"]])
-        _line(left, np.array(trace["seconds"]), residuals, rough, run["at_rest"], colours[key])
-        _line(right, np.arange(1, len(residuals) + 1), residuals, rough, run["at_rest"], colours[key])
+        _line(left, np.array(trace["seconds"]), residuals, rough, run["converged"], colours[key])
+        _line(right, np.arange(1, len(residuals) + 1), residuals, rough, run["converged"], colours[key])
     for axes in (left, right):
         axes.set(xscale="log", yscale="log")
         axes.axhline(goal, color=GOAL, linewidth=0.9, linestyle="--")
@@ -82,7 +82,7 @@ def _line(axes: Axes, place: np.ndarray, residuals: np.ndarray, rough: np.ndarra
 def _legend(runs: Mapping[str, Any], colours: Mapping[str, str], goal: float) -> Sequence[Line2D]:
     """Handles of what the picture holds."""
     handles = [
-        Line2D([], [], color=colours[key], label=f"{WORDS.get(key, key)}{'' if run['at_rest'] else ' (not at rest)'}")
+        Line2D([], [], color=colours[key], label=f"{WORDS.get(key, key)}{'' if run['converged'] else ' (not at rest)'}")
         for key, run in runs.items()
     ]
     handles.append(Line2D([], [], color=GOAL, linestyle="--", linewidth=0.9, label=f"at rest: {goal:g}"))

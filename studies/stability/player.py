@@ -111,7 +111,7 @@ def _check(check: FrameCheck | None, replay: Replay, row: dict[str, Any]) -> Non
     if check is None:
         _check_numbers(replay, row)
     elif wrong := check(replay.analysis, row):
-        raise Fault(f"frame {row['index']} ({row['do']}): {wrong}")
+        raise Fault(f"frame {row['index']} ({row['event']}): {wrong}")
 
 
 def _check_numbers(replay: Replay, row: dict[str, Any]) -> None:
@@ -128,11 +128,11 @@ def _check_numbers(replay: Replay, row: dict[str, Any]) -> None:
         shown = name.startswith(("q_", "f_", "mu_")) or name in ("residual", "ms", "t")
         endless = name.startswith(ENDLESS) and value == math.inf
         if shown and not (endless or math.isfinite(value)):
-            raise Fault(f"frame {row['index']} ({row['do']}): {name} = {value}")
+            raise Fault(f"frame {row['index']} ({row['event']}): {name} = {value}")
     point, cell = replay.analysis.fields()
     for name, values in {**point, **cell}.items():
         if not (np.isfinite(values).all() or name.startswith(BLANK)):
-            raise Fault(f"frame {row['index']} ({row['do']}): the field {name} is not finite")
+            raise Fault(f"frame {row['index']} ({row['event']}): the field {name} is not finite")
 
 
 def signature(error: BaseException) -> str:

@@ -219,11 +219,11 @@ def test_level_2_factors_only_when_the_iteration_was_given_up(tmp_path):
     before, level2, excess = factorizations(), 0, 0
     for row in made.frames():
         now = factorizations()
-        assert now - before == row["refreshed"]
+        assert now - before == row["pc_rebuilt"]
         if row["level"] == 2:
             level2 += 1
             # A fresh factor needs 1 iteration: more means that the old one was tried.
-            assert not row["refreshed"] or row["iterations"] > 2
+            assert not row["pc_rebuilt"] or row["iterations"] > 2
             excess = max(excess, made.analysis.solver.refresh.excess)
         before = now
     assert level2 >= 3
@@ -263,9 +263,9 @@ def test_a_thousand_frames_without_a_refresh(tmp_path):
             assert made.analysis.residual_norm() <= 1e-6 * (1 + 1e-6)
     assert len(rows) == 1003
     moved = [row for row in rows[1:] if row["level"]]
-    assert sum(row["refreshed"] and row["level"] < 3 for row in moved) == 0
+    assert sum(row["pc_rebuilt"] and row["level"] < 3 for row in moved) == 0
     assert max(row["iterations"] for row in moved) < 1000
-    assert max(row["age"] for row in moved) > 100
+    assert max(row["pc_age"] for row in moved) > 100
 
 
 # --- guesses ------------------------------------------------------------------------------------------------------
@@ -298,7 +298,7 @@ def test_projected_guesses_save_iterations(tmp_path):
     spent = []
     for directions in (0, 5):
         rows = rows_of(make_replay(scene, script, "auto", ["mesh.min_quality=0.05"], directions=directions))
-        spent.append((sum(row["iterations"] for row in rows), sum(row["refreshed"] for row in rows)))
+        spent.append((sum(row["iterations"] for row in rows), sum(row["pc_rebuilt"] for row in rows)))
     assert spent[1][0] < 0.85 * spent[0][0] and spent[1][1] <= spent[0][1]
 
 

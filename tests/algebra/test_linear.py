@@ -136,7 +136,7 @@ def test_the_budget_is_the_price_of_a_refresh(systems):
     A = systems[0].matrix
     filled = made.ksp.getPC().getFactorMatrix().getInfo()["nz_used"]
     assert splu(A.tocsc(), permc_spec="MMD_AT_PLUS_A").L.nnz / 3 < filled < 3 * A.nnz
-    known = made.calibration
+    known = made.kept.choice.calibration
     price = known.refresh_seconds(A.shape[0], A.nnz, filled) / known.iteration_seconds(A.shape[0], A.nnz, filled)
     assert price <= made.refresh.budget < price + 1
 

@@ -12,10 +12,10 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
-from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.application import application
 from restshape.calibration import Calibration
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.equations import ClothEquations
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.scene.load import load_scene, revise
@@ -126,11 +126,11 @@ def test_nested_meshes_lead_to_rest(tmp_path):
     assert independent_residual(found) <= 1e-4
 
 
-def test_what_is_not_at_rest_says_so(tmp_path):
+def test_what_is_not_converged_says_so(tmp_path):
     scene = cloth(tmp_path, PIN, overrides=("effects.drape.steps=3", "mesh.size=0.2"))
     found = solved(scene)
     told = found.row()
-    assert not told["at_rest"] and told["stable"] == -1
+    assert not told["converged"] and told["tangent_positive_definite"] == -1
     assert told["note"].startswith("not at rest: residual ") and f"{found.state.report.residual:.2e}" in told["note"]
     assert found.residual_norm() == pytest.approx(found.state.report.residual, rel=1e-6)
 
@@ -184,7 +184,7 @@ def test_frames_after_an_error_go_on_from_the_last_rest(tmp_path):
     replay = replay_of(scene, load_script(script, scene))
     rows = list(replay.frames())
     assert "density" in rows[2]["refused"]
-    assert [row["at_rest"] for row in rows] == [1, 1, 1, 1]
+    assert [row["converged"] for row in rows] == [1, 1, 1, 1]
 
 
 @pytest.mark.parametrize("bending", ["morley", "hinge", "none"])
@@ -235,7 +235,7 @@ def test_empty_scripts_show_one_frame(tmp_path):
     scene = cloth(tmp_path, PIN, overrides=("mesh.size=0.25",))
     replay = replay_of(scene)
     (row,) = replay.frames()
-    assert row["at_rest"] == 1 and row["residual"] <= 1e-4 and 0.0 < row["estimate"] < 2.0
+    assert row["converged"] == 1 and row["residual"] <= 1e-4 and 0.0 < row["estimate"] < 2.0
 
 
 BAR = """
@@ -329,6 +329,6 @@ def test_the_deepest_node_is_told(tmp_path, stiffness, told):
     # The ball's centre goes by a parameter of 0.5.
     depth = 0.25 - np.linalg.norm(corners - [0.5, 0.5, -0.3], axis=1).min()
     row = found.row()
-    assert row["deepest"] == pytest.approx(max(depth, 0.0), abs=1e-12)
+    assert row["max_penetration"] == pytest.approx(max(depth, 0.0), abs=1e-12)
     assert bool(depth > found.problem.contact.thickness) is told
     assert (f"cloth lies {1e3 * depth:.3g} mm inside bodies.ball" in row["note"]) is told

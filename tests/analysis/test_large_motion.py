@@ -88,7 +88,7 @@ def test_energy_gained_little_by_little_is_refused(tmp_path, edited):
     assert np.diff(gains[shown]).max() < 0.1 * largest[-1]
     assert np.all(gains[shown] <= 0.51 * (largest[shown] - gains[shown])) and max(gains[shown]) > 0.1 * largest[-1]
     # Nothing goes on until the step is made smaller, and then it does.
-    last = next(k for k, row in enumerate(rows) if row["do"] == "set")
+    last = next(k for k, row in enumerate(rows) if row["event"] == "set")
     assert refused == list(range(refused[0], last))
     assert np.ptp(np.array(gains)[last:]) < 1e-3 * largest[-1]
 

@@ -45,15 +45,15 @@ def test_slow_drag_reuses_its_factor():
     run = replay("bar_100.toml", EDITS / "bar_100.jsonl", ["mesh.layers=1"])
     rows = [row for row in run.frames() if row["level"] == 1]
     assert len(rows) == 120
-    assert sum(row["refreshed"] for row in rows) < 12
+    assert sum(row["pc_rebuilt"] for row in rows) < 12
     assert sum(row["iterations"] for row in rows) < 240
-    assert sum(row["counted"] for row in rows) >= 5 and not any(row["missed"] for row in rows)
+    assert sum(row["inertia_checked"] for row in rows) >= 5 and not any(row["missed_modes"] for row in rows)
 
 
 def test_bar_comes_back_to_its_first_tone():
     run = replay("bar_100.toml", EDITS / "bar_100.jsonl", ["mesh.layers=1"])
     rows = list(run.frames())
-    there = next(k for k, row in enumerate(rows) if row["do"] == "release")
+    there = next(k for k, row in enumerate(rows) if row["event"] == "release")
     assert rows[there]["f_1"] == pytest.approx(rows[0]["f_1"], rel=1e-6)
 
 

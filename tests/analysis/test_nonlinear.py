@@ -106,8 +106,8 @@ def test_a_drag_costs_few_steps_and_few_factors(tmp_path):
     assert len(auto) == len(fresh) == 60
     # The first two frames of a drag know no parabola yet.
     assert max(row["newton"] for row in auto[3:]) <= 2
-    assert sum(row["refreshed"] for row in auto) < 0.4 * len(auto)
-    assert all(row["refreshed"] for row in fresh)
+    assert sum(row["pc_rebuilt"] for row in auto) < 0.4 * len(auto)
+    assert all(row["pc_rebuilt"] for row in fresh)
     assert sum(row["newton"] for row in auto) < 0.7 * sum(row["newton"] for row in fresh)
 
 

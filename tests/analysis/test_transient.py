@@ -191,7 +191,7 @@ def test_the_ground_goes_on_smoothly_when_its_frequency_changes(tmp_path):
     events = [{"do": "idle", "frames": 3}, {"do": "set", "key": "effects.ground.frequency", "value": 9.0}]
     replay = make_replay(tower(tmp_path, SHAKEN, dynamics(0.013, 1)), write_script(tmp_path, events))
     grounds = {}
-    rows_of(replay, lambda row: grounds.setdefault(row["do"], replay.analysis.state.integration.excitation))
+    rows_of(replay, lambda row: grounds.setdefault(row["event"], replay.analysis.state.integration.excitation))
     before, after = (grounds[do].acceleration(3 * 0.013) for do in ("idle", "set"))
     assert before == pytest.approx(after)
     assert np.linalg.norm(before) > 0.1

@@ -87,17 +87,17 @@ def test_flips_leave_linear_motions_as_they_are(tmp_path):
     inside = np.flatnonzero(mesh.node_edge < 0)
     mesh.X[inside] += np.random.default_rng(5).uniform(-0.05, 0.05, (len(inside), 2))
     mesh.geometry += 1
-    space.follow()
+    space.place()
     idle_of(replay, 1)
     foot = space.X[:, 1:]
     analysis.begin(foot * A[0], 1000 * foot * A[1])
     ends = mesh.edge_nodes.copy()
     flips, changed = Reconnection(mesh).flip(mesh.X)
     space.reconnect(changed)
-    space.follow()
+    space.place()
     mesh.topology -= 10_000
     assert flips and (ends != mesh.edge_nodes).any()
-    analysis.solve(Frame(space, changed, None, analysis.state.scene, (None, (0.0, 0.0)), space.reseats))
+    analysis.solve(Frame(space, changed, None, analysis.state.scene, (None, (0.0, 0.0)), space.interpolations))
     np.testing.assert_allclose(analysis.x, space.X[:, 1:] * A[0], atol=1e-7)
     np.testing.assert_allclose(analysis.v, 1000 * space.X[:, 1:] * A[1], atol=1e-5)
 

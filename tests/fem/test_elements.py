@@ -36,7 +36,7 @@ def test_a_typo_is_an_import_error():
     with pytest.raises(ImportError, match="LINEAR_ELASTICK"):
         exec("from restshape.fem.elements import LINEAR_ELASTICK")
     with pytest.raises(AttributeError):
-        importlib.import_module("restshape.fem.elements").STVKK
+        _ = importlib.import_module("restshape.fem.elements").STVKK
 
 
 def test_a_missing_shape_says_which_there_are():

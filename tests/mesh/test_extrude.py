@@ -186,7 +186,7 @@ def test_thickness_must_be_positive():
         PlateMesh(square(), Expression("log(x)"))
 
 
-def test_reseated_field_is_the_old_one_at_the_new_place():
+def test_interpolated_field_is_the_old_one_at_the_new_place():
     """A quadratic field of the place in the plane, with a different one in each level."""
     mesh = square()
     mesh.X[:, 0] += 0.5 * mesh.X[:, 1]
@@ -199,7 +199,7 @@ def test_reseated_field_is_the_old_one_at_the_new_place():
     before = field(body.X)
     flips, changed = Reconnection(mesh).flip(mesh.X)
     space.reconnect(changed)
-    after = body.interpolate(before, space.reseats)
+    after = body.interpolate(before, space.interpolations)
     space.place()
     body.follow(changed)
     assert flips > 0

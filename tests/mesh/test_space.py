@@ -11,7 +11,7 @@ from restshape.mesh.generate import generate
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import MovingMesh
 from restshape.mesh.quality import areas
-from restshape.mesh.space import SOUND, LagrangeSpace, quadratic_basis, reseated
+from restshape.mesh.space import SOUND, LagrangeSpace, interpolated, quadratic_basis
 from restshape.mesh.transfer import Transfer, transfer
 from restshape.scene.model import MeshSpec
 from restshape.shape import gesture as gestures
@@ -161,7 +161,7 @@ def flipping(size=0.08):
     mesh, hand, gesture = begin("laplacian", size, flip_everywhere=True)
     for x in np.linspace(0, 0.6, 40)[1:]:
         before = mesh.field_mesh
-        mesh.space.reseats = ()
+        mesh.space.interpolations = ()
         advance = mesh.advance(hand.frame("drag", "move", gesture, (float(x), 0.0)))
         yield mesh, before, advance
 
@@ -169,13 +169,13 @@ def flipping(size=0.08):
 def test_only_flips_move_nodes_along_the_field():
     flips = 0
     for mesh, before, advance in flipping():
-        reseats = mesh.space.reseats
-        assert bool(reseats) == (advance.level == 2)
+        interpolations = mesh.space.interpolations
+        assert bool(interpolations) == (advance.level == 2)
         if advance.level == 2:
             assert mesh.space is before
             flips += advance.flips
-            assert 0 < sum(len(reseat.nodes) for reseat in reseats) <= advance.flips
-            assert np.isin(np.concatenate([reseat.nodes for reseat in reseats]), mesh.space.side_number).all()
+            assert 0 < sum(len(part.nodes) for part in interpolations) <= advance.flips
+            assert np.isin(np.concatenate([part.nodes for part in interpolations]), mesh.space.side_number).all()
     assert flips > 5
 
 
@@ -193,7 +193,7 @@ def test_fields_survive_flips_at_rest():
         flips, changed = moving.Reconnection(mesh).flip(mesh.X)
         space.reconnect(changed)
         space.place()
-        carried = reseated(field, space.reseats)
+        carried = interpolated(field, space.interpolations)
         flipped = (mesh.edge_nodes != edges).any(axis=1)
         assert flips and flipped.any()
         bent = np.zeros(len(space.X), dtype=bool)
@@ -223,15 +223,15 @@ def test_a_frame_that_is_taken_back_leaves_no_trace():
     taken = 0
     for x in np.linspace(0, 0.6, 40)[1:]:
         space = mesh.space
-        kept = space.X.copy(), space.cells.copy(), space.offset.copy(), space.reseats
+        kept = space.X.copy(), space.cells.copy(), space.offset.copy(), space.interpolations
         mesh.advance(hand.frame("drag", "move", gesture, (float(x), 0.0)))
-        taken += bool(space.reseats)
+        taken += bool(space.interpolations)
         mesh.take_back()
-        assert mesh.space is space and space.reseats == kept[3]
+        assert mesh.space is space and space.interpolations == kept[3]
         for now, before in zip((space.X, space.cells, space.offset), kept):
             assert np.array_equal(now, before)
         mesh.advance(hand.frame("drag", "move", gesture, (float(x), 0.0)))
-        mesh.space.reseats = ()
+        mesh.space.interpolations = ()
     assert taken
 
 

@@ -256,7 +256,7 @@ def shares(kind: str) -> dict[str, list[float]]:
 
 
 def table(found: dict[str, dict[str, list[float]]]) -> str:
-    """The table of docs/theory.md, as Markdown, from the shares of each kind."""
+    """The table of docs/theory/cloth.md, as Markdown, from the shares of each kind."""
     heads = list(next(iter(found.values())))
     lines = ["| mesh | " + " | ".join(heads) + " |", "|" + " --- |" * (len(heads) + 1)]
     for kind, row in found.items():

@@ -11,9 +11,6 @@ from petsc4py import PETSc
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
-from restshape.analysis.relaxation.binding import bind
-from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.generate import generate
@@ -23,6 +20,9 @@ from restshape.physics.cloth.error_estimate import ClothEstimate
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.patch_curvature import PatchCurvature
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.binding import bind
+from restshape.physics.cloth.relaxation.report import ConvergenceReport
 from restshape.policy import policy
 from restshape.scene.load import load_scene
 from restshape.scene.model import MeshSpec, ShapeSpec

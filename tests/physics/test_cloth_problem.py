@@ -17,7 +17,7 @@ from restshape.mesh.morley import MorleySpace
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.scene import cloth_arguments, cloth_problem
 from restshape.scene.plan import plan
-from restshape.shape.outline import Outline
+from restshape.shape.build import outline_from_spec
 
 KINDS = ("morley", "hinge", "nonlinear", "none")
 
@@ -25,7 +25,7 @@ KINDS = ("morley", "hinge", "nonlinear", "none")
 def problem_of(folder, kind: str) -> tuple[ClothProblem, np.ndarray]:
     """Pinned cloth in a ball, crumpled, whose friction has been updated once."""
     scene = cloth(folder, PIN, BALL, CONTACT, overrides=(f"effects.cloth.bending={kind}", "mesh.size=0.25"))
-    mesh = generate(Outline.from_spec(scene.shape, scene.folder), scene.mesh)
+    mesh = generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
     arguments = cloth_arguments(scene, plan(scene, application("couture")), mesh)
     problem = cloth_problem(mesh, arguments)
     x = problem.flat(arguments.start - [0.0, 0.0, 0.06])

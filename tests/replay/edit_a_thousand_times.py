@@ -52,8 +52,8 @@ def main(folder: Path, name: str) -> None:
             raise SystemExit(row["refused"])
         if row["line"] != line:
             line = row["line"]
-            edits += row["do"] not in ("drag", "release")
-            if edits % 100 == 1 and row["do"] not in ("drag", "release"):
+            edits += row["event"] not in ("drag", "release")
+            if edits % 100 == 1 and row["event"] not in ("drag", "release"):
                 print(edits - 1, in_use(), flush=True)
     print(edits, in_use(), flush=True)
 

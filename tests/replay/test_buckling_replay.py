@@ -28,7 +28,7 @@ def test_reuse_equals_rebuild(tmp_path, order):
     rows = rows_of(replay, lambda row: row.update(check()))
     assert {row["level"] for row in rows} == {0, 1, 2, 3} and not any(row["refused"] for row in rows)
     assert check.summary()["holds"], check.summary()
-    assert not any(row["missed"] for row in rows)
+    assert not any(row["missed_modes"] for row in rows)
     assert max(row["residual"] for row in rows) < 2e-8
 
 
@@ -36,7 +36,7 @@ def test_old_factors_serve(tmp_path):
     events = drag("top", (0.5, 0.05), across((0.5, 0.05), (0.5, 0.04), 60))
     text = column(size=0.02).replace("tolerance = 1e-9", "tolerance = 1e-6")
     rows = rows_of(make_replay(write_scene(tmp_path, text), write_script(tmp_path, events)))[2:62]
-    assert sum(row["refreshed"] for row in rows) < 30 and 3 <= sum(row["counted"] for row in rows) < 30
+    assert sum(row["pc_rebuilt"] for row in rows) < 30 and 3 <= sum(row["inertia_checked"] for row in rows) < 30
     assert np.mean([row["iterations"] for row in rows]) < 10
 
 
@@ -52,7 +52,7 @@ def test_the_verdict_changes(tmp_path):
     text = column(height=0.05).replace("load_factor = 1 }", "load_factor = 1, at_least = 25 }")
     scene, events = write_scene(tmp_path, text), drag("top", (0.5, 0.05), across((0.5, 0.05), (0.5, 0.03), 12))
     rows = rows_of(make_replay(scene, write_script(tmp_path, events)))
-    verdicts = [row["verdict"] for row in rows]
+    verdicts = [row["constraint_status"] for row in rows]
     assert verdicts == ["holds" if row["mu_1"] >= 25.0 else "fails" for row in rows]
     assert verdicts[0] == "holds" and verdicts[-1] == "fails"
 

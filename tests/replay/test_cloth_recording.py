@@ -69,17 +69,23 @@ def test_the_summary_tells_how_many_frames_are_at_rest(cloth, tmp_path, capsys):
     rest = json.loads(cloth.with_suffix(".json").read_text())["rest"]
     with Recording(cloth) as recording:
         table = recording.table
-        rests, stays = (np.asarray(table[name]) == 1 for name in ("at_rest", "stable"))
-        counts = {"at_rest": rests.sum(), "stable": (rests & stays).sum(), "not_at_rest": (~rests).sum()}
+        rests, stays = (np.asarray(table[name]) == 1 for name in ("converged", "tangent_positive_definite"))
+        counts = {
+            "converged": rests.sum(),
+            "tangent_positive_definite": (rests & stays).sum(),
+            "not_converged": (~rests).sum(),
+        }
         assert rest == counts | {"residual": pytest.approx(max(table["residual"]))}
-        assert rest["at_rest"] > 0
+        assert rest["converged"] > 0
     # one step is too few for any cloth that falls
     out = tmp_path / "restless.json"
     words = ["replay", str(cloth.with_suffix(".toml")), "--set", "effects.drape.steps=1", "--json", str(out)]
     assert main(words) == 0
     told = json.loads(out.read_text())["rest"]
-    assert (told["at_rest"], told["stable"], told["not_at_rest"]) == (0, 0, 1) and told["residual"] > 1e-4
-    assert f"at rest: 0 of 1 frames, 0 of them stable; largest residual {told['residual']:.1e} of the weight" in (
+    assert (told["converged"], told["tangent_positive_definite"], told["not_converged"]) == (0, 0, 1) and told[
+        "residual"
+    ] > 1e-4
+    assert f"converged: 0 of 1 frames, 0 of them stable; largest residual {told['residual']:.1e} of the weight" in (
         capsys.readouterr().out
     )
 

@@ -64,11 +64,11 @@ def test_csv_and_recording_hold_the_same(tmp_path, restshape, scene, script):
     with Recording(tmp_path / "a.vtkhdf") as recording:
         assert recording.n == len(rows) == FRAMES and recording.status == "done"
         assert set(rows[0]) == set(recording.table)
-        for name in ("index", "line", "level", "iterations", "refreshed", "unknowns"):
+        for name in ("index", "line", "level", "iterations", "pc_rebuilt", "unknowns"):
             assert [int(row[name]) for row in rows] == recording.table[name].tolist(), name
         for name in ("t", "q_stretch", "q_peak", "residual", "ms"):
             assert [float(row[name]) for row in rows] == recording.table[name].tolist(), name
-        assert [row["do"] for row in rows] == list(recording.table["do"])
+        assert [row["event"] for row in rows] == list(recording.table["event"])
         assert [bool(row["refused"]) for row in rows] == [i == 4 for i in range(FRAMES)]
         assert recording.header["script_text"] == (tmp_path / "edits.jsonl").read_text()
         assert recording.header["policy"] == "auto" and recording.header["calibration"]["seconds"]

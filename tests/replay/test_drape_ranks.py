@@ -19,7 +19,9 @@ def found(tmp_path, restshape, scene, ranks, *words):
     assert done.returncode == 0, done.stdout + done.stderr
     with (tmp_path / f"{name}.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert all(row["at_rest"] == row["stable"] == "1" and float(row["residual"]) <= 1e-4 for row in rows)
+    assert all(
+        row["converged"] == row["tangent_positive_definite"] == "1" and float(row["residual"]) <= 1e-4 for row in rows
+    )
     return json.loads((tmp_path / f"{name}.json").read_text())
 
 

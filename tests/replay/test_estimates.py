@@ -67,7 +67,7 @@ def test_estimates_change_nothing(tmp_path, monkeypatch):
     found = []
     for _ in range(2):
         replay = make_replay(scene, script, predict="linear")
-        found.append([(replay.analysis.x.tobytes(), row["iterations"], row["age"]) for row in replay.frames()])
+        found.append([(replay.analysis.x.tobytes(), row["iterations"], row["pc_age"]) for row in replay.frames()])
         monkeypatch.setattr("restshape.replay.loop.Replay._estimates", lambda self, row: dict.fromkeys(ESTIMATES, 0.0))
     assert found[0] == found[1]
 
@@ -77,7 +77,10 @@ def test_estimates_of_modes_change_nothing(monkeypatch):
     for _ in range(2):
         replay = modal_replay("bar_100.toml", BARS / "remainder.jsonl", ["mesh.size=0.012"], predict="linear")
         found.append(
-            [(replay.analysis.state.modes.vectors.tobytes(), row["iterations"], row["age"]) for row in replay.frames()]
+            [
+                (replay.analysis.state.modes.vectors.tobytes(), row["iterations"], row["pc_age"])
+                for row in replay.frames()
+            ]
         )
         monkeypatch.setattr("restshape.replay.loop.Replay._estimates", lambda self, row: dict.fromkeys(ESTIMATES, 0.0))
     assert found[0] == found[1]
@@ -94,7 +97,7 @@ def test_frames_without_an_answer_of_their_own_have_no_estimate(tmp_path):
     script.write_text(script.read_text().replace('"units": "m"', '"units": "m", "analysis": "on demand"'))
     rows = rows_of(make_replay(write_scene(tmp_path, plate()), script))
     # The first shape is solved, and shown until the hand moves it.
-    assert [row["do"] for row in rows if np.isfinite(row["estimate"])] == ["start", "press", "analyse"]
+    assert [row["event"] for row in rows if np.isfinite(row["estimate"])] == ["start", "press", "analyse"]
 
 
 def test_recording_and_tables_hold_them(tmp_path):

@@ -85,14 +85,14 @@ def test_the_drag_has_all_levels(rows):
 
 def test_idle_frames_do_nothing(rows):
     idle = by_level(rows[0])[0]
-    assert {row["do"] for row in idle} == {"press", "release", "idle"}
+    assert {row["event"] for row in idle} == {"press", "release", "idle"}
     assert happened(idle, *WATCHED) == 0
 
 
 def test_level_1_brings_new_values_only(rows):
     found, name = rows
     level = by_level(found)[1]
-    kept = [row for row in level if not row["refreshed"]]
+    kept = [row for row in level if not row["pc_rebuilt"]]
     assert len(kept) > len(level) / 2
     assert happened(level, "RestshapeValues") == len(level)
     assert happened(level, "RestshapePattern", "RestshapePatch", "MatSetPreallCOO") == 0
@@ -104,7 +104,7 @@ def test_level_1_brings_new_values_only(rows):
     flipped = 0
     for row in found:
         flipped += row["level"] == 2
-        if row["refreshed"]:
+        if row["pc_rebuilt"]:
             assert happened([row], *SYMBOLIC) == (row["level"] == 3 or flipped > 0)
             flipped = 0
     assert happened(kept, "KSPSolve") == len(kept)
@@ -114,7 +114,7 @@ def test_level_1_brings_new_values_only(rows):
 def test_level_2_patches_the_pattern_and_keeps_the_factor(rows):
     found, name = rows
     level = by_level(found)[2]
-    kept = [row for row in level if not row["refreshed"]]
+    kept = [row for row in level if not row["pc_rebuilt"]]
     assert kept and happened(level, "RestshapePatch") == len(level)
     assert happened(level, "RestshapePattern", "MatSetPreallCOO") == 0
     assert happened(kept, *SYMBOLIC, *NUMERIC, "MatGetOrdering") == 0
@@ -125,7 +125,7 @@ def test_level_2_patches_the_pattern_and_keeps_the_factor(rows):
 
 def test_level_3_makes_everything(rows):
     level = by_level(rows[0])[3]
-    assert all(row["refreshed"] for row in level)
+    assert all(row["pc_rebuilt"] for row in level)
     for names in (("RestshapePattern",), ("RestshapeValues",), SYMBOLIC, NUMERIC, ("KSPSolve",)):
         assert happened(level, *names) == len(level), names
     assert happened(level, "RestshapePatch") == 0

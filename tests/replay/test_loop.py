@@ -21,7 +21,7 @@ def replay(folder, events, text=None, **options):
 
 def test_first_frame_only(tmp_path):
     _, rows, _ = replay(tmp_path, [])
-    assert len(rows) == 1 and rows[0]["level"] == 3 and rows[0]["refreshed"] == 1
+    assert len(rows) == 1 and rows[0]["level"] == 3 and rows[0]["pc_rebuilt"] == 1
     assert rows[0]["q_wall"] == pytest.approx(-1e8 * 0.01, rel=1e-5)
     assert rows[0]["residual"] < 1e-6
 

@@ -62,18 +62,18 @@ def test_what_is_asked_for_is_what_every_frame_gives(files):
         replay_files(files / "plate.toml", files / f"{name}.jsonl", "auto")["rows"]
         for name in ("every frame", "on demand")
     )
-    assert [row["do"] for row in every] == [row["do"] for row in asked]
+    assert [row["event"] for row in every] == [row["event"] for row in asked]
     for one, other in zip(every, asked):
         assert one["q_score"] == pytest.approx(other["q_score"], rel=1e-12)
         assert one["level"] == other["level"]
         if other["do"] == "analyse":
             assert other["q_strength"] == pytest.approx(one["q_strength"], rel=1e-6)
-            assert other["verdict"] == one["verdict"] and other["residual"] < 1e-8
+            assert other["constraint_status"] == one["constraint_status"] and other["residual"] < 1e-8
     known = [row["index"] for row in asked if np.isfinite(row["q_strength"])]
     # The start and the press that leaves it, the three moments asked for, and what follows until the shape changes.
     assert known == [0, 1, 6, 10, 11, 12, 17, 20]
-    assert all(row["iterations"] == 0 for row in asked if row["do"] not in ("start", "analyse"))
-    assert {row["verdict"] for row in asked} == {"", "holds", "fails"}
+    assert all(row["iterations"] == 0 for row in asked if row["event"] not in ("start", "analyse"))
+    assert {row["constraint_status"] for row in asked} == {"", "holds", "fails"}
 
 
 def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
@@ -82,9 +82,12 @@ def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
     assert main([*call, "--out", str(out), "--json", str(numbers), "--csv", str(files / "a.csv")]) == 0
     told = json.loads(numbers.read_text())
     assert told["quantities"]["strength"][2] is None and told["quantities"]["score"][2] > 1.9
-    assert told["verdict"]["holds"] + told["verdict"]["fails"] == 8
+    assert told["constraint_status"]["holds"] + told["constraint_status"]["fails"] == 8
     printed = capsys.readouterr().out
-    assert f"verdict: {told['verdict']['last']} at the end" in printed and "solved where nothing moved" in printed
+    assert (
+        f"constraint status: {told['constraint_status']['last']} at the end" in printed
+        and "solved where nothing moved" in printed
+    )
     with Recording(out) as recording:
         assert recording.verify() == []
         assert np.isfinite(recording.field(1, "displacement")).all()
@@ -92,7 +95,7 @@ def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
         assert np.isnan(recording.field(2, "von_mises")).all()
         # The shape is recorded all the same: the hole has moved by 20 mm.
         assert np.abs(recording.points(2) - recording.points(1)).max() == pytest.approx(0.02, rel=1e-9)
-        assert recording.table["verdict"][0] in ("holds", "fails")
+        assert recording.table["constraint_status"][0] in ("holds", "fails")
     assert main(["report", str(out), "--animation", "none"]) == 0
 
 
@@ -110,7 +113,7 @@ def test_modes_are_found_on_demand(tmp_path):
     name, overrides = modal.SMALL["plane"]
     overrides = [*overrides, "solve.tolerance=1e-9"]
     rows = [dict(row) for row in modal.replay(name, tmp_path / "edits.jsonl", overrides).frames()]
-    assert [row["do"] for row in rows] == ["start", *["scale"] * 4, "analyse"]
+    assert [row["event"] for row in rows] == ["start", *["scale"] * 4, "analyse"]
     assert np.isfinite([row["q_first"] for row in rows]).tolist() == [True, *[False] * 4, True]
     assert rows[-1]["q_first"] == pytest.approx(rows[0]["q_first"] / 1.6, rel=1e-9)
 

@@ -21,7 +21,7 @@ def rows(tmp_path_factory):
 
 def moving(rows):
     """The rows of frames in which the shape moves."""
-    return [row for row in rows if row["do"] == "drag"]
+    return [row for row in rows if row["event"] == "drag"]
 
 
 def test_rebuild_makes_a_new_mesh_in_each_frame(rows):
@@ -30,17 +30,17 @@ def test_rebuild_makes_a_new_mesh_in_each_frame(rows):
 
 def test_refactor_makes_a_new_factor_in_each_frame(rows):
     found = moving(rows["refactor"])
-    assert all(row["refreshed"] and row["age"] == 0 for row in found)
+    assert all(row["pc_rebuilt"] and row["pc_age"] == 0 for row in found)
     assert {row["level"] for row in found} <= {1, 2, 3} and found[0]["level"] == 1
 
 
 def test_thesis_factors_with_new_meshes_only(rows):
-    assert all(row["refreshed"] == (row["level"] == 3) for row in moving(rows["thesis"]))
+    assert all(row["pc_rebuilt"] == (row["level"] == 3) for row in moving(rows["thesis"]))
 
 
 def test_auto_keeps_factors_and_iterates_less(rows):
     auto, thesis = moving(rows["auto"]), moving(rows["thesis"])
-    assert sum(row["refreshed"] for row in auto) < len(auto) / 2
+    assert sum(row["pc_rebuilt"] for row in auto) < len(auto) / 2
     assert sum(row["iterations"] for row in auto) < sum(row["iterations"] for row in thesis) / 3
 
 
@@ -48,8 +48,8 @@ def test_age_counts_the_frames_since_the_factor(rows):
     for found in rows.values():
         age = 0
         for row in found:
-            age = 0 if row["refreshed"] else age + 1
-            assert row["age"] == age
+            age = 0 if row["pc_rebuilt"] else age + 1
+            assert row["pc_age"] == age
 
 
 def test_same_mesh_same_answer(rows):

@@ -75,7 +75,7 @@ def test_frames_that_flip_or_mesh_anew_are_solved_and_predicted_from(tmp_path, k
     levels = [row["level"] for row in rows]
     assert levels == [row["level"] for row in true] and 2 in levels and 3 in levels
     for i, row in enumerate(rows):
-        assert row["predicted"] == int(row["do"] == "drag" and row["level"] == 1)
+        assert row["predicted"] == int(row["event"] == "drag" and row["level"] == 1)
         if not row["predicted"]:
             assert distance(shown[i], exact[i]) < 1e-7
     after = [i for i in range(3, len(rows)) if rows[i]["predicted"] and not rows[i - 1]["predicted"]]

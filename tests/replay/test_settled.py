@@ -27,7 +27,7 @@ def played(scene: Path, edits: Path, predict: str = "none") -> list[dict]:
     made, rows = replay(str(scene), edits, predict=predict), []
     for row in made.frames():
         assert not row["refused"], row["refused"]
-        rows.append(row | ({} if row["do"] == "drag" or row["predicted"] else {"right": lowest(made.analysis)}))
+        rows.append(row | ({} if row["event"] == "drag" or row["predicted"] else {"right": lowest(made.analysis)}))
     return rows
 
 
@@ -39,9 +39,9 @@ def test_an_undo_that_ends_a_script_is_counted(tmp_path):
     little = drag("e3", short, across(short, (0.048, short[1] - 2e-4), 10))
     rows = played(scene, events(tmp_path, long, little, {"do": "undo"}, {"do": "undo"}, {"do": "redo"}, {"do": "undo"}))
     resting = [row for row in rows if "right" in row]
-    assert [row["do"] for row in resting[-4:]] == ["undo", "undo", "redo", "undo"]
+    assert [row["event"] for row in resting[-4:]] == ["undo", "undo", "redo", "undo"]
     for row in resting:
-        assert row["counted"] and row["f_1"] == pytest.approx(row["right"], rel=1e-5), row["index"]
+        assert row["inertia_checked"] and row["f_1"] == pytest.approx(row["right"], rel=1e-5), row["index"]
 
 
 def test_a_prediction_goes_on_from_what_an_idle_frame_has_found(tmp_path):
@@ -52,11 +52,11 @@ def test_a_prediction_goes_on_from_what_an_idle_frame_has_found(tmp_path):
     then = [{"do": "drag", "path": across((x, 0.043), (x, 0.0434), 4)}, {"do": "idle"}, {"do": "release"}]
     edits = events(tmp_path, first, {"do": "idle", "frames": 2}, then, {"do": "idle"})
     solved, shown = played(scene, edits), played(scene, edits, "linear")
-    assert [row["do"] for row in shown] == [row["do"] for row in solved]
-    rest = next(k for k, row in enumerate(shown) if row["do"] == "idle" and row["missed"])
-    dragged = [k for k, row in enumerate(shown) if k > rest and row["do"] == "drag"]
-    assert dragged and all(shown[k]["predicted"] and not shown[k]["counted"] for k in dragged)
+    assert [row["event"] for row in shown] == [row["event"] for row in solved]
+    rest = next(k for k, row in enumerate(shown) if row["event"] == "idle" and row["missed_modes"])
+    dragged = [k for k, row in enumerate(shown) if k > rest and row["event"] == "drag"]
+    assert dragged and all(shown[k]["predicted"] and not shown[k]["inertia_checked"] for k in dragged)
     for k in range(rest, len(shown)):
         assert shown[k]["f_1"] == pytest.approx(solved[k]["f_1"], rel=2e-3), k
-        assert shown[k]["track"] == solved[k]["track"], k
+        assert shown[k]["mode_ids"] == solved[k]["mode_ids"], k
     assert shown[rest]["f_1"] < 0.7 * shown[rest - 1]["f_1"]

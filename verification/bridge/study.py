@@ -57,7 +57,7 @@ def study() -> dict[str, Way]:
 def followed(rows: list[dict]) -> Way:
     """What the rows of a replay tell."""
     t, score, stress = (np.array([row[key] for row in rows]) for key in ("t", "q_score", "q_strength"))
-    verdicts = np.array([row["verdict"] for row in rows])
+    verdicts = np.array([row["constraint_status"] for row in rows])
     solved = sum(row["iterations"] > 0 for row in rows)
     taken = float(sum(row["ms"] for row in rows[1:]))
     return Way(t, score, stress, verdicts == "holds", verdicts == "fails", solved, taken)

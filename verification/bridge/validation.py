@@ -69,4 +69,4 @@ def verdicts(comm: PETSc.Comm) -> list[Check]:
     return checks
 
 
-CASES: dict[str, Case] = {"verdict": verdicts}
+CASES: dict[str, Case] = {"constraint_status": verdicts}

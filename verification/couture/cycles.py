@@ -24,14 +24,14 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
-from restshape.analysis.relaxation.equations import ClothEquations
-from restshape.analysis.relaxation.equilibrium import SLIPPING, EquilibriumSolver
-from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.equations import ClothEquations
+from restshape.physics.cloth.relaxation.equilibrium import SLIPPING, EquilibriumSolver
+from restshape.physics.cloth.relaxation.report import ConvergenceReport
 from restshape.physics.cloth.scene import ClothArguments, cloth_arguments, cloth_problem
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan

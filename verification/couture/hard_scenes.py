@@ -117,7 +117,7 @@ def differenced(made: Replay, most: int = 600, way: float = WAY) -> float:
 def resting(made: Replay, rows: Sequence[Row], bound: float = REST, way: float = WAY) -> Iterator[Statement]:
     """The statements that every frame is at rest, and the last one by differences of the energy over a way [m], too."""
     yield from sound(rows, residual=bound)
-    moving = [row for row in rows if not row["at_rest"]]
+    moving = [row for row in rows if not row["converged"]]
     yield true(f"{len(rows)} frames at rest", not moving, moving[0]["note"] if moving else "yes")
     # Differences have an error of rounding and of the third derivative besides.
     yield below("residual by differences of the energy", differenced(made, way=way), 1.5 * bound)

@@ -101,9 +101,9 @@ def slippery(trial: Trial) -> Iterator[Statement]:
         rows = trial.rows(square(0.025, ball(0.17, 0.15, friction=0.0), CONTACT, kind=kind))
         note = rows[0]["note"]
         yield true(
-            "it rests on the ball, or falls from it", bool(rows[0]["at_rest"]) or "nothing catches" in note, note
+            "it rests on the ball, or falls from it", bool(rows[0]["converged"]) or "nothing catches" in note, note
         )
-        yield below("steps", rows[0]["steps"], 1500)
+        yield below("steps", rows[0]["relaxation_steps"], 1500)
 
 
 def dragged_far(trial: Trial) -> Iterator[Statement]:

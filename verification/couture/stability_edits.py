@@ -78,9 +78,9 @@ def far_apart(trial: Trial) -> Iterator[Statement]:
     made, rows = played(trial, square(0.03, pinned("top")), events)
     yield from resting(made, rows)
     first = rows[0]["q_potential"]
-    undone = [row["q_potential"] for row in rows if row["do"] in ("undo", "redo")]
+    undone = [row["q_potential"] for row in rows if row["event"] in ("undo", "redo")]
     yield near("energy once all is undone is the first one", [undone[2], undone[8]], first, 0.03)
-    dragged = next(row["q_potential"] for row in rows if row["do"] == "drag")
+    dragged = next(row["q_potential"] for row in rows if row["event"] == "drag")
     yield near("energy once all is redone is that before", undone[5], dragged, 0.05)
 
 

@@ -13,9 +13,9 @@ from petsc4py import PETSc
 
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
-from restshape.analysis.relaxation.analysis import RelaxationAnalysis
-from restshape.analysis.relaxation.equations import ClothEquations
 from restshape.application import application
+from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.equations import ClothEquations
 from restshape.replay.still import still
 
 SCENES = application("couture").folder / "scenes"
@@ -127,7 +127,7 @@ def stepped(size: str, length: float, steps: int = STEPS) -> tuple[int, float]:
 
 
 def _stays(row: dict[str, Any]) -> tuple[str, str, str, str]:
-    stays = row["at_rest"] and row["stable"] == 1
+    stays = row["converged"] and row["tangent_positive_definite"] == 1
     return ("at rest, with a tangent that is positive definite", "", "yes" if stays else "no", "")
 
 

@@ -8,7 +8,7 @@ from restshape_apps.furniture.analysis.furnishing import FurnitureAnalysis
 from restshape_apps.furniture.guidance.design import Idea, Way
 from restshape_apps.furniture.physics.furniture import LOST, UNBALANCED, UNSTABLE, Furniture
 
-SHOWN = ("use", "margin", "missing", "sag", "bending_use")
+SHOWN = ("utilisation", "stability_margin", "unbalanced_load", "deflection", "bending_utilisation")
 """Columns that have numbers, or none."""
 EDGE = 1e-5
 """How near the end of a range nothing is said of, in parts of the way looked at."""
@@ -19,11 +19,11 @@ BALANCED = 1e-6
 def plank_problem(analysis: FurnitureAnalysis, row: dict[str, Any]) -> str:
     """What is wrong with a frame of furniture that was analysed, in words; empty where nothing is."""
     flaws = row["flaws"]
-    if (row["verdict"] == "holds") != (flaws == 0) or bool(row["broken"]) != (flaws != 0):
-        return f"the verdict is {row['verdict']}, {row['broken']!r}, with flaws {flaws}"
+    if (row["constraint_status"] == "holds") != (flaws == 0) or bool(row["violated_constraints"]) != (flaws != 0):
+        return f"the verdict is {row['constraint_status']}, {row['violated_constraints']!r}, with flaws {flaws}"
     if any(math.isinf(row[name]) and not flaws & LOST for name in SHOWN):
         return "a shown number is infinite"
-    if not flaws & (LOST | UNBALANCED) and not (math.isfinite(row["residual"]) and math.isfinite(row["use"])):
+    if not flaws & (LOST | UNBALANCED) and not (math.isfinite(row["residual"]) and math.isfinite(row["utilisation"])):
         return f"a piece with forces has no number for them, flaws {flaws}"
     if not flaws & (LOST | UNBALANCED | UNSTABLE) and (wrong := _unbalanced(analysis)):
         return wrong
@@ -60,7 +60,7 @@ def _off_range(way: Way, row: dict[str, Any]) -> str:
     # Where both samples beside it say otherwise, what is so here is narrower than they see, if a test finds it at all.
     here = Furniture(way.design.piece, way.design.furniture.compliance).test(at * way.direction).flaws == 0
     hidden = here == holds and bool((around != holds).all())
-    return "" if hidden else f"at {at} the piece {row['verdict']}, and its range is {row['ranges']}"
+    return "" if hidden else f"at {at} the piece {row['constraint_status']}, and its range is {row['ranges']}"
 
 
 def _holds(analysis: FurnitureAnalysis, idea: Idea) -> bool:

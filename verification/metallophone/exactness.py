@@ -115,7 +115,7 @@ def remainders(_comm: PETSc.Comm) -> list[Check]:
     ):
         words = (SCENES / "bar_100.toml", EDITS / "remainder.jsonl", "auto", [*overrides, "solve.tolerance=1e-9"])
         solved_rows, ahead = (
-            [row for row in replay_files(*words, predict=kind)["rows"] if row["do"] == "drag"]
+            [row for row in replay_files(*words, predict=kind)["rows"] if row["event"] == "drag"]
             for kind in ("none", "linear")
         )
         left = [abs(a["f_1"] - b["f_1"]) for a, b in zip(solved_rows, ahead)]

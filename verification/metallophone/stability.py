@@ -108,7 +108,7 @@ def nearly_cut(trial: Trial) -> Iterator[Statement]:
         deep = [(0.1, 0.005 + 0.024 * k / steps) for k in range(1, steps + 1)]
         events = drag("n", (0.1, 0.005), [*deep, *deep[-2::-1], (0.1, 0.005)])
         rows, statements = followed(trial, scene, events, PLATE, "effects.modal.modes=3", 'mesh.size="7 mm"')
-        cut = [row for row in rows if row["do"] == "drag"][steps - 1]
+        cut = [row for row in rows if row["event"] == "drag"][steps - 1]
         # How soft the last millimetre is hangs on its mesh.
         yield below(f"tone when cut over the first ({steps} frames)", cut["f_1"] / rows[0]["f_1"], 0.85)
         yield near("tone back at the start", rows[-1]["f_1"], rows[0]["f_1"], 0.02)
@@ -155,7 +155,7 @@ def sixth_close_by(trial: Trial) -> Iterator[Statement]:
     exact = [
         sorted(unit * ((m / a) ** 2 + (n / 10.0) ** 2) for m in range(1, 5) for n in range(1, 5))[:5] for a in lengths
     ]
-    found = [[row[f"f_{k}"] for k in range(1, 6)] for row in rows if row["do"] == "drag"]
+    found = [[row[f"f_{k}"] for k in range(1, 6)] for row in rows if row["event"] == "drag"]
     yield near("tones in closed form", found, exact, 1.5e-2)
     yield true("in order", bool(np.all(np.diff(found) >= 0.0)))
     yield below("frequencies equal cold ones", check.solution, 1e-5)
@@ -201,10 +201,12 @@ def lowest_unknown(trial: Trial) -> Iterator[Statement]:
         rows = rows_of(made, look)
         # Until the next count, 5 % of the body's size (3 mm of these 25) later.
         yield below(f"frames with another tone ({frames} frames)", len(wrong), max(1, np.ceil(frames * 0.12)))
-        far = [row for row, _ in wrong if row["counted"] or row["do"] != "drag"]
+        far = [row for row, _ in wrong if row["inertia_checked"] or row["event"] != "drag"]
         yield true("none of them counted, and none at rest", not far)
-        rest = [row for row in rows if row["do"] in ("release", "idle")]
-        yield true("counted at rest, none missed then", all(r["counted"] for r in rest) and not rest[-1]["missed"])
+        rest = [row for row in rows if row["event"] in ("release", "idle")]
+        yield true(
+            "counted at rest, none missed then", all(r["inertia_checked"] for r in rest) and not rest[-1]["missed"]
+        )
         yield below("tone over the first", rows[-1]["f_1"] / rows[0]["f_1"], 0.6)
         yield from sound(rows)
 

@@ -184,10 +184,10 @@ def crossing(comm: PETSc.Comm) -> list[Check]:
         for policy in ("auto", "refactor")
     )
     off = max(abs(one[f"f_{k}"] / other[f"f_{k}"] - 1) for one, other in zip(rows, anew) for k in range(1, 5))
-    drag = [rows[0], *(row for row in rows if row["do"] == "drag")]
+    drag = [rows[0], *(row for row in rows if row["event"] == "drag")]
 
     def followed(row: dict, number: int) -> float:
-        return row[f"f_{row['track'].split().index(str(number)) + 1}"]
+        return row[f"f_{row['mode_ids'].split().index(str(number)) + 1}"]
 
     bending, torsion = ((followed(drag[0], n), followed(drag[-1], n)) for n in (2, 3))
     grown = 0.15 / 0.12
@@ -202,7 +202,7 @@ def crossing(comm: PETSc.Comm) -> list[Check]:
 
 def _rank(row: dict, number: int) -> int:
     """The rank of the mode of that number in a frame."""
-    return row["track"].split().index(str(number)) + 1
+    return row["mode_ids"].split().index(str(number)) + 1
 
 
 CASES: dict[str, Case] = {

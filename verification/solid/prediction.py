@@ -16,7 +16,7 @@ GROWTH = 0.1
 def slender(comm: PETSc.Comm) -> list[Check]:
     """The deflection that is foretold for a longer and a higher beam, the solved one, and the error between them."""
     rows = replay_files(HERE / "scenes/slender.toml", HERE / "edits/slender.jsonl", "auto", predict="linear")["rows"]
-    ends = [(before, after) for before, after in pairwise(rows) if after["do"] == "release"]
+    ends = [(before, after) for before, after in pairwise(rows) if after["event"] == "release"]
     source = "Euler and Bernoulli's beam; shear adds 0.15 %"
     first = rows[0]["q_tip"]
     found = [Check("tip of the first beam [m]", first, -4 * 100 / (210e9 * 0.02 * 0.05**3), 0.005, source)]

@@ -33,7 +33,7 @@ def pulled(trial: Trial) -> Iterator[Statement]:
     text = column(FOOT, PULL.format(1e3)).replace("load_factor = 1 }", "load_factor = 1, at_least = 1 }")
     longer = drag("right", (1, 0.025), across((1, 0.025), (1.1, 0.025), 4))
     rows = trial.rows(text, [*longer, *set_load(-1e3, 2e3)])
-    endless = [row["q_first"] == np.inf and row["verdict"] == "holds" for row in rows]
+    endless = [row["q_first"] == np.inf and row["constraint_status"] == "holds" for row in rows]
     wanted = [True] * (len(rows) - 2) + [False, True]
     yield true("infinite, and the verdict holds, but where it is pushed", endless == wanted)
     yield true("the note says so", all("nothing buckles" in row["note"] for row in rows if row["q_first"] == np.inf))
@@ -104,8 +104,8 @@ def there_and_back(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(text, drag("top", (0.5, 0.1), path))
     far = 1e-6 if trial.policy != "rebuild" else 1e-3
     yield near("load factor as at first", rows[-1]["q_first"], rows[0]["q_first"], far)
-    yield true("modes keep their numbers", {row["track"] for row in rows} == {"1 2 3"})
-    yield below("modes missed", sum(row["missed"] for row in rows), 0)
+    yield true("modes keep their numbers", {row["mode_ids"] for row in rows} == {"1 2 3"})
+    yield below("modes missed", sum(row["missed_modes"] for row in rows), 0)
     yield unrefused(rows)
 
 
@@ -113,10 +113,10 @@ def crossing(trial: Trial) -> Iterator[Statement]:
     """Of two masts one is dragged thicker, then thinner than the other: their modes trade places, and say so."""
     path = across((0, 0.5), (-0.004, 0.5), 8) + across((-0.004, 0.5), (0.004, 0.5), 16)
     rows = trial.rows(TWINS, drag("left", (0, 0.5), path))
-    thick, thin = rows[9]["track"].split(), rows[-1]["track"].split()
+    thick, thin = rows[9]["mode_ids"].split(), rows[-1]["mode_ids"].split()
     yield true("the two lowest modes have traded places", thick[:2] == thin[1::-1])
     # The right mast is as it was.
-    places = [row["track"].split().index(thick[0]) + 1 for row in rows[5:]]
+    places = [row["mode_ids"].split().index(thick[0]) + 1 for row in rows[5:]]
     found = [row[f"mu_{place}"] for row, place in zip(rows[5:], places)]
     yield near("load factor of the mast that is left alone", found, rows[9]["mu_1"], 2e-2)
     yield unrefused(rows)
@@ -127,7 +127,7 @@ def twins(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(TWINS)
     yield near("second load factor is the first", rows[0]["mu_2"], rows[0]["mu_1"], 1e-3)
     yield above("third over second", rows[0]["mu_3"] / rows[0]["mu_2"], 2.0)
-    yield true("counted", bool(rows[0]["counted"]))
+    yield true("counted", bool(rows[0]["inertia_checked"]))
     yield unrefused(rows)
 
 
@@ -171,14 +171,17 @@ def weakest_unknown(trial: Trial) -> Iterator[Statement]:
         errors: list[float] = []
 
         def look(row: Row, made=made, errors=errors) -> None:
-            if row["counted"]:
+            if row["inertia_checked"]:
                 cold = made.analysis.compare_cold().solution
                 errors.append(cold)
 
         rows = rows_of(made, look)
-        rest = [row for row in rows if row["do"] in ("release", "idle")]
+        rest = [row for row in rows if row["event"] in ("release", "idle")]
         yield below(f"error of counted frames against solves from nothing ({frames} frames)", max(errors), 1e-4)
-        yield true("counted at rest, none missed then", all(r["counted"] for r in rest) and not rest[-1]["missed"])
+        yield true(
+            "counted at rest, none missed then",
+            all(r["inertia_checked"] for r in rest) and not rest[-1]["missed_modes"],
+        )
         yield below("load factor at the end over the first", rows[-1]["mu_1"] / rows[0]["mu_1"], 0.7)
         yield unrefused(rows)
 

@@ -183,7 +183,7 @@ def old_factor(trial: Trial) -> Iterator[Statement]:
     events = drag("window", (0.5, 0.5), path)
     rows = trial.rows(plate(), events, overrides=["mesh.min_quality=0.01"], calibration=unrefreshed())
     if trial.policy == "auto":
-        yield above("frames that a factor served", max(row["age"] for row in rows), 0.3 * min(frames, 1000))
+        yield above("frames that a factor served", max(row["pc_age"] for row in rows), 0.3 * min(frames, 1000))
     yield from sound(rows, residual=1.001e-6)
     back = [rows[k]["q_stretch"] for k in range(801, len(rows) - 1, 800)] or [rows[0]["q_stretch"]]
     # On meshes of 333 triangles that have come there by other ways; each of them is 3 % off the fine one.

@@ -86,7 +86,7 @@ def study(comm: PETSc.Comm = PETSc.COMM_WORLD, overrides: Sequence[str] = (), na
         outline = replay.moving.mesh.outline
         height = outline.centroid(outline.entity(WINDOW))[1]
         start = height if start is None else start
-        if row["do"] != "drag":
+        if row["event"] != "drag":
             continue
         path.append(start - height)
         amplitude.append(row["q_amplitude"])

@@ -50,7 +50,7 @@ def test_both_ways_agree_where_both_know(ways):
 
 
 def test_the_best_area_counts_designs_that_hold_only():
-    keys = ("t", "q_score", "q_strength", "verdict", "iterations", "ms")
+    keys = ("t", "q_score", "q_strength", "constraint_status", "iterations", "ms")
     table = [(0, 9, 1, "holds", 3, 9), (1, 5, 8, "fails", 2, 1), (2, 7, 3, "holds", 2, 1), (3, 8, 2, "holds", 0, 1)]
     way = followed([dict(zip(keys, row)) for row in table])
     assert way.best.tolist() == [9, 9, 7, 7] and way.analysed == 3 and way.milliseconds == 3
@@ -77,4 +77,4 @@ def test_the_template_runs(restshape, tmp_path):
     done = restshape("replay", str(scene), "--edits", str(edits), "--json", str(tmp_path / "a.json"))
     assert done.returncode == 0, done.stderr
     told = json.loads((tmp_path / "a.json").read_text())
-    assert told["refused"] == 0 and told["verdict"]["last"] == "holds"
+    assert told["refused"] == 0 and told["constraint_status"]["last"] == "holds"

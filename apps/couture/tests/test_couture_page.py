@@ -46,8 +46,3 @@ def test_the_strip(tmp_path):
     exact = float(re.search(r"hangs by ([\d.]+) mm", PAGE)[1])
     # The heavy elastica at Gamma = 8, by its ordinary differential equation.
     assert exact == pytest.approx(0.640631 * 50, abs=0.005)
-
-
-def test_pictures_and_pages_that_are_named_are_there():
-    for name in re.findall(r"\]\(([^)]+)\)", PAGE):
-        assert (ROOT / "docs" / name).is_file(), name

@@ -187,14 +187,14 @@ class FurnitureAnalysis:
         found, low, high = self._ranges()
         words = words_at(self.design.furniture, self.verdict, self.gamma)
         return {
-            "verdict": "holds" if self.verdict.valid else "fails",
-            "broken": "; ".join(words),
+            "constraint_status": "holds" if self.verdict.valid else "fails",
+            "violated_constraints": "; ".join(words),
             "flaws": self.verdict.flaws,
-            "use": float(np.nanmax(self.use)) if self.forces else np.nan,
-            "margin": self.margin,
-            "missing": self.verdict.missing,
-            "sag": float(np.nanmax(self.sag)) if np.isfinite(self.sag).any() else np.nan,
-            "bending_use": self.bent,
+            "utilisation": float(np.nanmax(self.use)) if self.forces else np.nan,
+            "stability_margin": self.margin,
+            "unbalanced_load": self.verdict.missing,
+            "deflection": float(np.nanmax(self.sag)) if np.isfinite(self.sag).any() else np.nan,
+            "bending_utilisation": self.bent,
             "parameter": self.way.name if self.way else "",
             "at": self.at if self.way else np.nan,
             "range_low": low,
@@ -244,14 +244,14 @@ class FurnitureAnalysis:
             u, X = self.forces[0].u, self.space.X.reshape(planks, 8, 3)
             arms = X - X.mean(axis=1, keepdims=True)
             moved = (u[:, None, :3] + np.cross(np.broadcast_to(u[:, None, 3:], arms.shape), arms)).reshape(-1, 3)
-        cells = {"use": self.use, "valid": np.full(planks, float(self.verdict.valid))}
+        cells = {"utilisation": self.use, "valid": np.full(planks, float(self.verdict.valid))}
         if self.plan.on("bending"):
-            cells["sag"] = self.sag
+            cells["deflection"] = self.sag
         return {"displacement": np.ascontiguousarray(moved)}, cells
 
     def blank_fields(self, mesh: Boards) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
         """The same fields where nothing is known."""
-        names = ["use", "valid", *(["sag"] if self.plan.on("bending") else [])]
+        names = ["utilisation", "valid", *(["deflection"] if self.plan.on("bending") else [])]
         cells = {name: np.full(len(mesh.cells), np.nan) for name in names}
         return {"displacement": np.full(mesh.X.shape, np.nan)}, cells
 

@@ -34,7 +34,7 @@ def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
             _print_suggestions(same)
         else:
             print(f"no suggestions in {_frames(same)}: {same[0]['no_suggestions']}")
-    if any(VALUE.search(row["broken"]) for row in rows):
+    if any(VALUE.search(row["violated_constraints"]) for row in rows):
         print("limits of quantities count in verdicts; ranges and suggestions judge the piece alone")
 
 
@@ -78,7 +78,7 @@ def _print_suggestions(same: Sequence[Mapping[str, Any]]) -> None:
     cells = [(one["number"], one["words"], _span(one), _holds(one)) for one in found(row)]
     # For a piece in parts no combinations are searched.
     tried = f"; {row['tried']} combinations tried" if row["tried"] else ""
-    print_table(f"suggestions in {_frames(same)}: {row['broken']}{tried}", heads, cells, right=heads[:1])
+    print_table(f"suggestions in {_frames(same)}: {row['violated_constraints']}{tried}", heads, cells, right=heads[:1])
 
 
 def _holds(one: Mapping[str, Any]) -> str:

@@ -10,28 +10,28 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
-from matplotlib.patheffects import Normal, Stroke
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture
 from restshape_apps.furniture.report.labels import Labels
-from restshape_apps.furniture.report.piece_paint import Window, draw_edges, paint_planks
 from restshape_apps.furniture.shape.planks import Piece, Plank
 
 from restshape.guidance.ranges import Ranges
-from restshape.report.raster import Camera
+from restshape.report.camera import Camera, Window
 from restshape.report.space_axes import draw_box
+from restshape.report.space_scene import GHOST, HALO, MARK, TOP, SpaceImage
 from restshape.report.style import BODY, COLOURS, INK, REFUSED, length_unit
 
 AZIMUTH, ELEVATION, FAR = np.radians(-62.0), np.radians(18.0), 6.0
 """Where the camera is, and its distance in sizes of the piece."""
-COLUMNS = 600
-"""Pixels across a picture of a piece."""
+FACES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+"""Corners of a plank's six sides, as `Plank.corners` counts them."""
+EDGE = 0.7
+"""Width of the edges of planks [points]."""
 FOOT, LOAD, MOVED = "#0072b2", INK, "#d55e00"
 NAMES, NAMED_AT = "#444444", 0.22
 """Colour of the names of planks, and where on their lengths they are."""
-GHOST = 0.38
+OPACITY = 0.38
 """Of a suggestion's end state, which is not hidden."""
 ROOM = (0.3, 0.14, 0.2, 0.2)
 """Left, right, below and above the box, in parts of its width in the picture: for numbers and arrows."""
@@ -43,6 +43,12 @@ BELOW = 0.9
 """Part of the room under another plank that the arrow of a load on the one below has at most."""
 WAY = 0.1
 """The shortest arrow of a way, in parts of the piece's size."""
+SHAFT, RIM = 0.005, 0.0035
+"""Radius of an arrow, and how much wider what is behind it in white is, in parts of the piece's size."""
+JOINT, BROKEN = 0.011, 0.015
+"""Radius of a joint, and of one that breaks, in parts of the piece's size."""
+STEEPEST = 0.25
+"""Part of its length that an arrow of a way is seen with at least where it is made longer."""
 LEAST = 1e-4
 """The shortest way that has one, in parts of the piece's size."""
 NUDGE = 8.0
@@ -87,45 +93,50 @@ class PieceView:
         axes: to draw in.
         camera: looks at the piece.
         size: of the piece [m].
-        columns: pixels across what is painted.
         reach: of the drawn arrows, to be kept in sight (k, 2).
     """
 
     axes: Axes
     camera: Camera
     size: float
-    columns: int = COLUMNS
     reach: list[np.ndarray] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.labels = Labels(self.axes)
+        self.image = SpaceImage(self.axes, self.camera, opacity=OPACITY)
 
     def at(self, places: np.ndarray) -> np.ndarray:
         """Where places (n, 3) or (3,) are in the picture."""
-        flat = self.camera.project(np.atleast_2d(places))[0]
+        flat = self.camera.project(np.atleast_2d(places))
         return flat if np.ndim(places) > 1 else flat[0]
+
+    def planks(self, planks: Sequence[Plank], ghosts: bool = False) -> None:
+        """Planks with their edges; or, translucent and before all others, those that are not there yet."""
+        places = np.concatenate([np.zeros((0, 3)), *(plank.corners() for plank in planks)])
+        faces = np.concatenate([np.zeros((0, 4), dtype=int), *(FACES + 8 * k for k in range(len(planks)))])
+        if ghosts:
+            self.image.veil.surface(places, faces, MOVED, layer=GHOST)
+        else:
+            self.image.scene.surface(places, faces, BODY, edges=(INK, EDGE))
 
     def arrow(self, start: np.ndarray, end: np.ndarray, colour: str) -> None:
         """An arrow from a place to another one."""
-        self._arrow(self.at(np.array([start, end])), arrowstyle="-|>", color=colour, lw=1.6, mutation_scale=9)
+        self.image.scene.arrow(start, end, colour, SHAFT * self.size)
+        ends = self.at(np.array([start, end]))
+        self.reach.append(ends)
+        self.labels.spare(ends)
 
     def way(self, start: np.ndarray, end: np.ndarray, colour: str, before: bool) -> None:
         """An arrow of a way from a place to another one, long enough to be seen; it is made longer beyond its end, or
         before its start."""
-        ends = self.at(np.array([start, end]))
-        along = ends[1] - ends[0]
-        length = float(np.linalg.norm(along))
-        if length < WAY * self.size:
-            along = along * (WAY * self.size / length) if length > 0.0 else np.array([0.0, WAY * self.size])
-            ends = np.array([ends[1] - along, ends[1]] if before else [ends[0], ends[0] + along])
-        halo = [Stroke(linewidth=4.0, foreground="white"), Normal()]
-        self._arrow(ends, arrowstyle="-|>", color=colour, lw=2.0, mutation_scale=10, path_effects=halo)
-
-    def _arrow(self, ends: np.ndarray, **style: Any) -> None:
-        style |= {"shrinkA": 0, "shrinkB": 0}
-        self.axes.annotate("", ends[1], ends[0], arrowprops=style, zorder=8, annotation_clip=False)
-        self.reach.append(ends)
-        self.labels.spare(ends)
+        seen, least = float(np.linalg.norm(np.diff(self.at(np.array([start, end])), axis=0))), WAY * self.size
+        if seen < least:
+            # Nearly along the view it would become endless.
+            along = (end - start) * (least / max(seen, STEEPEST * float(np.linalg.norm(end - start))))
+            start, end = (end - along, end) if before else (start, start + along)
+        past = 2.0 * RIM * self.size * (end - start) / np.linalg.norm(end - start)
+        self.image.scene.arrow(start - past, end + past, "white", (SHAFT + RIM) * self.size, HALO)
+        self.arrow(start, end, colour)
 
     def words(self, place: np.ndarray, text: str, colour: str, up: float, aside: float = 0.0, **look: Any) -> None:
         """Words beside a place, so many points above and to the right of it, or further where others are there."""
@@ -168,7 +179,6 @@ def draw_piece(
     case: int = 0,
     numbers: bool = True,
     box: tuple[np.ndarray, np.ndarray] | None = None,
-    columns: int = COLUMNS,
     names: Collection[str] = (),
 ) -> None:
     """Draw a piece as it is, with its joints, feet and weights.
@@ -181,7 +191,6 @@ def draw_piece(
         case: of the loads.
         numbers: forces of feet in newtons, and masses, are written beside their arrows.
         box: corners [m] that hold all, such as those of several pictures side by side.
-        columns: pixels across what is painted.
         names: of planks that are written at them.
     """
     end = slide.end(furniture) if slide else None
@@ -189,16 +198,14 @@ def draw_piece(
     piece = furniture.moved()
     low, high = box or bounds(piece, *([end] if end else []))
     camera = Camera.towards(0.5 * (low + high), AZIMUTH, ELEVATION, FAR * float(np.linalg.norm(high - low)))
-    view = PieceView(axes, camera, float((high - low).max()), columns)
-    window = _window(camera, low, high)
+    view = PieceView(axes, camera, float((high - low).max()))
+    window = camera.window(low, high)
     factor, unit = length_unit(view.size)
     axes.set_axis_off()
-    sides = draw_box(axes, camera, low, high, factor, unit, _points(axes, window))
-    near = paint_planks(axes, camera, piece.planks, window, columns, BODY, 1.0)
-    draw_edges(axes, camera, piece.planks, near, window, view.size, INK)
+    sides = draw_box(view.image.scene, axes, camera, low, high, factor, unit, _points(axes, window))
+    view.planks(piece.planks)
     if end:
-        changed = [plank for plank, other in zip(end.planks, _changed(piece, end)) if other]
-        paint_planks(axes, camera, changed, window, columns, MOVED, GHOST)
+        view.planks([plank for plank, other in zip(end.planks, _changed(piece, end)) if other], ghosts=True)
     if whole:
         # Where a joint is lost, there are no forces.
         forces = furniture.forces(case)
@@ -235,7 +242,7 @@ def bounds(*pieces: Piece) -> tuple[np.ndarray, np.ndarray]:
 def slenderness(low: np.ndarray, high: np.ndarray) -> float:
     """Height over width of a picture of what lies in a box (3,) to (3,), with room for its numbers and arrows."""
     camera = Camera.towards(0.5 * (low + high), AZIMUTH, ELEVATION, FAR * float(np.linalg.norm(high - low)))
-    left, right, bottom, top = _window(camera, low, high)
+    left, right, bottom, top = camera.window(low, high)
     wide = max(right - left, 0.6 * (top - bottom))
     return (top - bottom + (ROOM[2] + 0.09) * wide) / (right - left + (ROOM[0] + ROOM[1]) * wide)
 
@@ -245,14 +252,6 @@ def _points(axes: Axes, window: Window) -> float:
     left, right, bottom, top = window
     wide = max(right - left, 0.6 * (top - bottom))
     return 72.0 / axes.figure.dpi * axes.bbox.width / (right - left + (ROOM[0] + ROOM[1]) * wide)
-
-
-def _window(camera: Camera, low: np.ndarray, high: np.ndarray) -> Window:
-    ends = np.array([low, high])
-    corners = np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    flat = camera.project(corners)[0]
-    (left, bottom), (right, top) = flat.min(axis=0), flat.max(axis=0)
-    return float(left), float(right), float(bottom), float(top)
 
 
 def _frame(view: PieceView, window: Window) -> None:
@@ -274,17 +273,15 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
     cmap, norm = use_colours()
     use = np.maximum(forces.pull_use, forces.shear_use)
     half = 0.5 * geometry.length[:, None] * geometry.y
-    lines = [view.at(np.array([p - h, p + h])) for p, h in zip(geometry.p, half)]
-    for line in lines:
-        view.labels.spare(line)
-    wide = np.where(use > 1.0, 5.0, 3.6)
-    view.axes.add_collection(LineCollection(lines, colors="white", linewidths=wide + 1.4, zorder=5), autolim=False)
-    colours = cmap(norm(use))
-    view.axes.add_collection(LineCollection(lines, colors=colours, linewidths=wide, zorder=6), autolim=False)
+    joints = np.stack([geometry.p - half, geometry.p + half], axis=1)
+    for some, radius, layer in ((use <= 1.0, JOINT, MARK), (use > 1.0, BROKEN, TOP)):
+        view.image.scene.tubes(joints[some], "white", (radius + RIM) * view.size, HALO)
+        view.image.scene.tubes(joints[some], cmap(norm(use[some]))[:, :3], radius * view.size, layer)
+    for ends in joints:
+        view.labels.spare(view.at(ends))
     for k in np.flatnonzero(use > 1.0):
         # Level with its left end.
-        ends = np.array([geometry.p[k] - half[k], geometry.p[k] + half[k]])
-        left = ends[int(np.argmin(view.at(ends)[:, 0]))]
+        left = joints[k][int(np.argmin(view.at(joints[k])[:, 0]))]
         view.words(left, f"{np.ceil(100.0 * use[k]) / 100.0:.2f}", REFUSED, 0.0, -4.0)
 
 

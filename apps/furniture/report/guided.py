@@ -54,7 +54,7 @@ def searches(rows: Iterable[Row]) -> list[list[Row]]:
     """Frames in which suggestions were looked for, those together that tell the same of the same flaws."""
     told: dict[tuple[str, ...], list[Row]] = {}
     for row in rows:
-        key = tuple(row.get(name) or "" for name in ("suggestions", "no_suggestions", "broken"))
+        key = tuple(row.get(name) or "" for name in ("suggestions", "no_suggestions", "violated_constraints"))
         if key[0] or key[1]:
             told.setdefault(key, []).append(row)
     return list(told.values())
@@ -68,7 +68,7 @@ def found(row: Row) -> list[dict[str, Any]]:
 def runs(rows: Iterable[Row]) -> list[tuple[Row, Row, str]]:
     """Frames in a row with one verdict: the first, the last, and what is wrong with the piece; frames without one are
     left out."""
-    judged = [row for row in rows if row["verdict"]]
+    judged = [row for row in rows if row["constraint_status"]]
     spans = [list(span) for _, span in groupby(judged, key=lambda row: without_amounts(_words(row)))]
     return [(span[0], span[-1], at_worst(list(map(_words, span)))) for span in spans]
 
@@ -119,7 +119,7 @@ def _farthest(same: Sequence[re.Match[str]]) -> str:
 
 
 def _words(row: Row) -> str:
-    return HOLDS if row["verdict"] == HOLDS else row["broken"]
+    return HOLDS if row["constraint_status"] == HOLDS else row["violated_constraints"]
 
 
 def _frame(row: Row) -> dict[str, Any]:
@@ -128,10 +128,10 @@ def _frame(row: Row) -> dict[str, Any]:
     return {
         "index": int(row["index"]),
         "line": int(row["line"]),
-        "verdict": row["verdict"],
-        "broken": row["broken"],
-        "use": _number(row, "use"),
-        "margin": _number(row, "margin"),
+        "constraint_status": row["constraint_status"],
+        "violated_constraints": row["violated_constraints"],
+        "utilisation": _number(row, "utilisation"),
+        "stability_margin": _number(row, "stability_margin"),
         "parameter": row.get("parameter", ""),
         "unit": unit_of(row["parameter"]) if held else None,
         "at": _number(row, "at") if held else None,
@@ -148,7 +148,7 @@ def _search(same: Sequence[Row]) -> dict[str, Any]:
         "frame": int(row["index"]),
         "frames": [int(one["index"]) for one in same],
         "line": int(row["line"]),
-        "broken": row["broken"],
+        "violated_constraints": row["violated_constraints"],
         "tried": int(row["tried"]),
         "tested": int(row["tested"]),
         "ms": _number(row, "ms_suggestions"),

@@ -11,17 +11,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from restshape_apps.furniture.report.furniture import FOOT, add_use_bar, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.piece_frames import FEW, MOST_LINES, caption, pieces, shown_piece
-from restshape_apps.furniture.report.piece_paint import SHADES
 from restshape_apps.furniture.report.piece_verdicts import BEYOND
 
 from restshape.replay.recording import Recording
 from restshape.report.animation import even, pause, write_animation
+from restshape.report.space_scene import AMBIENT
 from restshape.report.style import BODY, COLOURS, REFUSED, new_figure
 
 WIDTH, BAR, TITLE, DPI = 5.6, 0.9, 1.0, 90
 """Width of a picture, of it the colour bar, and room for the title [inch]; pixels an inch."""
-COLUMNS, NONE = 260, 4
-"""Pixels across what is painted of a piece, and where only its place counts."""
 
 
 def draw_piece_animation(recording: Recording, chosen: np.ndarray, path: Path) -> None:
@@ -54,7 +52,7 @@ def _pictures(recording: Recording, chosen: np.ndarray) -> Iterator[np.ndarray]:
     views = []
     for furniture, slide, case in made:
         axes.clear()
-        draw_piece(axes, furniture, "", slide, case, numbers, box, NONE)
+        draw_piece(axes, furniture, "", slide, case, numbers, box)
         views.append([*axes.get_xlim(), *axes.get_ylim()])
     left, _, bottom, _ = np.min(views, axis=0)
     _, right, _, top = np.max(views, axis=0)
@@ -64,7 +62,7 @@ def _pictures(recording: Recording, chosen: np.ndarray) -> Iterator[np.ndarray]:
         words, colour = caption(recording, frame.index, push)
         # As many lines in each frame: nothing jumps.
         words += "\n" * (MOST_LINES - words.count("\n") - 1)
-        draw_piece(axes, furniture, words, slide, case, numbers, box, COLUMNS)
+        draw_piece(axes, furniture, words, slide, case, numbers, box)
         axes.set_title(words, fontsize=8, loc="left", color=colour)
         axes.set(xlim=(left, right), ylim=(bottom, top))
         if frame is frames[0]:
@@ -79,7 +77,7 @@ def _pictures(recording: Recording, chosen: np.ndarray) -> Iterator[np.ndarray]:
 def _palette() -> np.ndarray:
     """256 colours: the map's, those of planks in several lights, of arrows and words over white, greys."""
     shades = colormaps[COLOURS](np.linspace(0, 1, 90))[:, :3]
-    planks = np.linspace(SHADES[0], 1.0, 60)[:, None] * np.array(to_rgb(BODY))
+    planks = np.linspace(AMBIENT, 1.0, 60)[:, None] * np.array(to_rgb(BODY))
     parts = np.linspace(0.15, 1.0, 16)[:, None]
     mixed = np.vstack([parts * np.array(to_rgb(colour)) + 1.0 - parts for colour in (FOOT, REFUSED, BEYOND)])
     greys = np.repeat(np.linspace(0, 1, 256 - len(shades) - len(planks) - len(mixed))[:, None], 3, axis=1)

@@ -12,7 +12,7 @@ from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.report.furniture import Slide, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.guided import intervals, runs, unit_of
-from restshape_apps.furniture.report.piece_sheet import ACROSS, COLUMNS, EACH, finish_sheet, width_of
+from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.report.piece_verdicts import only_limits, verdict_colour
 from restshape_apps.furniture.session.plank_session import PlankFrame
 
@@ -45,11 +45,11 @@ LIMITS = "Purple heading: the piece holds, but a quantity is beyond its limit; r
 
 def badness(recording: Recording) -> np.ndarray:
     """How far each frame (n,) is from holding: above 1 where a joint breaks or the piece falls; nan: not judged."""
-    tips = 1.0 - column(recording, "margin")
-    worst = np.fmax(column(recording, "use"), tips)
-    judged = np.array([bool(word) for word in recording.table["verdict"]]) & ~refused(recording)
+    tips = 1.0 - column(recording, "stability_margin")
+    worst = np.fmax(column(recording, "utilisation"), tips)
+    judged = np.array([bool(word) for word in recording.table["constraint_status"]]) & ~refused(recording)
     # What has lost a joint has no forces, and a part without feet no margin.
-    fails = np.array([word not in ("", HOLDS) for word in recording.table["verdict"]])
+    fails = np.array([word not in ("", HOLDS) for word in recording.table["constraint_status"]])
     return np.where(judged, np.where(fails, np.fmax(worst, 1.0), worst), np.nan)
 
 
@@ -128,12 +128,12 @@ def worst_case(furniture: Furniture) -> int:
 def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
     """What a frame is, in lines, and their colour, which tells whether it holds."""
     table = recording.table
-    lines = [f"frame {i}, t = {recording.times[i]:.2f} s: {table['do'][i]} (line {table['line'][i]})"]
+    lines = [f"frame {i}, t = {recording.times[i]:.2f} s: {table['event'][i]} (line {table['line'][i]})"]
     if name := str(table["parameter"][i]):
         factor, unit = UNITS[unit_of(name)]
         far = f"{factor * float(table['at'][i]):+.4g} {unit}".replace("-", "\N{MINUS SIGN}")
         lines += wrap(f"{name} {far}", LETTERS, max_lines=1, placeholder=" …")
-    verdict, broken = str(table["verdict"][i]), str(table["broken"][i])
+    verdict, broken = str(table["constraint_status"][i]), str(table["violated_constraints"][i])
     words = "holds" if verdict == HOLDS else broken or "not judged"
     words = f"holds, but {words}" if only_limits(verdict, broken) else words
     lines += wrap(words, LETTERS, max_lines=LINES, placeholder=" …")
@@ -150,7 +150,7 @@ def meaning(recording: Recording, chosen: Sequence[int], ranges: bool) -> str:
         ranges: some of them have a range.
     """
     table = recording.table
-    limits = any(only_limits(str(table["verdict"][i]), str(table["broken"][i])) for i in chosen)
+    limits = any(only_limits(str(table["constraint_status"][i]), str(table["violated_constraints"][i])) for i in chosen)
     return ". ".join([MEANING, *([RANGES] if ranges else []), *([LIMITS] if limits else [])])
 
 
@@ -177,7 +177,7 @@ def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> N
         named |= fresh
         push = furniture.piece.pushes[case - 1].name if case else ""
         words, colour = caption(recording, frame.index, push)
-        draw_piece(axes, furniture, words, slide, case, few, box, COLUMNS, fresh)
+        draw_piece(axes, furniture, words, slide, case, few, box, fresh)
         axes.set_title(words, fontsize=8.5, loc="left", color=colour)
     name = shorten(scene_name(recording), 80, placeholder=" …")
     told = meaning(recording, chosen, any(slide for _, slide, _ in made))

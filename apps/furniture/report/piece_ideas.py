@@ -11,7 +11,7 @@ from restshape_apps.furniture.guidance.design import Idea
 from restshape_apps.furniture.report import guided
 from restshape_apps.furniture.report.furniture import Slide, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.piece_frames import FEW, LETTERS, caption, pieces, shown_piece
-from restshape_apps.furniture.report.piece_sheet import ACROSS, COLUMNS, EACH, finish_sheet, width_of
+from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.session.plank_session import PlankFrame
 
 from restshape.replay.recording import Recording
@@ -54,10 +54,10 @@ def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
     words, _ = caption(recording, i, push)
     few = len(furniture.piece.planks) <= FEW
     names = [plank.name for plank in furniture.piece.planks if few]
-    draw_piece(panels[0], furniture, words, None, case, few, box, COLUMNS, names)
+    draw_piece(panels[0], furniture, words, None, case, few, box, names)
     panels[0].set_title(words, fontsize=8.5, loc="left", color=REFUSED)
     for number, (axes, idea, slide) in enumerate(zip(panels[1:], ideas, slides), 1):
-        draw_piece(axes, furniture, _title(number, idea), slide, case, False, box, COLUMNS)
+        draw_piece(axes, furniture, _title(number, idea), slide, case, False, box)
     name = shorten(scene_name(recording), 80, placeholder=" …")
     finish_sheet(figure, panels, count, across, f"{name}: suggestions in frame {i}\n{MEANING}")
     figure.savefig(path)

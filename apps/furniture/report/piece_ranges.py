@@ -34,8 +34,8 @@ def draw_guidance(recording: Recording, path: Path) -> None:
     heights = [1.0, 1.0, *[1.5] * len(units)]
     figure = new_figure(10.0, 1.0 + 1.55 * sum(heights))
     panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
-    _draw_numbers(panels[0], recording, "use", "use of strength [1]", 1.0)
-    _draw_numbers(panels[1], recording, "margin", "margin [1]", 0.0)
+    _draw_numbers(panels[0], recording, "utilisation", "utilisation [1]", 1.0)
+    _draw_numbers(panels[1], recording, "stability_margin", "stability margin [1]", 0.0)
     for axes, unit in zip(panels[2:], units):
         _draw_parameters(axes, [held for held in holds if unit_of(held[0]["parameter"]) == unit], unit)
     for axes in panels:
@@ -47,7 +47,7 @@ def draw_guidance(recording: Recording, path: Path) -> None:
     panels[-1].xaxis.get_major_locator().set_params(integer=True)
     name = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{name}: what holds, and how far edits may go", x=0.01, ha="left", color=INK)
-    limits = any(only_limits(row["verdict"], row["broken"]) for row in rows)
+    limits = any(only_limits(row["constraint_status"], row["violated_constraints"]) for row in rows)
     _legend(figure, bool(units), any(row["suggestions"] for row in rows), limits)
     figure.align_ylabels()
     figure.savefig(path)
@@ -55,7 +55,7 @@ def draw_guidance(recording: Recording, path: Path) -> None:
 
 def _holds(rows: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
     """Frames in a row with one parameter under the hand, or one plank, whichever way it goes."""
-    spans = groupby(rows, key=lambda row: (_undirected(row["parameter"]), row["do"] == "slide"))
+    spans = groupby(rows, key=lambda row: (_undirected(row["parameter"]), row["event"] == "slide"))
     return [list(span) for (name, _), span in spans if name]
 
 
@@ -72,8 +72,8 @@ def _label(held: list[dict[str, Any]]) -> str:
 
 def _draw_dots(axes: Axes, frames: np.ndarray, values: np.ndarray, rows: list[dict[str, Any]], size: float) -> None:
     """A dot a frame, which tells by its colour whether the piece holds; diamonds where quantities alone do not."""
-    limits = np.array([only_limits(row["verdict"], row["broken"]) for row in rows])
-    colours = np.array([verdict_colour(row["verdict"], row["broken"]) for row in rows])
+    limits = np.array([only_limits(row["constraint_status"], row["violated_constraints"]) for row in rows])
+    colours = np.array([verdict_colour(row["constraint_status"], row["violated_constraints"]) for row in rows])
     for mark, chosen, part in (("o", ~limits, 1.0), ("D", limits, 1.3)):
         axes.scatter(
             frames[chosen], values[chosen], c=colours[chosen], marker=mark, s=part * size, zorder=3, linewidths=0

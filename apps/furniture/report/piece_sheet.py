@@ -12,8 +12,6 @@ from restshape.report.style import INK
 
 ACROSS, EACH, BAR = 3, 3.35, 0.75
 """Most pictures side by side, and width of each and of the colour bar [inch]."""
-COLUMNS = 380
-"""Pixels across what is painted of a piece."""
 HEAD, LINE, SPACE = 0.1, 0.143, 0.17
 """Room above all and for a line of a title, and around each picture [inch]."""
 H_PAD, W_PAD = 0.1, 0.06

@@ -32,7 +32,7 @@ class Boards:
     X: np.ndarray
     cells: np.ndarray
     topology: int
-    reseats: tuple[()] = ()
+    interpolations: tuple[()] = ()
 
 
 class MovingBoards:

@@ -19,7 +19,7 @@ def test_an_arm_is_drawn_connected_broken_and_mended() -> None:
 
     rows = rows_of(replay, look)
     assert not any(row["refused"] for row in rows)
-    done = {do: [k for k, row in enumerate(rows) if row["do"] == do] for do in {row["do"] for row in rows}}
+    done = {do: [k for k, row in enumerate(rows) if row["event"] == do] for do in {row["event"] for row in rows}}
     assert set(done) >= {"rotate", "scale", "plank", "connect", "weight", "choose", "slide", "delete", "undo"}
     # Legs stay on the floor and at the seat while they turn: what they lean by is what was asked for.
     turned, _ = seen[done["rotate"][-1]]
@@ -32,11 +32,15 @@ def test_an_arm_is_drawn_connected_broken_and_mended() -> None:
     scaled, _ = seen[done["scale"][5]]
     assert scaled.planks[scaled.index("seat")].size[0] == pytest.approx(longer)
     # A plank in the air is a part of its own, until it is connected.
-    holds = [row["verdict"] == "holds" for row in rows]
+    holds = [row["constraint_status"] == "holds" for row in rows]
     assert not any(holds[done["plank"][0] : done["connect"][0]]) and all(holds[: done["plank"][0]])
     assert holds[done["connect"][0]]
     first, second, *_ = done["weight"]
-    assert holds[first] and not holds[second] and rows[second]["broken"].startswith("weak: joint arm on right")
+    assert (
+        holds[first]
+        and not holds[second]
+        and rows[second]["violated_constraints"].startswith("weak: joint arm on right")
+    )
     assert all(holds[done["choose"][0] :])
     # The arm is a cantilever: its joint has the moment of the pot, and of its own weight.
     for k, kilograms in ((first, 2.0), (second, 9.0), (done["slide"][-1], 9.0), (done["delete"][0], 0.0)):
@@ -50,4 +54,4 @@ def test_an_arm_is_drawn_connected_broken_and_mended() -> None:
     # What was deleted last is there again.
     assert "rail" in {plank.name for plank in seen[-1][0].planks}
     assert "rail" not in {plank.name for plank in seen[-2][0].planks}
-    assert rows[-1]["use"] == pytest.approx(rows[done["delete"][0]]["use"], rel=1e-9)
+    assert rows[-1]["utilisation"] == pytest.approx(rows[done["delete"][0]]["utilisation"], rel=1e-9)

@@ -1,4 +1,4 @@
-"""The page of formats names all that scenes, scripts, recordings and summaries of furniture hold."""
+"""The pages of formats name all that scenes, scripts, recordings and summaries of furniture hold."""
 
 import json
 import re
@@ -14,9 +14,20 @@ from restshape.application import application
 from restshape.cli.main import main
 from restshape.scene.load import load_scene
 
-PAGE = (Path(__file__).parents[3] / "docs" / "formats.md").read_text(encoding="utf-8")
-SECTION = PAGE.split("\n## Furniture\n")[1].split("\n## ")[0]
-NAMED = set(re.findall(r"[\w.]+", " ".join(re.findall(r"`([^`\n]+)`", SECTION))))
+DOCS = Path(__file__).parents[3] / "docs"
+COMMANDS = (DOCS / "commands.md").read_text(encoding="utf-8")
+
+
+def named(text: str) -> set[str]:
+    """The words that a text sets as code."""
+    return set(re.findall(r"[\w.]+", " ".join(re.findall(r"`([^`\n]+)`", text))))
+
+
+def furniture_section(page: str) -> str:
+    return (DOCS / page).read_text(encoding="utf-8").split("\n## Furniture\n")[1].split("\n## ")[0]
+
+
+NAMED = named(" ".join(furniture_section(f"{kind}-format.md") for kind in ("scene", "script", "recording")))
 
 
 def test_the_page_names_every_key_of_a_scene():
@@ -49,12 +60,11 @@ def test_the_page_names_every_key_of_json(tmp_path, command):
     words = [str(scene), "--edits", str(edits)] if command == "replay" else [str(scene), str(edits)]
     assert main([command, *words, "--json", str(out)]) == 0
     found = json.loads(out.read_text())
-    row = next(line for line in PAGE.splitlines() if line.startswith(f"| `{command}` |"))
-    named = set(re.findall(r"\w+", " ".join(re.findall(r"`([^`]+)`", row))))
+    section = COMMANDS.split(f"\n### `{command}`\n")[1].split("\n### ")[0]
     told = set(found)
     if command == "replay":
         guidance = found["guidance"]
         assert len(guidance["suggestions"]) == 1
         told |= set(guidance) | set(guidance["frames"][0]) | set(guidance["suggestions"][0])
         assert set(guidance["suggestions"][0]["found"][0]) <= NAMED
-    assert told <= named
+    assert told <= named(section)

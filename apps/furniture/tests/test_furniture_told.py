@@ -44,16 +44,16 @@ def test_json_tells_the_guidance_of_each_frame(told):
     assert len(frames) == found["frames"] == len(rows) == 16
     # The box tips over the leg's outer side: the leg has moved by 0.5 m and a little more.
     held = frames[2:9]
-    assert [frame["verdict"] for frame in held] == ["holds"] * 5 + ["fails"] * 2
+    assert [frame["constraint_status"] for frame in held] == ["holds"] * 5 + ["fails"] * 2
     assert [frame["inside"] for frame in held] == [True] * 5 + [False] * 2
     assert [frame["at"] for frame in held] == pytest.approx([-0.1 * k for k in range(1, 8)])
     for frame, row in zip(held, rows[2:9]):
         assert (frame["parameter"], frame["unit"]) == ("left: move z", "m")
         ((low, high),) = frame["ranges"]
         assert -0.6 < low < -0.5 < 0.0 < high and low == pytest.approx(float(row["range_low"]), abs=1e-6)
-        assert frame["use"] == pytest.approx(float(row["use"])) and frame["margin"] == pytest.approx(
-            float(row["margin"])
-        )
+        assert frame["utilisation"] == pytest.approx(float(row["utilisation"])) and frame[
+            "stability_margin"
+        ] == pytest.approx(float(row["stability_margin"]))
     idle = frames[9]
     assert idle["parameter"] == "" and idle["at"] is idle["ranges"] is idle["inside"] is idle["unit"] is None
     assert [frame["unit"] for frame in frames[11:13]] == ["rad"] * 2
@@ -66,7 +66,11 @@ def test_json_tells_every_search_for_suggestions(told):
     for search in searches:
         row = rows[search["frame"]]
         assert search["found"] == json.loads(row["suggestions"]) and len(search["found"]) == int(row["suggested"]) > 0
-        assert search["broken"].startswith("falls") and search["tried"] == int(row["tried"]) > 0 and search["ms"] > 0.0
+        assert (
+            search["violated_constraints"].startswith("falls")
+            and search["tried"] == int(row["tried"]) > 0
+            and search["ms"] > 0.0
+        )
 
 
 def test_the_terminal_tells_verdicts_and_all_suggestions(tmp_path, capsys):
@@ -109,7 +113,7 @@ def test_units_and_runs():
         "m",
     ]
     rows = [
-        {"index": k, "verdict": verdict, "broken": why}
+        {"index": k, "constraint_status": verdict, "violated_constraints": why}
         for k, (verdict, why) in enumerate(
             [("holds", ""), ("", ""), ("holds", ""), ("fails", "falls"), ("fails", "falls"), ("holds", "")]
         )
@@ -122,18 +126,25 @@ def test_units_and_runs():
 
 
 def test_a_piece_and_a_limit_fail_together():
-    limit = {"verdict": "fails", "broken": "leg", "note": ""}
-    piece = {"verdict": "holds", "broken": "", "note": "left out", "use": 0.5}
-    assert both(limit, piece) == {"verdict": "fails", "broken": "leg", "note": "left out", "use": 0.5}
-    piece |= {"verdict": "fails", "broken": "falls"}
-    assert both(limit, piece)["broken"] == "falls; leg"
-    assert both({"verdict": "", "broken": "", "note": ""}, piece)["verdict"] == "fails"
-    assert np.isnan(both(limit, {"sag": np.nan})["sag"])
+    limit = {"constraint_status": "fails", "violated_constraints": "leg", "note": ""}
+    piece = {"constraint_status": "holds", "violated_constraints": "", "note": "left out", "utilisation": 0.5}
+    assert both(limit, piece) == {
+        "constraint_status": "fails",
+        "violated_constraints": "leg",
+        "note": "left out",
+        "utilisation": 0.5,
+    }
+    piece |= {"constraint_status": "fails", "violated_constraints": "falls"}
+    assert both(limit, piece)["violated_constraints"] == "falls; leg"
+    assert (
+        both({"constraint_status": "", "violated_constraints": "", "note": ""}, piece)["constraint_status"] == "fails"
+    )
+    assert np.isnan(both(limit, {"deflection": np.nan})["deflection"])
 
 
 def test_grouped_frames_tell_the_worst_of_their_amounts():
     told = [f"weak: joint a on b at {use} of its strength; sag is {sag}, at most 3 mm" for use, sag in USES]
-    rows = [{"index": k, "verdict": "fails", "broken": words} for k, words in enumerate(told)]
+    rows = [{"index": k, "constraint_status": "fails", "violated_constraints": words} for k, words in enumerate(told)]
     ((first, last, words),) = runs(rows)
     assert (first["index"], last["index"]) == (0, 2)
     assert words == "weak: joint a on b at up to 1.81 of its strength; sag is up to 1.1 m, at most 3 mm"
@@ -176,7 +187,7 @@ def test_a_piece_in_parts_tells_its_gap_as_the_hand_goes_and_no_combinations(tmp
     words = ["replay", str(write_bench(tmp_path, BENCH + LOOSE)), "--edits", str(write_edits(tmp_path, *drag))]
     assert main([*words, "--csv", str(tmp_path / "run.csv")]) == 0
     with (tmp_path / "run.csv").open(newline="") as file:
-        broken = [row["broken"] for row in csv.DictReader(file)]
+        broken = [row["violated_constraints"] for row in csv.DictReader(file)]
     # The face of the right leg is at x = 0.49; the shelf ends at 0.45, then 0.43 and 0.41.
     for far, said in zip((40, 40, 60, 80, 80), broken, strict=True):
         gap = f"shelf +x is {far} mm from right, beyond the reach of 15 mm of joints"
@@ -188,7 +199,12 @@ def test_a_piece_in_parts_tells_its_gap_as_the_hand_goes_and_no_combinations(tmp
 
 def test_grouped_frames_tell_the_largest_of_their_distances():
     def run(*told):
-        return [one[2] for one in runs([{"index": k, "verdict": "fails", "broken": one} for k, one in enumerate(told)])]
+        return [
+            one[2]
+            for one in runs(
+                [{"index": k, "constraint_status": "fails", "violated_constraints": one} for k, one in enumerate(told)]
+            )
+        ]
 
     gap = "in two parts: a, b (b -x is {} mm from a, beyond the reach of 15 mm of joints); falls under its weights: b"
     assert run(gap.format(20), gap.format(100), gap.format(30)) == [gap.format("up to 100")]

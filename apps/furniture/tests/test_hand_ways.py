@@ -37,9 +37,9 @@ def test_a_hand_farther_than_was_looked_at_is_inside_of_nothing_known(tmp_path):
     words = ["replay", str(write_bench(tmp_path)), "--edits", str(write_edits(tmp_path, *events))]
     assert main([*words, "--json", str(tmp_path / "run.json")]) == 0
     _, _, near, far, wrong = json.loads((tmp_path / "run.json").read_text())["guidance"]["frames"]
-    assert (near["verdict"], far["verdict"]) == ("holds", "holds")
+    assert (near["constraint_status"], far["constraint_status"]) == ("holds", "holds")
     ((low, high),) = far["ranges"]
     assert low <= near["at"] <= high < far["at"] == pytest.approx(2.0 * np.pi)
     assert near["inside"] is True and far["inside"] is None
     # What does not hold is in no range at any rate.
-    assert wrong["verdict"] == "fails" and wrong["inside"] is False
+    assert wrong["constraint_status"] == "fails" and wrong["inside"] is False

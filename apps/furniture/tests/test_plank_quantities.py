@@ -77,20 +77,24 @@ wide = { length = "y", take = "mean" }
     # It tips first over the ends of its feet, half a width from the middle; in parts of the way between their corners.
     assert row["q_margin"] == pytest.approx(0.15 / np.hypot(1.02, 0.3), rel=1e-6)
     assert [row[f"q_{name}"] for name in ("leg", "thick", "wide")] == pytest.approx([0.5, 0.02, 0.3], rel=1e-9)
-    assert row["verdict"] == "holds"
+    assert row["constraint_status"] == "holds"
 
 
 def test_a_limit_makes_a_piece_that_stands_fail(tmp_path):
     text = '[quantities]\nleg = { length = "x", at = "left", limit = "45 cm" }\nload = { use = "largest", limit = 9 }\n'
     scene = write_bench(tmp_path, BENCH + text)
     row = rows_of(make_replay(scene, write_edits(tmp_path), "auto"))[0]
-    assert (row["verdict"], row["broken"], row["flaws"]) == ("fails", "leg is 500 mm, at most 450 mm", 0)
+    assert (row["constraint_status"], row["violated_constraints"], row["flaws"]) == (
+        "fails",
+        "leg is 500 mm, at most 450 mm",
+        0,
+    )
     tipped = write_edits(tmp_path, {"do": "press", "on": "left", "parameter": "move z"}, {"do": "drag", "by": -0.7})
     row = rows_of(make_replay(scene, tipped, "auto"))[-1]
     assert (
-        row["verdict"] == "fails"
-        and row["broken"].startswith("falls")
-        and row["broken"].endswith("; leg is 500 mm, at most 450 mm")
+        row["constraint_status"] == "fails"
+        and row["violated_constraints"].startswith("falls")
+        and row["violated_constraints"].endswith("; leg is 500 mm, at most 450 mm")
     )
 
 

@@ -28,10 +28,10 @@ def test_idle_refused_and_undone_frames_tell_nothing_anew(tmp_path, capsys):
 
 def test_other_flaws_and_other_suggestions_are_told_apart():
     rows = [
-        {"index": 0, "suggestions": "", "no_suggestions": "", "broken": ""},
-        {"index": 1, "suggestions": "[1]", "no_suggestions": "", "broken": "falls"},
-        {"index": 2, "suggestions": "[1]", "no_suggestions": "", "broken": "weak"},
-        {"index": 3, "suggestions": "", "no_suggestions": "none", "broken": "falls"},
-        {"index": 4, "suggestions": "[1]", "no_suggestions": "", "broken": "falls"},
+        {"index": 0, "suggestions": "", "no_suggestions": "", "violated_constraints": ""},
+        {"index": 1, "suggestions": "[1]", "no_suggestions": "", "violated_constraints": "falls"},
+        {"index": 2, "suggestions": "[1]", "no_suggestions": "", "violated_constraints": "weak"},
+        {"index": 3, "suggestions": "", "no_suggestions": "none", "violated_constraints": "falls"},
+        {"index": 4, "suggestions": "[1]", "no_suggestions": "", "violated_constraints": "falls"},
     ]
     assert [[row["index"] for row in same] for same in searches(rows)] == [[1, 4], [2], [3]]

@@ -68,7 +68,7 @@ def test_a_post_pushed_along_its_joint_draws_its_screws(tmp_path, width: float, 
     assert drawn_out[0] == pytest.approx(pull / 549.0, rel=5e-3)
     assert turned[0] == pytest.approx(0.0, abs=1e-6)
     assert ("bends joint post on base" in row["note"]) == (pull > 549.0) == (nails < 5)
-    assert row["verdict"] == "holds"
+    assert row["constraint_status"] == "holds"
 
 
 @pytest.mark.parametrize("nails", [2, 3, 7])
@@ -103,7 +103,7 @@ mass = "MASS"
     joint = [analysis.design.piece.planks[one.i].name for one in analysis.design.piece.joints].index("arm")
     own = 420.0 * 0.018 * 0.018 * 0.591 * G * 0.3
     assert analysis.forces[0].twist[joint, 1] == pytest.approx(0.5 * G * 0.6 + own, rel=0.05)
-    assert row["verdict"] == "holds" and "what twists joint arm on post is more" in row["note"]
+    assert row["constraint_status"] == "holds" and "what twists joint arm on post is more" in row["note"]
 
 
 def test_scenes_of_the_application_have_none_of_it() -> None:

@@ -11,4 +11,4 @@ def test_spare_modes_that_have_not_converged_draw_no_factor_up():
     made = replay("bar_200.toml", EDITS / "bar_200.jsonl", solid)
     rows = list(islice(made.frames(), 30))
     assert not any(row["refused"] for row in rows)
-    assert max(row["iterations"] for row in rows[1:]) < 60 and max(row["missed"] for row in rows) < 3
+    assert max(row["iterations"] for row in rows[1:]) < 60 and max(row["missed_modes"] for row in rows) < 3

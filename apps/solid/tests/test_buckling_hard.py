@@ -58,11 +58,11 @@ def test_a_mast_that_becomes_the_weakest_is_seen_when_the_hand_rests(tmp_path, f
     for row in made.frames():
         rows.append(row)
         assert not row["refused"], row["refused"]
-        if row["counted"] and made.analysis.state.rest.geometry != known:
+        if row["inertia_checked"] and made.analysis.state.rest.geometry != known:
             right, known = dense(made.analysis), made.analysis.state.rest.geometry
-        if row["counted"]:
+        if row["inertia_checked"]:
             assert row["mu_1"] == pytest.approx(right, rel=1e-5), row["index"]
     assert rows[-1]["mu_1"] < 0.7 * rows[0]["mu_1"]
-    resting = [row for row in rows if row["do"] in ("release", "idle")]
-    assert all(row["counted"] for row in resting) and not any(row["missed"] for row in resting[1:])
+    resting = [row for row in rows if row["event"] in ("release", "idle")]
+    assert all(row["inertia_checked"] for row in resting) and not any(row["missed_modes"] for row in resting[1:])
     assert resting[0]["q_first"] == resting[0]["mu_1"]

@@ -51,7 +51,7 @@ def test_what_is_shown_after_a_drag_beyond_the_limit_stands(tmp_path):
     made = make_replay(write_scene(tmp_path, column(0.8 * EULER)), script, predict="linear")
     rows = rows_of(made)
     # Either the release is refused too, or what is shown since is the last column that stands.
-    assert rows[-1]["do"] == "release" and bool(rows[-1]["refused"]) == (negative(made.analysis) > 0)
+    assert rows[-1]["event"] == "release" and bool(rows[-1]["refused"]) == (negative(made.analysis) > 0)
 
 
 @pytest.mark.parametrize("predict", ["none", "linear"])
@@ -62,7 +62,7 @@ def test_a_column_dragged_up_to_its_limit_is_shown(tmp_path, predict):
     rows = rows_of(made, lambda row: row["index"] % 8 or unstable.append(negative(made.analysis)))
     assert not any(row["refused"] for row in rows) and len(unstable) == 5 and not any(unstable)
     # The factors that show it are counted: one in ten frames, and one at the end.
-    assert sum(row["refreshed"] for row in rows) >= (4 if predict == "none" else 2)
+    assert sum(row["pc_rebuilt"] for row in rows) >= (4 if predict == "none" else 2)
 
 
 def test_a_column_beyond_its_limit_is_told_where_its_state_was_given(tmp_path):

@@ -25,6 +25,6 @@ def test_with_an_old_factor_after_a_long_drag(tmp_path, text):
         assert all(row["level"] < 2 for row in rows[1:])
         found.append((rows, design_derivative(made.analysis, made.moving.field_motion, 1e-10)))
     (rows, stale), (_, fresh) = found
-    refreshed = [row["index"] for row in rows if row["refreshed"]]
-    assert (rows[-1]["age"], len(refreshed)) == ((9, 4) if LARGE in text else (40, 1))
+    refreshed = [row["index"] for row in rows if row["pc_rebuilt"]]
+    assert (rows[-1]["pc_age"], len(refreshed)) == ((9, 4) if LARGE in text else (40, 1))
     np.testing.assert_allclose(stale, fresh, atol=1e-6 * np.abs(fresh).max())

@@ -25,8 +25,8 @@ def row(state: BucklingState, shown: int, solver: BucklingSolver) -> dict[str, A
     """
     row: dict[str, Any] = {f"mu_{k}": state.load_factor(k) for k in range(1, shown + 1)}
     count = len(state.modes.load_factors)
-    row["track"] = " ".join(map(str, state.modes.ids.ids[:count]))
-    row["counted"], row["missed"] = int(state.report.inertia_checked), state.report.missed_modes
+    row["mode_ids"] = " ".join(map(str, state.modes.ids.ids[:count]))
+    row["inertia_checked"], row["missed_modes"] = int(state.report.inertia_checked), state.report.missed_modes
     if not count and not state.predicted:
         reach = f"up to {state.most:.3g}, where the mean strain is 1" if np.isfinite(state.most) else "without a load"
         row["note"] = f"nothing buckles: no load factor {reach}"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace, Reseat, reseated
+from restshape.mesh.space import EdgeInterpolation, LagrangeSpace, interpolated
 from restshape.scene.model import Scene
 
 
@@ -19,7 +19,7 @@ class Frame:
         old_mesh: the mesh before this one, when the mesh was made anew in this frame.
         scene: with the values that hold now.
         hand: the gesture, and the place of the hand in its coordinates.
-        interpolations: second order: what flips did to nodes in the middle of edges of the mesh that was solved on last.
+        interpolations: second order: what flips did to nodes in the middle of edges of the mesh solved on last.
         settled: an edit has come to its end in this frame, or before it.
     """
 
@@ -28,9 +28,9 @@ class Frame:
     old_mesh: Mesh | LagrangeSpace | None
     scene: Scene
     hand: tuple[object, tuple[float, float]]
-    interpolations: tuple[Reseat, ...] = ()
+    interpolations: tuple[EdgeInterpolation, ...] = ()
     settled: bool = False
 
     def interpolate(self, field: np.ndarray) -> np.ndarray:
         """A field (n, f) of the last frame's solution, at nodes of flipped edges taken where they are now."""
-        return reseated(field, self.interpolations)
+        return interpolated(field, self.interpolations)

@@ -31,9 +31,9 @@ def row(state: ModalState) -> dict[str, Any]:
         **{f"f_{k + 1}": float(f) for k, f in enumerate(frequencies)},
         "tone": tone,
         "cents": cents,
-        "track": " ".join(map(str, state.ids)),
-        "counted": int(state.report.inertia_checked),
-        "missed": state.report.missed_modes,
+        "mode_ids": " ".join(map(str, state.ids)),
+        "inertia_checked": int(state.report.inertia_checked),
+        "missed_modes": state.report.missed_modes,
         "elements": len(state.body.space.cells),
     }
 

@@ -181,9 +181,10 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     heads = ("quantity", "first", "last", "least", "largest")
     values = [(name, *_ends(v)) for name, v in summary["quantities"].items()]
     print_table("quantities (SI units)", heads, values, right=heads[1:])
-    if verdict := summary["verdict"]:
-        last = f"{verdict['last']} at the end{verdict['broken'] and ' for ' + verdict['broken']}"
-        print(f"verdict: {last}; holds in {verdict['holds']} frames, fails in {verdict['fails']}")
+    if verdict := summary["constraint_status"]:
+        broken = verdict["violated_constraints"]
+        last = f"{verdict['last']} at the end{broken and ' for ' + broken}"
+        print(f"constraint status: {last}; holds in {verdict['holds']} frames, fails in {verdict['fails']}")
     if application.report:
         application.report.print_tables(summary["rows"])
     if "parity" in summary:
@@ -196,10 +197,10 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
 
 def rested(rest: dict[str, Any]) -> str:
     """What a summary tells of coming to rest, in one line."""
-    frames = rest["at_rest"] + rest["not_at_rest"]
+    frames = rest["converged"] + rest["not_converged"]
     residual = "-" if rest["residual"] is None else f"{rest['residual']:.1e}"
     return (
-        f"at rest: {rest['at_rest']} of {frames} frames, {rest['stable']} of them stable; "
+        f"converged: {rest['converged']} of {frames} frames, {rest['tangent_positive_definite']} of them stable; "
         f"largest residual {residual} of the weight (of the supports' forces without weight)"
     )
 

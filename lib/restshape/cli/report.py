@@ -66,8 +66,12 @@ def _tables(recording: Any, application: Application | None) -> dict[str, Any]:
     levels, quantities, errors = level_table(recording), quantity_table(recording), estimate_table(recording)
     stopped, rest = int(refused(recording).sum()), rest_counts(recording)
     print(f"{recording.path}: {recording.summary}, {stopped} refused")
+    if recording.old_names:
+        names = ", ".join(f"{old} is {new}" for new, old in recording.old_names.items())
+        print(f"note: columns of an earlier version have other names now: {names}")
     if rest:
-        print(f"at rest: {rest['at_rest']} frames, {rest['stable']} of them stable; not at rest: {rest['not_at_rest']}")
+        stable = rest["tangent_positive_definite"]
+        print(f"converged: {rest['converged']} frames, {stable} of them stable; not converged: {rest['not_converged']}")
     print()
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations")
     keys = ("level", "frames", "p50", "p95", "p99", "iterations")

@@ -52,7 +52,7 @@ def energy(problem: Problem, x: np.ndarray) -> float:
 
 
 def stiffness_product(problem: Problem, x: np.ndarray) -> Operation:
-    """The function from rates (n f,) of the unknowns to those of the internal forces at x (n, f), 0 where prescribed."""
+    """The function from rates (n f,) of unknowns to those of internal forces at x (n, f), 0 where prescribed."""
     assembled = Assembled(problem.integrals(STIFFNESS))
 
     def product(d: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from restshape.fem.time_integration import Rayleigh
 
 
 class SemiDiscrete:
-    """M y'' + C y' + K y = `static` - M 1 a_base for y, the unknowns less the prescribed ones; in first order M y' + K y.
+    """M y'' + C y' + K y = `static` - M 1 a_base for y, the unknowns less the prescribed ones; or M y' + K y.
 
     Args:
         problem: its nodes may move and its edges may flip.

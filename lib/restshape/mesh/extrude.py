@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace, Reseat
+from restshape.mesh.space import EdgeInterpolation, LagrangeSpace
 from restshape.mesh.thickness import Thickness
 from restshape.scene.expressions import Value
 from restshape.shape.outline import Outline
@@ -158,7 +158,7 @@ class Extrusion:
             self._columns_at(rates, self.thickness.rate(self.plane.X, rates), out)
         return result
 
-    def interpolate(self, field: np.ndarray, interpolations: tuple[Reseat, ...]) -> np.ndarray:
+    def interpolate(self, field: np.ndarray, interpolations: tuple[EdgeInterpolation, ...]) -> np.ndarray:
         """A field (n, f) after flips: values of the old one where the columns in flipped edges now are.
 
         Args:

@@ -62,7 +62,7 @@ class Mesh:
     dim: ClassVar[int] = 2
     cell_type: ClassVar[str] = "tri3"
 
-    reseats: ClassVar[tuple] = ()
+    interpolations: ClassVar[tuple] = ()
     """What flips did to nodes of edges, of which there are none; see `restshape.mesh.space`."""
 
     @classmethod

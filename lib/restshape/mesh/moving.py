@@ -345,7 +345,7 @@ class MovingMesh:
             self._put_back()
             flips, changed = self._reconnection.flip(X)
             if flips:
-                self._reseat(changed)
+                self._reconnect(changed)
                 verdict = self._place(frame)
         for _ in range(ROUNDS):
             if verdict[1] or not verdict[2]:
@@ -353,13 +353,13 @@ class MovingMesh:
             more, cells = self._reconnection.flip(X, self._flip_floor)
             if not more:
                 break
-            self._reseat(cells)
+            self._reconnect(cells)
             verdict = self._place(frame)
             flips, changed = flips + more, np.union1d(changed, cells)
         stages["flip"] = perf_counter() - start
         return flips, changed, verdict
 
-    def _reseat(self, changed: np.ndarray) -> None:
+    def _reconnect(self, changed: np.ndarray) -> None:
         """Let finer meshes, and nodes of second order, follow the flips that changed these cells."""
         if self.nested:
             self.nested = self.nested.reconnected()

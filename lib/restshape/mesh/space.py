@@ -22,7 +22,7 @@ SIDES = [2, 0, 1]
 """Corner opposite to each side (0, 1), (1, 2), (2, 0)."""
 
 
-class Reseat(NamedTuple):
+class EdgeInterpolation(NamedTuple):
     """New places of nodes in the middle of flipped edges, as seen from the field before the flips.
 
     Args:
@@ -52,7 +52,7 @@ class LagrangeSpace:
         corner_number: (corners,) node of each of the mesh's; side_number: (edges,) node of each mesh edge.
         node_offsets: (ranks + 1,) nodes of rank r are node_offsets[r]:node_offsets[r + 1].
         places: (n,) those of the mesh's nodes; of nodes in the middle of sides it is not used.
-        reseats: what the flips did to nodes since they were last taken in, by setting this to ().
+        interpolations: what the flips did to nodes since they were last taken in, by setting this to ().
     """
 
     dim = 2
@@ -76,7 +76,7 @@ class LagrangeSpace:
         middles = self.side_number[edges]
         self.facets = np.column_stack([self.corner_number[mesh.facets], middles]).astype(np.int32)
         self._find_curved(edges)
-        self.reseats: tuple[Reseat, ...] = ()
+        self.interpolations: tuple[EdgeInterpolation, ...] = ()
         self.hold(None)
         self.bend(mesh.outline)
         self.rebuild()
@@ -151,15 +151,15 @@ class LagrangeSpace:
         """The triangles (k,) int32 that flips have changed: those that are given, for `reconnect` has taken them in."""
         return changed
 
-    def interpolate(self, field: np.ndarray, interpolations: tuple[Reseat, ...]) -> np.ndarray:
-        """A field (n, f) after flips; see `reseated`."""
-        return reseated(field, interpolations)
+    def interpolate(self, field: np.ndarray, interpolations: tuple[EdgeInterpolation, ...]) -> np.ndarray:
+        """A field (n, f) after flips; see `interpolated`."""
+        return interpolated(field, interpolations)
 
     # --- a frame --------------------------------------------------------------------------------------------------
 
     def begin(self) -> None:
         """Note where curved sides lie, and which flips are known, for `put_back` and `take_back`."""
-        self._before, self._known = self.offset.copy(), self.reseats
+        self._before, self._known = self.offset.copy(), self.interpolations
 
     def refer(self) -> None:
         """Take the present places as those at the coefficients (0, 0)."""
@@ -208,10 +208,10 @@ class LagrangeSpace:
     def take_back(self) -> None:
         """The same, where the mesh has its connectivity of then again."""
         self.put_back()
-        self.reseats = self._known
+        self.interpolations = self._known
 
     def reconnect(self, changed: np.ndarray) -> None:
-        """Take in flips: nodes of flipped edges go to their new middles, and `reseats` tells what lies there.
+        """Take in flips: nodes of flipped edges go to their new middles, and `interpolations` tells what lies there.
 
         Args:
             changed: (k,) cells that the flips changed; corners and curved sides lie as they did at the flips.
@@ -222,7 +222,7 @@ class LagrangeSpace:
         corners, cells = self.corners[changed], self.cells[changed]
         middles = mesh.X[mesh.edge_nodes[flipped]].mean(axis=1)
         found, weights = _kernels.locate_quadratic(self.X, corners, cells, middles)
-        self.reseats += (Reseat(self.side_number[flipped], cells[found], weights),)
+        self.interpolations += (EdgeInterpolation(self.side_number[flipped], cells[found], weights),)
         self._connect(changed)
         self._ends[flipped] = mesh.edge_nodes[flipped]
 
@@ -293,17 +293,17 @@ class LagrangeSpace:
             self.rebuild()
 
 
-def reseated(field: np.ndarray, reseats: tuple[Reseat, ...]) -> np.ndarray:
+def interpolated(field: np.ndarray, interpolations: tuple[EdgeInterpolation, ...]) -> np.ndarray:
     """A field (n, f) after flips: the values of the old field where nodes of flipped edges are now.
 
     Args:
         field: (n, f) before; it stays as it is.
-        reseats: of the flips, in their order.
+        interpolations: of the flips, in their order.
     """
-    if not reseats:
+    if not interpolations:
         return field
     result = field.copy()
-    for nodes, stencil, weights in reseats:
+    for nodes, stencil, weights in interpolations:
         result[nodes] = np.einsum("ij,ijk->ik", weights, result[stencil])
     return result
 

@@ -1,8 +1,41 @@
 """The columns of a recording's table: one row a frame."""
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, TypeVar
 
 import numpy as np
+
+ALIASES = {
+    "bending_utilisation": "bending_use",
+    "constraint_status": "verdict",
+    "converged": "at_rest",
+    "deflection": "sag",
+    "event": "do",
+    "factorisations": "factors",
+    "inertia_checked": "counted",
+    "max_penetration": "deepest",
+    "missed_modes": "missed",
+    "mode_ids": "track",
+    "pc_age": "age",
+    "pc_rebuilt": "refreshed",
+    "relaxation_steps": "steps",
+    "slip_distance": "dragged",
+    "stability_margin": "margin",
+    "tangent_positive_definite": "stable",
+    "unbalanced_load": "missing",
+    "utilisation": "use",
+    "violated_constraints": "broken",
+}
+"""Columns and fields by their names today: what recordings of version 0.1 call them."""
+
+T = TypeVar("T")
+
+
+def renamed(table: Mapping[str, T]) -> dict[str, T]:
+    """A table, or fields, of a recording by the names of today, whatever names it was written with."""
+    today = {old: new for new, old in ALIASES.items()}
+    return {today.get(name, name) if today.get(name) not in table else name: values for name, values in table.items()}
+
 
 STAGES = ("edit", "relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe", "record")
 ESTIMATES = ("estimate", "estimate_time", "prediction_error")
@@ -16,18 +49,29 @@ def columns(quantities: list[str], own: dict[str, Any] | None = None) -> dict[st
         quantities: of the scene.
         own: columns that only the scene's application has.
     """
-    integers = ("index", "line", "level", "flips", "age", "refreshed", "iterations", "newton", "unknowns", "elements")
+    integers = (
+        "index",
+        "line",
+        "level",
+        "flips",
+        "pc_age",
+        "pc_rebuilt",
+        "iterations",
+        "newton",
+        "unknowns",
+        "elements",
+    )
     integers += ("predicted",)
     reals = ("t", "min_quality", "residual", *ESTIMATES, "ms", *(f"ms_{name}" for name in STAGES), "ms_python")
     return {
         **dict.fromkeys(integers, np.int64),
         **dict.fromkeys(reals, np.float64),
         **{f"q_{name}": np.float64 for name in quantities},
-        "do": str,
+        "event": str,
         "preconditioner": "S24",
         "note": "S160",
-        "verdict": "S8",
-        "broken": "S160",
+        "constraint_status": "S8",
+        "violated_constraints": "S160",
         "refused": str,
         **(own or {}),
     }

@@ -158,38 +158,40 @@ class Replay:
             "index": edit.index,
             "t": edit.t,
             "line": edit.line,
-            "do": edit.do,
+            "event": edit.do,
             "level": advance.level,
             "flips": advance.flips,
             "min_quality": advance.min_quality,
-            "age": report.age,
-            "refreshed": int(report.refreshed),
+            "pc_age": report.age,
+            "pc_rebuilt": int(report.refreshed),
             "iterations": report.iterations,
             "newton": report.newton,
             "preconditioner": report.preconditioner,
             "unknowns": self.analysis.unknowns,
             "elements": len((self.analysis.space if self.known else self.moving.mesh).cells),
             "note": self.prediction.note if self.prediction else "",
-            "verdict": verdict(self.limits, quantities),
-            "broken": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
+            "constraint_status": verdict(self.limits, quantities),
+            "violated_constraints": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
             **{f"q_{name}": value for name, value in quantities.items()},
         }
 
     def _solve(self, edit: EditFrame, advance: Advance, solved: bool) -> LinearReport:
         """Solve a frame; `solved` tells whether the one before was."""
         mesh, hand = self.moving.field_mesh, (edit.gesture, tuple(edit.c))
-        reseats = self.analysis.space.reseats if self.analysis.space else ()
+        interpolations = self.analysis.space.interpolations if self.analysis.space else ()
         # Flips of a frame that failed are not known any more.
         changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
         if self.prediction:
             self.prediction.start(edit)
         # On a new mesh, or one whose middle nodes have gone elsewhere, nothing is left to compare with.
-        stays = advance.level < 3 and advance.old_mesh is None and not reseats
+        stays = advance.level < 3 and advance.old_mesh is None and not interpolations
         self.expected = self.prediction.predicted if self.prediction and stays else None
-        report = self.analysis.solve(Frame(mesh, changed, advance.old_mesh, edit.scene, hand, reseats, edit.settled))
+        report = self.analysis.solve(
+            Frame(mesh, changed, advance.old_mesh, edit.scene, hand, interpolations, edit.settled)
+        )
         self.solved = self.known = True
-        if mesh.reseats:
-            mesh.reseats = ()
+        if mesh.interpolations:
+            mesh.interpolations = ()
         if self.prediction:
             found = report.iterations or report.refreshed
             idle = edit.change == "none" and not (self.prediction.shown or found)
@@ -198,7 +200,7 @@ class Replay:
 
     def _no_report(self) -> LinearReport:
         """The report of a frame that is not solved."""
-        return LinearReport(0, False, self.row["age"], self.row["preconditioner"])
+        return LinearReport(0, False, self.row["pc_age"], self.row["preconditioner"])
 
     def _times(self, row: dict[str, Any], start: float, edited: float, end: float) -> None:
         """Add the milliseconds of the frame; `ms_python` is what no compiled stage took."""

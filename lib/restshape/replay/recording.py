@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.replay.columns import ALIASES, renamed
 from restshape.replay.containment import refuse_other_files
 from restshape.replay.vtkhdf import FORMAT, PARTS, checksum
 
@@ -33,6 +34,7 @@ class Recording:
         n: number of frames.
         header: what the writer put there: scene, script, options, versions, calibration ...
         table: column -> array (n,); text columns hold ``str``.
+        old_names: of columns that an earlier version has written under another name, by their names in `table`.
         status: "done", or why the recording ended early: "interrupted" (the solver was stopped), "disk full", "killed"
             (its writer was).
         fields: name -> FieldInfo.
@@ -81,19 +83,24 @@ class Recording:
         self.status = "killed" if status == "recording" else status
         self.writer = {k.removeprefix("writer_"): float(v) for k, v in own.attrs.items() if k.startswith("writer_")}
         self._rows = own["table"][: self.n]
-        self.table = {name: _column(self._rows[name]) for name in self._rows.dtype.names if name != "checksum"}
+        stored = {name: _column(self._rows[name]) for name in self._rows.dtype.names if name != "checksum"}
+        self.table = renamed(stored)
+        self.old_names = {new: old for new, old in ALIASES.items() if new in self.table and new not in stored}
         places = {name: item for name, item in steps.items() if isinstance(item, h5py.Dataset)}
         self._steps = {name: place[: self.n].reshape(-1) for name, place in places.items()}
         self._parts = {name: self._root[name][()] for name in PARTS}
         if len(self._rows) < self.n or any(len(values) < self.n for values in self._steps.values()):
             raise ValueError("frames are missing")
         self.fields: dict[str, FieldInfo] = {}
+        self._stored: dict[str, str] = {}
         self._field_starts: dict[str, np.ndarray] = {}
         for group, where in (("PointData", "point_data"), ("CellData", "cell_data")):
             for name, dataset in sorted(self._root[group].items(), key=lambda item: item[1].attrs["order"]):
                 attributes = dataset.attrs
-                self.fields[name] = FieldInfo(where, int(attributes["components"]), int(attributes["first_frame"]))
-                self._field_starts[name] = steps[f"{group}Offsets"][name][: self.n]
+                ((today, _),) = renamed({name: name}).items()
+                self._stored[today] = name
+                self.fields[today] = FieldInfo(where, int(attributes["components"]), int(attributes["first_frame"]))
+                self._field_starts[today] = steps[f"{group}Offsets"][name][: self.n]
 
     @property
     def times(self) -> np.ndarray:
@@ -146,7 +153,7 @@ class Recording:
         counts = self._parts["NumberOfPoints" if info.where == "point_data" else "NumberOfCells"]
         start = self._field_starts[name][i]
         group = "PointData" if info.where == "point_data" else "CellData"
-        rows = self._root[group][name][start : start + counts[self.topology(i)]]
+        rows = self._root[group][self._stored[name]][start : start + counts[self.topology(i)]]
         return np.ascontiguousarray(rows[:, : info.components]) if info.components else rows
 
     def verify(self) -> list[int]:

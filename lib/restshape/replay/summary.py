@@ -34,14 +34,14 @@ def rest(rows: list[dict[str, Any]]) -> dict[str, Any]:
     Args:
         rows: of all frames.
     """
-    judged = [row for row in rows if row.get("at_rest", -1) >= 0 and not row["refused"]]
+    judged = [row for row in rows if row.get("converged", -1) >= 0 and not row["refused"]]
     if not judged:
         return {}
-    rests = [row for row in judged if row["at_rest"]]
+    rests = [row for row in judged if row["converged"]]
     return {
-        "at_rest": len(rests),
-        "stable": sum(row["stable"] == 1 for row in rests),
-        "not_at_rest": len(judged) - len(rests),
+        "converged": len(rests),
+        "tangent_positive_definite": sum(row["tangent_positive_definite"] == 1 for row in rests),
+        "not_converged": len(judged) - len(rests),
         "residual": known(max(row["residual"] for row in judged)),
     }
 
@@ -83,11 +83,11 @@ def summarise(rows: list[dict[str, Any]], policy: str, ranks: int, estimated: st
         "stages": {name: float(sum(row[f"ms_{name}"] for row in rows)) for name in STAGES},
         "iterations": int(sum(row["iterations"] for row in rows)),
         "newton": int(sum(row["newton"] for row in rows)),
-        "refreshes": int(sum(row["refreshed"] for row in rows)),
+        "refreshes": int(sum(row["pc_rebuilt"] for row in rows)),
         "preconditioners": dict(Counter(row["preconditioner"] for row in rows if row["level"])),
         "unknowns": rows[-1]["unknowns"] if rows else 0,
         "elements": rows[-1]["elements"] if rows else 0,
-        "verdict": counted(rows),
+        "constraint_status": counted(rows),
         "estimate": {**spread(rows, "estimate", False), "of": estimated},
         "estimate_time": spread(rows, "estimate_time", False),
         "predicted_estimate": spread(rows, "estimate", True),

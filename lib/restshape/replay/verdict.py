@@ -61,9 +61,9 @@ def breaches(limits: Limits, quantities: Mapping[str, float], dimensions: Mappin
 
 def both(row: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     """The columns of an application, with its verdict, its reasons and its notes beside those that a row has."""
-    verdicts = [one["verdict"] for one in (own, row) if one.get("verdict")]
-    joined = {"verdict": FAILS if FAILS in verdicts else "".join(verdicts[:1])}
-    for name in ("broken", "note"):
+    verdicts = [one["constraint_status"] for one in (own, row) if one.get("constraint_status")]
+    joined = {"constraint_status": FAILS if FAILS in verdicts else "".join(verdicts[:1])}
+    for name in ("violated_constraints", "note"):
         joined[name] = "; ".join(filter(None, (one.get(name, "") for one in (own, row))))
     return {**own, **joined}
 
@@ -71,8 +71,10 @@ def both(row: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
 def counted(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """How many frames hold and fail, the verdict of the last frame that has one, and the quantities that broke their
     limits there; empty where no frame has one."""
-    verdicts = [row["verdict"] for row in rows if row["verdict"]]
+    verdicts = [row["constraint_status"] for row in rows if row["constraint_status"]]
     if not verdicts:
         return {}
     told = {"holds": verdicts.count(HOLDS), "fails": verdicts.count(FAILS), "last": verdicts[-1]}
-    return told | {"broken": next(row["broken"] for row in reversed(rows) if row["verdict"])}
+    return told | {
+        "violated_constraints": next(row["violated_constraints"] for row in reversed(rows) if row["constraint_status"])
+    }

@@ -9,23 +9,22 @@ from textwrap import shorten
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 
 from restshape.replay.recording import Recording
 from restshape.report.animation import even, pause, write_animation
-from restshape.report.drape import BODY, COLOURS, TENSION, DrapeScenery, Picture
+from restshape.report.camera import Camera
+from restshape.report.drape import COLOURS, TENSION, DrapeScenery
+from restshape.report.drape_image import BODY, DrapeImage
 from restshape.report.frames import scene_name
 from restshape.report.outlines import border, lines, polygons
-from restshape.report.raster import Camera
 from restshape.report.space_axes import draw_box, marks
 from restshape.report.style import BODY as PLAIN
-from restshape.report.style import DPI, INK, REFUSED, new_figure
+from restshape.report.style import INK, REFUSED, new_figure
 from restshape.report.tables import column, refused
 
 WIDTH, ALONE = 9.5, 5.5
@@ -49,22 +48,20 @@ class DrapeDrawing:
     Args:
         panels: axes of the view in perspective, of that from above, and of the flat pattern.
         scenery: common to all frames.
-        dpi: of the figure.
     """
 
-    def __init__(self, panels: Sequence[Axes], scenery: DrapeScenery, dpi: float) -> None:
+    def __init__(self, panels: Sequence[Axes], scenery: DrapeScenery) -> None:
         self.scenery = scenery
         space, above, pattern = panels
-        self.window = seen_window(scenery)
-        self.pictures: list[tuple[AxesImage, Picture]] = []
         factor, unit = scenery.unit
-        left, right, bottom, top = self.window
+        camera = scenery.from_aside
+        left, right, bottom, top = camera.window(scenery.low, scenery.high)
         width = right - left
         space.set(xlim=(left - LEFT * width, right + RIGHT * width), aspect="equal")
         space.set_ylim(bottom - BELOW * width, top + ABOVE * width)
         space.set_axis_off()
-        draw_box(space, scenery.from_aside, scenery.low, scenery.high, factor, unit)
-        self._add(space, scenery.from_aside, self.window, 1.0, dpi)
+        aside = DrapeImage(space, camera, scenery)
+        draw_box(aside.still, space, camera, scenery.low, scenery.high, factor, unit)
         flat = (scenery.low[0], scenery.high[0], scenery.low[1], scenery.high[1])
         above.set(xlim=(factor * flat[0], factor * flat[1]), ylim=(factor * flat[2], factor * flat[3]))
         above.set(aspect="equal", anchor="SW")
@@ -74,17 +71,8 @@ class DrapeDrawing:
         place, (wide, high) = above.get_position(), above.figure.get_size_inches()
         above.set_xticks(factor * marks(*flat[:2], factor, int(np.clip(wide * place.width / EACH_X, 2, 4))))
         above.set_yticks(factor * marks(*flat[2:], factor, int(np.clip(high * place.height / EACH_Y, 2, 4))))
-        self._add(above, scenery.from_above, flat, factor, dpi)
+        self.images = aside, DrapeImage(above, Camera.above(), scenery, factor)
         self._add_pattern(pattern)
-
-    def _add(self, axes: Axes, camera: Camera, window: tuple, factor: float, dpi: float) -> None:
-        position = axes.get_position().width * axes.figure.get_figwidth() * dpi
-        columns = max(120, round(position))
-        extent = [factor * bound for bound in window]
-        limits = axes.get_xlim(), axes.get_ylim()
-        image = axes.imshow(np.ones((2, 2, 4)), extent=extent, origin="lower", zorder=2, aspect="equal")
-        axes.set(xlim=limits[0], ylim=limits[1])
-        self.pictures.append((image, Picture(self.scenery, camera, window, columns)))
 
     def _add_pattern(self, axes: Axes) -> None:
         scenery = self.scenery
@@ -103,15 +91,10 @@ class DrapeDrawing:
         for artist in (self.body, self.rest):
             axes.add_collection(artist, autolim=False)
 
-    @property
-    def artists(self) -> list[Artist]:
-        """All that changes from frame to frame."""
-        return [*(image for image, _ in self.pictures), self.body, self.rest, self.size]
-
     def show(self, recording: Recording, i: int) -> None:
         """Put frame i into the artists."""
-        for image, picture in self.pictures:
-            image.set_data(picture.pixels(recording, i))
+        for image in self.images:
+            image.show(recording, i)
         X, cells = recording.mesh(i)
         self.body.set_verts(polygons(X, cells))
         self.body.set_array(np.ma.masked_invalid(self.scenery.colour[0] * recording.field(i, TENSION)))
@@ -121,18 +104,9 @@ class DrapeDrawing:
         self.size.set_text(f"flat pattern\n{width:.4g} × {height:.4g} {unit}")
 
 
-def seen_window(scenery: DrapeScenery) -> tuple[float, float, float, float]:
-    """Left, right, bottom and top of the box as the camera aside sees it [m]."""
-    ends = np.array([scenery.low, scenery.high])
-    corners = np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    seen, _ = scenery.from_aside.project(corners)
-    (left, bottom), (right, top) = seen.min(axis=0), seen.max(axis=0)
-    return float(left), float(right), float(bottom), float(top)
-
-
 def rest_words(recording: Recording, i: int) -> tuple[str, bool]:
     """What is known of a frame's rest, and whether it rests where it stays."""
-    rests, stays = column(recording, "at_rest")[i], column(recording, "stable")[i]
+    rests, stays = column(recording, "converged")[i], column(recording, "tangent_positive_definite")[i]
     residual = column(recording, "residual")[i]
     size = f"residual {residual:.0e}" if np.isfinite(residual) else ""
     if refused(recording)[i]:
@@ -159,7 +133,7 @@ def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeSc
     down = ceil(len(chosen) / across)
     figure, grid = _sheet(scenery, across, down)
     for i, panels in zip(map(int, chosen), grid):
-        drawing = DrapeDrawing(panels, scenery, DPI)
+        drawing = DrapeDrawing(panels, scenery)
         drawing.show(recording, i)
         words, good = rest_words(recording, i)
         title = f" frame {i}, t = {recording.times[i]:.2f} s\n {words}"
@@ -173,7 +147,7 @@ def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeSc
 
 def _sheet(scenery: DrapeScenery, across: int, down: int) -> tuple[Figure, list[list[Axes]]]:
     """A figure, and for each frame the axes in perspective, from above, and of the flat pattern."""
-    left, right, bottom, top = seen_window(scenery)
+    left, right, bottom, top = scenery.from_aside.window(scenery.low, scenery.high)
     wide = WIDTH if across > 1 else ALONE
     each = (wide - BAR) / across
     tall = each * ((top - bottom) / (right - left) + BELOW + ABOVE) / (1.0 + LEFT + RIGHT)
@@ -237,7 +211,7 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery) -
     figure, (panels,) = _sheet(scenery, 1, 1)
     figure.set_dpi(ANIMATED_DPI)
     canvas = FigureCanvasAgg(figure)
-    drawing = DrapeDrawing(panels, scenery, ANIMATED_DPI)
+    drawing = DrapeDrawing(panels, scenery)
     caption = panels[0].set_title(" ", loc="left")
     _legend(figure, recording, scenery, drawing)
     for i in map(int, chosen):

@@ -6,12 +6,12 @@ from functools import cache
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.text import Annotation
 from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
 
-from restshape.report.raster import Camera
+from restshape.report.camera import Camera
+from restshape.report.space_scene import Scene
 from restshape.report.style import FAINT
 
 GRID = "#e3e3e3"
@@ -27,21 +27,29 @@ OFFSET, LYING, BESIDE = 4.0, 19.0, 7.0
 
 
 def draw_box(
-    axes: Axes, camera: Camera, low: np.ndarray, high: np.ndarray, factor: float, unit: str, points: float = np.inf
+    scene: Scene,
+    axes: Axes,
+    camera: Camera,
+    low: np.ndarray,
+    high: np.ndarray,
+    factor: float,
+    unit: str,
+    points: float = np.inf,
 ) -> list[Annotation]:
     """Draw the walls and sides of a box, whose numbers it returns; the camera looks from above, from -y and +x.
 
     Args:
-        axes: of a picture whose coordinates are those of the camera.
+        scene: that gets the lines.
+        axes: that get the words; their coordinates are those of the camera.
         camera: looks at the box.
         low, high: (3,) corners of the box [m].
         factor, unit: of lengths in numbers.
         points: that a metre has in the picture, about: where numbers would touch there are but two along a side.
     """
-    middle = camera.project(0.5 * (low + high)[None])[0][0]
+    middle = camera.project(0.5 * (low + high)[None])[0]
     fixed = {0: (None, low[1], low[2]), 1: (high[0], None, low[2]), 2: (low[0], low[1], None)}
     sides = [np.array([[e[j] if f is None else f for j, f in enumerate(fixed[k])] for e in (low, high)]) for k in fixed]
-    lengths = np.array([np.linalg.norm(np.diff(camera.project(side)[0], axis=0)) for side in sides])
+    lengths = np.array([np.linalg.norm(np.diff(camera.project(side), axis=0)) for side in sides])
     numbers = np.maximum(2, np.round(MOST * lengths / lengths.max())).astype(int)
     places = [marks(low[k], high[k], factor, int(numbers[k])) for k in range(3)]
     # On a short side three numbers would run into each other.
@@ -53,11 +61,12 @@ def draw_box(
             for mark in (low[along], *places[along], high[along]):
                 ends = np.empty((2, 3))
                 ends[:, wall], ends[:, along], ends[:, across] = bound[wall], mark, (low[across], high[across])
-                walls.append(camera.project(ends)[0])
-    axes.add_collection(LineCollection(walls, colors=GRID, linewidths=0.6, zorder=0), autolim=False)
+                walls.append(ends)
+    scene.lines(np.array(walls), GRID, 0.6)
+    scene.lines(np.array(sides), FAINT, 0.9)
     numbers = []
     for k, name in enumerate("xyz"):
-        at, way = places[k], np.abs(np.diff(camera.project(sides[k])[0], axis=0)[0]) / (high[k] - low[k])
+        at, way = places[k], np.abs(np.diff(camera.project(sides[k]), axis=0)[0]) / (high[k] - low[k])
         if np.isfinite(points) and _touch(points * np.diff(at)[:, None] * way, _texts(at, factor)):
             at = at[[0, -1]]
         numbers += _side(axes, camera, fixed[k], (low[k], high[k]), at, factor, f"{name} [{unit}]", middle)
@@ -102,14 +111,13 @@ def marks(low: float, high: float, factor: float, most: int) -> np.ndarray:
 
 
 def _side(axes, camera, fixed, ends, numbered, factor, label, middle) -> list[Annotation]:
-    """Draw one side with its numbers, which it returns, and its name, outside of the box."""
+    """Write the numbers of a side, which it returns, and its name outside of the box."""
 
     def at(values) -> np.ndarray:
         places = np.array([[value if fixed[j] is None else fixed[j] for j in range(3)] for value in values])
-        return camera.project(places)[0]
+        return camera.project(places)
 
     line = at(ends)
-    axes.plot(*line.T, color=FAINT, linewidth=0.9, zorder=1)
     along = line[1] - line[0]
     out = np.array([along[1], -along[0]]) / np.linalg.norm(along)
     out *= np.sign(out @ (line.mean(axis=0) - middle)) or 1.0

@@ -48,9 +48,9 @@ def with_values(recording: Recording) -> np.ndarray:
 
     The bodies that cloth lies on are values too, and it may go along with them without a solve.
     """
-    cloth = "at_rest" in recording.table
+    cloth = "converged" in recording.table
     known = ("set", "undo", "redo", *(("drag", "rotate", "scale") if cloth else ()))
-    events = [event in known for event in recording.table.get("do", [""] * recording.n)]
+    events = [event in known for event in recording.table.get("event", [""] * recording.n)]
     solved = (column(recording, "iterations") > 0) | cloth
     return np.array(events, dtype=bool) & (column(recording, "level") == 0) & solved
 
@@ -64,7 +64,7 @@ def level_table(recording: Recording) -> list[dict[str, Any]]:
     later = np.arange(recording.n) > 0
     level, ms, iterations = (column(recording, name) for name in ("level", "ms", "iterations"))
     valued, rows = with_values(recording), []
-    asked = np.array([event == "analyse" for event in recording.table.get("do", [""] * recording.n)]) & (level == 0)
+    asked = np.array([event == "analyse" for event in recording.table.get("event", [""] * recording.n)]) & (level == 0)
     rests = [("idle", (level == 0) & ~valued & ~asked), ("values", valued), ("analysed", asked)]
     for name, chosen in [*rests, *((str(k), level == k) for k in (1, 2, 3)), ("all", level > 0)]:
         chosen = chosen & later
@@ -100,10 +100,11 @@ def rest_counts(recording: Recording) -> dict[str, int]:
 
     Nothing where the recording is of what does not come to rest.
     """
-    if "at_rest" not in recording.table:
+    if "converged" not in recording.table:
         return {}
-    rests, stays = column(recording, "at_rest") == 1, column(recording, "stable") == 1
-    return {"at_rest": int(rests.sum()), "stable": int((rests & stays).sum()), "not_at_rest": int((~rests).sum())}
+    rests, stays = column(recording, "converged") == 1, column(recording, "tangent_positive_definite") == 1
+    counts = {"converged": rests, "tangent_positive_definite": rests & stays, "not_converged": ~rests}
+    return {name: int(frames.sum()) for name, frames in counts.items()}
 
 
 def quantity_table(recording: Recording) -> list[dict[str, Any]]:

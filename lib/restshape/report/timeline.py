@@ -24,7 +24,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
     frames = np.arange(recording.n)
     level = np.nan_to_num(column(recording, "level")).astype(int)
     stopped, ahead = refused(recording), predicted(recording)
-    restless = column(recording, "at_rest", 1.0) == 0
+    restless = column(recording, "converged", 1.0) == 0
     ms, counts = column(recording, "ms"), column(recording, "iterations")
     kind = np.where(with_values(recording), VALUES, level)
     for k in (k for k in LEVELS if k in kind):

@@ -25,8 +25,15 @@ PNG = b"\x89PNG\r\n\x1a\n"
 def row(level=1, ms=1.0, **other):
     """A frame as a replay tells it."""
     times = {f"ms_{stage}": 0.1 for stage in (*STAGES, "python")}
-    counts = {"refused": "", "refreshed": 0, "iterations": 2, "unknowns": 1000, "elements": 900, "rss_mb": 100.0}
-    counts |= {"preconditioner": "cholesky", "predicted": 0, "newton": 0, "verdict": "", "broken": "", "note": ""}
+    counts = {"refused": "", "pc_rebuilt": 0, "iterations": 2, "unknowns": 1000, "elements": 900, "rss_mb": 100.0}
+    counts |= {
+        "preconditioner": "cholesky",
+        "predicted": 0,
+        "newton": 0,
+        "constraint_status": "",
+        "violated_constraints": "",
+        "note": "",
+    }
     return {"level": level, "ms": ms, **times, **counts, "events": {"KSPSolve": 1}, **other}
 
 
@@ -77,7 +84,7 @@ def test_thesis_factors_at_level_3_only(counted):
 def test_auto_factors_where_the_row_says_so(counted):
     for row in counted["auto"]:
         events = row["events"]
-        assert events["MatCholFctrNum"] == row["refreshed"]
+        assert events["MatCholFctrNum"] == row["pc_rebuilt"]
         assert events["RestshapeValues"] == (row["level"] > 0)
         # One product a Krylov iteration, and one for the residual that each run begins with.
         assert events["MatMult"] >= row["iterations"]

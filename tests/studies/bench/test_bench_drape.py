@@ -20,7 +20,7 @@ def test_ways_bending_and_policies(tmp_path, restshape):
     assert list(found["ways"]) == ["auto", "kinetic"] and list(found["bending"]) == ["nonlinear"]
     for way in ("auto", "kinetic"):
         entry = found["ways"][way]
-        assert entry["at_rest"] and entry["stable"] and 0.0 < entry["residual"] <= 1e-4, way
+        assert entry["converged"] and entry["stable"] and 0.0 < entry["residual"] <= 1e-4, way
         trace = entry["trace"]
         assert len(trace["seconds"]) == len(trace["residuals"]) == len(trace["energies"]) > entry["steps"]
         # Friction follows after the last iterate of a method: the trace ends where the cloth does.
@@ -30,7 +30,7 @@ def test_ways_bending_and_policies(tmp_path, restshape):
         assert entry["laid"] == 0.0 and -(0.7**2) * 0.15 * 9.81 * 0.4 < entry["energy"] < 0.0
     assert min(entry["short"] for entry in found["ways"].values()) == 0.0
     assert found["ways"]["kinetic"]["factors"] <= 1 < found["ways"]["auto"]["factors"]
-    assert found["policies"]["auto"]["frames"] == found["policies"]["auto"]["at_rest"] == 2
+    assert found["policies"]["auto"]["frames"] == found["policies"]["auto"]["converged"] == 2
     for words in ("ways to rest from the same start", "kinds of bending", "policies", "short of the best", "a.png"):
         assert words in done.stdout
     assert (tmp_path / "a.png").read_bytes().startswith(PNG)
@@ -41,7 +41,7 @@ def test_a_run_that_takes_too_long_is_given_up(tmp_path, restshape):
     done = restshape("bench", "drape", SCENES / "pins.toml", *COARSE, *words)
     assert done.returncode == 0, done.stderr
     entry = json.loads((tmp_path / "a.json").read_text())["ways"]["cg"]
-    assert not entry["at_rest"] and entry["why"] == "0.1 s are over" and entry["short"] is None
+    assert not entry["converged"] and entry["why"] == "0.1 s are over" and entry["short"] is None
     assert entry["trace"]["residuals"][0] == pytest.approx(1.0), "laid flat nothing but the weight acts"
 
 

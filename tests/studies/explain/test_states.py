@@ -29,16 +29,16 @@ def rows_of(folder, text, events=SHORT, **given):
 
 def test_frames_in_which_nothing_moves_call_no_kernel_and_no_solver(tmp_path):
     rows = rows_of(tmp_path, PLATE + STRETCH + PEAK)
-    still = [row for row in rows[1:] if row["do"] != "drag"]
-    assert {row["do"] for row in still} == {"press", "release", "idle"}
+    still = [row for row in rows[1:] if row["event"] != "drag"]
+    assert {row["event"] for row in still} == {"press", "release", "idle"}
     for row in still:
         assert row["calls"] == {} and not any(row["events"].values())
-    assert all(row["calls"] and row["events"]["KSPSolve"] >= 1 for row in rows if row["do"] == "drag")
+    assert all(row["calls"] and row["events"]["KSPSolve"] >= 1 for row in rows if row["event"] == "drag")
 
 
 def test_a_linear_motion_goes_on_without_kernels_while_the_shape_rests(tmp_path):
     rows = rows_of(tmp_path, MOVING + BODY + PULLED + meshed(0.2) + STRETCH)
-    idle = [row for row in rows if row["do"] == "idle"]
+    idle = [row for row in rows if row["event"] == "idle"]
     assert idle and all(row["events"]["PCApply"] >= 3 for row in idle)
     for row in idle:
         assert (
@@ -51,7 +51,7 @@ def test_stresses_are_recovered_once_a_frame_and_only_where_a_quantity_is_one(tm
     assert "recover" not in kernels(rows) and not kernels(rows, "stress")
     peak, wall = PEAK, 'wall = { stress = "xx", at = "left" }\n'
     for row in rows_of(tmp_path, PLATE + STRETCH + peak + wall):
-        moved = row["do"] in ("start", "drag")
+        moved = row["event"] in ("start", "drag")
         assert row["calls"].get("recover", {}) == ({"field": (1, row["elements"])} if moved else {})
 
 
@@ -64,7 +64,7 @@ def test_flips_only_patch(tmp_path):
         assert row["events"]["RestshapePattern"] == 0 and row["events"]["RestshapePatch"] == 1
     for row in relocated:
         assert row["events"]["RestshapePattern"] == row["events"]["RestshapePatch"] == 0
-        assert not any(row["events"][name] for name in SYMBOLIC) or row["refreshed"]
+        assert not any(row["events"][name] for name in SYMBOLIC) or row["pc_rebuilt"]
 
 
 def test_ground_costs_only_where_it_shakes(tmp_path):
@@ -81,7 +81,7 @@ def test_ground_costs_only_where_it_shakes(tmp_path):
     assert not any(map(applied, none))
     # Once a matrix; the first frame takes no step, so that nothing shakes yet.
     assert [applied(row) for row in shaken] == [0] + [
-        int(row["do"] == "drag" or row["index"] == 1) for row in shaken[1:]
+        int(row["event"] == "drag" or row["index"] == 1) for row in shaken[1:]
     ]
 
 
@@ -99,12 +99,12 @@ def test_stability_is_looked_at_only_where_it_is_due(tmp_path):
     text = PLATE + "[effects.large_deformation]\n" + STRETCH
     rows = rows_of(tmp_path, text)
     factored = {row["index"]: sum(row["events"][name] for name in NUMERIC) for row in rows}
-    dragged = [row for row in rows if row["do"] == "drag"]
+    dragged = [row for row in rows if row["event"] == "drag"]
     # A small step from a stable equilibrium is believed; the hand's release is where the tangent is factored anew.
     assert sum(not factored[row["index"]] for row in dragged) >= len(dragged) - 1
-    (release,) = (row for row in rows if row["do"] == "release")
+    (release,) = (row for row in rows if row["event"] == "release")
     assert factored[release["index"]] == 1
-    idle = [row for row in rows if row["do"] == "idle"]
+    idle = [row for row in rows if row["event"] == "idle"]
     assert idle and not any(factored[row["index"]] or row["calls"] for row in idle)
 
 
@@ -113,6 +113,6 @@ def test_derivatives_are_taken_only_where_frames_are_predicted(tmp_path):
     assert not kernels(plain, "design")
     predicted = rows_of(tmp_path, PLATE + STRETCH, predict="linear")
     assert [row["index"] for row in predicted if any("design" in calls for calls in row["calls"].values())] == [1]
-    shown = [row for row in predicted if row["predicted"] and row["do"] == "drag"]
+    shown = [row for row in predicted if row["predicted"] and row["event"] == "drag"]
     assert shown and not any("tangent" in calls for row in shown for calls in row["calls"].values())
     assert not any(row["events"]["KSPSolve"] for row in shown)

@@ -55,7 +55,7 @@ def frame(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"verdict": "fails"}, "the verdict is fails"),
+        ({"constraint_status": "fails"}, "the verdict is fails"),
         ({"flaws": 8}, "the verdict is holds"),
         ({"use": float("inf")}, "infinite"),
         ({"use": float("nan")}, "no number"),

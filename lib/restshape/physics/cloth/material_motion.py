@@ -46,7 +46,7 @@ class CarriedCloth:
         self.gradients = _gradients(place.X, cells, nodes, x)
 
     def unknowns_at(self, place: MaterialPlace, sides: np.ndarray | None) -> np.ndarray:
-        """Unknowns (n, 3) with the nodes at another place; `sides` are the nodes of edges, None where there are none."""
+        """Unknowns (n, 3) with the nodes at another place; `sides` are the nodes of edges, None: there are none."""
         way = place.X - self.place.X
         if sides is not None:
             # An edge's unknown is a derivative along its normal, which has changed.
@@ -54,7 +54,7 @@ class CarriedCloth:
         return self.x + np.einsum("iak,ik->ia", self.gradients, way) if way.any() else self.x.copy()
 
     def corners_at(self, X: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-        """Positions (corners, 3) of corners at X (corners, 2), whose node numbers these are (corners,); flips or not."""
+        """Positions (corners, 3) of corners at X (corners, 2) with these node numbers (corners,); flips or not."""
         way = X - self.place.X[numbers]
         return self.x[numbers] + np.einsum("iak,ik->ia", self.gradients[numbers], way)
 

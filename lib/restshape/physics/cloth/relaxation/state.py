@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
-from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.fem.quantity import Observer
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.material_motion import CarriedCloth, MaterialPlace
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
+from restshape.physics.cloth.relaxation.report import ConvergenceReport
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

@@ -12,17 +12,17 @@ import numpy as np
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.frame import Frame
-from restshape.analysis.relaxation.binding import bind
-from restshape.analysis.relaxation.comparison import compare_cold
-from restshape.analysis.relaxation.options import RelaxationOptions, Watch
-from restshape.analysis.relaxation.relaxing import relax
-from restshape.analysis.relaxation.row import Row
-from restshape.analysis.relaxation.state import RelaxationState
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Fields
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.error_estimate import ClothEstimate
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.binding import bind
+from restshape.physics.cloth.relaxation.comparison import compare_cold
+from restshape.physics.cloth.relaxation.options import RelaxationOptions, Watch
+from restshape.physics.cloth.relaxation.relaxing import relax
+from restshape.physics.cloth.relaxation.row import Row
+from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 

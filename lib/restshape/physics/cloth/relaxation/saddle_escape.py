@@ -4,8 +4,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.gather import whole_matrix
-from restshape.analysis.relaxation.equilibrium import STIFFER, EquilibriumSolver
 from restshape.errors import ReplayProblem
+from restshape.physics.cloth.relaxation.equilibrium import STIFFER, EquilibriumSolver
 
 MOST_INERTIA = 1e12
 """Inertia [1/s^2] above which there is no use in more."""

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from itertools import compress
 from typing import Any
 
-from restshape.analysis.relaxation.state import RelaxationState
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.tunnelling import penetrations, tunnelling
 from restshape.scene.bodies import Body
 from restshape.scene.body_columns import body_columns, body_row
@@ -29,12 +29,12 @@ class Row:
         bodies, report = state.scene.bodies, state.report
         notes, deepest = _notes(state)
         return {
-            "at_rest": int(report.converged),
-            "stable": -1 if report.stable is None else int(report.stable),
-            "steps": report.steps,
-            "factors": report.factors,
-            "dragged": report.slip,
-            "deepest": deepest,
+            "converged": int(report.converged),
+            "tangent_positive_definite": -1 if report.stable is None else int(report.stable),
+            "relaxation_steps": report.steps,
+            "factorisations": report.factors,
+            "slip_distance": report.slip,
+            "max_penetration": deepest,
             "note": "; ".join(notes),
             **body_row(dict(zip(bodies, state.bodies)), self.body_columns),
         }

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.analysis.frame import Frame
-from restshape.analysis.relaxation.options import RelaxationOptions
-from restshape.analysis.relaxation.row import penetration_notes
-from restshape.analysis.relaxation.state import RelaxationState
 from restshape.mesh.transfer import transfer
 from restshape.physics.cloth.body_motion import body_axes, moved_with
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.quantities import observer
+from restshape.physics.cloth.relaxation.options import RelaxationOptions
+from restshape.physics.cloth.relaxation.row import penetration_notes
+from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact
 from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.bodies import Body
@@ -88,11 +88,11 @@ def new_problem(
     """
     problem, old = cloth_problem(frame.mesh, arguments), before.problem
     x = problem.flat(arguments.start if corners is None else corners)
-    if corners is not None and problem.contact and before.friction is not None:
-        if len(before.friction.anchors) == len(problem.contact.bodies):
-            same = frame.mesh is old.mesh
-            interpolate = (lambda values: values) if same else (lambda values: transfer(old.mesh, frame.mesh, values))
-            problem.contact.history = before.friction.mapped(old.corners(before.x), corners, interpolate)
+    friction = before.friction if corners is not None and problem.contact else None
+    if friction is not None and len(friction.anchors) == len(problem.contact.bodies):
+        same = frame.mesh is old.mesh
+        interpolate = (lambda values: values) if same else (lambda values: transfer(old.mesh, frame.mesh, values))
+        problem.contact.history = friction.mapped(old.corners(before.x), corners, interpolate)
     return replace(before, problem=problem, x=x)
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from restshape.algebra.descent import MEMORY, Descent
 from restshape.algebra.kinetic_damping import KineticDamping
-from restshape.analysis.relaxation.equilibrium import SLIPPING, EquilibriumSolver
-from restshape.analysis.relaxation.report import FALLS, ConvergenceReport
 from restshape.errors import ReplayProblem
+from restshape.physics.cloth.relaxation.equilibrium import SLIPPING, EquilibriumSolver
+from restshape.physics.cloth.relaxation.report import FALLS, ConvergenceReport
 
 Strategy = Callable[[EquilibriumSolver, np.ndarray, int, ConvergenceReport], ConvergenceReport]
 FREELY = 1e-6

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.descent import MEMORY
-from restshape.analysis.relaxation.equilibrium import ROUGH, EquilibriumSolver
-from restshape.analysis.relaxation.report import ConvergenceReport
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.equilibrium import ROUGH, EquilibriumSolver
+from restshape.physics.cloth.relaxation.report import ConvergenceReport
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem
 
 SOFT = (0.01, 0.05)

@@ -8,10 +8,10 @@ import numpy as np
 
 from restshape.algebra.gather import matrix_difference, whole_matrix
 from restshape.analysis.analysis import Comparison
-from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
-from restshape.analysis.relaxation.report import ConvergenceReport
-from restshape.analysis.relaxation.state import RelaxationState
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
+from restshape.physics.cloth.relaxation.report import ConvergenceReport
+from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import cloth_arguments, cloth_problem
 
 FARTHER = 0.01

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from restshape.analysis.relaxation.binding import friction_of
-from restshape.analysis.relaxation.cold_start import ColdStart, restart_soft
-from restshape.analysis.relaxation.options import RelaxationOptions
-from restshape.analysis.relaxation.report import ConvergenceReport
-from restshape.analysis.relaxation.saddle_escape import SaddleEscape
-from restshape.analysis.relaxation.state import RelaxationState
-from restshape.analysis.relaxation.strategies import STRATEGIES
 from restshape.errors import ReplayProblem
+from restshape.physics.cloth.relaxation.binding import friction_of
+from restshape.physics.cloth.relaxation.cold_start import ColdStart, restart_soft
+from restshape.physics.cloth.relaxation.options import RelaxationOptions
+from restshape.physics.cloth.relaxation.report import ConvergenceReport
+from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
+from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.relaxation.strategies import STRATEGIES
 
 ESCAPES = 5
 """Saddles of the energy that are left in one frame before the cloth is said to rest on one."""

@@ -12,10 +12,10 @@ from restshape.algebra.kinetic_damping import Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.traits import Traits
 from restshape.analysis.analysis import Context
-from restshape.analysis.relaxation.equilibrium import EquilibriumSolver
 from restshape.application import application
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.scene import ClothArguments, cloth_arguments
 from restshape.physics.cloth.tunnelling import size_of
 from restshape.scene.bodies import Body

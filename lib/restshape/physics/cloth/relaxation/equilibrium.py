@@ -13,10 +13,10 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
-from restshape.analysis.relaxation.equations import ClothEquations
-from restshape.analysis.relaxation.report import FALLS, ConvergenceReport
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.relaxation.equations import ClothEquations
+from restshape.physics.cloth.relaxation.report import FALLS, ConvergenceReport
 
 NEAR = 1e-3
 """Residual over load at which Newton's method takes over."""

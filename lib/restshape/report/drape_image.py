@@ -1,0 +1,56 @@
+"""One frame of cloth with the bodies that it lies on, as seen by a camera."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+
+from restshape.replay.recording import Recording
+from restshape.report.body_surfaces import body_surface
+from restshape.report.camera import Camera
+from restshape.report.drape import COLOURS, TENSION, DrapeScenery, bodies, places
+from restshape.report.outlines import border, lines
+from restshape.report.space_scene import Scene, SpaceImage
+from restshape.report.style import INK
+
+BODY = np.array(to_rgb("#c2b6a3"))
+BEHIND = 0.008
+"""Part of the box's diagonal by which bodies are drawn farther away: flat cells cut a little into what is round."""
+OPAQUE = 0.62
+"""Part of what lies behind a body that it hides."""
+SHARP = 40.0
+"""Angle from which edges of bodies are seen [degrees]."""
+EDGE = 0.5
+"""Width of the cloth's border [points]."""
+
+
+class DrapeImage(SpaceImage):
+    """Cloth and translucent bodies of one frame, as seen by a camera.
+
+    Args:
+        axes: to draw in.
+        camera: looks at them.
+        scenery: box, colours.
+        factor: of the axes' coordinates over metres.
+    """
+
+    def __init__(self, axes: Axes, camera: Camera, scenery: DrapeScenery, factor: float = 1.0) -> None:
+        super().__init__(axes, camera, factor, OPAQUE, 0.45 * BODY)
+        self.scenery, self.still = scenery, Scene()
+
+    def show(self, recording: Recording, i: int) -> None:
+        """Take cloth and bodies of frame i."""
+        scenery = self.scenery
+        x, cells = places(recording, i), recording.cells(i)
+        share = (recording.field(i, TENSION) - scenery.bottom) / (scenery.top - scenery.bottom)
+        colours = colormaps[COLOURS](np.clip(np.nan_to_num(share), 0.0, 1.0))[:, :3]
+        self.scene, self.veil = Scene(self.still), Scene()
+        self.scene.surface(x, cells[:, :3], colours, smooth=180.0)
+        self.scene.lines(lines(x, border(cells)), INK, EDGE)
+        away = BEHIND * float(np.linalg.norm(scenery.high - scenery.low))
+        for body in bodies(recording, i).values():
+            surface, triangles = body_surface(body, scenery.low, scenery.high)
+            box = scenery.low - away, scenery.high + away
+            self.veil.surface(surface - away * self.camera.axes[2], triangles, BODY, smooth=SHARP, within=box)
