@@ -61,6 +61,7 @@ class Problem(Protocol):
         scene: whose values it has.
         space: nodes and cells of the unknowns, by reference; its nodes may move.
         unknowns: fields of each node, in the order of the columns.
+        cell_scalars: names of the fields of the cells, numbers, where `blank_fields` is inherited.
         boundary: prescribed unknowns.
         symmetric: whether every tangent is symmetric.
         linear: whether the integrals are linear in the unknowns.
@@ -72,6 +73,7 @@ class Problem(Protocol):
     scene: Scene
     space: Space
     unknowns: tuple[Unknown, ...]
+    cell_scalars: tuple[str, ...] = ()
     boundary: Dirichlet
     symmetric: bool
     linear: bool
@@ -132,8 +134,10 @@ class Problem(Protocol):
 
     @classmethod
     def blank_fields(cls, space: Space) -> Fields:
-        """The same fields, all NaN, on a space that has not been solved on: by default the unknowns alone."""
-        return {one.name: np.full((len(space.X), len(one.components)), np.nan) for one in cls.unknowns}, {}
+        """The same fields, all NaN, on a space that has not been solved on: the unknowns, and scalars of the cells."""
+        shapes = {one.name: (len(space.X), *([len(one.components)] * (len(one.components) > 1))) for one in cls.unknowns}
+        cells = {name: np.full(len(space.cells), np.nan) for name in cls.cell_scalars}
+        return {name: np.full(shape, np.nan) for name, shape in shapes.items()}, cells
 
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates quantities of the unknowns x (n, f).

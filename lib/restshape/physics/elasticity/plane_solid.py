@@ -74,6 +74,7 @@ class PlaneSolid(TransientProblem):
 
     name = "solid"
     unknowns = (Unknown("displacement", "m", ("x", "y")),)
+    cell_scalars = ("von_mises",)
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
         shape, model = SHAPES[space.cells.shape[1]][0], plan.settings("solid").model
@@ -191,11 +192,6 @@ class PlaneSolid(TransientProblem):
     def fields(self, x: np.ndarray) -> Fields:
         """Displacement [m] of the nodes, equivalent stress [Pa] of the cells, at x (n, 2) [m]."""
         return {"displacement": x}, {"von_mises": von_mises(self.stresses.cauchy(x))}
-
-    @staticmethod
-    def blank_fields(space: Space) -> Fields:
-        """The same fields, all NaN, on a space that has not been solved on."""
-        return {"displacement": np.full((len(space.X), 2), np.nan)}, {"von_mises": np.full(len(space.cells), np.nan)}
 
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates quantities of a displacement x (n, 2) [m].
