@@ -8,7 +8,7 @@ from pathlib import Path
 from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
 from restshape.application import Application, Effect
-from restshape.scene.implied import SOLID
+from restshape.physics.elasticity.declaration import PLANE_SOLIDS
 
 application = Application(
     name="bridge",
@@ -18,8 +18,7 @@ application = Application(
         "gravity": Effect(Gravity, "weight of the body", drives=True),
         "large_deformation": LARGE_DEFORMATION,
     },
-    implied=SOLID,
     folder=Path(__file__).parent,
+    physics=(PLANE_SOLIDS,),
     analysis="restshape.physics.elasticity.analyses:steady_analysis",
-    orders=(1, 2),
 )

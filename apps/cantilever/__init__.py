@@ -9,7 +9,7 @@ from pathlib import Path
 from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
 from restshape.application import Application, Effect
-from restshape.scene.implied import SOLID
+from restshape.physics.elasticity.declaration import PLANE_SOLIDS
 
 application = Application(
     name="cantilever",
@@ -19,8 +19,7 @@ application = Application(
         "large_deformation": replace(LARGE_DEFORMATION, required=True),
         "gravity": Effect(Gravity, "weight of the body", drives=True),
     },
-    implied=SOLID,
     folder=Path(__file__).parent,
+    physics=(PLANE_SOLIDS,),
     analysis="restshape.physics.elasticity.analyses:steady_analysis",
-    orders=(1, 2),
 )

@@ -12,8 +12,8 @@ from restshape_apps.couture.thin_bodies import borne, may_come_through
 
 from restshape.application import Application, Decision, Effect
 from restshape.errors import UserError
-from restshape.scene.body_columns import body_columns
-from restshape.scene.implied import CLOTH
+from restshape.physics.cloth.body_columns import body_columns
+from restshape.physics.cloth.declaration import CLOTH
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -189,11 +189,8 @@ application = Application(
         "contact": Effect(Contact, "bodies that cloth lies on"),
         "drape": Effect(Drape, "the way to rest", required=True),
     },
-    implied=CLOTH,
     folder=Path(__file__).parent,
+    physics=(CLOTH,),
     analysis="restshape.physics.cloth.relaxation.analysis:RelaxationAnalysis",
-    directions=("x", "y", "z", "slope"),
-    cloth=True,
-    nested=True,
     columns="restshape_apps.couture:columns",
 )

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 from restshape_apps.furniture.physics.fasteners import fastener, wood
-from restshape_apps.furniture.scene.extension import EXTENSION
+from restshape_apps.furniture.scene.declaration import PLANKS
 from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
 from restshape_apps.furniture.session.grammar import GRAMMAR
 
@@ -150,11 +150,10 @@ application = Application(
         "suggestions": _guided("suggestions", "suggestions for what does not hold"),
     },
     folder=Path(__file__).parent,
-    scene=EXTENSION,
+    physics=(PLANKS,),
     analysis="restshape_apps.furniture.analysis.furnishing:FurnitureAnalysis",
     session="restshape_apps.furniture.session.plank_session:PlankSession",
     columns="restshape_apps.furniture:columns",
-    solver="restshape_apps.furniture.physics.solver:solver_plan",
     check="restshape_apps.furniture.cli.check_planks:checked",
     lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.compose_planks:PlankComposer"),
     report=Reporting(

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from restshape.application import Application, Decision, Effect, Implied
 from restshape.errors import UserError
-from restshape.scene.implied import GRAIN, REGIONS
+from restshape.physics.elasticity.declaration import FREE_VIBRATIONS
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -80,13 +80,10 @@ application = Application(
     effects={"modal": Effect(Modal, "free vibrations", required=True)},
     implied={
         "in_plane_modes": Implied("modes in the plane", in_plane, "modes in the plane are passed over", only_normal),
-        "grain": GRAIN,
-        "regions": REGIONS,
+        **FREE_VIBRATIONS.implied,
     },
     folder=Path(__file__).parent,
+    physics=(FREE_VIBRATIONS,),
     analysis="restshape.physics.vibrating_bodies:modal_analysis",
-    orders=(2, 1),
-    directions=("x", "y", "z", "rx", "ry"),
-    layered=True,
     columns="restshape_apps.metallophone:columns",
 )

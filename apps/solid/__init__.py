@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from restshape.application import Application, Decision, Effect
 from restshape.errors import UserError
-from restshape.scene.implied import SOLID
+from restshape.physics.elasticity.declaration import PLANE_SOLIDS
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict
 
@@ -147,9 +147,8 @@ application = Application(
             Buckling, "critical load factors and modes of buckling", fixed=True, quantities=("load_factor",)
         ),
     },
-    implied=SOLID,
     folder=Path(__file__).parent,
+    physics=(PLANE_SOLIDS,),
     analysis="restshape.physics.elasticity.analyses:steady_analysis",
-    orders=(1, 2),
     columns="restshape_apps.solid:columns",
 )

@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
 from restshape.application import Application, Effect
-from restshape.scene.implied import SOLID
+from restshape.physics.elasticity.declaration import PLANE_SOLIDS
 from restshape.scene.units import UnitError
 from restshape.scene.values import Length, Strict, number_of
 
@@ -99,9 +99,8 @@ application = Application(
         "gravity": Effect(Gravity, "weight of the body, which acts at once", drives=True),
         "large_deformation": LARGE_DEFORMATION,
     },
-    implied=SOLID,
     folder=Path(__file__).parent,
+    physics=(PLANE_SOLIDS,),
     analysis="restshape.physics.elasticity.analyses:transient_analysis",
-    orders=(1, 2),
     transient=True,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -16,8 +16,9 @@ from restshape.errors import UserError
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-    from restshape.scene.extension import SceneExtension
+    from restshape.scene.event_line import EventLine
     from restshape.scene.model import Scene
+    from restshape.scene.physics import Physics
 
 Rows = Sequence[Mapping[str, Any]]
 """Of the frames of a replay, each with its columns by name."""
@@ -165,19 +166,11 @@ class Application:
     Args:
         name: as scenes name it in ``app``.
         summary: one line for people.
-        effects: every effect that its scenes may name.
         folder: holds ``scenes/*.toml`` and ``edits/*.jsonl``.
+        physics: what its scenes may say, each declared once for all applications that have it.
         analysis: path ``module:attribute`` of its analysis class, imported at the first solve.
-        orders: element orders that it supports.
-        directions: that supports may fix.
-        layered: bodies have a thickness, which may be a formula, and layers of elements over it.
-        nested: its fields, of first order, may live on a mesh nested in coarser ones.
-        cloth: it knows sheets in space: bodies, a start, planes of symmetry, a bending stiffness.
-        scene: what its scenes and edit scripts may hold besides; None: nothing.
         session: path ``module:attribute`` of the maker of an `OwnSession` of a scene, a script and this application;
             empty where what is edited has an outline and a mesh.
-        solver: path ``module:attribute`` of the function that plans solvers of a scene, the effects that are on and
-            their settings; empty: `scene.solver.solver_plan`.
         check: path ``module:attribute`` of the function that gives what a scene with a session of its own holds, of a
             scene and its plan: for programs, and as rows for people.
         lines: what `restshape script` understands; None: what it understands of shapes.
@@ -186,37 +179,59 @@ class Application:
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
         transient: a frame goes on from the one before it, so that none can be left out.
-        implied: parts of its physics that follow from a scene without being named, by name.
+        effects: every effect that its scenes may name; left out, all of its physics.
+        implied: parts of its physics that follow from a scene without being named, by name; left out, all.
     """
 
     name: str
     summary: str
-    effects: dict[str, Effect]
     folder: Path
+    physics: tuple[Physics, ...]
     analysis: str
-    orders: tuple[int, ...] = (1,)
-    directions: tuple[str, ...] = ("x", "y")
-    layered: bool = False
-    nested: bool = False
-    cloth: bool = False
-    scene: SceneExtension | None = None
     session: str = ""
-    solver: str = ""
     check: str = ""
     lines: ScriptLines | None = None
     report: Reporting | None = None
     explain: str = ""
     columns: str = ""
     transient: bool = False
-    implied: dict[str, Implied] = field(default_factory=dict)
+    effects: Mapping[str, Effect] | None = None
+    implied: Mapping[str, Implied] | None = None
+
+    def __post_init__(self) -> None:
+        for key in ("effects", "implied"):
+            if getattr(self, key) is None:
+                declared = {name: part for one in self.physics for name, part in getattr(one, key).items()}
+                object.__setattr__(self, key, declared)
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """Element orders that all of its physics have, the usual one first."""
+        first, *others = (one.orders for one in self.physics)
+        return tuple(order for order in first if all(order in orders for orders in others))
+
+    @property
+    def layered(self) -> bool:
+        """Whether bodies have a thickness of their own with layers of elements over it."""
+        return any(one.layered for one in self.physics)
+
+    @property
+    def nested(self) -> bool:
+        """Whether its fields may live on a mesh nested in coarser ones."""
+        return all(one.nested for one in self.physics)
+
+    @property
+    def events(self) -> dict[str, type[EventLine]]:
+        """The events of edit scripts that its physics add, by name."""
+        return {name: event for one in self.physics for name, event in one.events.items()}
+
+    def has(self, physics: str) -> bool:
+        """Whether one of its physics has this name."""
+        return any(one.name == physics for one in self.physics)
 
     def make_session(self) -> Callable[..., Any]:
         """The maker of an `OwnSession`, imported now."""
         return _attribute(self.session)
-
-    def own_solver(self) -> Callable[..., Any] | None:
-        """The function that gives the `SolverPlan` of its scenes, imported now; None: it has none of its own."""
-        return _attribute(self.solver) if self.solver else None
 
     def checked(self, scene: Scene, effects: Any) -> tuple[dict[str, Any], list[tuple[str, str]]]:
         """What a scene with a session of its own holds: for programs, and as rows for people."""
@@ -236,7 +251,10 @@ class Application:
 
     def own_columns(self, scene: Scene) -> dict[str, Any]:
         """Names and types of the columns that only this application has."""
-        return _attribute(self.columns)(scene) if self.columns else {}
+        declared = [one.columns(scene) for one in self.physics if one.columns]
+        return {name: of for columns in declared for name, of in columns.items()} | (
+            _attribute(self.columns)(scene) if self.columns else {}
+        )
 
     def scenes(self) -> list[Path]:
         """The scene files that ship with this application, sorted by name."""

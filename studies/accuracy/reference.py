@@ -128,7 +128,7 @@ def planned(path: Path, given: Sequence[str], application: Application, finest: 
     fine = load_scene(path, (*given, *overrides))
     affordable = sqrt(unknowns(fine, application, 1.0, order) / MOST_UNKNOWNS[kind])
     factor = max(finest / FINER, affordable)
-    policy = "refactor" if application.transient or application.cloth else "rebuild"
+    policy = "refactor" if application.transient or application.has("cloth") else "rebuild"
     return Plan(factor, order, CORNERS[kind], policy, TOLERANCES[kind], turned, overrides, coarse)
 
 

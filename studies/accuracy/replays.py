@@ -215,7 +215,7 @@ def _tight(
         tolerance: in place of shares of the setting's.
     """
     own = request.scene.solve.tolerance
-    least = CLOTH_TIGHTEST if request.application.cloth else TIGHTEST
+    least = CLOTH_TIGHTEST if request.application.has("cloth") else TIGHTEST
     chosen = [tolerance] if tolerance else [max(least, share * own) for share in TIGHT]
     states: dict[int, State] = {}
     fresh: dict[int, State] = {}

@@ -149,7 +149,7 @@ def default_sizes(scene: Scene, application: Application, order: int) -> tuple[f
 
 def kind_of(application: Application) -> str:
     """What a frame costs depends on: "space" for layers of elements, "motion" for time steps, "cloth", else "plane"."""
-    if application.cloth:
+    if application.has("cloth"):
         return "cloth"
     return "space" if application.layered else "motion" if application.transient else "plane"
 
@@ -159,7 +159,7 @@ def unknowns(scene: Scene, application: Application, factor: float, order: int) 
     outline = outline_from_spec(scene.shape, scene.folder)
     triangles = outline.area() / (0.433 * (factor * scene.mesh.size) ** 2)
     nodes = triangles * (0.5 if order == 1 else 2.0)
-    if application.cloth:
+    if application.has("cloth"):
         # Morley's triangles: three a node and three an edge, of which there are three times as many.
         return 12.0 * nodes
     if not application.layered:

@@ -36,7 +36,7 @@ class Held:
     """
 
     def __init__(self, request: Request) -> None:
-        if application(request.scene.app).cloth:
+        if application(request.scene.app).has("cloth"):
             raise UserError("cloth has no design derivative yet", str(request.scene.path), "name a body at rest")
         replay = Replay.of(replace(request, predict="linear"), PETSc.COMM_WORLD)
         self.replay, self.analysis = replay, replay.analysis

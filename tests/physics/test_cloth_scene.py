@@ -12,7 +12,7 @@ from restshape.physics.cloth.materials import bending, membrane
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.scene import cloth_arguments
 from restshape.scene.load import revise
-from restshape.scene.model import Material
+from restshape.physics.cloth.material_keys import ClothMaterial
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec
 
@@ -42,18 +42,18 @@ def arguments(folder, *parts, overrides=()):
 
 def test_isotropic_cloth_by_hand():
     """E h/(1 - nu^2) = 1000/0.9375 N/m, and D = E h^3/(12 (1 - nu^2)) = 2.5e-4/11.25 N m, of 2 MPa, 0.5 mm, 0.25."""
-    cotton = Material(E=2e6, nu=0.25, thickness=5e-4)
+    cotton = ClothMaterial(E=2e6, nu=0.25, thickness=5e-4)
     shape = np.array([[1, 0.25, 0], [0.25, 1, 0], [0, 0, 0.375]])
     np.testing.assert_allclose(membrane(cotton), 1000 / 0.9375 * shape, rtol=1e-12)
     np.testing.assert_allclose(bending(cotton), 2.5e-4 / 11.25 * shape, rtol=1e-12)
-    own = Material(E=2e6, nu=0.25, thickness=5e-4, bending=7e-6)
+    own = ClothMaterial(E=2e6, nu=0.25, thickness=5e-4, bending=7e-6)
     np.testing.assert_allclose(bending(own), 7e-6 * shape, rtol=1e-12)
-    np.testing.assert_array_equal(bending(Material(E=2e6, nu=0.25, bending=0)), np.zeros((3, 3)))
+    np.testing.assert_array_equal(bending(ClothMaterial(E=2e6, nu=0.25, bending=0)), np.zeros((3, 3)))
 
 
 def test_woven_cloth_by_hand():
     """In plane stress Q11 = E1/(1 - nu12 nu21), nu21 = nu12 E2/E1 = 0.1, Q12 = nu12 Q22, Q66 = G12; 1 - 0.04 = 0.96."""
-    woven = Material(**WOVEN)
+    woven = ClothMaterial(**WOVEN)
     Q = np.array([[4e6, 0.4e6, 0], [0.4e6, 1e6, 0], [0, 0, 0.48e6]]) / 0.96
     np.testing.assert_allclose(membrane(woven), 2e-3 * Q, rtol=1e-12, atol=1e-9)
     np.testing.assert_allclose(bending(woven), 8e-9 / 12 * Q, rtol=1e-12, atol=1e-18)
@@ -67,12 +67,12 @@ def test_woven_cloth_by_hand():
 
 def test_a_grain_turns_stretching_and_bending():
     """At 90 degrees 1 and 2 change places; at an angle a strip along the grain pulls as it did along x."""
-    woven, across = Material(**WOVEN, bending=(2e-5, 1e-5)), Material(**WOVEN, bending=(2e-5, 1e-5), grain="90 deg")
+    woven, across = ClothMaterial(**WOVEN, bending=(2e-5, 1e-5)), ClothMaterial(**WOVEN, bending=(2e-5, 1e-5), grain="90 deg")
     swap = [1, 0, 2]
     for stiffness in (membrane, bending):
         np.testing.assert_allclose(stiffness(across), stiffness(woven)[np.ix_(swap, swap)], rtol=1e-12, atol=1e-12)
     angle = 0.4
-    skew = Material(**WOVEN, bending=(2e-5, 1e-5), grain=angle)
+    skew = ClothMaterial(**WOVEN, bending=(2e-5, 1e-5), grain=angle)
     c, s = np.cos(angle), np.sin(angle)
     strain = np.array([c * c, s * s, 2 * c * s])
     for stiffness in (membrane, bending):

@@ -8,7 +8,7 @@ from restshape import _kernels
 from restshape.errors import UserError
 from restshape.physics.elasticity.target_curves import GoalDistance, goal_curve
 from restshape.scene.load import load_scene
-from restshape.scene.model import Goal
+from restshape.physics.elasticity.goal import Goal
 
 MESH = "\n[mesh]\nsize = 0.1\n"
 

@@ -10,7 +10,7 @@ from small_scenes import block
 from restshape.cli.main import main
 from restshape.replay.recording import Recording
 from restshape.scene.bodies import Body
-from restshape.scene.body_columns import body_columns, body_row, recorded_bodies
+from restshape.physics.cloth.body_columns import body_columns, body_row, recorded_bodies
 
 SCENE = f"""
 {HEAD}[parameters]

@@ -7,8 +7,11 @@ import pytest
 from restshape.application import applications
 from restshape.errors import UserError
 from restshape.scene.expressions import Expression
+from restshape.physics.elasticity.declaration import PLANE_SOLIDS
 from restshape.scene.load import load_scene, parse_override, revise
-from restshape.scene.model import ArcSpec, CircleLoop, Load, Quantity, Scene, Support
+from restshape.scene.model import ArcSpec, CircleLoop, Scene, Support
+from restshape.scene.quantity import quantity_type
+from restshape.scene.scene_type import load_type, support_type
 
 
 def test_values_are_si(scene_file):
@@ -194,9 +197,10 @@ def test_materials_of_regions(scene_file):
 
 
 def test_models_can_be_made_in_code():
-    assert Support(on="left", fix=["x"]).fix == {"x": 0.0}
+    assert support_type(Support, PLANE_SOLIDS.boundary)(on="left", fix=["x"]).fix == {"x": 0.0}
+    Load = load_type(PLANE_SOLIDS.loads)
     assert Load(on="left", pressure="1 bar").pressure == pytest.approx(1e5)
-    assert Quantity(area=True).take == "sum"
+    assert quantity_type({})(area=True).take == "sum"
     assert math.isclose(Load(on=["a"], force=["1 kN", 0]).force[0], 1000)
 
 
@@ -222,5 +226,5 @@ def test_the_file_name_of_a_mesh_stands_for_the_shape(scene_file):
 
 def test_json_round_trip(scene_file):
     scene = load_scene(scene_file)
-    again = Scene.model_validate_json(scene.model_dump_json(exclude_none=True))
+    again = type(scene).model_validate_json(scene.model_dump_json(exclude_none=True))
     assert again.model_dump() == scene.model_dump()

@@ -10,11 +10,11 @@ from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene
 from restshape.scene.materials import MATERIALS, NAMES
-from restshape.scene.model import Material
+from restshape.physics.elasticity.material_keys import ElasticMaterial
 
 
-def material(**keys) -> Material:
-    return Material.model_validate(keys)
+def material(**keys) -> ElasticMaterial:
+    return ElasticMaterial.model_validate(keys)
 
 
 @pytest.mark.parametrize("name", NAMES)

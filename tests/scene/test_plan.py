@@ -7,6 +7,7 @@ import pytest
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.scene.load import load_scene, revise
+from restshape.physics.elasticity.declaration import PLANE_SOLIDS
 from restshape.scene.plan import plan
 
 
@@ -36,7 +37,7 @@ def test_what_the_application_cannot_do_without_is_on(scene_file):
     assert planned.effects[0].why == "solid always has it"
 
 
-SECOND_ORDER = replace(application("solid"), orders=(1, 2))
+SECOND_ORDER = application("solid")
 RUBBER = ["material.steel.nu=0.4999", 'effects.solid.model="plane_strain"']
 
 
@@ -74,7 +75,7 @@ def test_displacement_elements_can_be_asked_for(rubber):
 
 
 def test_an_application_of_first_order_only_says_that_it_locks(rubber, monkeypatch):
-    only_first = replace(SECOND_ORDER, orders=(1,))
+    only_first = replace(SECOND_ORDER, physics=(replace(PLANE_SOLIDS, orders=(1,)),))
     monkeypatch.setattr("restshape.scene.load.application", lambda name, where: only_first)
     scene = load_scene(rubber, RUBBER)
     assert scene.mesh.order == 1

@@ -91,7 +91,7 @@ def test_examples_have_the_dimension_they_stand_for():
 
 
 def test_a_slash_holds_for_one_factor():
-    assert unit("N/m s")[1] == (0, 1, -1, 0, 0)
+    assert unit("N/m s")[1] == (0, 1, -1, 0, 0, 0, 0)
 
 
 def test_formulas_do_not_read_as_quantities():

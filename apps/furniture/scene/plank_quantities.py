@@ -9,6 +9,7 @@ from restshape.scene.quantity import Quantity, QuantityKind
 from restshape.scene.source import Source, suggestion
 
 OF_PLANKS = {
+    "reaction": QuantityKind(Literal["x", "y", "z"], "force", "sum"),
     "use": QuantityKind(Literal["pull", "shear", "largest"], "number", "max"),
     "sag": QuantityKind(Literal[True], "length", "max"),
     "margin": QuantityKind(Literal[True], "number", "min", whole=True),
@@ -18,7 +19,7 @@ OF_PLANKS = {
 """Kinds of quantities that furniture adds: use of the strength of joints, sag, margin of what holds the piece down,
 mass, and length along an axis of a plank's own."""
 
-KINDS = ("reaction", *OF_PLANKS)
+KINDS = tuple(OF_PLANKS)
 """Kinds of quantities that furniture has."""
 
 ENDS = ("-x", "+x", "-y", "+y", "-z", "+z")

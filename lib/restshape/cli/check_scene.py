@@ -1,34 +1,26 @@
 """What a scene and an edit script hold, for people and for programs."""
 
 import argparse
-import math
 import sys
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+from pydantic import BaseModel
 
 from restshape.application import application
 from restshape.cli.options import print_table, read_scene, write_json
 from restshape.cli.quantity_words import quantity_rows
-from restshape.errors import ReplayProblem, UserError
-from restshape.mesh.regions import contains, loop_polygon
+from restshape.errors import UserError
 from restshape.mesh.sizing import refuse_endless
-from restshape.mesh.thickness import Thickness
-from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
-from restshape.scene.bodies import Body, Start
-from restshape.scene.expressions import Expression, Value
-from restshape.scene.model import Load, Material, Scene, Support
+from restshape.scene.model import Load, Scene, Support
+from restshape.scene.physics import Rows
 from restshape.scene.plan import Plan, plan
+from restshape.scene.scene_type import joined_sections
 from restshape.scene.script import Script, load_script
+from restshape.scene.words import keys_in_words, listing, with_symbol
 from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
-
-LOAD_UNITS = {"force": "N", "traction": "Pa", "pressure": "Pa", "body": "N/m^3"}
-
-GRID = 60
-"""Places in each direction at which a thickness is looked at."""
 
 
 def check(args: argparse.Namespace) -> int:
@@ -42,8 +34,8 @@ def check(args: argparse.Namespace) -> int:
         print_table(title, ("what", "held"), rows)
         return finish(args, scene, data)
     outline = starting_outline(scene)
-    check_supports(scene, outline)
-    check_thickness(scene, outline)
+    for physics in app.physics:
+        physics.checked_shape(scene, outline)
     if scene.mesh.size and not scene.mesh.file:
         try:
             refuse_endless(outline, scene.mesh.size, scene.mesh.near)
@@ -91,48 +83,6 @@ def starting_outline(scene: Scene) -> Outline:
     return outline
 
 
-def check_supports(scene: Scene, outline: Outline) -> None:
-    """Makes sure that the supports hold the body, as far as the outline shows.
-
-    Raises:
-        UserError: they leave it free to move, and its application is not one for free bodies, or for cloth that falls.
-    """
-    app = application(scene.app)
-    if app.layered or app.cloth:
-        return
-    points, masks = [np.zeros((0, 2))], [np.zeros((0, 2))]
-    for support in scene.supports.values():
-        for entity in map(outline.entity, support.on):
-            edges = {*entity.edges, *(edge for loop in entity.loops for edge, _ in outline.loops[loop].edges)}
-            found = np.concatenate([outline.points[list(entity.vertices)], *map(outline.polyline, edges)])
-            points.append(found)
-            masks.append(np.tile([axis in support.fix for axis in "xy"], (len(found), 1)))
-    body = np.concatenate([outline.points, *points])
-    check_rigid_body_modes(body, np.concatenate([np.zeros_like(outline.points), *masks]), scene)
-
-
-def check_thickness(scene: Scene, outline: Outline) -> None:
-    """Makes sure that thicknesses given by formulas are positive all over the outline.
-
-    Raises:
-        UserError: one is not, or is not a number, somewhere.
-    """
-    formulas = {name: m.thickness for name, m in scene.material.items() if isinstance(m.thickness, Expression)}
-    if not formulas:
-        return
-    low, high = outline.bounds()
-    axes = (np.linspace(a, b, GRID) for a, b in zip(low, high))
-    places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
-    border = loop_polygon(outline, outline.loops[0])
-    places = np.concatenate([border, places[contains(border, places)]])
-    for name, formula in formulas.items():
-        try:
-            Thickness(formula, scene.parameters).at(places)
-        except ReplayProblem as problem:
-            do = "change the formula, so that the body has a thickness everywhere"
-            raise scene.located(UserError(str(problem), f"material.{name}.thickness", do)) from problem
-
-
 def used_names(scene: Scene) -> list[tuple[str, str]]:
     """Every entity that the scene names, with the key that names it."""
     used = [(f"supports.{key}.on", name) for key, support in scene.supports.items() for name in support.on]
@@ -156,55 +106,33 @@ def held(scene: Scene, effects: Plan, outline: Outline) -> dict[str, Any]:
         "entities": names_of(outline),
         "area": float(outline.area()),
         "materials": list(scene.material),
-        **heft(scene, effects, outline),
+        **summed(scene, effects, outline)[0],
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
         "supports": {name: support.on for name, support in scene.supports.items()},
         "loads": {name: {"kind": load.kind, "on": load.on} for name, load in scene.loads.items()},
-        "bodies": {name: body.model_dump(exclude_none=True) for name, body in scene.bodies.items()},
-        "start": scene.start.model_dump() if scene.start else None,
+        **{key: plain(value) for key, value in scene.sections.items()},
         "warnings": list(effects.warnings),
-        "goals": list(scene.goal),
         "quantities": list(scene.quantities),
         "mesh": scene.mesh.model_dump(),
         "solve": scene.solve.model_dump(),
     }
 
 
-def made_of(material: Material) -> str:
-    """Stiffness, density and thickness of a material, for people."""
-    grain = material.orthotropic
-    if grain is None:
-        stiff = f"E {material.E:.6g} Pa, nu {material.nu:g}"
-    else:
-        moduli = ", ".join(f"{E:.4g}" for E in grain.E)
-        stiff = f"E {moduli} Pa along and across a grain at {math.degrees(material.grain):g} deg"
-    thickness = material.thickness
-    thick = f"thickness {thickness.text}" if isinstance(thickness, Expression) else f"{thickness:g} m thick"
-    known = f"{material.name}: " if material.name else ""
-    bends = "" if material.bending is None else f", bending {listing(material.bending)} N m"
-    return f"{known}{stiff}, rho {material.rho:g} kg/m^3, {thick}{bends}"
+def plain(value: Any) -> Any:
+    """A table as a scene would hold it."""
+    if isinstance(value, BaseModel):
+        return value.model_dump(exclude_none=True)
+    return {name: plain(one) for name, one in value.items()} if isinstance(value, dict) else value
 
 
-def heft(scene: Scene, effects: Plan, outline: Outline) -> dict[str, float]:
-    """Mass by area [kg/m^2] of cloth of one material, its ``mass`` [kg] and ``weight`` [N]; nothing of what is none."""
-    if not application(scene.app).cloth or len(scene.material) != 1:
-        return {}
-    (material,) = scene.material.values()
-    if isinstance(material.thickness, Expression) or material.region:
-        return {}
-    by_area = material.rho * material.thickness
-    mass = by_area * float(outline.area())
-    gravity = effects.settings("gravity")
-    return {"mass_by_area": by_area, "mass": mass, "weight": mass * (gravity.size if gravity else 0.0)}
-
-
-def weighed(scene: Scene, effects: Plan, outline: Outline) -> str:
-    """Mass and weight of cloth, for people; empty where they are not known."""
-    found = heft(scene, effects, outline)
-    if not found:
-        return ""
-    by_area = f"{1e3 * found['mass_by_area']:.4g} g/m^2, which is rho times thickness"
-    return f"mass {found['mass']:.4g} kg, weight {found['weight']:.4g} N; {by_area}"
+def summed(scene: Scene, effects: Plan, outline: Outline) -> tuple[dict[str, Any], Rows]:
+    """What the physics of a scene say besides: for programs, and as rows for people."""
+    data, rows = {}, []
+    for physics in application(scene.app).physics:
+        if physics.summed:
+            more, told = physics.summed(scene, effects, float(outline.area()))
+            data, rows = data | more, rows + told
+    return data, rows
 
 
 def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, str]]:
@@ -213,16 +141,12 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     plurals = {"vertex": "vertices", "edge": "edges", "hole": "holes", "region": "regions", "group": "groups"}
     rows = [(plurals[kind], listed(found)) for kind, found in names.items() if found or kind in ("vertex", "edge")]
     rows.append(("area", f"{outline.area():.6g} m^2"))
-    rows += [(f"material {name}", made_of(m)) for name, m in scene.material.items()]
-    rows += [("cloth", words)] if (words := weighed(scene, effects, outline)) else []
+    rows += [(f"material {name}", keys_in_words(m)) for name, m in scene.material.items()]
+    rows += summed(scene, effects, outline)[1]
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
     rows += [(f"support {name}", f"{fixed(s)} on {', '.join(s.on)}") for name, s in scene.supports.items()]
     rows += [(f"load {name}", f"{loaded(load)} on {', '.join(load.on)}") for name, load in scene.loads.items()]
-    rows += [(f"body {name}", touched(body)) for name, body in scene.bodies.items()]
-    rows += [("start", laid(scene.start))] if scene.start else []
-    rows += [
-        (f"goal {name}", f"a curve through {len(g.spline or g.polyline)} points") for name, g in scene.goal.items()
-    ]
+    rows += section_rows(scene)
     rows += quantity_rows(scene)
     mesh, solve = scene.mesh, scene.solve
     rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))
@@ -230,41 +154,32 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     return rows + [("warning", warning) for warning in effects.warnings]
 
 
+def section_rows(scene: Scene) -> list[tuple[str, str]]:
+    """A row for each table that the physics of a scene add, and that it has."""
+    rows = []
+    for key, section in joined_sections(application(scene.app).physics).items():
+        value, words = getattr(scene, key), section.words or keys_in_words
+        if section.named:
+            rows += [(f"{key} {name}", words(one)) for name, one in value.items()]
+        elif value is not None:
+            rows.append((key, words(value)))
+    return rows
+
+
 def fixed(support: Support) -> str:
     """What a support prescribes."""
-    if support.symmetry:
-        return f"plane of symmetry with the normal {support.symmetry}"
-    parts = [f"{axis} = {said(value)}{'' if value == 0 else ' m'}" for axis, value in support.fix.items()]
+    of = support.boundary
+    parts = [f"{key} = {listing(v) if v == 0 else with_symbol(v, of[key])}" for key, v in support.fix.items()]
+    others = {key: getattr(support, key) for key in type(support).model_fields if key not in ("on", "fix")}
+    parts += [f"{key} {listing(value)}" for key, value in others.items() if value is not None]
     return " and ".join(parts)
-
-
-def touched(body: Body) -> str:
-    """Kind, keys and friction of a body."""
-    form = body.form
-    keys = [f"{key} {listing(getattr(form, key))}" for key in type(form).model_fields]
-    return f"{body.kind}, {', '.join(keys)}, friction {said(body.friction)}"
-
-
-def laid(start: Start) -> str:
-    """Where cloth starts."""
-    moved = f"turned by {listing(start.turn)} rad about {listing(start.about)} m, moved by {listing(start.move)} m"
-    return moved + (f", scattered by {start.scatter:g} m with the seed {start.seed}" if start.scatter else "")
-
-
-def listing(value: Any) -> str:
-    """A number, a formula, or several of them in parentheses."""
-    return f"({', '.join(map(said, value))})" if isinstance(value, tuple) else said(value)
 
 
 def loaded(load: Load) -> str:
     """Kind and value of a load with its unit."""
     value = getattr(load, load.kind)
-    return f"{load.kind} {listing(value)} {LOAD_UNITS[load.kind]}"
-
-
-def said(value: Value) -> str:
-    """A number, or the text of a formula."""
-    return value.text if isinstance(value, Expression) else f"{value:.6g}"
+    words = keys_in_words(value) if isinstance(value, BaseModel) else with_symbol(value, load.kinds[load.kind].meaning)
+    return f"{load.kind} {words}"
 
 
 def listed(names: list[str], most: int = 12) -> str:

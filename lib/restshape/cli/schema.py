@@ -33,11 +33,10 @@ def run(args: argparse.Namespace) -> int:
 
 def scene_schema() -> dict[str, Any]:
     """The JSON schema of a scene, with the effects of all installed applications."""
-    from restshape.scene.extension import joined
-    from restshape.scene.registered import extended_applications
+    from restshape.scene.registered import checked_applications, installed_physics
+    from restshape.scene.scene_type import any_scene_type
 
-    extensions = [app.scene for app in extended_applications().values()]
-    schema = joined(extensions).scene_type.model_json_schema()
+    schema = any_scene_type(installed_physics(checked_applications().values())).model_json_schema()
     names = sorted(applications())
     schema["properties"]["app"] = {"enum": names, "title": "App"}
     effects = {name: _effect(name) for app in applications().values() for name in app.effects}
@@ -57,12 +56,12 @@ def script_schema() -> dict[str, Any]:
     """The JSON schema of one line of an edit script: the header, or an event of any installed application."""
     from pydantic import Field, TypeAdapter
 
-    from restshape.scene.registered import extended_applications
+    from restshape.scene.registered import checked_applications
     from restshape.scene.script import Event, Header, events_of
 
     lines = Header | Event
-    for app in extended_applications().values():
-        if app.scene.events:
+    for app in checked_applications().values():
+        if app.events:
             lines |= Annotated[reduce(or_, events_of(app).values()), Field(discriminator="do")]
     schema = TypeAdapter(lines).json_schema()
     title = "one line of a restshape edit script"

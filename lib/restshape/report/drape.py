@@ -13,7 +13,7 @@ from restshape.report.camera import Camera
 from restshape.report.style import length_unit, scaled_unit
 from restshape.report.tables import column
 from restshape.scene.bodies import Body
-from restshape.scene.body_columns import recorded_bodies
+from restshape.physics.cloth.body_columns import recorded_bodies
 
 TENSION = "tension"
 COLOURS = "YlGnBu"

@@ -13,7 +13,7 @@ from restshape.physics.elasticity.target_curves import goal_curve
 from restshape.replay.recording import Recording
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.style import BODY, COLOURS, GOAL, INK, MESH, length_unit, scaled_unit, si
-from restshape.scene.model import Goal
+from restshape.physics.elasticity.goal import Goal
 
 SHARE = 0.08
 FIELD_NAMES = {"von_mises": ("von Mises stress of the cells", "Pa")}

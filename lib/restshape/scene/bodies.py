@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import Field, model_validator
+from pydantic import BaseModel, Field, model_validator
 
 from restshape.scene.expressions import Expression
 from restshape.scene.units import UnitError
 from restshape.scene.values import Strict, number_of, only_one, value_of
+from restshape.scene.words import listing
 
 Place = tuple[value_of("length"), value_of("length"), value_of("length")]
 Direction = tuple[value_of("number"), value_of("number"), value_of("number")]
@@ -107,6 +109,11 @@ class Start(Strict):
     seed: Annotated[int, Field(ge=0)] = 0
 
 
+def bodies_of(scene: BaseModel) -> Mapping[str, Body]:
+    """The bodies of a scene by name; none where no physics of it has them."""
+    return getattr(scene, "bodies", {})
+
+
 def number(value: Any, parameters: dict[str, float]) -> float:
     """A value as a number.
 
@@ -146,3 +153,16 @@ def _refuse_flat(kind: str, form: Any) -> None:
     if kind == "box" and not 0.0 <= form.radius <= min(form.half):
         most = f"at least 0 and at most the smallest half size, {min(form.half):g} m"
         raise UnitError(f"the radius of the box's edges is {form.radius:g} m: it must be {most}")
+
+
+def body_words(body: Body) -> str:
+    """Kind, keys and friction of a body, for people."""
+    form = body.form
+    keys = [f"{key} {listing(getattr(form, key))}" for key in type(form).model_fields]
+    return f"{body.kind}, {', '.join(keys)}, friction {listing(body.friction)}"
+
+
+def start_words(start: Start) -> str:
+    """Where cloth starts, for people."""
+    moved = f"turned by {listing(start.turn)} rad about {listing(start.about)} m, moved by {listing(start.move)} m"
+    return moved + (f", scattered by {start.scatter:g} m with the seed {start.seed}" if start.scatter else "")

@@ -6,20 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from restshape.application import Application
-from restshape.scene.cloth_checks import check_cloth, formulas_of_bodies
+from restshape.scene.bodies import bodies_of
+from restshape.scene.dimensions import formulas
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
 from restshape.scene.model import EdgeLoop, Load, Scene
 from restshape.scene.permits import may_name
 from restshape.scene.source import Source, suggestion
-
-ALONG = ("edge", "hole", "region", "outline", "group")
-ACCEPTS = {
-    "force": (*ALONG, "vertex", "point"),
-    "traction": ALONG,
-    "pressure": ALONG,
-    "body": ("region", "all", "group"),
-}
-
 
 def check_scene(scene: Scene, application: Application, source: Source) -> None:
     """Checks all that needs neither geometry nor a mesh.
@@ -31,8 +23,9 @@ def check_scene(scene: Scene, application: Application, source: Source) -> None:
         _check_parameters(scene, source)
     else:
         _check_shaped(scene, application, source)
-    if application.scene and application.scene.check:
-        application.scene.check(scene, source)
+    for physics in application.physics:
+        if physics.check:
+            physics.check(scene, source)
 
 
 def _check_shaped(scene: Scene, application: Application, source: Source) -> None:
@@ -45,13 +38,8 @@ def _check_shaped(scene: Scene, application: Application, source: Source) -> Non
     _check_parameters(scene, source)
     _check_materials(scene, source)
     _check_references(scene, source)
-    _check_goals(scene, source)
     _check_formulas(scene, source)
     _check_mesh(scene, application, source)
-    _check_directions(scene, application, source)
-    _check_thickness(scene, application, source)
-    _check_grain(scene, application, source)
-    check_cloth(scene, application, source)
 
 
 def _check_names(scene: Scene, source: Source) -> None:
@@ -164,7 +152,7 @@ def _check_references(scene: Scene, source: Source) -> None:
     places |= {("mesh", "near", name): [name] for name in scene.mesh.near}
     for place, names in places.items():
         for name in names:
-            if name in scene.bodies and name not in kinds:
+            if name in bodies_of(scene) and name not in kinds:
                 what = f"{name!r} is a body, which cannot be named here"
                 raise source.error(place, what, f"name a part of the shape; the body's own keys are in [bodies.{name}]")
             _refuse_absent(name, kinds, "entity", place, source)
@@ -172,16 +160,9 @@ def _check_references(scene: Scene, source: Source) -> None:
         _check_load(name, load, kinds, source)
 
 
-def _check_goals(scene: Scene, source: Source) -> None:
-    """Refuses a distance from a goal that is not there."""
-    for name, quantity in scene.quantities.items():
-        if quantity.distance is not None:
-            _refuse_absent(quantity.distance, scene.goal, "goal", ("quantities", name, "distance"), source)
-
-
 def _check_load(name: str, load: Load, kinds: dict[str, str], source: Source) -> None:
     """Refuses a load on a kind of entity that it cannot act on."""
-    accepted = ACCEPTS[load.kind]
+    accepted = load.kinds[load.kind].on
     for entity in load.on:
         if kinds[entity] not in accepted:
             raise source.error(
@@ -192,31 +173,29 @@ def _check_load(name: str, load: Load, kinds: dict[str, str], source: Source) ->
 
 
 def _check_formulas(scene: Scene, source: Source) -> None:
-    """Refuses formulas that name what is neither a coordinate nor a parameter."""
-    places = [(("supports", n, "fix", axis), v) for n, s in scene.supports.items() for axis, v in s.fix.items()]
-    places += [(("material", n, "thickness"), m.thickness) for n, m in scene.material.items()]
-    for name, load in scene.loads.items():
-        value = getattr(load, load.kind)
-        places += [(("loads", name, load.kind), v) for v in (value if isinstance(value, tuple) else (value,))]
-    for place, value in [*places, *_closed_forms(scene, source)]:
-        unknown = value.unknown(scene.parameters) if isinstance(value, Expression) else None
-        if unknown:
+    """Refuses formulas that name what is neither a coordinate nor a parameter, and closed forms that name places."""
+    for name, quantity in scene.quantities.items():
+        refuse_places(("quantities", name, "exact"), quantity.exact, "a closed form", source)
+    for place, formula in formulas(scene):
+        if unknown := formula.unknown(scene.parameters):
             what, _, do = unknown.rpartition(": ")
             raise source.error(place, what, do)
 
 
-def _closed_forms(scene: Scene, source: Source) -> list[tuple[tuple[str, ...], Any]]:
-    """Places and values of closed forms of quantities, and of what holds for a body as a whole.
+def refuse_places(place: tuple[str, ...], value: Any, what: str, source: Source) -> None:
+    """Refuses a formula of places where one number is wanted.
+
+    Args:
+        place: its key.
+        value: a formula, or a number.
+        what: it is, for people.
+        source: for messages.
 
     Raises:
-        UserError: one of them is a formula of places.
+        UserError: it names a coordinate.
     """
-    found = [(("quantities", name, "exact"), quantity.exact) for name, quantity in scene.quantities.items()]
-    for what, places in (("a closed form", found), ("a number of a body", formulas_of_bodies(scene))):
-        for place, value in places:
-            if isinstance(value, Expression) and value.names.intersection(COORDINATES):
-                raise source.error(place, f"{what} is one number: it cannot name x or y", "use [parameters] only")
-    return [*found, *formulas_of_bodies(scene)]
+    if isinstance(value, Expression) and value.names.intersection(COORDINATES):
+        raise source.error(place, f"{what} is one number: it cannot name x or y", "use [parameters] only")
 
 
 def _check_mesh(scene: Scene, application: Application, source: Source) -> None:
@@ -237,37 +216,3 @@ def _check_mesh(scene: Scene, application: Application, source: Source) -> None:
         raise source.error(
             ("mesh", "levels"), f"the application {application.name!r} has one mesh only", "leave it out"
         )
-
-
-def _check_thickness(scene: Scene, application: Application, source: Source) -> None:
-    """Refuses a thickness that varies where the application has bodies in the plane only."""
-    for name, material in scene.material.items():
-        if isinstance(material.thickness, Expression) and not application.layered:
-            raise source.error(
-                ("material", name, "thickness"),
-                f"the application {application.name!r} knows one thickness a material only",
-                "give a number",
-            )
-
-
-def _check_grain(scene: Scene, application: Application, source: Source) -> None:
-    """Refuses a grain where the application knows isotropic materials only."""
-    for name, material in scene.material.items():
-        if material.orthotropic is not None and not (application.layered or application.cloth):
-            raise source.error(
-                ("material", name),
-                f"the application {application.name!r} knows isotropic materials only",
-                "give E and nu",
-            )
-
-
-def _check_directions(scene: Scene, application: Application, source: Source) -> None:
-    """Refuses supports in directions that the application does not know."""
-    for name, support in scene.supports.items():
-        for direction in support.fix:
-            if direction not in application.directions:
-                raise source.error(
-                    ("supports", name, "fix"),
-                    f"the application {application.name!r} knows no direction {direction!r}",
-                    f"use some of: {', '.join(application.directions)}",
-                )

@@ -11,9 +11,22 @@ from pydantic import BaseModel
 
 from restshape.scene.expressions import Expression
 from restshape.scene.source import Source
-from restshape.scene.units import DIMENSIONS, EXAMPLES, NUMBER_UNIT, Powers, UnitError, article, in_si, spelled, unit
+from restshape.scene.units import (
+    BASE,
+    DIMENSIONS,
+    EXAMPLES,
+    NONE,
+    NUMBER_UNIT,
+    UNITS,
+    ZEROS,
+    Powers,
+    UnitError,
+    article,
+    in_si,
+    spelled,
+    unit,
+)
 
-NONE: Powers = (0, 0, 0, 0, 0)
 Known = Powers | None
 """Powers of a value; None where nothing tells them, and any will do."""
 
@@ -36,7 +49,7 @@ def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) ->
     named = {name: powers for name, powers in named.items() if powers is not None}
     if not named:
         return
-    for key, formula in _formulas(scene, ()):
+    for key, formula in formulas(scene):
         if not formula.names.intersection(named):
             continue
         example = EXAMPLES.get(formula.wanted or "", '"12 mm"')
@@ -54,29 +67,31 @@ def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) ->
 def _powers(value: Any) -> Known:
     """The powers of a parameter that is written with a unit."""
     match = NUMBER_UNIT.match(value) if isinstance(value, str) else None
-    return _plain(unit(match[2])[1]) if match and match[2] else None
+    if not (match and match[2]):
+        return None
+    return _plain((UNITS["K"] if match[2].strip() in ZEROS else unit(match[2]))[1])
 
 
 def _plain(powers: Powers) -> Powers:
     """Powers without that of radians: arcs are lengths."""
-    return (*powers[:4], 0)
+    return tuple(0 if base == "rad" else power for base, power in zip(BASE, powers))
 
 
-def _formulas(value: Any, key: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Expression]]:
+def formulas(value: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Expression]]:
     """All formulas of a model, each with its key."""
     if isinstance(value, Expression):
         yield key, value
     elif isinstance(value, BaseModel):
         for name, field in type(value).model_fields.items():
-            yield from _formulas(getattr(value, name), (*key, field.alias or name))
+            yield from formulas(getattr(value, name), (*key, field.alias or name))
         for name, extra in (value.model_extra or {}).items():
-            yield from _formulas(extra, (*key, name))
+            yield from formulas(extra, (*key, name))
     elif isinstance(value, Mapping):
         for name, one in value.items():
-            yield from _formulas(one, (*key, str(name)))
+            yield from formulas(one, (*key, str(name)))
     elif isinstance(value, list | tuple):
         for one in value:
-            yield from _formulas(one, key)
+            yield from formulas(one, key)
 
 
 @lru_cache(maxsize=4096)

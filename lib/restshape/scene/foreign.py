@@ -1,14 +1,16 @@
-"""Keys of a scene that belong to another application than its own."""
+"""Keys of a scene that belong to the physics of other applications than its own."""
 
 from typing import Any
 
 from restshape.application import Application
-from restshape.scene.registered import extended_applications
+from restshape.errors import UserError
+from restshape.scene.declared_keys import declared_keys, known_keys, names_of, written_keys
+from restshape.scene.registered import checked_applications
 from restshape.scene.source import Source
 
 
 def refuse_foreign(raw: dict[str, Any], application: Application, source: Source) -> None:
-    """Refuses tables and quantities that only other applications have.
+    """Refuses keys that only other applications have.
 
     Args:
         raw: plain tables of a scene.
@@ -18,21 +20,30 @@ def refuse_foreign(raw: dict[str, Any], application: Application, source: Source
     Raises:
         UserError: the first of them; it names an application that has it.
     """
-    own = application.scene
-    quantities = raw.get("quantities")
-    held = quantities.items() if isinstance(quantities, dict) else ()
-    for other in extended_applications().values():
-        if other.scene is own:
+    known = known_keys(application.physics)
+    for what, key, place in written_keys(raw):
+        if key in known[what]:
             continue
-        tables = [key for key in other.scene.sections if key in raw and not (own and key in own.sections)]
-        kinds = [kind for kind in other.scene.quantities if not (own and kind in own.quantities)]
-        places = [((key,), f"table {key!r}") for key in tables]
-        places += [
-            (("quantities", name, kind), f"quantity of the kind {kind!r}")
-            for name, keys in held
-            for kind in kinds
-            if isinstance(keys, dict) and kind in keys
-        ]
-        for key, what in places:
-            do = f'leave it out, or use app = "{other.name}"'
-            raise source.error(key, f"the application {application.name!r} has no {what}", do)
+        for other in checked_applications().values():
+            owner = next((one for one in other.physics if key in declared_keys(one)[what]), None)
+            if owner is not None:
+                first = next(iter(raw[key]), None) if what == "table" and owner.sections[key].named else None
+                raise _error(what, key, (*place, first) if first else place, application, other, source)
+
+
+def _error(
+    what: str, key: str, place: tuple[str, ...], application: Application, other: Application, source: Source
+) -> UserError:
+    """The error of a key that another application has."""
+    instead = [one.instead[place[0]] for one in application.physics if place[0] in one.instead]
+    own = names_of(application.physics, what)
+    if instead:
+        do = instead[0]
+    elif what == "direction":
+        do = f"use some of: {', '.join(own)}"
+    elif what.endswith("kind") and own:
+        do = f'use one of: {", ".join(own)}, or app = "{other.name}"'
+    else:
+        do = f'leave it out, or use app = "{other.name}"'
+    told = f"knows no {what} {key!r}" if what == "direction" else f"has no {what} {key!r}"
+    return source.error(place, f"the application {application.name!r} {told}", do)

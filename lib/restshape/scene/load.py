@@ -16,10 +16,11 @@ from restshape.scene.foreign import refuse_foreign
 from restshape.scene.model import FORMAT, VERSION, Scene
 from restshape.scene.plan import plan
 from restshape.scene.problems import user_error
-from restshape.scene.registered import extended_applications
+from restshape.scene.registered import checked_applications, installed_physics
+from restshape.scene.scene_type import joined_sections, scene_type
 from restshape.scene.source import Source, read_text, split_key, suggestion
 
-NAMED = ("parameters", "material", "supports", "loads", "bodies", "goal", "quantities")
+NAMED = ("parameters", "material", "supports", "loads", "quantities")
 NAMED_OF_SHAPE = ("vertices", "edges", "holes", "regions", "points", "groups")
 
 
@@ -160,8 +161,8 @@ def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str) -> No
 
 def _named_tables() -> set[tuple[str, ...]]:
     """Keys of tables whose own keys are names that a scene gives."""
-    extensions = [app.scene for app in extended_applications().values()]
-    added = (key for extension in extensions for key, section in extension.sections.items() if section.named)
+    physics = installed_physics(checked_applications().values())
+    added = (key for key, section in joined_sections(physics).items() if section.named)
     return {*((key,) for key in (*NAMED, *added)), *(("shape", key) for key in NAMED_OF_SHAPE)}
 
 
@@ -193,7 +194,7 @@ def _scene(raw: dict[str, Any], source: Source) -> Scene:
     app = application(named, f"{source.path.name}: app") if isinstance(named, str) else None
     if app:
         refuse_foreign(raw, app, source)
-    kind = app.scene.scene_type if app and app.scene else Scene
+    kind = scene_type(app.physics) if app else Scene
     try:
         scene = kind.model_validate(raw)
     except ValidationError as error:

@@ -1,6 +1,7 @@
 """Materials that scenes may name, from `materials.toml` beside this module."""
 
 import tomllib
+from collections.abc import Collection, Mapping
 from importlib.resources import files
 from typing import Any
 
@@ -10,12 +11,21 @@ MATERIALS: dict[str, dict[str, Any]] = tomllib.loads((files(__package__) / "mate
 NAMES = tuple(MATERIALS)
 
 
-def named(raw: Any) -> Any:
-    """The tables of a material with the values of the material that they name; values of their own come first."""
-    if not isinstance(raw, dict) or raw.get("name") not in MATERIALS:
+def named(raw: Any, known: Mapping[str, Mapping[str, Any]], keys: Collection[str]) -> Any:
+    """The tables of a material with the values of the material that they name; values of their own come first.
+
+    Args:
+        raw: what a scene holds.
+        known: values by name.
+        keys: that the material may have: other values are left out.
+    """
+    name = raw.get("name") if isinstance(raw, dict) else None
+    if not isinstance(name, str) or name not in known:
         return raw
-    known = {key: value for key, value in MATERIALS[raw["name"]].items() if key != "source"}
-    ours, theirs = raw.get("orthotropic"), known.get("orthotropic")
-    if isinstance(ours, dict) and isinstance(theirs, dict):
-        return known | raw | {"orthotropic": theirs | ours}
-    return known | raw
+    values = {key: value for key, value in known[name].items() if key in keys}
+    inner = {
+        key: value | raw[key]
+        for key, value in values.items()
+        if isinstance(value, dict) and isinstance(raw.get(key), dict)
+    }
+    return values | raw | inner

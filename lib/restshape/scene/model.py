@@ -1,28 +1,25 @@
 """What a scene holds, as validated models."""
 
-from itertools import pairwise
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Discriminator,
     Field,
     PrivateAttr,
     Tag,
-    WithJsonSchema,
     model_validator,
 )
 
 from restshape.errors import UserError
-from restshape.scene.bodies import Body, Start
-from restshape.scene.expressions import Expression, Value
-from restshape.scene.materials import NAMES, named
+from restshape.scene.materials import MATERIALS, NAMES, named
+from restshape.scene.load_kind import LoadKind
 from restshape.scene.quantity import Quantity
 from restshape.scene.source import Source, split_key
 from restshape.scene.units import UnitError, quantity
-from restshape.scene.values import Entities, Length, Name, Point, Strict, number_of, only_one, value_of
+from restshape.scene.values import Entities, Length, Name, Point, Strict, number_of, only_one
 
 FORMAT = "restshape-scene"
 VERSION = 1
@@ -162,166 +159,57 @@ class ShapeSpec(Strict):
         return kinds | {"outline": "outline", "all": "all"}
 
 
-def _refuse_flat(value: Value) -> Value:
-    """The thickness, unless it is a number that is not positive."""
-    if not isinstance(value, Expression) and value <= 0.0:
-        raise UnitError(f"a thickness is greater than 0, not {value:g}")
-    return value
-
-
-def _read_bending(raw: Any) -> float | tuple[float, float]:
-    """One bending stiffness, or two, along and across the grain."""
-    given = raw if isinstance(raw, (list, tuple)) else [raw, raw]
-    if len(given) != 2:
-        raise UnitError(f"two bending stiffnesses are wanted, along and across the grain, or one, not {len(given)}")
-    along, across = (quantity(value, "moment") for value in given)
-    if min(along, across) < 0.0:
-        raise UnitError(f"{min(along, across):g} is too small: a bending stiffness must be at least 0")
-    return along if given is not raw else (along, across)
-
-
-Bending = Annotated[
-    float | tuple[float, float],
-    BeforeValidator(_read_bending),
-    WithJsonSchema(
-        {
-            "anyOf": [{"type": kind} for kind in ("number", "string", "array")],
-            "description": 'in N m, such as "5e-6 N m", or two along and across the grain',
-        }
-    ),
-]
-Modulus = Annotated[number_of("pressure"), Field(gt=0)]
-Ratio = number_of("number")
-
-
-class Orthotropic(Strict):
-    """``{ E = [E1, E2, E3], nu = [nu12, nu13, nu23], G = [G12, G13, G23] }``: stiffness along and across a grain.
-
-    1 is along the grain, 2 across it in the plane, 3 through the thickness; nu12 is how much 2 contracts where 1 is
-    pulled.
-    """
-
-    E: tuple[Modulus, Modulus, Modulus]
-    nu: tuple[Ratio, Ratio, Ratio]
-    G: tuple[Modulus, Modulus, Modulus]
-
-    @model_validator(mode="after")
-    def _resists(self) -> Self:
-        # The strain energy is positive: Jones, Mechanics of Composite Materials, 2nd edition, 1999, section 2.4.
-        (E1, E2, E3), (n12, n13, n23) = self.E, self.nu
-        couplings = (n12**2 * E2 / E1, n13**2 * E3 / E1, n23**2 * E3 / E2)
-        if max(couplings) >= 1 or sum(couplings) + 2 * n12 * n13 * n23 * E3 / E1 >= 1:
-            raise UnitError("with these ratios nu some strains would set energy free: make them smaller")
-        return self
-
-
 class Material(Strict):
     """``[material.NAME]``: what a body is made of; without ``region`` it fills what no other material does.
 
-    Isotropic by ``E`` and ``nu``, or ``orthotropic`` with a ``grain`` at an angle from x towards y. ``name`` takes all
-    of these and the density from a material that is known; what is given besides comes before that. Cloth bends by
-    E thickness^3/(12 (1 - nu^2)) [N m], or by ``bending``; two values are those along and across the grain.
+    ``name`` takes the values of a material that is known; what is given besides comes before that.
     """
 
+    known: ClassVar[Mapping[str, Mapping[str, Any]]] = MATERIALS
+
     name: Literal[NAMES] | None = None
-    E: Modulus | None = None
-    nu: Annotated[Ratio, Field(gt=-1, lt=0.5)] | None = None
-    orthotropic: Orthotropic | None = None
-    grain: number_of("angle") = 0.0
-    rho: Annotated[number_of("density"), Field(ge=0)] = 0.0
-    thickness: Annotated[value_of("length"), AfterValidator(lambda value: _refuse_flat(value))] = 1.0
-    bending: Bending | None = None
     region: Entities | None = None
 
     @model_validator(mode="before")
     @classmethod
     def _take_the_named(cls, raw: Any) -> Any:
-        return named(raw)
-
-    @model_validator(mode="after")
-    def _is_stiff_in_one_way(self) -> Self:
-        missing = [key for key in ("E", "nu") if getattr(self, key) is None]
-        if self.orthotropic is None:
-            if missing:
-                raise UnitError(f"the key {missing[0]!r} is missing: add it, or name a material: {', '.join(NAMES)}")
-            if self.grain:
-                raise UnitError("an isotropic material has no grain: leave it out, or add orthotropic")
-        elif len(missing) < 2:
-            raise UnitError("E and nu are of isotropic materials: set orthotropic.E and orthotropic.nu instead")
-        if isinstance(self.bending, tuple) and self.orthotropic is None:
-            raise UnitError("an isotropic material has one bending stiffness: give one, or add orthotropic")
-        return self
+        return named(raw, cls.known, cls.model_fields)
 
 
-Displacement = value_of("length")
-
-
-def _read_fix(raw: Any) -> Any:
-    """Directions that are held, as a table of displacements."""
-    if isinstance(raw, list) and raw and all(isinstance(direction, str) for direction in raw):
+def read_fix(raw: Any) -> Any:
+    """What is constrained, as a table of values."""
+    if isinstance(raw, list) and raw and all(isinstance(component, str) for component in raw):
         return dict.fromkeys(raw, 0.0)
     if not isinstance(raw, dict) or not raw:
         raise UnitError(f'directions such as ["x", "y"], or a table such as {{ x = 0, y = "1 mm" }}, not {raw!r}')
     return raw
 
 
-DIRECTIONS = ("x", "y", "z", "rx", "ry", "slope")
-
-
 class Support(Strict):
-    """``[supports.NAME]``: where and in which directions the displacement is given.
+    """``[supports.NAME]``: where, and to which values, unknowns are constrained: ``fix = ["x"]``, or ``{ x = 0 }``."""
 
-    z is normal to the plane, rx and ry are turns about x and y: for bodies that have them. Cloth may be clamped at an
-    edge, "slope", across which its direction then stays; ``symmetry`` instead of fix puts an edge on a plane of
-    symmetry with the normal x or y.
-    """
+    boundary: ClassVar[Mapping[str, str]] = {}
 
     on: Entities
-    fix: Annotated[
-        dict[Literal[DIRECTIONS], Displacement],
-        BeforeValidator(_read_fix),
-        WithJsonSchema(
-            {
-                "anyOf": [{"type": "array", "items": {"enum": list(DIRECTIONS)}}, {"type": "object"}],
-                "description": "directions",
-            }
-        ),
-    ] = {}
-    symmetry: Literal["x", "y"] | None = None
+    fix: Annotated[dict[str, Any], BeforeValidator(read_fix)] = {}
 
     @model_validator(mode="after")
-    def _is_one_kind(self) -> Self:
-        if not self.fix and self.symmetry is None:
+    def _says_something(self) -> Self:
+        if not any(getattr(self, key) for key in type(self).model_fields if key != "on"):
             raise UnitError("the key 'fix' is missing: add it")
-        if self.fix and self.symmetry is not None:
-            raise UnitError("a support has fix or symmetry, not both: make it two supports")
-        if self.fix.get("slope", 0.0) != 0.0:
-            raise UnitError("a slope is held as it is, and has no displacement: write slope = 0")
         return self
 
 
-Force = tuple[value_of("force"), value_of("force")]
-Traction = tuple[value_of("pressure"), value_of("pressure")]
-BodyForce = tuple[value_of("body force"), value_of("body force")]
-
-
 class Load(Strict):
-    """``[loads.NAME]``: a force [N], a dead traction [Pa], a pressure [Pa], or a body force [N/m^3].
+    """``[loads.NAME]``: what acts on a part of the shape; of one kind."""
 
-    A force on an edge is a total, spread evenly; a pressure acts along the inward normal.
-    """
-
-    kinds: ClassVar[tuple[str, ...]] = ("force", "traction", "pressure", "body")
+    kinds: ClassVar[Mapping[str, LoadKind]] = {}
 
     on: Entities
-    force: Force | None = None
-    traction: Traction | None = None
-    pressure: value_of("pressure") | None = None
-    body: BodyForce | None = None
 
     @property
     def kind(self) -> str:
-        """Which of force, traction, pressure and body this load is."""
+        """Which of the kinds this load is."""
         return only_one(self, self.kinds)
 
     @model_validator(mode="after")
@@ -363,27 +251,10 @@ class SolveSpec(Strict):
     factor_memory: Annotated[float, Field(gt=0)] = 4e9
 
 
-class Goal(Strict):
-    """``[goal.NAME]``: a curve in the plane that a deformed shape is measured against, through points [m] in order.
-
-    ``spline`` is a cubic spline through them, ``polyline`` straight pieces between them.
-    """
-
-    spline: Annotated[list[Point], Field(min_length=2)] | None = None
-    polyline: Annotated[list[Point], Field(min_length=2)] | None = None
-
-    @model_validator(mode="after")
-    def _is_one_curve(self) -> Self:
-        points = getattr(self, only_one(self, ("spline", "polyline")))
-        if any(a == b for a, b in pairwise(points)):
-            raise UnitError("two points of a goal that follow each other are the same")
-        return self
-
-
 class Scene(Strict):
     """A whole scene: object, material, effects, supports, loads, mesh, solution and what is observed.
 
-    Applications add tables of their own: `scene.extension.SceneExtension`.
+    Physics add keys and tables of their own: `scene.physics.Physics`.
     """
 
     format: Literal["restshape-scene"]
@@ -396,9 +267,6 @@ class Scene(Strict):
     effects: dict[str, dict[str, Any]] = {}
     supports: dict[Name, Support] = {}
     loads: dict[Name, Load] = {}
-    bodies: dict[Name, Body] = {}
-    start: Start | None = None
-    goal: dict[Name, Goal] = {}
     mesh: MeshSpec = MeshSpec()
     solve: SolveSpec = SolveSpec()
     quantities: dict[Name, Quantity] = {}
@@ -418,7 +286,7 @@ class Scene(Strict):
 
     @property
     def sections(self) -> dict[str, Any]:
-        """The tables that the scene's application adds, by key, with defaults filled in."""
+        """The tables that the scene's physics add, by key, with defaults filled in."""
         return {key: getattr(self, key) for key in type(self).model_fields if key not in Scene.model_fields}
 
     @property

@@ -6,9 +6,8 @@ from pydantic import BaseModel
 
 from restshape.application import Application, Deciding, Decision, Implied
 from restshape.errors import UserError
-from restshape.scene.implied import LARGE
 from restshape.scene.model import Scene
-from restshape.scene.solver import SolverPlan, solver_plan
+from restshape.scene.solver import SolverPlan, joint
 
 
 @dataclass(frozen=True)
@@ -85,8 +84,8 @@ def plan(scene: Scene, application: Application) -> Plan:
         tolerances += [decision.tolerance] if decision.tolerance is not None else []
     on = frozenset(effect.name for effect in planned if effect.on)
     implied = tuple(_implied(name, effect, scene, on) for name, effect in application.implied.items())
-    planner = application.own_solver() or solver_plan
-    solver = planner(scene, on, {effect.name: effect.settings for effect in planned})
+    settings = {effect.name: effect.settings for effect in planned}
+    solver = joint([physics.solver(scene, on, settings) for physics in application.physics])
     usual = (application.orders[0], f"the usual one of {application.name}")
     order, order_why = next((asked for asked in orders if asked[0] in application.orders), usual)
     tolerance = min(tolerances, default=None)
@@ -109,25 +108,22 @@ def refuse_switched(old: Scene, new: Scene, application: Application) -> None:
     """Refuses an edit from one scene to another that switches an effect with which the analysis is another one.
 
     Raises:
-        UserError: such an effect is on in one of them only, or other pressures follow the boundary, or elsewhere.
+        UserError: such an effect is on in one of them only, or something differs that the physics say is invariant.
     """
     for name, effect in application.effects.items():
         if effect.fixed and not effect.required and (name in old.effects) != (name in new.effects):
             way = "off" if name in old.effects else "on"
             do = f"make it two scenes, one with [effects.{name}] and one without"
             raise UserError(f"the effect {name!r} cannot be switched {way} during an edit", do=do)
-    if _followers(old, application) != _followers(new, application):
-        raise UserError(
-            "which pressures follow the boundary, and where, cannot change during an edit",
-            do="make it two scenes, or give the load in both and set it to 0",
-        )
+    for invariant in (one for physics in application.physics for one in physics.invariants):
+        before, after = (invariant.of(one, _on(one, application)) for one in (old, new))
+        if before != after:
+            raise UserError(invariant.what, do=invariant.do)
 
 
-def _followers(scene: Scene, application: Application) -> dict[str, list[str]]:
-    """Where each pressure acts that follows the boundary: the pattern of the tangent depends on it."""
-    if not plan(scene, application).on(LARGE):
-        return {}
-    return {name: list(load.on) for name, load in scene.loads.items() if load.pressure is not None}
+def _on(scene: Scene, application: Application) -> frozenset[str]:
+    """Names of the effects that are on."""
+    return frozenset(name for name, effect in application.effects.items() if effect.required or name in scene.effects)
 
 
 def _decision(settings: BaseModel, scene: Scene) -> Decision:

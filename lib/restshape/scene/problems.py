@@ -1,11 +1,12 @@
 """Validation errors of pydantic, told in plain words."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
+from typing_extensions import is_typeddict
 
 from restshape.errors import UserError
 from restshape.scene.source import Source, suggestion
@@ -155,13 +156,22 @@ def known_keys(root: Any, location: Sequence[str | int]) -> list[str]:
         kind = _step(kind, part)
         if kind is None:
             return []
-    kind = _models(kind)
-    return [field.alias or name for model in kind for name, field in model.model_fields.items()]
+    if components := _components(kind):
+        return list(components)
+    return [field.alias or name for model in _models(kind) for name, field in model.model_fields.items()]
+
+
+def _components(kind: Any) -> Mapping[str, Any]:
+    """The annotations of a table that is no model, by key."""
+    inner = get_args(kind)[0] if get_origin(kind) is Annotated else kind
+    return inner.__annotations__ if is_typeddict(inner) else {}
 
 
 def _step(kind: Any, part: str | int) -> Any:
     """The annotation one key further in, or None."""
     origin, arguments = get_origin(kind), get_args(kind)
+    if components := _components(kind):
+        return components.get(part)
     if origin is Annotated:
         return _step(arguments[0], part)
     if isinstance(kind, type) and issubclass(kind, BaseModel):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -9,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, ValidationInfo, WithJsonSchema, create_model, field_validator, model_validator
 
 from restshape.scene.expressions import Expression, Value
-from restshape.scene.units import UnitError, quantity, reads_as_quantity
+from restshape.scene.units import SYMBOLS, UnitError, article, quantity, reads_as_quantity
 from restshape.scene.values import Strict, only_one
 
 
@@ -22,71 +23,45 @@ class QuantityKind:
         dimension: of its values, one of `units.DIMENSIONS`.
         take: how values become one where the scene does not say.
         whole: it belongs to the whole body, not to a place.
+        summary: what it is, for people.
+        takes: how values may become one; empty: in any way.
     """
 
     value: Any
     dimension: str
     take: str
     whole: bool = False
+    summary: str = ""
+    takes: tuple[str, ...] = ()
+
+    @property
+    def meaning(self) -> tuple[Any, ...]:
+        """What it is in all physics that have it: they may differ in what may be chosen."""
+        return self.dimension, self.take, self.whole
 
 
 LIMIT_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string"}], "description": "in SI units, or such as 180 MPa"}
 EXACT_SCHEMA = LIMIT_SCHEMA | {"description": "in SI units, such as 180 MPa, or a formula of the parameters"}
 
-LIMIT_UNITS = {
-    "length": "m",
-    "force": "N",
-    "pressure": "Pa",
-    "moment": "J",
-    "area": "m^2",
-    "frequency": "Hz",
-    "mass": "kg",
-}
-"""SI units of dimensions; what is not here has none."""
-
-
 def with_unit(dimension: str, value: float, digits: int = 6) -> str:
     """The value of a quantity of a dimension with its unit, lengths below a metre in millimetres."""
-    unit = LIMIT_UNITS.get(dimension, "")
+    unit = SYMBOLS[dimension]
     factor, unit = (1e3, "mm") if unit == "m" and 0.0 < abs(value) < 1.0 else (1.0, unit)
     return f"{factor * value:.{digits}g} {unit}".rstrip()
 
 
-class CoreKeys(Strict):
-    """The kinds that quantities have in every application."""
-
-    displacement: Literal["x", "y", "z", "magnitude"] | None = None
-    reaction: Literal["x", "y", "z"] | None = None
-    stress: Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"] | None = None
-    energy: Literal["strain", "kinetic", "total", "edit", "remesh", "membrane", "bending", "potential"] | None = None
-    area: Literal[True] | None = None
-    distance: str | None = None
-    frequency: Annotated[int, Field(ge=1)] | None = None
-    mode: Annotated[int, Field(ge=1)] | None = None
-    load_factor: Annotated[int, Field(ge=1)] | None = None
+CORE = {"area": QuantityKind(Literal[True], "area", "sum", summary="the area of the shape, or of a part of it")}
+"""The kinds that quantities of all scenes may have."""
 
 
-def _core(key: str, dimension: str, take: str, whole: bool = False) -> tuple[str, QuantityKind]:
-    return key, QuantityKind(CoreKeys.model_fields[key].annotation, dimension, take, whole)
+class Quantity(Strict):
+    """``[quantities.NAME]``: one number a frame; ``take`` says how many values become one.
 
-
-CORE: dict[str, QuantityKind] = dict(
-    (
-        _core("displacement", "length", "mean"),
-        _core("reaction", "force", "sum"),
-        _core("stress", "pressure", "max"),
-        _core("energy", "moment", "sum"),
-        _core("area", "area", "sum"),
-        _core("distance", "length", "mean"),
-        _core("frequency", "frequency", "sum", True),
-        _core("mode", "frequency", "sum", True),
-        _core("load_factor", "number", "sum", True),
-    )
-)
-
-
-class Options(Strict):
-    """What a quantity of any kind may say."""
+    With a ``limit`` the quantity gives a verdict: it holds as long as its value is not above; with ``at_least``, as
+    long as it is not below. ``exact`` is its value on the first shape by a closed form, a number or a formula of the
+    parameters, which studies of accuracy count errors from.
+    "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
+    """
 
     kinds: ClassVar[Mapping[str, QuantityKind]] = {}
 
@@ -113,7 +88,7 @@ class Options(Strict):
 
     @property
     def kind(self) -> str:
-        """Which of displacement, reaction, stress, energy, area, distance and the rest this quantity is."""
+        """Which of the kinds this quantity is."""
         return only_one(self, self.kinds)
 
     @property
@@ -131,41 +106,19 @@ class Options(Strict):
 
     @model_validator(mode="after")
     def _is_one_kind(self) -> Self:
-        only_one(self, self.kinds)
-        return self
-
-
-class Quantity(Options, CoreKeys):
-    """``[quantities.NAME]``: one number a frame; ``take`` says how many values become one.
-
-    ``distance = "NAME"`` is the distance between a goal and the deformed edges, counted from both: "mean" is half the
-    mean along the edges of their distance from the goal plus half the mean along the goal of its distance from them.
-    ``frequency = 2`` is the second lowest frequency, ``mode = 2`` that of the mode that was the second one at the
-    start, wherever it has gone since.
-    ``load_factor = 1`` is the lowest multiple of all loads at which the body buckles; infinite where there is none.
-    With a ``limit`` the quantity gives a verdict: it holds as long as its value is not above; with ``at_least``, as
-    long as it is not below. ``exact`` is its value on the first shape by a closed form, a number or a formula of the
-    parameters, which studies of accuracy count errors from.
-
-    "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
-    Energies: "strain", "kinetic" (relative to the ground), "total" of both, "edit" (work of all edits so far) and
-    "remesh" (what carrying the motion to new meshes has added so far); all but the first are for what moves. Those of
-    cloth: "membrane", "bending", "strain" (both) and "potential" (with weight and contact).
-    """
-
-    kinds: ClassVar[Mapping[str, QuantityKind]] = CORE
-
-    @model_validator(mode="after")
-    def _is_mean_or_max_of_a_distance(self) -> Self:
-        if self.distance is not None and self.take not in ("mean", "max"):
-            raise UnitError(f'a distance is taken as "mean" or "max", not as {self.take!r}')
+        kind = only_one(self, self.kinds)
+        takes = self.kinds[kind].takes
+        if takes and self.take not in takes:
+            raise UnitError(f"{article(kind)} is taken as {' or '.join(map(json.dumps, takes))}, not as {self.take!r}")
         return self
 
 
 def quantity_type(kinds: Mapping[str, QuantityKind]) -> type[Quantity]:
-    """The model of quantities that may be of these kinds too."""
+    """The model of quantities that may be of these kinds, and of those that all scenes have."""
+    kinds = {**kinds, **CORE}
     # Fields of the last base come first: a limit is read by the kind that has been read before it.
-    keys = create_model("Keys", __base__=Strict, **{key: (kind.value | None, None) for key, kind in kinds.items()})
+    fields = {key: (kind.value | None, Field(None, description=kind.summary or None)) for key, kind in kinds.items()}
+    keys = create_model("Keys", __base__=Strict, **fields)
     made = create_model("Quantity", __base__=(Quantity, keys), __doc__=Quantity.__doc__)
-    made.kinds = {**CORE, **kinds}
+    made.kinds = kinds
     return made

@@ -1,22 +1,67 @@
 """Installed applications, each key of whose scenes has one meaning."""
 
+from collections.abc import Iterable
 from functools import cache
+from typing import Any, NoReturn
 
 from restshape.application import Application, applications
-from restshape.scene.extension import refuse_clashes
+from restshape.errors import UserError
+from restshape.scene.declared_keys import core_keys, declared_keys
+from restshape.scene.physics import Physics
 from restshape.scene.script import shared_events
 
 
 @cache
-def extended_applications() -> dict[str, Application]:
-    """The installed applications that add to scenes, by name.
+def checked_applications() -> dict[str, Application]:
+    """The installed applications by name.
 
     Raises:
-        UserError: two of them give one key different meanings.
+        UserError: two physics, of one application or of several, give one key different meanings.
     """
-    extended = {name: app for name, app in applications().items() if app.scene}
-    refuse_clashes(
-        {name: app.scene for name, app in extended.items()},
-        {name: shared_events(app) for name, app in extended.items()},
-    )
-    return extended
+    known = applications()
+    refuse_clashes(installed_physics(known.values()))
+    for app in known.values():
+        _refuse_clashes_within(app)
+    return known
+
+
+def installed_physics(applications: Iterable[Application]) -> list[Physics]:
+    """The physics of applications, each once."""
+    return list(dict.fromkeys(one for app in applications for one in app.physics))
+
+
+def refuse_clashes(physics: Iterable[Physics]) -> None:
+    """Makes sure that each key of scenes has one meaning.
+
+    Raises:
+        UserError: two physics declare a key with different meanings, or one declares what all scenes have.
+    """
+    core = core_keys()
+    owners: dict[tuple[str, str], tuple[str, Any]] = {}
+    for one in physics:
+        for what, meanings in declared_keys(one).items():
+            for key, meaning in meanings.items():
+                if key in core[what]:
+                    _refuse(one.name, what, key, "every scene has one")
+                owner, known = owners.setdefault((what, key), (one.name, meaning))
+                if known != meaning:
+                    _refuse(one.name, what, key, f"{owner!r} does too")
+
+
+def _refuse_clashes_within(app: Application) -> None:
+    """Makes sure that each effect, event and column of an application is that of one of its physics."""
+    owners: dict[tuple[str, str], tuple[str, Any]] = {}
+    shared = shared_events(app)
+    for one in app.physics:
+        for key, model in one.events.items():
+            if shared.get(key, model) is not model:
+                _refuse(one.name, "event", key, "its edit scripts have one")
+        for what, added in (("event", one.events), ("effect", one.effects)):
+            for key, meaning in added.items():
+                owner, known = owners.setdefault((what, key), (one.name, meaning))
+                if known is not meaning:
+                    _refuse(one.name, what, key, f"{owner!r} does too")
+
+
+def _refuse(name: str, what: str, key: str, other: str) -> NoReturn:
+    raise UserError(f"{name!r} adds the {what} {key!r}, and {other}", name, "give one another key, or uninstall it")

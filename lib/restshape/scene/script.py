@@ -10,7 +10,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from restshape.application import Application, application
 from restshape.errors import UserError
-from restshape.scene.bodies import POINTS, Body
+from restshape.scene.bodies import POINTS, Body, bodies_of
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
 from restshape.scene.problems import user_error
@@ -247,7 +247,7 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
     if not lines:
         raise UserError("the edit script is empty", path.name, _first_line())
     known = EVENTS if scene is None else events_of(application(scene.app))
-    bodies = scene.bodies if scene is not None else {}
+    bodies = bodies_of(scene) if scene is not None else {}
     reader = _Reader(path, text.endswith("\n"), lines[-1][0], known, bodies)
     header = reader.header(*lines[0])
     _check_analysis(header, scene, path, lines[0][0])
@@ -265,7 +265,7 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
 
 def events_of(application: Application) -> dict[str, type[EventLine]]:
     """The events of an application's edit scripts: its own, and those of shapes unless it has sessions of its own."""
-    return {**(application.scene.events if application.scene else {}), **shared_events(application)}
+    return {**application.events, **shared_events(application)}
 
 
 def shared_events(application: Application) -> dict[str, type[EventLine]]:

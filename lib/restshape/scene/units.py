@@ -5,29 +5,36 @@ import re
 
 from restshape.errors import UserError
 
-Powers = tuple[int, int, int, int, int]
-"""Powers of metre, kilogram, second, kelvin and radian."""
+Powers = tuple[int, ...]
+"""Powers of the base units, in the order of `BASE`."""
+
+BASE = ("m", "kg", "s", "K", "rad", "A", "mol")
+
+NONE: Powers = (0,) * len(BASE)
 
 DIMENSIONS: dict[str, Powers] = {
-    "number": (0, 0, 0, 0, 0),
-    "length": (1, 0, 0, 0, 0),
-    "area": (2, 0, 0, 0, 0),
-    "angle": (0, 0, 0, 0, 1),
-    "time": (0, 0, 1, 0, 0),
-    "frequency": (0, 0, -1, 0, 0),
-    "mass": (0, 1, 0, 0, 0),
-    "velocity": (1, 0, -1, 0, 0),
-    "acceleration": (1, 0, -2, 0, 0),
-    "force": (1, 1, -2, 0, 0),
-    "moment": (2, 1, -2, 0, 0),
-    "pressure": (-1, 1, -2, 0, 0),
-    "stiffness": (0, 1, -2, 0, 0),
-    "density": (-3, 1, 0, 0, 0),
-    "body force": (-2, 1, -2, 0, 0),
-    "temperature": (0, 0, 0, 1, 0),
+    "number": (0, 0, 0, 0, 0, 0, 0),
+    "length": (1, 0, 0, 0, 0, 0, 0),
+    "area": (2, 0, 0, 0, 0, 0, 0),
+    "angle": (0, 0, 0, 0, 1, 0, 0),
+    "time": (0, 0, 1, 0, 0, 0, 0),
+    "frequency": (0, 0, -1, 0, 0, 0, 0),
+    "mass": (0, 1, 0, 0, 0, 0, 0),
+    "velocity": (1, 0, -1, 0, 0, 0, 0),
+    "acceleration": (1, 0, -2, 0, 0, 0, 0),
+    "force": (1, 1, -2, 0, 0, 0, 0),
+    "moment": (2, 1, -2, 0, 0, 0, 0),
+    "pressure": (-1, 1, -2, 0, 0, 0, 0),
+    "stiffness": (0, 1, -2, 0, 0, 0, 0),
+    "density": (-3, 1, 0, 0, 0, 0, 0),
+    "body force": (-2, 1, -2, 0, 0, 0, 0),
+    "temperature": (0, 0, 0, 1, 0, 0, 0),
+    "power": (2, 1, -3, 0, 0, 0, 0),
+    "current": (0, 0, 0, 0, 0, 1, 0),
+    "amount": (0, 0, 0, 0, 0, 0, 1),
 }
 
-MASS_BY_AREA: Powers = (-2, 1, 0, 0, 0)
+MASS_BY_AREA: Powers = (-2, 1, 0, 0, 0, 0, 0)
 """What sheets are sold by, and is taken for their density."""
 
 EXAMPLES = {
@@ -46,8 +53,34 @@ EXAMPLES = {
     "stiffness": '"35 kN/m"',
     "density": '"7850 kg/m^3"',
     "body force": '"77 kN/m^3"',
-    "temperature": '"293 K"',
+    "temperature": '"20 degC"',
+    "power": '"60 W"',
+    "current": '"2 A"',
+    "amount": '"3 mol"',
 }
+
+SYMBOLS = {
+    "number": "",
+    "length": "m",
+    "area": "m^2",
+    "angle": "rad",
+    "time": "s",
+    "frequency": "Hz",
+    "mass": "kg",
+    "velocity": "m/s",
+    "acceleration": "m/s^2",
+    "force": "N",
+    "moment": "J",
+    "pressure": "Pa",
+    "stiffness": "N/m",
+    "density": "kg/m^3",
+    "body force": "N/m^3",
+    "temperature": "K",
+    "power": "W",
+    "current": "A",
+    "amount": "mol",
+}
+"""SI units of dimensions, as they are shown."""
 
 PREFIXES = {"": 1.0, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9}
 
@@ -59,6 +92,9 @@ PREFIXED: dict[str, tuple[float, Powers]] = {
     "Pa": (1.0, DIMENSIONS["pressure"]),
     "Hz": (1.0, DIMENSIONS["frequency"]),
     "J": (1.0, DIMENSIONS["moment"]),
+    "W": (1.0, DIMENSIONS["power"]),
+    "A": (1.0, DIMENSIONS["current"]),
+    "mol": (1.0, DIMENSIONS["amount"]),
 }
 
 PLAIN: dict[str, tuple[float, Powers]] = {
@@ -76,6 +112,9 @@ PLAIN: dict[str, tuple[float, Powers]] = {
     "%": (0.01, DIMENSIONS["number"]),
 }
 
+ZEROS = {"degC": 273.15, "°C": 273.15}
+"""Temperatures [K] at which scales begin that are no units: a difference on them is one in K."""
+
 UNITS = PLAIN | {
     p + name: (scale * f, powers) for name, (f, powers) in PREFIXED.items() for p, scale in PREFIXES.items()
 }
@@ -85,36 +124,77 @@ KNOWN_UNITS = f"use {', '.join([*PREFIXED, *PLAIN])}, or a prefix and one of {',
 
 NUMBER_UNIT = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
-    r"\s*((?![eE][+-]?\d)[A-Za-zµ°%][\w\sµ°%^*/.²³·-]*)?\s*$"
+    r"\s*((?![eE][+-]?\d)[A-Za-zµ°%](?:[\w\sµ°%^*/.²³·-]|/\s*\([A-Za-zµ°%][\w\sµ°%^*.²³·-]*\))*)?\s*$"
 )
 MEASURE = re.compile(r"(?<![\w.])((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµ°%]+)(?!\w)(\s*(?:\^|\*\*))?")
 FACTOR = re.compile(r"([*/·\s]*)([A-Za-zµ°%]+)(?:\^?(-?\d+))?\s*")
+GROUP = re.compile(r"/\s*\(([^()]*)\)")
 
 
 class UnitError(ValueError):
     """A number with a unit that cannot be read, or of the wrong dimension."""
 
 
+def declare_dimension(name: str, unit_text: str, example: str) -> str:
+    """The name of a dimension, known from now on to all that reads numbers and formulas.
+
+    Args:
+        name: as messages say it, such as ``conductivity``.
+        unit_text: its SI unit, such as ``W/(m K)``.
+        example: a number that may stand in a scene, such as ``50 W/(m K)``.
+
+    Raises:
+        UserError: the name stands for another dimension already.
+    """
+    factor, powers = unit(unit_text)
+    if factor != 1.0:
+        raise UnitError(f"{unit_text!r} is no SI unit")
+    if DIMENSIONS.setdefault(name, powers) != powers:
+        what = f"the dimension {name!r} is that of {unit_text}, and {in_units(DIMENSIONS[name])} has this name already"
+        raise UserError(what, do="give one of them another name")
+    EXAMPLES.setdefault(name, f'"{example}"')
+    SYMBOLS.setdefault(name, unit_text)
+    return name
+
+
 def reads_as_quantity(text: str) -> bool:
     """Whether the text is a number, with or without something that looks like a unit."""
-    return NUMBER_UNIT.match(text) is not None
+    match = NUMBER_UNIT.match(text)
+    if match is None or "(" not in (match[2] or ""):
+        return match is not None
+    # In a formula a parenthesis may hold parameters: of a unit it holds several factors that are all units.
+    words = [re.findall(r"[A-Za-zµ°%]+", group) for group in GROUP.findall(match[2])]
+    return all(len(group) > 1 and all(word in UNITS for word in group) for group in words)
 
 
 def unit(text: str) -> tuple[float, Powers]:
-    """The factor to SI of a unit such as ``kg/m^3``, and its powers of m, kg, s, K and rad.
+    """The factor to SI of a unit such as ``kg/m^3`` or ``W/(m K)``, and its powers of the base units.
 
     Raises:
         UnitError: a unit that is not known.
     """
-    factor, powers, sign, position = 1.0, (0, 0, 0, 0, 0), 1, 0
     plain = text.strip().replace("²", "^2").replace("³", "^3")
+    factor, powers = 1.0, NONE
+    for group in GROUP.findall(plain):
+        scale, own = _product(group, text)
+        factor, powers = factor / scale, tuple(p - q for p, q in zip(powers, own))
+    rest = GROUP.sub(" ", plain)
+    scale, own = _product(rest, text) if rest.strip() else (1.0, NONE)
+    return factor * scale, tuple(p + q for p, q in zip(powers, own))
+
+
+def _product(plain: str, text: str) -> tuple[float, Powers]:
+    """The factor and the powers of units that are multiplied and divided.
+
+    Args:
+        plain: of these, without parentheses.
+        text: the whole unit, for messages.
+    """
+    factor, powers, position = 1.0, NONE, 0
     while position < len(plain):
         match = FACTOR.match(plain, position)
         if match is None or match[2] not in UNITS or match[1].count("/") > 1:
-            word = match[2] if match else text.strip()
-            alike = [name for name in UNITS if name.lower() == word.lower() and name != word]
-            do = f"did you mean {' or '.join(map(repr, alike))}?" if alike else KNOWN_UNITS
-            raise UnitError(f"{text.strip()!r} is not a known unit: {do}")
+            raise _unknown_unit(match[2] if match else "", text)
         scale, own = UNITS[match[2]]
         # a slash holds for the factor behind it only: "N/m s" is (N/m) s
         sign = -1 if "/" in match[1] else 1
@@ -123,6 +203,16 @@ def unit(text: str) -> tuple[float, Powers]:
         powers = tuple(p + exponent * q for p, q in zip(powers, own))
         position = match.end()
     return factor, powers
+
+
+def _unknown_unit(word: str, text: str) -> UnitError:
+    """The error of a word that is no unit; empty where the text cannot be read at all."""
+    if word in ZEROS:
+        return UnitError(f"{text.strip()!r} holds a scale of temperatures, which is no unit: write K")
+    word = word or text.strip()
+    alike = [name for name in UNITS if name.lower() == word.lower() and name != word]
+    do = f"did you mean {' or '.join(map(repr, alike))}?" if alike else KNOWN_UNITS
+    return UnitError(f"{text.strip()!r} is not a known unit: {do}")
 
 
 def spelled(powers: Powers) -> str:
@@ -135,7 +225,8 @@ def spelled(powers: Powers) -> str:
 
 def in_units(powers: Powers) -> str:
     """The SI unit of a dimension given by its powers, as `unit` reads it, such as ``kg/m^2``."""
-    named = [(base, p) for base, p in zip(("kg", "m", "s", "K", "rad"), (powers[1], powers[0], *powers[2:])) if p]
+    ordered = [*BASE[1::-1], *BASE[2:]], [*powers[1::-1], *powers[2:]]
+    named = [(base, p) for base, p in zip(*ordered) if p]
     above, below = (
         [base if abs(p) == 1 else f"{base}^{abs(p)}" for base, p in named if p * sign > 0] for sign in (1, -1)
     )
@@ -160,13 +251,14 @@ def quantity(value: float | int | str, dimension: str | None) -> float:
     example = f"write a number or {EXAMPLES[dimension]}" if dimension else 'write a number or "12 mm"'
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise UnitError(f"a number is wanted here, not {value!r}: {example}")
-    factor = 1.0
+    factor, zero = 1.0, 0.0
     if isinstance(value, str):
         match = NUMBER_UNIT.match(value)
         if match is None:
             raise UnitError(f"{value!r} is not a number with a unit: {example}")
         if match[2]:
-            factor, powers = unit(match[2])
+            zero = ZEROS.get(match[2].strip(), 0.0)
+            factor, powers = UNITS["K"] if zero else unit(match[2])
             if dimension is not None and powers != DIMENSIONS[dimension]:
                 if dimension == "density" and powers == MASS_BY_AREA:
                     by_area = float(match[1]) * factor
@@ -178,7 +270,7 @@ def quantity(value: float | int | str, dimension: str | None) -> float:
                     f"{value!r} is {article(spelled(powers))}, but {article(dimension)} is wanted: {example}"
                 )
         value = match[1]
-    number = float(value) * factor
+    number = float(value) * factor + zero
     if not math.isfinite(number):
         raise UnitError(f"{value} is not a finite number")
     return number
@@ -192,10 +284,12 @@ def in_si(formula: str) -> str:
     """
 
     def replaced(match: re.Match[str]) -> str:
-        if match[2] not in UNITS:
+        if match[2] not in UNITS and match[2] not in ZEROS:
             return match[0]
         if match[3]:
             raise UnitError(f"{match[0].strip()!r} could mean two things: write ({match[1]} {match[2]})^...")
+        if match[2] in ZEROS:
+            return f"({float(match[1]) + ZEROS[match[2]]!r})"
         return f"({float(match[1]) * UNITS[match[2]][0]!r})"
 
     return MEASURE.sub(replaced, formula)

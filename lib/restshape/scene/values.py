@@ -1,7 +1,9 @@
 """Types of single values in scenes and scripts: numbers with units, formulas, points and names."""
 
 import re
-from typing import Annotated, Any
+from dataclasses import dataclass
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema
 
@@ -38,9 +40,39 @@ def _schema(dimension: str | None, formula: bool = False) -> dict[str, Any]:
     return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": text}
 
 
+@dataclass(frozen=True)
+class Measured:
+    """What the annotation of a value says of it.
+
+    Args:
+        dimension: one of `units.DIMENSIONS`; None: any.
+    """
+
+    dimension: str | None
+
+
+def dimension_of(annotation: Any) -> Any:
+    """The dimension of what an annotation may hold; the annotation without its options where it is no number."""
+    if get_origin(annotation) is Annotated:
+        inner, *said = get_args(annotation)
+        measured = next((one for one in said if isinstance(one, Measured)), None)
+        return measured.dimension if measured else dimension_of(inner)
+    options = [one for one in get_args(annotation) if one is not type(None)]
+    if get_origin(annotation) in (Union, UnionType) and len(options) == 1:
+        return dimension_of(options[0])
+    if get_origin(annotation) in (tuple, list) and options:
+        return dimension_of(options[0])
+    return annotation
+
+
 def number_of(dimension: str | None) -> Any:
     """The type of a number with a unit of that dimension, in SI after validation."""
-    return Annotated[float, BeforeValidator(lambda raw: quantity(raw, dimension)), WithJsonSchema(_schema(dimension))]
+    return Annotated[
+        float,
+        BeforeValidator(lambda raw: quantity(raw, dimension)),
+        WithJsonSchema(_schema(dimension)),
+        Measured(dimension),
+    ]
 
 
 def value_of(dimension: str) -> Any:
@@ -60,7 +92,11 @@ def value_of(dimension: str) -> Any:
         return value.text if isinstance(value, Expression) else value
 
     return Annotated[
-        float | Expression, BeforeValidator(read), PlainSerializer(write), WithJsonSchema(_schema(dimension, True))
+        float | Expression,
+        BeforeValidator(read),
+        PlainSerializer(write),
+        WithJsonSchema(_schema(dimension, True)),
+        Measured(dimension),
     ]
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.scene.bodies import POINTS, settled
+from restshape.scene.bodies import POINTS, bodies_of, settled
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 
@@ -25,7 +25,7 @@ Form = dict[str, np.ndarray]
 
 def form_of(scene: Scene, name: str) -> tuple[str, Form]:
     """The kind of a body and the numbers of its keys, of formulas what they give."""
-    body = scene.bodies[name]
+    body = bodies_of(scene)[name]
     numbers = settled(body.form, scene.parameters)
     return body.kind, {key: np.array(getattr(numbers, key)) for key in type(numbers).model_fields}
 
@@ -118,7 +118,7 @@ class BodyHold:
         Raises:
             UserError: the body is there no more.
         """
-        if self.name not in scene.bodies or scene.bodies[self.name].kind != self.kind:
+        if self.name not in bodies_of(scene) or bodies_of(scene)[self.name].kind != self.kind:
             raise UserError(f"the body {self.name!r} is there no more")
         points: dict[str, Any] = {key: self.form[key] + (*c, 0.0) for key in POINTS[self.kind]}
         return with_form(scene, self.name, self.kind, form_of(scene, self.name)[1] | points)

@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from restshape.errors import UserError
+from restshape.scene.bodies import bodies_of
 from restshape.scene.load import parse_override
 from restshape.scene.model import Scene
 from restshape.scene.problems import plain, whole_lists
@@ -129,7 +130,7 @@ class Composer:
     def _place(self, name: str) -> tuple[float, float]:
         """Where an entity or a body is now [m]."""
         outline, scene = self._session.outline, self._session.scene
-        if name in scene.bodies:
+        if name in bodies_of(scene):
             return place_of(scene, name)
         x, y = outline.centroid(outline.entity(name)).tolist()
         return x, y

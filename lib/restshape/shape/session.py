@@ -10,6 +10,7 @@ import numpy as np
 
 from restshape.application import Application
 from restshape.errors import UserError
+from restshape.scene.bodies import bodies_of
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
@@ -88,7 +89,7 @@ class EditSession(ScriptSession):
         return EditFrame(*when, *told, self.outline, analysed, settled)
 
     def _carried_out(self, event: Any) -> Iterator[Step]:
-        if event.do in OF_SHAPE and event.on in self.scene.bodies:
+        if event.do in OF_SHAPE and event.on in bodies_of(self.scene):
             what = f"{event.on} is a body, which {event.do!r} does not know"
             why = UserError(what, do="bodies can be pressed and dragged, rotated and scaled")
             return self._refused(event.frame_count, why)
@@ -116,12 +117,12 @@ class EditSession(ScriptSession):
         return self.outline, self.scene
 
     def _do_press(self, event: Any) -> Iterator[Step]:
-        if event.on in self.scene.bodies:
+        if event.on in bodies_of(self.scene):
             self._hold = hold_body(self.outline, self.scene, event.on, event.at)
             yield Step("none")
             return
         try:
-            entity = self.outline.entity(event.on, self.scene.bodies)
+            entity = self.outline.entity(event.on, bodies_of(self.scene))
         except UserError as error:
             yield self._refusal(error)
             return
@@ -177,7 +178,7 @@ class EditSession(ScriptSession):
         yield Step("none")
 
     def _do_rotate(self, event: Any) -> Iterator[Step]:
-        if event.on in self.scene.bodies:
+        if event.on in bodies_of(self.scene):
             yield from self._change_body(event, body_hold.turned, lambda part: part * event.by)
             return
 
@@ -188,7 +189,7 @@ class EditSession(ScriptSession):
         yield from self._turn(event, gestures.rotate, coefficients)
 
     def _do_scale(self, event: Any) -> Iterator[Step]:
-        if event.on in self.scene.bodies:
+        if event.on in bodies_of(self.scene):
             yield from self._change_body(event, body_hold.scaled, lambda part: 1.0 + part * (event.factor - 1.0))
             return
         yield from self._turn(event, gestures.scale, lambda part: (part * (event.factor - 1.0), 0.0))
@@ -201,7 +202,7 @@ class EditSession(ScriptSession):
 
     def _turn(self, event: Any, make: Any, coefficients: Any) -> Iterator[Step]:
         def gesture() -> Gesture:
-            entity = self.outline.entity(event.on, self.scene.bodies)
+            entity = self.outline.entity(event.on, bodies_of(self.scene))
             about = np.array(event.about) if event.about is not None else self.outline.centroid(entity)
             return make(self.outline, entity, about)
 
@@ -319,7 +320,7 @@ class EditSession(ScriptSession):
         yield self._cut(lambda: surgery.delete(self.outline, event.on))
 
     def _do_hole(self, event: Any) -> Iterator[Step]:
-        if event.name in self.scene.bodies:
+        if event.name in bodies_of(self.scene):
             yield self._refusal(UserError(f"a body has the name {event.name!r} already", do="choose another name"))
             return
         yield self._cut(lambda: surgery.add_hole(self.outline, event.name, event.center, event.radius, event.polygon))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from restshape import _kernels
-from restshape.scene.model import Goal
+from restshape.physics.elasticity.goal import Goal
 from restshape.shape import curves
 
 PIECES = 240

@@ -10,7 +10,7 @@ from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.tunnelling import penetrations, tunnelling
 from restshape.scene.bodies import Body
-from restshape.scene.body_columns import body_columns, body_row
+from restshape.physics.cloth.body_columns import body_columns, body_row
 from restshape.scene.model import Scene
 
 

@@ -1,4 +1,4 @@
-"""Tables, events and kinds of quantities that an application adds to scenes: read, checked, told of."""
+"""Tables, events and kinds of quantities that a physics adds to scenes: read, checked, reported."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -13,10 +13,10 @@ from restshape.application import Application, Effect
 from restshape.cli.schema import scene_schema, script_schema
 from restshape.errors import UserError
 from restshape.scene.event_line import EventLine
-from restshape.scene.extension import SceneExtension, Section
 from restshape.scene.load import load_scene, revise
+from restshape.scene.physics import Physics, Section
 from restshape.scene.quantity import QuantityKind
-from restshape.scene.registered import extended_applications
+from restshape.scene.registered import checked_applications
 from restshape.scene.script import load_script
 from restshape.scene.solver import DEFINITE, SolverPlan, System
 from restshape.scene.values import Strict, number_of, value_of
@@ -48,7 +48,10 @@ def solver(scene, on, settings) -> SolverPlan:
     return SolverPlan("linear", (System("ropes", DEFINITE, "cg", "", "they pull"),), "they pull")
 
 
-ROPES = SceneExtension(
+ROPES = Physics(
+    name="ropes",
+    summary="what hangs",
+    solver=solver,
     sections={"ropes": Section(Rope, "what hangs", named=True, required=True), "air": Section(Air, "around them")},
     events={"sag": Sag},
     quantities={"tension": QuantityKind(Literal[True], "force", "max")},
@@ -59,9 +62,8 @@ HANGING = Application(
     effects={"weight": Effect(Air, "they are heavy", required=True)},
     folder=Path(__file__).parent,
     analysis="",
-    scene=ROPES,
+    physics=(ROPES,),
     session="nowhere:nothing",
-    solver=f"{__name__}:solver",
 )
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "hanging"\n'
 ROPE = '[parameters]\nl = "50 cm"\n[ropes.a]\nlength = "2*l"\nmass = "300 g"\n'
@@ -88,12 +90,12 @@ def install(monkeypatch) -> Iterator[Install]:
         entries = [Entry(app.name, app) for app in applications]
         monkeypatch.setattr(installed, "entry_points", lambda group: entries)
         installed.applications.cache_clear()
-        extended_applications.cache_clear()
+        checked_applications.cache_clear()
 
     yield only
     monkeypatch.undo()
     installed.applications.cache_clear()
-    extended_applications.cache_clear()
+    checked_applications.cache_clear()
 
 
 def scene_of(folder: Path, text: str):
@@ -162,7 +164,7 @@ def test_schemas_hold_what_is_added(install):
 
 
 def test_a_key_of_another_application_is_refused_by_its_name(tmp_path, install):
-    install(HANGING, replace(HANGING, name="other", scene=None))
+    install(HANGING, replace(HANGING, name="other", physics=(Physics("nothing", "nothing", solver),)))
     with pytest.raises(UserError, match="'other' has no table 'ropes'") as caught:
         path = tmp_path / "other.toml"
         path.write_text(HEAD.replace("hanging", "other") + ROPE)
@@ -173,17 +175,19 @@ def test_a_key_of_another_application_is_refused_by_its_name(tmp_path, install):
 def test_two_meanings_of_one_key_are_told_at_start_by_name(install):
     same = replace(HANGING, name="same")
     install(HANGING, same)
-    assert set(extended_applications()) == {"hanging", "same"}
-    other = SceneExtension(sections={"air": Section(Rope, "another one")})
+    assert set(checked_applications()) == {"hanging", "same"}
     for added, key in (
-        (other, "'air', and 'hanging' does too"),
-        (SceneExtension(sections={"mesh": Section(Air, "a mesh")}), "'mesh', and every scene has one"),
-        (SceneExtension(quantities={"area": QuantityKind(Literal[True], "area", "sum")}), "'area', and every"),
-        (SceneExtension(events={"undo": Sag}), "'undo', and its edit scripts have one"),
+        ({"sections": {"air": Section(Rope, "another one")}}, "'air', and 'ropes' does too"),
+        ({"sections": {"mesh": Section(Air, "a mesh")}}, "'mesh', and every scene has one"),
+        ({"quantities": {"area": QuantityKind(Literal[True], "area", "sum")}}, "'area', and every"),
+        ({"quantities": {"tension": QuantityKind(Literal[True], "stiffness", "max")}}, "'tension', and 'ropes' does"),
+        ({"events": {"undo": Sag}}, "'undo', and its edit scripts have one"),
+        ({"effects": {"weight": Effect(Air, "light")}}, "'weight', and 'heavy' does too"),
     ):
-        install(HANGING, replace(HANGING, name="second", scene=added))
+        heavy = Physics("heavy", "weights", solver, effects=HANGING.effects)
+        install(HANGING, replace(HANGING, name="two", physics=(heavy, Physics("second", "another", solver, **added))))
         with pytest.raises(UserError) as caught:
-            extended_applications()
+            checked_applications()
         assert key in caught.value.what and "'second'" in caught.value.what
 
 

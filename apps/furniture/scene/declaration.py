@@ -1,13 +1,17 @@
-"""What furniture adds to scenes and edit scripts."""
+"""What scenes and edit scripts of furniture may say."""
 
+from restshape_apps.furniture.physics.solver import solver_plan
 from restshape_apps.furniture.scene.furniture import Fastening, Floor, Joints, PlankSpec, PushSpec, WeightSpec, Wood
 from restshape_apps.furniture.scene.furniture_checks import check_furniture
 from restshape_apps.furniture.scene.plank_events import PLANK_EVENTS
 from restshape_apps.furniture.scene.plank_quantities import OF_PLANKS
 
-from restshape.scene.extension import SceneExtension, Section
+from restshape.scene.physics import Physics, Section
 
-EXTENSION = SceneExtension(
+PLANKS = Physics(
+    name="planks",
+    summary="planks and what joins them",
+    solver=solver_plan,
     sections={
         "wood": Section(Wood, "what planks are made of"),
         "fastener": Section(Fastening, "what joins them"),

@@ -1,0 +1,41 @@
+"""What scenes of cloth may say."""
+
+from typing import Literal
+
+from restshape.physics.cloth.implied import CLOTH as IMPLIED
+from restshape.physics.cloth.material_keys import ClothMaterial
+from restshape.physics.cloth.scene_checks import check_cloth
+from restshape.physics.cloth.solver_plan import cloth_plan
+from restshape.physics.cloth.support_keys import ClothSupport
+from restshape.physics.cloth.weight import mass_and_weight
+from restshape.scene.bodies import Body, Start, body_words, start_words
+from restshape.scene.physics import Physics, Section
+from restshape.scene.quantity import QuantityKind
+
+CLOTH = Physics(
+    name="cloth",
+    summary="sheets that stretch and bend, hang from supports and lie on bodies",
+    solver=cloth_plan,
+    material=ClothMaterial,
+    boundary={"x": "length", "y": "length", "z": "length", "slope": "angle"},
+    support=ClothSupport,
+    quantities={
+        "displacement": QuantityKind(Literal["x", "y", "z", "magnitude"], "length", "mean"),
+        "reaction": QuantityKind(Literal["x", "y", "z"], "force", "sum"),
+        "energy": QuantityKind(
+            Literal["strain", "membrane", "bending", "potential"],
+            "moment",
+            "sum",
+            summary='of cloth "strain" is that of "membrane" and "bending", "potential" that with weight and contact',
+        ),
+    },
+    sections={
+        "bodies": Section(Body, "what cloth comes to lie on", named=True, words=body_words),
+        "start": Section(Start, "where the flat cloth lies at first", optional=True, words=start_words),
+    },
+    implied=IMPLIED,
+    nested=True,
+    check=check_cloth,
+    summed=mass_and_weight,
+    instead={"loads": "use [effects.gravity] and [bodies.NAME]"},
+)

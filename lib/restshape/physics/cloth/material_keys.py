@@ -1,0 +1,48 @@
+"""What cloth wants to know of a material."""
+
+from typing import Annotated, Any, Self
+
+from pydantic import BeforeValidator, WithJsonSchema, model_validator
+
+from restshape.physics.elasticity.material_keys import ElasticMaterial
+from restshape.scene.units import UnitError, quantity
+from restshape.scene.values import Measured
+
+
+def _read_bending(raw: Any) -> float | tuple[float, float]:
+    """One bending stiffness, or two, along and across the grain."""
+    given = raw if isinstance(raw, (list, tuple)) else [raw, raw]
+    if len(given) != 2:
+        raise UnitError(f"two bending stiffnesses are wanted, along and across the grain, or one, not {len(given)}")
+    along, across = (quantity(value, "moment") for value in given)
+    if min(along, across) < 0.0:
+        raise UnitError(f"{min(along, across):g} is too small: a bending stiffness must be at least 0")
+    return along if given is not raw else (along, across)
+
+
+Bending = Annotated[
+    float | tuple[float, float],
+    BeforeValidator(_read_bending),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": kind} for kind in ("number", "string", "array")],
+            "description": 'in N m, such as "5e-6 N m", or two along and across the grain',
+        }
+    ),
+    Measured("moment"),
+]
+
+
+class ClothMaterial(ElasticMaterial):
+    """``[material.NAME]``: an elastic material; cloth of it bends by E thickness^3/(12 (1 - nu^2)) [N m].
+
+    Or it bends by ``bending``; two values are those along and across the grain.
+    """
+
+    bending: Bending | None = None
+
+    @model_validator(mode="after")
+    def _bends_in_one_way(self) -> Self:
+        if isinstance(self.bending, tuple) and self.orthotropic is None:
+            raise UnitError("an isotropic material has one bending stiffness: give one, or add orthotropic")
+        return self

@@ -1,0 +1,62 @@
+"""What models alone cannot check in a scene of cloth."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from restshape.scene.bodies import settled
+from restshape.scene.checks import refuse_places
+from restshape.scene.expressions import Expression
+from restshape.scene.model import Scene
+from restshape.scene.source import Source
+from restshape.scene.units import UnitError
+
+Key = tuple[str, ...]
+
+
+def formulas_of_bodies(scene: Scene) -> list[tuple[Key, Any]]:
+    """Keys and values of all that is a number, or a formula of the parameters, of ``[bodies]`` and ``[start]``."""
+    found: list[tuple[Key, Any]] = []
+    for name, body in scene.bodies.items():
+        form = body.form
+        given = [((body.kind, key), getattr(form, key)) for key in type(form).model_fields]
+        for key, value in [*given, (("friction",), body.friction)]:
+            found += [(("bodies", name, *key), one) for one in (value if isinstance(value, tuple) else (value,))]
+    if scene.start is not None:
+        found += [(("start", key), one) for key in ("move", "turn", "about") for one in getattr(scene.start, key)]
+    return found
+
+
+def check_cloth(scene: Scene, source: Source) -> None:
+    """Checks bodies, where the cloth starts, and its thickness.
+
+    Raises:
+        UserError: the first thing that makes no sense.
+    """
+    for place, value in formulas_of_bodies(scene):
+        refuse_places(place, value, "a number of a body", source)
+    _check_bodies(scene, source)
+    for name, material in scene.material.items():
+        if "thickness" not in material.model_fields_set:
+            raise source.error(("material", name), "the cloth has no thickness", 'add thickness = "0.3 mm"')
+        if isinstance(material.thickness, Expression):
+            what = f"the application {scene.app!r} knows one thickness a material only"
+            raise source.error(("material", name, "thickness"), what, "give a number")
+
+
+def _check_bodies(scene: Scene, source: Source) -> None:
+    """Refuses bodies without a size, names that stand for two things, and a start that is no place."""
+    entities = scene.shape.kinds()
+    for name in scene.bodies:
+        if name in entities:
+            what = f"the name {name!r} stands for a body and for a part of the shape, which is {entities[name]!r}"
+            raise source.error(("bodies", name), what, "rename one of the two")
+    whole = [(("bodies", name), body.settled) for name, body in scene.bodies.items()]
+    whole += [] if scene.start is None else [(("start",), partial(settled, scene.start))]
+    for key, settle in whole:
+        try:
+            settle(scene.parameters)
+        except UnitError as error:
+            what, _, do = str(error).partition(": ")
+            raise source.error(key, what, do) from error

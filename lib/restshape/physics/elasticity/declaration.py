@@ -1,0 +1,115 @@
+"""What scenes of elastic solids may say."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from restshape.physics.elasticity.goal import Goal, goal_words
+from restshape.physics.elasticity.implied import GRAIN, LARGE, SOLID
+from restshape.physics.elasticity.material_keys import ElasticMaterial
+from restshape.physics.elasticity.scene_checks import check_goals, check_solids
+from restshape.physics.elasticity.solver_plan import solid_plan, vibration_plan
+from restshape.scene.implied import REGIONS
+from restshape.scene.load_kind import AREAS, CURVES, POINTS, LoadKind
+from restshape.scene.model import Scene
+from restshape.scene.physics import Invariant, Physics, Section
+from restshape.scene.quantity import QuantityKind
+from restshape.scene.values import value_of
+
+Number = Annotated[int, Field(ge=1)]
+
+LOADS = {
+    "force": LoadKind(
+        tuple[value_of("force"), value_of("force")],
+        (*CURVES, *POINTS),
+        "a force [N], on an edge a total that is spread evenly",
+    ),
+    "traction": LoadKind(tuple[value_of("pressure"), value_of("pressure")], CURVES, "a dead traction [Pa]"),
+    "pressure": LoadKind(value_of("pressure"), CURVES, "a pressure [Pa] along the inward normal"),
+    "body": LoadKind(tuple[value_of("body force"), value_of("body force")], AREAS, "a body force [N/m^3]"),
+}
+
+QUANTITIES = {
+    "displacement": QuantityKind(Literal["x", "y", "magnitude"], "length", "mean"),
+    "reaction": QuantityKind(Literal["x", "y"], "force", "sum"),
+    "stress": QuantityKind(
+        Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"], "pressure", "max"
+    ),
+    "energy": QuantityKind(
+        Literal["strain", "kinetic", "total", "edit", "remesh"],
+        "moment",
+        "sum",
+        summary='"kinetic" is relative to the ground, "total" both, "edit" the work of all edits so far, "remesh" what '
+        "carrying the motion to new meshes has added so far; all but the first are for what moves",
+    ),
+    "distance": QuantityKind(
+        str,
+        "length",
+        "mean",
+        takes=("mean", "max"),
+        summary='the distance between a goal and the deformed edges, counted from both: "mean" is half the mean along '
+        "the edges of their distance from the goal plus half the mean along the goal of its distance from them",
+    ),
+    "frequency": QuantityKind(Number, "frequency", "sum", True, "2: the second lowest frequency"),
+    "mode": QuantityKind(
+        Number,
+        "frequency",
+        "sum",
+        True,
+        "2: the frequency of the mode that was the second one at the start, wherever it has gone since",
+    ),
+    "load_factor": QuantityKind(
+        Number,
+        "number",
+        "sum",
+        True,
+        "1: the lowest multiple of all loads at which the body buckles; infinite where there is none",
+    ),
+}
+
+GOALS = {"goal": Section(Goal, "curves that the deformed shape is measured against", named=True, words=goal_words)}
+
+
+def following_pressures(scene: Scene, on: frozenset[str]) -> dict[str, list[str]]:
+    """Where each pressure acts that follows the boundary: the pattern of the tangent depends on it."""
+    loads = scene.loads.items() if LARGE in on else ()
+    return {name: list(load.on) for name, load in loads if load.pressure is not None}
+
+
+PLANE_SOLIDS = Physics(
+    name="plane solids",
+    summary="elastic solids in the plane, at rest and in motion",
+    solver=solid_plan,
+    material=ElasticMaterial,
+    boundary={"x": "length", "y": "length"},
+    loads=LOADS,
+    quantities=QUANTITIES,
+    sections=GOALS,
+    implied=SOLID,
+    invariants=(
+        Invariant(
+            following_pressures,
+            "which pressures follow the boundary, and where, cannot change during an edit",
+            "make it two scenes, or give the load in both and set it to 0",
+        ),
+    ),
+    orders=(1, 2),
+    check=check_solids,
+    check_shape="restshape.physics.elasticity.outline_checks:check_supports",
+)
+
+FREE_VIBRATIONS = Physics(
+    name="free vibrations",
+    summary="the lowest modes of elastic bodies, which nothing needs to hold",
+    solver=vibration_plan,
+    material=ElasticMaterial,
+    boundary={"x": "length", "y": "length", "z": "length", "rx": "angle", "ry": "angle"},
+    loads=LOADS,
+    quantities=QUANTITIES,
+    sections=GOALS,
+    implied={"grain": GRAIN, "regions": REGIONS},
+    orders=(2, 1),
+    layered=True,
+    check=check_goals,
+    check_shape="restshape.physics.elasticity.outline_checks:check_thickness",
+)

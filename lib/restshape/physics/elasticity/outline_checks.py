@@ -1,0 +1,53 @@
+"""What an outline shows of an elastic body before it has a mesh: whether it is constrained, and has a thickness."""
+
+import numpy as np
+
+from restshape.errors import ReplayProblem, UserError
+from restshape.mesh.regions import contains, loop_polygon
+from restshape.mesh.thickness import Thickness
+from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
+from restshape.scene.expressions import Expression
+from restshape.scene.model import Scene
+from restshape.shape.outline import Outline
+
+GRID = 60
+"""Places in each direction at which a thickness is looked at."""
+
+
+def check_supports(scene: Scene, outline: Outline) -> None:
+    """Makes sure that the supports hold the body, as far as the outline shows.
+
+    Raises:
+        UserError: they leave it free to move.
+    """
+    points, masks = [np.zeros((0, 2))], [np.zeros((0, 2))]
+    for support in scene.supports.values():
+        for entity in map(outline.entity, support.on):
+            edges = {*entity.edges, *(edge for loop in entity.loops for edge, _ in outline.loops[loop].edges)}
+            found = np.concatenate([outline.points[list(entity.vertices)], *map(outline.polyline, edges)])
+            points.append(found)
+            masks.append(np.tile([axis in support.fix for axis in "xy"], (len(found), 1)))
+    body = np.concatenate([outline.points, *points])
+    check_rigid_body_modes(body, np.concatenate([np.zeros_like(outline.points), *masks]), scene)
+
+
+def check_thickness(scene: Scene, outline: Outline) -> None:
+    """Makes sure that thicknesses given by formulas are positive all over the outline.
+
+    Raises:
+        UserError: one is not, or is not a number, somewhere.
+    """
+    formulas = {name: m.thickness for name, m in scene.material.items() if isinstance(m.thickness, Expression)}
+    if not formulas:
+        return
+    low, high = outline.bounds()
+    axes = (np.linspace(a, b, GRID) for a, b in zip(low, high))
+    places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    border = loop_polygon(outline, outline.loops[0])
+    places = np.concatenate([border, places[contains(border, places)]])
+    for name, formula in formulas.items():
+        try:
+            Thickness(formula, scene.parameters).at(places)
+        except ReplayProblem as problem:
+            do = "change the formula, so that the body has a thickness everywhere"
+            raise scene.located(UserError(str(problem), f"material.{name}.thickness", do)) from problem

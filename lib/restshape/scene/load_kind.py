@@ -1,0 +1,31 @@
+"""Kinds of loads: what each says, and which parts of a shape it may act on."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from restshape.scene.values import dimension_of
+
+CURVES = ("edge", "hole", "region", "outline", "group")
+"""Kinds of entities that have a length."""
+POINTS = ("vertex", "point")
+AREAS = ("region", "all", "group")
+
+
+@dataclass(frozen=True)
+class LoadKind:
+    """A kind of loads: a key of ``[loads.NAME]``.
+
+    Args:
+        value: annotation of what the key may hold: a number, a list of numbers, a model of keys.
+        on: kinds of entities that it may act on.
+        summary: what it is, for people.
+    """
+
+    value: Any
+    on: tuple[str, ...]
+    summary: str = ""
+
+    @property
+    def meaning(self) -> Any:
+        """What it is in all physics that have it."""
+        return dimension_of(self.value)

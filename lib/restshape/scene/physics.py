@@ -1,0 +1,136 @@
+"""What a physics says of itself: the keys that scenes may hold for it, its effects, and which equations it makes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel, Field
+
+from restshape.scene.event_line import EventLine
+from restshape.scene.load_kind import LoadKind
+from restshape.scene.quantity import QuantityKind
+from restshape.scene.values import Name
+
+if TYPE_CHECKING:
+    from restshape.application import Effect, Implied
+    from restshape.scene.model import Material, Scene, Support
+    from restshape.scene.plan import Plan
+    from restshape.scene.solver import SolverPlan
+    from restshape.scene.source import Source
+
+Rows = list[tuple[str, str]]
+"""What is printed for people: what it is, and what it says."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A table at the top of a scene.
+
+    Args:
+        model: of its keys.
+        summary: one line for people.
+        named: it holds tables of such keys by name, as ``[loads.NAME]`` does.
+        required: a scene must have it; without it it has the defaults of its keys, or no names.
+        optional: a scene without it has None.
+        words: what one of its tables says, for people; None: its keys and values.
+    """
+
+    model: type[BaseModel]
+    summary: str
+    named: bool = False
+    required: bool = False
+    optional: bool = False
+    words: Callable[[Any], str] | None = None
+
+    @property
+    def field(self) -> tuple[Any, Any]:
+        """Its annotation and its default, for pydantic."""
+        kind: Any = dict[Name, self.model] if self.named else self.model
+        if self.required:
+            return kind, Field(description=self.summary)
+        if self.optional:
+            return kind | None, Field(None, description=self.summary)
+        return kind, Field(default_factory=dict if self.named else self.model, description=self.summary)
+
+
+@dataclass(frozen=True)
+class Invariant:
+    """What of a scene cannot change during an edit.
+
+    Args:
+        of: the value that stays, of a scene and the names of the effects that are on.
+        what: what is told of an edit that changes it.
+        do: what to do about it.
+    """
+
+    of: Callable[[Scene, frozenset[str]], Any]
+    what: str
+    do: str
+
+
+@dataclass(frozen=True, eq=False)
+class Physics:
+    """One physics, as scenes know it.
+
+    Args:
+        name: for people.
+        summary: one line for people.
+        solver: which equations there are and how they are solved, of a scene, the names of the effects that are on, and
+            the settings of each effect by name.
+        material: model of the keys of ``[material.NAME]``; None: it wants none.
+        materials: values that it knows of materials by their names, as a scene would hold them.
+        boundary: the dimension of each component that ``fix`` of a support may prescribe.
+        support: model of supports with keys of its own besides; None: it has none.
+        loads: kinds by name.
+        quantities: kinds by name.
+        sections: tables by key.
+        events: of edit scripts by name, beside those that every session has.
+        effects: by name; an application takes all or some.
+        implied: parts that follow from a scene without being named, by name.
+        invariants: what cannot change during an edit.
+        orders: of elements; the usual one first.
+        layered: bodies have a thickness of their own with layers of elements over it.
+        nested: its fields, of first order, may live on a mesh nested in coarser ones.
+        check: what models alone cannot check in a scene; raises a `UserError` made by `Source.error`.
+        check_shape: path ``module:attribute`` of the function that checks a scene with its first outline.
+        columns: names and types of columns of a replay that only it has, for a scene.
+        summed: of a scene, its plan and the area [m^2] of its shape, what `restshape check` says besides: for programs,
+            and as rows for people.
+        instead: what to write in place of a key that it does not have, by the table: "loads".
+    """
+
+    name: str
+    summary: str
+    solver: Callable[[Scene, frozenset[str], Mapping[str, Any]], SolverPlan]
+    material: type[Material] | None = None
+    materials: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    boundary: Mapping[str, str] = field(default_factory=dict)
+    support: type[Support] | None = None
+    loads: Mapping[str, LoadKind] = field(default_factory=dict)
+    quantities: Mapping[str, QuantityKind] = field(default_factory=dict)
+    sections: Mapping[str, Section] = field(default_factory=dict)
+    events: Mapping[str, type[EventLine]] = field(default_factory=dict)
+    effects: Mapping[str, Effect] = field(default_factory=dict)
+    implied: Mapping[str, Implied] = field(default_factory=dict)
+    invariants: tuple[Invariant, ...] = ()
+    orders: tuple[int, ...] = (1,)
+    layered: bool = False
+    nested: bool = False
+    check: Callable[[Scene, Source], None] | None = None
+    check_shape: str = ""
+    columns: Callable[[Scene], dict[str, Any]] | None = None
+    summed: Callable[[Scene, Plan, float], tuple[dict[str, Any], Rows]] | None = None
+    instead: Mapping[str, str] = field(default_factory=dict)
+
+    def checked_shape(self, scene: Scene, outline: Any) -> None:
+        """Makes sure that a scene makes sense on its first outline.
+
+        Raises:
+            UserError: it does not.
+        """
+        if self.check_shape:
+            module, attribute = self.check_shape.split(":")
+            getattr(import_module(module), attribute)(scene, outline)

@@ -1,0 +1,46 @@
+"""What a scene holds, in words."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import BaseModel
+
+from restshape.scene.expressions import Expression
+from restshape.scene.units import SYMBOLS
+from restshape.scene.values import dimension_of
+
+
+def listing(value: Any) -> str:
+    """A number, the text of a formula, or several of them in parentheses."""
+    if isinstance(value, tuple | list):
+        return f"({', '.join(map(listing, value))})"
+    if isinstance(value, Expression):
+        return value.text
+    return str(value) if isinstance(value, bool | str) else f"{value:.6g}"
+
+
+def with_symbol(value: Any, dimension: Any) -> str:
+    """A value, as in `listing`, with the SI unit of its dimension."""
+    return f"{listing(value)} {SYMBOLS.get(dimension, '') if isinstance(dimension, str) else ''}".rstrip()
+
+
+def keys_in_words(model: BaseModel, without: tuple[str, ...] = ()) -> str:
+    """The keys of a model that have values, with their units, and those inside them.
+
+    Args:
+        model: of a scene.
+        without: keys that are left out.
+    """
+    return ", ".join(f"{key} {words}" for key, words in _keys(model, "") if key not in without)
+
+
+def _keys(model: BaseModel, prefix: str) -> list[tuple[str, str]]:
+    found = []
+    for key, info in type(model).model_fields.items():
+        value = getattr(model, key)
+        if isinstance(value, BaseModel):
+            found += _keys(value, f"{prefix}{key}.")
+        elif value is not None and not isinstance(value, Mapping):
+            annotation = Annotated[(info.annotation, *info.metadata)] if info.metadata else info.annotation
+            found.append((f"{prefix}{key}", with_symbol(value, dimension_of(annotation))))
+    return found
