@@ -92,6 +92,7 @@ class Problem(Protocol):
     @property
     def loaded(self) -> bool:
         """Whether there is any load."""
+        return bool(self.scene.loads)
 
     @property
     def loaded_inside(self) -> bool:
@@ -128,14 +129,18 @@ class Problem(Protocol):
     def fields(self, x: np.ndarray) -> Fields:
         """What a recording shows of the unknowns x (n, f)."""
 
-    @staticmethod
-    def traits(plan: Plan) -> Traits:
-        """What it declares of its linear systems under a plan."""
+    @classmethod
+    def traits(cls, plan: Plan) -> Traits:
+        """What it declares of its linear systems under a plan; by default that rigid motions are nothing special."""
+        fields = sum(len(one.components) for one in cls.unknowns)
+        return Traits(symmetric=cls.symmetric, fields=fields, rigid_motions=False)
 
     @classmethod
     def blank_fields(cls, space: Space) -> Fields:
         """The same fields, all NaN, on a space that has not been solved on: the unknowns, and scalars of the cells."""
-        shapes = {one.name: (len(space.X), *([len(one.components)] * (len(one.components) > 1))) for one in cls.unknowns}
+        shapes = {
+            one.name: (len(space.X), *([len(one.components)] * (len(one.components) > 1))) for one in cls.unknowns
+        }
         cells = {name: np.full(len(space.cells), np.nan) for name in cls.cell_scalars}
         return {name: np.full(shape, np.nan) for name, shape in shapes.items()}, cells
 
