@@ -305,7 +305,7 @@ class TransientAnalysis:
         state = self.state
         plan = planned(scene, application(scene.app)) if state.body is not None else state.plan
         integration = self.make.time_integration(plan, state.integration, self.time)
-        known = any(quantity.energy in ("edit", "remesh") for quantity in scene.quantities.values())
+        known = self.make.accounts_energy(scene.quantities)
         account = replace(state.account, known=known)
         self.state = replace(state, plan=plan, integration=integration, account=account)
 

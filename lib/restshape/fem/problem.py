@@ -166,5 +166,10 @@ class TransientProblem(Problem, Protocol):
     def time_integration(plan: Plan, before: TimeIntegration | None, now: float) -> TimeIntegration:
         """How it is integrated under a plan; `before` is how it was until the time `now` [s]."""
 
+    @staticmethod
+    def accounts_energy(quantities: Mapping[str, Quantity]) -> bool:
+        """Whether one of these quantities asks for `Motion.edit` or `Motion.remesh`."""
+        return False
+
     def motion_observer(self, quantities: Mapping[str, Quantity], mass: MassMatrix) -> Observer:
         """What evaluates quantities of unknowns x (n, f) and a `fem.time_integration.Motion`."""

@@ -217,6 +217,11 @@ class PlaneSolid(TransientProblem):
             excitation = GroundMotion(ground, before.excitation if before else None, now)
         return TimeIntegration(scheme, settings.steps, Rayleigh.of(plan.settings("damping")), excitation)
 
+    @staticmethod
+    def accounts_energy(quantities: Mapping[str, Quantity]) -> bool:
+        """Whether one of these quantities is the work of edits, or what new meshes have added."""
+        return any(quantity.energy in ("edit", "remesh") for quantity in quantities.values())
+
     def motion_observer(self, quantities: Mapping[str, Quantity], mass: MassMatrix) -> Observer:
         """What evaluates quantities of a displacement x (n, 2) [m] and a `fem.time_integration.Motion`.
 
