@@ -1,4 +1,4 @@
-"""What all tests share: commands in processes of their own, and which tests are those of absent applications."""
+"""What all tests share: commands in this process and in others, and which tests are those of absent applications."""
 
 import os
 import signal
@@ -27,6 +27,8 @@ os.environ.update(ENVIRONMENT)
 signal.signal(signal.SIGINT, signal.default_int_handler)
 RESTSHAPE = (sys.executable, "-m", "restshape.cli.main")
 Run = Callable[..., subprocess.CompletedProcess]
+PROCESSES = {"restshape", "start_restshape", "outside"}
+"""Fixtures of tests that start processes."""
 ROOT = Path(__file__).parent
 
 
@@ -36,6 +38,13 @@ def pytest_ignore_collect(collection_path: Path) -> bool | None:
     if parts[:1] != ("apps",) or "tests" not in parts:
         return None
     return True if parts[1] not in entry_points(group="restshape.applications").names else None
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark tests that start processes, which are those with a fixture of one, or of its environment."""
+    for item in items:
+        if not PROCESSES.isdisjoint(getattr(item, "fixturenames", ())):
+            item.add_marker(pytest.mark.cli)
 
 
 def _outside() -> dict[str, str]:
@@ -52,6 +61,24 @@ def restshape(tmp_path: Path) -> Run:
         start = () if ranks == 1 else ("mpiexec", "-n", str(ranks))
         command = [*start, *RESTSHAPE, *map(str, words)]
         return subprocess.run(command, cwd=tmp_path, env=_outside(), capture_output=True, text=True, timeout=120)
+
+    return run
+
+
+@pytest.fixture
+def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
+    """Runs a `restshape` command in tmp_path, in this process: ``command("replay", scene)``."""
+    from restshape.cli.main import main
+
+    def run(*words: object) -> subprocess.CompletedProcess:
+        monkeypatch.chdir(tmp_path)
+        capfd.readouterr()
+        try:
+            code = main([*map(str, words)])
+        except SystemExit as ended:
+            code = int(ended.code or 0)
+        told = capfd.readouterr()
+        return subprocess.CompletedProcess(words, code, told.out, told.err)
 
     return run
 

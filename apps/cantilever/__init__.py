@@ -8,8 +8,9 @@ from pathlib import Path
 
 from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
-from restshape.application import Application, Effect
+from restshape.application import Application
 from restshape.physics.elasticity.declaration import PLANE_SOLIDS
+from restshape.scene.effect import Effect
 
 application = Application(
     name="cantilever",

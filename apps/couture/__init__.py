@@ -10,10 +10,11 @@ import numpy as np
 from pydantic import Field
 from restshape_apps.couture.thin_bodies import borne, may_come_through
 
-from restshape.application import Application, Decision, Effect
+from restshape.application import Application
 from restshape.errors import UserError
 from restshape.physics.cloth.body_columns import body_columns
 from restshape.physics.cloth.declaration import CLOTH
+from restshape.scene.effect import Decision, Effect
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 

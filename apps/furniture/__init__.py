@@ -14,8 +14,9 @@ from restshape_apps.furniture.scene.declaration import PLANKS
 from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
 from restshape_apps.furniture.session.grammar import GRAMMAR
 
-from restshape.application import Application, Decision, Effect, Implied, Reporting, ScriptLines
+from restshape.application import Application, Reporting, ScriptLines
 from restshape.errors import UserError
+from restshape.scene.effect import Decision, Effect, Implied
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 

@@ -9,9 +9,10 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from restshape.application import Application, Decision, Effect, Implied
+from restshape.application import Application
 from restshape.errors import UserError
 from restshape.physics.elasticity.declaration import FREE_VIBRATIONS
+from restshape.scene.effect import Decision, Effect, Implied
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 

@@ -10,9 +10,10 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from restshape.application import Application, Decision, Effect
+from restshape.application import Application
 from restshape.errors import UserError
 from restshape.physics.elasticity.declaration import PLANE_SOLIDS
+from restshape.scene.effect import Decision, Effect
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict
 

@@ -13,8 +13,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from restshape_apps.solid import LARGE_DEFORMATION, Gravity, Solid
 
-from restshape.application import Application, Effect
+from restshape.application import Application
 from restshape.physics.elasticity.declaration import PLANE_SOLIDS
+from restshape.scene.effect import Effect
 from restshape.scene.units import UnitError
 from restshape.scene.values import Length, Strict, number_of
 

@@ -330,12 +330,12 @@ def test_two_ranks_choose_alike_and_twice_the_same(tmp_path, restshape):
     assert json.loads((tmp_path / "a.json").read_text())["parity"]["holds"]
 
 
-def test_the_choice_is_told(tmp_path, restshape):
+def test_the_choice_is_told(tmp_path, command):
     scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
     told = {}
     for memory in ("4e9", "1e5"):
         words = ("replay", scene, "--edits", script, "--json", "a.json", "--set", f"solve.factor_memory={memory}")
-        done = restshape(*words, "--parity")
+        done = command(*words, "--parity")
         assert done.returncode == 0, done.stdout + done.stderr
         told[memory] = json.loads((tmp_path / "a.json").read_text())["preconditioners"]
     assert list(told["4e9"]) == ["cholesky"]

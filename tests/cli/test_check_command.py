@@ -162,7 +162,7 @@ def test_check_tells_of_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
     assert check(path, "--json", tmp_path / "check.json") == 0
     told = " ".join(capsys.readouterr().out.split())
     assert "sphere, center (0.5, half, -0.3), radius 0.25, friction 0.3" in told
-    assert "x = 0 and slope = 0 on left" in told and "plane of symmetry with the normal x on right" in told
+    assert "x = 0 and slope = 0 on left" in told and "symmetry x on right" in told
     assert "moved by (0, 0, half) m, scattered by 0.001 m with the seed 0" in told
     # 1 m^2 of 0.5 mm at 400 kg/m^3
     assert "mass 0.2 kg, weight 1.962 N; 200 g/m^2, which is rho times thickness" in told

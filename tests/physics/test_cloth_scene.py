@@ -8,11 +8,11 @@ from restshape.application import application
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
 from restshape.physics.cloth.initial_placement import rotation
+from restshape.physics.cloth.material_keys import ClothMaterial
 from restshape.physics.cloth.materials import bending, membrane
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.scene import cloth_arguments
 from restshape.scene.load import revise
-from restshape.physics.cloth.material_keys import ClothMaterial
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec
 
@@ -67,7 +67,10 @@ def test_woven_cloth_by_hand():
 
 def test_a_grain_turns_stretching_and_bending():
     """At 90 degrees 1 and 2 change places; at an angle a strip along the grain pulls as it did along x."""
-    woven, across = ClothMaterial(**WOVEN, bending=(2e-5, 1e-5)), ClothMaterial(**WOVEN, bending=(2e-5, 1e-5), grain="90 deg")
+    woven, across = (
+        ClothMaterial(**WOVEN, bending=(2e-5, 1e-5)),
+        ClothMaterial(**WOVEN, bending=(2e-5, 1e-5), grain="90 deg"),
+    )
     swap = [1, 0, 2]
     for stiffness in (membrane, bending):
         np.testing.assert_allclose(stiffness(across), stiffness(woven)[np.ix_(swap, swap)], rtol=1e-12, atol=1e-12)

@@ -6,9 +6,9 @@ from small_scenes import BLOCK, CLAMPED, HEAD, STEEL, make_replay, rows_of
 
 from restshape import _kernels
 from restshape.errors import UserError
+from restshape.physics.elasticity.goal import Goal
 from restshape.physics.elasticity.target_curves import GoalDistance, goal_curve
 from restshape.scene.load import load_scene
-from restshape.physics.elasticity.goal import Goal
 
 MESH = "\n[mesh]\nsize = 0.1\n"
 

@@ -50,15 +50,15 @@ def test_json_for_programs(tmp_path, restshape, scene, script):
     assert found["unknowns"] > found["elements"] > 100
 
 
-def test_tables_for_people(restshape, scene, script):
-    told = restshape("replay", scene, "--edits", script).stdout
+def test_tables_for_people(command, scene, script):
+    told = command("replay", scene, "--edits", script).stdout
     assert told.startswith(f"{FRAMES} frames, 1 refused, ")
     for words in ("1 relocation", "2 reconnection", "3 reconstruction", "p95", "stretch", "largest"):
         assert words in told
 
 
-def test_csv_and_recording_hold_the_same(tmp_path, restshape, scene, script):
-    done = restshape("replay", scene, "--edits", script, "--csv", "a.csv", "--out", "a.vtkhdf")
+def test_csv_and_recording_hold_the_same(tmp_path, command, scene, script):
+    done = command("replay", scene, "--edits", script, "--csv", "a.csv", "--out", "a.vtkhdf")
     assert done.returncode == 0, done.stderr
     rows = list(csv.DictReader((tmp_path / "a.csv").open(newline="")))
     with Recording(tmp_path / "a.vtkhdf") as recording:
@@ -74,19 +74,19 @@ def test_csv_and_recording_hold_the_same(tmp_path, restshape, scene, script):
         assert recording.header["policy"] == "auto" and recording.header["calibration"]["seconds"]
 
 
-def test_set_changes_the_scene(tmp_path, restshape, scene):
+def test_set_changes_the_scene(tmp_path, command, scene):
     found = []
     for words in ((), ("--set", "material.steel.E=100e9", "--set", 'loads.pull.traction=["50 MPa", 0]')):
-        assert restshape("replay", scene, *words, "--json", "a.json").returncode == 0
+        assert command("replay", scene, *words, "--json", "a.json").returncode == 0
         found.append(read_json(tmp_path / "a.json")["quantities"])
     assert found[1]["stretch"][0] == pytest.approx(found[0]["stretch"][0], rel=1e-5)
     assert found[1]["wall"][0] == pytest.approx(found[0]["wall"][0] / 2, rel=1e-5)
 
 
-def test_a_bad_line_keeps_the_frames_before_it(tmp_path, restshape, scene, script):
+def test_a_bad_line_keeps_the_frames_before_it(tmp_path, command, scene, script):
     lines = script.read_text().splitlines()
     script.write_text("\n".join([*lines[:3], '{"t": 0.15, "do": "fly"}', *lines[3:], ""]))
-    done = restshape("replay", scene, "--edits", script, "--out", "a.vtkhdf", "--json", "a.json")
+    done = command("replay", scene, "--edits", script, "--out", "a.vtkhdf", "--json", "a.json")
     assert done.returncode == 2 and "edits.jsonl: line 4" in done.stderr and "Traceback" not in done.stderr
     assert "the 6 frames before it were replayed and recorded" in done.stderr
     with Recording(tmp_path / "a.vtkhdf") as recording:
@@ -94,15 +94,15 @@ def test_a_bad_line_keeps_the_frames_before_it(tmp_path, restshape, scene, scrip
     assert read_json(tmp_path / "a.json")["frames"] == 6
 
 
-def test_one_frame_before_a_bad_line_is_one(restshape, scene, script):
+def test_one_frame_before_a_bad_line_is_one(command, scene, script):
     script.write_text("\n".join([script.read_text().splitlines()[0], '{"t": 0.15, "do": "fly"}', ""]))
-    done = restshape("replay", scene, "--edits", script)
+    done = command("replay", scene, "--edits", script)
     assert done.returncode == 2 and done.stderr.endswith("\n  the frame before it was replayed\n")
 
 
-def test_a_torn_last_line(tmp_path, restshape, scene, script):
+def test_a_torn_last_line(tmp_path, command, scene, script):
     script.write_text(script.read_text()[:-12])
-    done = restshape("replay", scene, "--edits", script, "--out", "a.vtkhdf")
+    done = command("replay", scene, "--edits", script, "--out", "a.vtkhdf")
     assert done.returncode == 2 and "torn" in done.stderr and "line 5" in done.stderr
     with Recording(tmp_path / "a.vtkhdf") as recording:
         assert recording.n == FRAMES - 2
@@ -110,26 +110,26 @@ def test_a_torn_last_line(tmp_path, restshape, scene, script):
 
 @pytest.mark.parametrize("option", ["--out", "--json", "--csv"])
 @pytest.mark.parametrize("place", ["nowhere/a.vtkhdf", "."])
-def test_output_that_cannot_be_written(restshape, scene, script, option, place):
-    done = restshape("replay", scene, "--edits", script, option, place)
+def test_output_that_cannot_be_written(command, scene, script, option, place):
+    done = command("replay", scene, "--edits", script, option, place)
     assert done.returncode == 2 and "Traceback" not in done.stderr and " try: " in done.stderr
     assert done.stdout == ""
 
 
-def test_a_scene_is_not_overwritten_by_its_recording(restshape, scene):
+def test_a_scene_is_not_overwritten_by_its_recording(command, scene):
     before = scene.read_text()
-    done = restshape("replay", scene, "--out", scene)
+    done = command("replay", scene, "--out", scene)
     assert done.returncode == 2 and ".vtkhdf" in done.stderr and scene.read_text() == before
 
 
-def test_a_policy_that_is_not_there(restshape, scene):
-    done = restshape("replay", scene, "--policy", "fast")
+def test_a_policy_that_is_not_there(command, scene):
+    done = command("replay", scene, "--policy", "fast")
     assert done.returncode == 2 and "fast" in done.stderr and "auto" in done.stderr
 
 
 @pytest.mark.parametrize("name", ["auto", "thesis", "refactor", "rebuild"])
-def test_parity_is_told(tmp_path, restshape, scene, script, name):
-    done = restshape("replay", scene, "--edits", script, "--policy", name, "--parity", "--json", "a.json")
+def test_parity_is_told(tmp_path, command, scene, script, name):
+    done = command("replay", scene, "--edits", script, "--policy", name, "--parity", "--json", "a.json")
     assert done.returncode == 0 and "parity with cold solves: holds" in done.stdout
     found = read_json(tmp_path / "a.json")["parity"]
     assert found["holds"] and found["entries"] <= 1e-13 and found["solution"] <= 1e-6
@@ -155,7 +155,7 @@ def test_another_preconditioner_by_options(tmp_path, restshape, scene, script):
     assert read_json(tmp_path / "a.json")["iterations"] > 100
 
 
-def test_a_calibration_file(tmp_path, restshape, scene, script):
+def test_a_calibration_file(tmp_path, command, scene, script):
     (tmp_path / "c.json").write_text("{}")
-    done = restshape("replay", scene, "--edits", script, "--calibration", "c.json")
+    done = command("replay", scene, "--edits", script, "--calibration", "c.json")
     assert done.returncode == 2 and "c.json" in done.stderr

@@ -116,10 +116,10 @@ def test_recording_and_tables_hold_them(tmp_path):
     assert spread(rows, "estimate_time", False) == {"p50": None, "max": None}
 
 
-def test_summary_tells_them(tmp_path, restshape):
+def test_summary_tells_them(tmp_path, command):
     scene = METALLOPHONE / "bar_100.toml"
     words = ("--set", "mesh.size=0.012", "--predict", "linear", "--json", "a.json", "--csv", "a.csv")
-    done = restshape("replay", scene, "--edits", BARS / "remainder.jsonl", *words)
+    done = command("replay", scene, "--edits", BARS / "remainder.jsonl", *words)
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "a.json").read_text())
     assert found["estimate"]["of"] == "frequencies" and 0.1 < found["estimate"]["p50"] <= found["estimate"]["max"]

@@ -10,9 +10,9 @@ from vibrating import dynamics, tower
 
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.replay.constraints import broken, verdict
 from restshape.replay.recording import Recording
 from restshape.replay.run import replay_files
-from restshape.replay.verdict import broken, verdict
 from restshape.scene.load import load_scene
 
 REST = """

@@ -177,20 +177,20 @@ def test_recording_holds_predicted_fields(tmp_path):
             assert np.array_equal(recording.field(i, "displacement")[:, :2], x)
 
 
-def test_the_command(tmp_path, restshape):
+def test_the_command(tmp_path, command):
     write_scene(tmp_path, plate())
     write_script(tmp_path, SHORT)
-    done = restshape("replay", "scene.toml", "--edits", "edits.jsonl", "--predict", "linear", "--json", "a.json")
+    done = command("replay", "scene.toml", "--edits", "edits.jsonl", "--predict", "linear", "--json", "a.json")
     assert done.returncode == 0 and "8 frames predicted" in done.stdout
     summary = json.loads((tmp_path / "a.json").read_text())
     assert summary["predicted"] == 8 and set(summary["predicted_ms"]) == {"p50", "p95", "p99"}
 
 
-def test_a_motion_cannot_be_predicted(tmp_path, restshape):
-    done = restshape("new", "vibration", "shaken")
+def test_a_motion_cannot_be_predicted(tmp_path, command):
+    done = command("new", "vibration", "shaken")
     assert done.returncode == 0, done.stderr
     scene = next((tmp_path / "shaken").glob("*.toml"))
-    done = restshape("replay", scene, "--predict", "linear")
+    done = command("replay", scene, "--predict", "linear")
     assert done.returncode == 2 and "--predict" in done.stderr and "at rest" in done.stderr
 
 

@@ -179,7 +179,7 @@ def test_two_ranks_give_what_one_gives(tmp_path, restshape):
 @pytest.mark.parametrize("ending", ["inp", "msh"])
 def test_an_imported_mesh_gets_nodes_on_its_sides(ending):
     scenes = Path(application("solid").folder) / "scenes"
-    settings = [ORDER, f'mesh.file="meshes/bracket.{ending}"']
+    settings = [ORDER, f'mesh.file="../../../meshes/bracket.{ending}"']
     made = make_replay(scenes / "bracket.toml", overrides=settings)
     (row,) = rows_of(made)
     mesh, space = made.moving.mesh, made.moving.space

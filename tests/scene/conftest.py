@@ -1,9 +1,15 @@
-"""The small scene of tests/data, in a folder of its own."""
+"""The small scene of tests/data in a folder of its own, and applications that are installed for a test."""
 
 import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+
+from restshape import application as installed
+from restshape.application import Application
+from restshape.scene.registered import checked_applications
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -18,3 +24,31 @@ def scene_file(tmp_path: Path) -> Path:
 def script_file(tmp_path: Path) -> Path:
     """An edit script for it that a test may change."""
     return Path(shutil.copy(DATA / "plate.jsonl", tmp_path))
+
+
+@dataclass(order=True)
+class Entry:
+    """An entry point."""
+
+    name: str
+    application: Application = field(compare=False)
+
+    def load(self) -> Application:
+        """The application."""
+        return self.application
+
+
+@pytest.fixture
+def install(monkeypatch) -> Iterator[Callable[..., None]]:
+    """Makes applications the only ones that are installed."""
+
+    def only(*applications: Application) -> None:
+        entries = [Entry(app.name, app) for app in applications]
+        monkeypatch.setattr(installed, "entry_points", lambda group: entries)
+        installed.applications.cache_clear()
+        checked_applications.cache_clear()
+
+    yield only
+    monkeypatch.undo()
+    installed.applications.cache_clear()
+    checked_applications.cache_clear()

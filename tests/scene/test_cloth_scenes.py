@@ -12,8 +12,8 @@ from restshape.physics.cloth.material_keys import ClothMaterial
 from restshape.physics.cloth.support_keys import ClothSupport
 from restshape.scene.bodies import Body
 from restshape.scene.load import load_scene, revise
-from restshape.scene.scene_type import support_type
 from restshape.scene.plan import plan
+from restshape.scene.scene_type import support_type
 
 COUTURE = application("couture")
 
@@ -72,7 +72,12 @@ def test_a_body_is_of_one_kind(keys):
         ((PIN, CONTACT), "title=a", "effects.contact", "no body that could be touched"),
         ((), "title=a", "effects.gravity", "falls for ever"),
         ((PIN, "[loads.l]\non = 'a'\nforce = [0, 1]"), "title=a", "loads.l.force (line", "no load of the kind"),
-        ((PIN, "[quantities]\nq = { stress = 'xx' }"), "title=a", "quantities.q.stress (line", "no quantity of the kind 'stress'"),
+        (
+            (PIN, "[quantities]\nq = { stress = 'xx' }"),
+            "title=a",
+            "quantities.q.stress (line",
+            "no quantity of the kind 'stress'",
+        ),
         ((PIN, "[quantities]\nq = { energy = 'kinetic' }"), "title=a", "quantities.q.energy", "not 'kinetic'"),
         ((PIN,), "material.cotton={E=1e6,nu=0.3,rho=1}", "material.cotton", "no thickness"),
         ((PIN,), 'supports.pin.fix=["rx"]', "supports.pin.fix", "no direction 'rx'"),

@@ -6,10 +6,10 @@ import pytest
 
 from restshape.application import applications
 from restshape.errors import UserError
-from restshape.scene.expressions import Expression
 from restshape.physics.elasticity.declaration import PLANE_SOLIDS
+from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene, parse_override, revise
-from restshape.scene.model import ArcSpec, CircleLoop, Scene, Support
+from restshape.scene.model import ArcSpec, CircleLoop, Support
 from restshape.scene.quantity import quantity_type
 from restshape.scene.scene_type import load_type, support_type
 

@@ -6,11 +6,11 @@ from pydantic import ValidationError
 
 from restshape.application import application
 from restshape.errors import UserError
+from restshape.physics.elasticity.material_keys import ElasticMaterial
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, stiffness_of, turned
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene
 from restshape.scene.materials import MATERIALS, NAMES
-from restshape.physics.elasticity.material_keys import ElasticMaterial
 
 
 def material(**keys) -> ElasticMaterial:

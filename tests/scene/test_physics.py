@@ -1,17 +1,16 @@
 """Tables, events and kinds of quantities that a physics adds to scenes: read, checked, reported."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
 import pytest
 from pydantic import Field
 
-from restshape import application as installed
-from restshape.application import Application, Effect
+from restshape.application import Application
 from restshape.cli.schema import scene_schema, script_schema
 from restshape.errors import UserError
+from restshape.scene.effect import Effect
 from restshape.scene.event_line import EventLine
 from restshape.scene.load import load_scene, revise
 from restshape.scene.physics import Physics, Section
@@ -67,35 +66,6 @@ HANGING = Application(
 )
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "hanging"\n'
 ROPE = '[parameters]\nl = "50 cm"\n[ropes.a]\nlength = "2*l"\nmass = "300 g"\n'
-Install = Callable[..., None]
-
-
-@dataclass(order=True)
-class Entry:
-    """An entry point."""
-
-    name: str
-    application: Application = field(compare=False)
-
-    def load(self) -> Application:
-        """The application."""
-        return self.application
-
-
-@pytest.fixture
-def install(monkeypatch) -> Iterator[Install]:
-    """Makes applications the only ones that are installed."""
-
-    def only(*applications: Application) -> None:
-        entries = [Entry(app.name, app) for app in applications]
-        monkeypatch.setattr(installed, "entry_points", lambda group: entries)
-        installed.applications.cache_clear()
-        checked_applications.cache_clear()
-
-    yield only
-    monkeypatch.undo()
-    installed.applications.cache_clear()
-    checked_applications.cache_clear()
 
 
 def scene_of(folder: Path, text: str):

@@ -7,12 +7,13 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import Case, Check
 
 from restshape.algebra.stages import Stages
+from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.moving import MovingMesh
 from restshape.policy import policy
-from restshape.replay.verdict import HOLDS, limits_of, verdict
+from restshape.replay.constraints import HOLDS, limits_of, verdict
 from restshape.scene.load import load_scene, revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
@@ -38,7 +39,8 @@ def solved(scene: Scene, outline: Outline, comm: PETSc.Comm) -> dict[str, float]
     app = application(scene.app)
     moving = MovingMesh(outline, scene.mesh, ranks=comm.size)
     moving.advance(EditFrame(0, 0.0, 0, "start", "start", None, (0.0, 0.0), scene, None, outline))
-    analysis = app.make_analysis()(scene, plan(scene, app), comm, policy("auto"), Calibration.load(), Stages())
+    context = Context(comm, policy("auto"), Calibration.load(), Stages())
+    analysis = app.make_analysis()(scene, plan(scene, app), context)
     mesh = moving.field_mesh
     cells = np.arange(len(mesh.cells), dtype=np.int32)
     analysis.solve(Frame(mesh, cells, None, scene, (None, (0.0, 0.0))))

@@ -71,10 +71,10 @@ def test_weight_and_banks_are_in_balance():
     assert found["score"] == pytest.approx(outline.area(), rel=1e-5)
 
 
-def test_the_template_runs(restshape, tmp_path):
-    assert restshape("new", "bridge", str(tmp_path / "mine")).returncode == 0
+def test_the_template_runs(command, tmp_path):
+    assert command("new", "bridge", str(tmp_path / "mine")).returncode == 0
     scene, edits = tmp_path / "mine" / "scene.toml", tmp_path / "mine" / "edits.jsonl"
-    done = restshape("replay", str(scene), "--edits", str(edits), "--json", str(tmp_path / "a.json"))
+    done = command("replay", str(scene), "--edits", str(edits), "--json", str(tmp_path / "a.json"))
     assert done.returncode == 0, done.stderr
     told = json.loads((tmp_path / "a.json").read_text())
     assert told["refused"] == 0 and told["constraint_status"]["last"] == "holds"

@@ -85,10 +85,10 @@ def test_a_dragged_mesh_is_as_good_as_a_new_one_of_as_many_triangles(session):
         assert rows[-1][name] == pytest.approx(cold[name], abs=0.1 * wrong)
 
 
-def test_the_template_runs(restshape, tmp_path):
-    assert restshape("new", "cantilever", str(tmp_path / "mine")).returncode == 0
+def test_the_template_runs(command, tmp_path):
+    assert command("new", "cantilever", str(tmp_path / "mine")).returncode == 0
     scene, edits = tmp_path / "mine" / "scene.toml", tmp_path / "mine" / "edits.jsonl"
-    done = restshape("replay", str(scene), "--edits", str(edits), "--json", str(tmp_path / "a.json"))
+    done = command("replay", str(scene), "--edits", str(edits), "--json", str(tmp_path / "a.json"))
     assert done.returncode == 0, done.stderr
     told = json.loads((tmp_path / "a.json").read_text())
     assert told["refused"] == 0 and told["quantities"]["miss"][-1] < told["quantities"]["miss"][0]

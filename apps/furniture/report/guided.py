@@ -8,7 +8,7 @@ from typing import Any
 
 from restshape_apps.furniture.physics.plank_words import DISTANCES, GAPS, without_uses
 
-from restshape.replay.verdict import HOLDS
+from restshape.replay.constraints import HOLDS
 from restshape.scene.units import quantity
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"

@@ -18,9 +18,9 @@ from restshape_apps.furniture.session.plank_session import PlankFrame
 
 from restshape.errors import UserError
 from restshape.guidance.ranges import Ranges
+from restshape.replay.constraints import HOLDS
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
-from restshape.replay.verdict import HOLDS
 from restshape.report.frames import scene_name
 from restshape.report.style import new_figure
 from restshape.report.tables import column, refused, rows_of

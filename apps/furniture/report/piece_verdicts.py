@@ -2,7 +2,7 @@
 
 from restshape_apps.furniture.report.guided import VALUE
 
-from restshape.replay.verdict import HOLDS
+from restshape.replay.constraints import HOLDS
 from restshape.report.style import FAINT, INK, REFUSED
 
 BEYOND = "#8e3b8a"

@@ -10,7 +10,7 @@ from furniture_scenes import BENCH, write_bench, write_edits
 from restshape_apps.furniture.report.guided import beyond, intervals, runs, unit_of
 
 from restshape.cli.main import main
-from restshape.replay.verdict import both, breaches
+from restshape.replay.constraints import both, breaches
 
 EVENTS = [
     {"do": "press", "on": "left", "parameter": "move z"},

@@ -215,7 +215,7 @@ def test_lines_of_text_say_all_that_events_may_of_a_plank(tmp_path):
     _, first, second = map(json.loads, composed(PlankComposer(scene), [text, "connect shelf with nail"]).lines)
     wanted = SHELF | {"thickness": 0.015, "wood": "oak", "fastener": "dowel"}
     assert {key: first[key] for key in wanted} == wanted
-    assert (second["event"], second["fastener"]) == ("connect", "nail")
+    assert (second["do"], second["fastener"]) == ("connect", "nail")
 
 
 def test_what_cannot_be_deleted_is_told_with_what_can(play):

@@ -21,9 +21,9 @@ def settings(*overrides: str) -> list[str]:
     return [word for override in (*QUICK, *overrides) for word in ("--set", override)]
 
 
-def test_recording_holds_frequencies_tones_and_modes(restshape, tmp_path):
+def test_recording_holds_frequencies_tones_and_modes(command, tmp_path):
     scene, edits = SCENES / "bar_100.toml", EDITS / "bar_100.jsonl"
-    done = restshape("replay", scene, "--edits", edits, *settings(), "--out", "bar.vtkhdf", "--json", "bar.json")
+    done = command("replay", scene, "--edits", edits, *settings(), "--out", "bar.vtkhdf", "--json", "bar.json")
     assert done.returncode == 0, done.stderr
     recording = Recording(tmp_path / "bar.vtkhdf")
     table = recording.table
@@ -36,10 +36,10 @@ def test_recording_holds_frequencies_tones_and_modes(restshape, tmp_path):
     assert table["tone"][0] in (b"C7", "C7") and table["cents"][0] == pytest.approx(-2, abs=3)
 
 
-def test_report_draws_a_recording_of_modes(restshape, tmp_path):
+def test_report_draws_a_recording_of_modes(command, tmp_path):
     scene, edits = SCENES / "bar_100.toml", EDITS / "bar_100.jsonl"
-    restshape("replay", scene, "--edits", edits, *settings(), "--out", "bar.vtkhdf")
-    done = restshape("report", "bar.vtkhdf", "--animation", "none")
+    command("replay", scene, "--edits", edits, *settings(), "--out", "bar.vtkhdf")
+    done = command("report", "bar.vtkhdf", "--animation", "none")
     assert done.returncode == 0, done.stderr
     assert list(tmp_path.glob("bar-report/*.png"))
 

@@ -97,9 +97,9 @@ def test_building_shakes_as_the_textbook_says(tmp_path):
     assert not any(row["refused"] for row in rows)
 
 
-def test_the_template_runs(restshape, tmp_path):
-    assert restshape("new", "vibration", "mast").returncode == 0
-    done = restshape("replay", "mast/scene.toml", "--edits", "mast/edits.jsonl", "--parity", "--json", "a.json")
+def test_the_template_runs(command, tmp_path):
+    assert command("new", "vibration", "mast").returncode == 0
+    done = command("replay", "mast/scene.toml", "--edits", "mast/edits.jsonl", "--parity", "--json", "a.json")
     assert done.returncode == 0, done.stderr
     summary = json.loads((tmp_path / "a.json").read_text())
     assert summary["refused"] == 0 and summary["levels"]["1"] > 20

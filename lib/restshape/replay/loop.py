@@ -21,11 +21,11 @@ from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import Advance, MovingMesh
 from restshape.policy import Policy
 from restshape.replay.columns import ESTIMATES
+from restshape.replay.constraints import both, breaches, limits_of, verdict
 from restshape.replay.prediction import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.sessions import session_of
-from restshape.replay.verdict import both, breaches, limits_of, verdict
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script

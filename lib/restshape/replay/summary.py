@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from restshape.replay.columns import STAGES
-from restshape.replay.verdict import counted
+from restshape.replay.constraints import counted
 
 
 def percentiles(ms: np.ndarray) -> dict[str, float]:

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.physics.cloth.body_columns import recorded_bodies
 from restshape.replay.recording import Recording
 from restshape.report.body_surfaces import body_surface
 from restshape.report.camera import Camera
 from restshape.report.style import length_unit, scaled_unit
 from restshape.report.tables import column
 from restshape.scene.bodies import Body
-from restshape.physics.cloth.body_columns import recorded_bodies
 
 TENSION = "tension"
 COLOURS = "YlGnBu"

@@ -13,6 +13,7 @@ from restshape.scene.model import EdgeLoop, Load, Scene
 from restshape.scene.permits import may_name
 from restshape.scene.source import Source, suggestion
 
+
 def check_scene(scene: Scene, application: Application, source: Source) -> None:
     """Checks all that needs neither geometry nor a mesh.
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
-from typing import Annotated, Any
+from typing import Any
 
 from restshape.scene.model import Load, Material, Scene, Support
 from restshape.scene.physics import Physics
 from restshape.scene.quantity import CORE, Quantity
-from restshape.scene.values import Strict, dimension_of
+from restshape.scene.values import Strict, annotation_of, dimension_of
 
 Meanings = Mapping[str, Any]
 """What each key of a table means: two of one meaning go together."""
@@ -79,7 +79,7 @@ def _keys(model: type[Strict] | None, core: type[Strict]) -> Meanings:
     if model is None:
         return {}
     return {
-        key: dimension_of(Annotated[(info.annotation, *info.metadata)] if info.metadata else info.annotation)
+        key: dimension_of(annotation_of(info))
         for key, info in model.model_fields.items()
         if key not in core.model_fields
     }

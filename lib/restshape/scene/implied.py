@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from restshape.application import Implied
+from restshape.scene.effect import Implied
 from restshape.scene.model import Scene
 
 Tables = dict[str, Any]

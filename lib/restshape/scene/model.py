@@ -14,8 +14,8 @@ from pydantic import (
 )
 
 from restshape.errors import UserError
-from restshape.scene.materials import MATERIALS, NAMES, named
 from restshape.scene.load_kind import LoadKind
+from restshape.scene.materials import MATERIALS, NAMES, named
 from restshape.scene.quantity import Quantity
 from restshape.scene.source import Source, split_key
 from restshape.scene.units import UnitError, quantity

@@ -15,9 +15,8 @@ from restshape.scene.quantity import QuantityKind
 from restshape.scene.values import Name
 
 if TYPE_CHECKING:
-    from restshape.application import Effect, Implied
+    from restshape.scene.effect import Effect, Implied
     from restshape.scene.model import Material, Scene, Support
-    from restshape.scene.plan import Plan
     from restshape.scene.solver import SolverPlan
     from restshape.scene.source import Source
 
@@ -139,7 +138,7 @@ class Physics:
     check: Callable[[Scene, Source], None] | None = None
     check_shape: str = ""
     columns: Callable[[Scene], dict[str, Any]] | None = None
-    summed: Callable[[Scene, Plan, float], tuple[dict[str, Any], Rows]] | None = None
+    summed: Callable[[Scene, Any, float], tuple[dict[str, Any], Rows]] | None = None
     instead: Mapping[str, str] = field(default_factory=dict)
 
     def checked_shape(self, scene: Scene, outline: Any) -> None:

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 from pydantic import BaseModel
 
-from restshape.application import Application, Deciding, Decision, Implied
+from restshape.application import Application
 from restshape.errors import UserError
+from restshape.scene.effect import Deciding, Decision, Implied
 from restshape.scene.model import Scene
 from restshape.scene.solver import SolverPlan, joint
 

@@ -43,6 +43,7 @@ class QuantityKind:
 LIMIT_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string"}], "description": "in SI units, or such as 180 MPa"}
 EXACT_SCHEMA = LIMIT_SCHEMA | {"description": "in SI units, such as 180 MPa, or a formula of the parameters"}
 
+
 def with_unit(dimension: str, value: float, digits: int = 6) -> str:
     """The value of a quantity of a dimension with its unit, lengths below a metre in millimetres."""
     unit = SYMBOLS[dimension]

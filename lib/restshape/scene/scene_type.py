@@ -15,7 +15,7 @@ from restshape.scene.materials import MATERIALS
 from restshape.scene.model import Load, Material, Scene, Support, read_fix
 from restshape.scene.physics import Physics, Section
 from restshape.scene.quantity import QuantityKind, quantity_type
-from restshape.scene.values import Name, Strict, value_of
+from restshape.scene.values import Name, Strict, annotation_of, value_of
 
 Kind = TypeVar("Kind", LoadKind, QuantityKind)
 
@@ -79,7 +79,7 @@ def _mixed(core: type[Strict], models: Sequence[type[Strict]]) -> type[Any]:
 def _loosened(core: type[Strict], model: type[Strict]) -> type[Any]:
     """A model with the same keys, of which none is required, and no checks of several at once."""
     keys = {
-        key: (Annotated[(info.annotation, *info.metadata)] | None, Field(None, description=info.description))
+        key: (annotation_of(info) | None, Field(None, description=info.description))
         for key, info in model.model_fields.items()
         if key not in core.model_fields
     }

@@ -6,6 +6,7 @@ from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema
+from pydantic.fields import FieldInfo
 
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
@@ -63,6 +64,11 @@ def dimension_of(annotation: Any) -> Any:
     if get_origin(annotation) in (tuple, list) and options:
         return dimension_of(options[0])
     return annotation
+
+
+def annotation_of(field: FieldInfo) -> Any:
+    """The annotation of a key of a model, with all that it says besides its type."""
+    return Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
 
 
 def number_of(dimension: str | None) -> Any:

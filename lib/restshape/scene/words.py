@@ -1,13 +1,13 @@
 """What a scene holds, in words."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import BaseModel
 
 from restshape.scene.expressions import Expression
 from restshape.scene.units import SYMBOLS
-from restshape.scene.values import dimension_of
+from restshape.scene.values import annotation_of, dimension_of
 
 
 def listing(value: Any) -> str:
@@ -41,6 +41,5 @@ def _keys(model: BaseModel, prefix: str) -> list[tuple[str, str]]:
         if isinstance(value, BaseModel):
             found += _keys(value, f"{prefix}{key}.")
         elif value is not None and not isinstance(value, Mapping):
-            annotation = Annotated[(info.annotation, *info.metadata)] if info.metadata else info.annotation
-            found.append((f"{prefix}{key}", with_symbol(value, dimension_of(annotation))))
+            found.append((f"{prefix}{key}", with_symbol(value, dimension_of(annotation_of(info)))))
     return found

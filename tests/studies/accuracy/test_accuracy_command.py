@@ -25,9 +25,9 @@ def small(tmp_path) -> tuple[Path, Path]:
     return scene, write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.55, 0.5), 4)))
 
 
-def test_a_pick_is_written_run_again_and_holds(restshape, small, tmp_path):
+def test_a_pick_is_written_run_again_and_holds(command, small, tmp_path):
     scene, edits = small
-    told = restshape(
+    told = command(
         "accuracy", scene, "--edits", edits, *QUICK, "--out", "found", "--json", "found.json", "--error", "50%"
     )
     assert told.returncode == 0, told.stdout + told.stderr

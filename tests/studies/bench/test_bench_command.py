@@ -17,8 +17,8 @@ def scene(tmp_path):
     return path
 
 
-def test_reuse_for_programs_and_people(tmp_path, restshape, scene):
-    done = restshape("bench", "reuse", scene, "--policies", "rebuild,auto", "--repeat", 1, "--json", "a.json")
+def test_reuse_for_programs_and_people(tmp_path, command, scene):
+    done = command("bench", "reuse", scene, "--policies", "rebuild,auto", "--repeat", 1, "--json", "a.json")
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "a.json").read_text())
     assert set(found) == {"small"} and list(found["small"]) == ["rebuild", "auto"]
@@ -35,18 +35,18 @@ def test_reuse_for_programs_and_people(tmp_path, restshape, scene):
     assert (tmp_path / "results/bench-reuse.png").read_bytes().startswith(PNG)
 
 
-def test_set_frames_and_edits(tmp_path, restshape, scene):
+def test_set_frames_and_edits(tmp_path, command, scene):
     (tmp_path / "small.jsonl").rename(tmp_path / "other.jsonl")
     words = ("--policies", "auto", "--repeat", 1, "--frames", 3, "--set", "mesh.size=0.3", "--json", "a.json")
-    done = restshape("bench", "reuse", scene, "--edits", "other.jsonl", *words, "--out", "pictures")
+    done = command("bench", "reuse", scene, "--edits", "other.jsonl", *words, "--out", "pictures")
     assert done.returncode == 0, done.stderr
     entry = json.loads((tmp_path / "a.json").read_text())["small"]["auto"]
     assert entry["frames"] == 3 and entry["levels"]["1"] == 1
     assert (tmp_path / "pictures/bench-reuse.png").is_file() and not (tmp_path / "results").exists()
 
 
-def test_size_for_programs_and_people(tmp_path, restshape):
-    done = restshape("bench", "size", "--from", 300, "--to", 600, "--points", 2, "--json", "a.json")
+def test_size_for_programs_and_people(tmp_path, command):
+    done = command("bench", "size", "--from", 300, "--to", 600, "--points", 2, "--json", "a.json")
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "a.json").read_text())
     assert found["policy"] == "auto" and set(found["exponents"]) == {"1", "2", "3"}
@@ -74,20 +74,20 @@ def test_size_for_programs_and_people(tmp_path, restshape):
         (("size", "--to", 2e3, "--out", "small.toml"), ("--out", "cannot be written")),
     ],
 )
-def test_bad_input(restshape, scene, words, told):
-    done = restshape("bench", *words)
+def test_bad_input(command, scene, words, told):
+    done = command("bench", *words)
     assert done.returncode == 2 and done.stdout == "" and "Traceback" not in done.stderr
     assert " try: " in done.stderr
     for word in told:
         assert word in done.stderr
 
 
-def test_a_scene_without_a_script(tmp_path, restshape, scene):
+def test_a_scene_without_a_script(tmp_path, command, scene):
     (tmp_path / "small.jsonl").unlink()
-    done = restshape("bench", "reuse", scene)
+    done = command("bench", "reuse", scene)
     assert done.returncode == 2 and "--edits" in done.stderr
 
 
-def test_the_help_names_both_studies(restshape):
-    told = restshape("bench", "--help").stdout
+def test_the_help_names_both_studies(command):
+    told = command("bench", "--help").stdout
     assert "reuse" in told and "size" in told

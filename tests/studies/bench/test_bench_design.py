@@ -21,8 +21,8 @@ def scene(tmp_path):
     return path
 
 
-def test_predict_for_programs_and_people(tmp_path, restshape, scene):
-    done = restshape("bench", "predict", scene, "--repeat", 1, "--json", "a.json", "--set", "solve.tolerance=1e-10")
+def test_predict_for_programs_and_people(tmp_path, command, scene):
+    done = command("bench", "predict", scene, "--repeat", 1, "--json", "a.json", "--set", "solve.tolerance=1e-10")
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "a.json").read_text())
     assert (found["frames"], found["predicted"], found["anchors"]) == (11, 8, 1)
@@ -38,9 +38,9 @@ def test_predict_for_programs_and_people(tmp_path, restshape, scene):
 
 
 @pytest.mark.parametrize("law", ["", "[effects.large_deformation]\n"])
-def test_derivative_for_programs_and_people(tmp_path, restshape, scene, law):
+def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
     scene.write_text(scene.read_text() + law)
-    done = restshape("bench", "derivative", scene, "--json", "a.json", "--out", "pictures")
+    done = command("bench", "derivative", scene, "--json", "a.json", "--out", "pictures")
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "a.json").read_text())
     steps = np.array(found["steps"])
@@ -69,15 +69,15 @@ def test_derivative_for_programs_and_people(tmp_path, restshape, scene, law):
         (("derivative", "nowhere.toml"), ("nowhere.toml",)),
     ],
 )
-def test_what_cannot_be_measured(tmp_path, restshape, scene, words, told):
+def test_what_cannot_be_measured(tmp_path, command, scene, words, told):
     write_script(tmp_path, [{"do": "idle"}], "still.jsonl")
-    done = restshape("bench", *words)
+    done = command("bench", *words)
     assert done.returncode == 2, done.stderr
     assert all(word in done.stderr for word in told), done.stderr
 
 
-def test_a_motion_has_no_prediction(tmp_path, restshape):
-    assert restshape("new", "vibration", "shaken").returncode == 0
+def test_a_motion_has_no_prediction(tmp_path, command):
+    assert command("new", "vibration", "shaken").returncode == 0
     scene = next((tmp_path / "shaken").glob("*.toml"))
-    done = restshape("bench", "predict", scene, "--repeat", 1)
+    done = command("bench", "predict", scene, "--repeat", 1)
     assert done.returncode == 2 and "at rest" in done.stderr

@@ -11,10 +11,10 @@ COARSE = ("--set", 'mesh.size="70 mm"', "--set", "effects.cloth.bending=hinge")
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
-def test_ways_bending_and_policies(tmp_path, restshape):
+def test_ways_bending_and_policies(tmp_path, command):
     words = ("--ways", "auto,kinetic", "--bending", "nonlinear", "--policies", "auto")
     files = ("--frames", 5, "--json", "a.json", "--picture", "a.png")
-    done = restshape("bench", "drape", SCENES / "sphere.toml", *COARSE, *words, *files)
+    done = command("bench", "drape", SCENES / "sphere.toml", *COARSE, *words, *files)
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "a.json").read_text())
     assert list(found["ways"]) == ["auto", "kinetic"] and list(found["bending"]) == ["nonlinear"]
@@ -36,9 +36,9 @@ def test_ways_bending_and_policies(tmp_path, restshape):
     assert (tmp_path / "a.png").read_bytes().startswith(PNG)
 
 
-def test_a_run_that_takes_too_long_is_given_up(tmp_path, restshape):
+def test_a_run_that_takes_too_long_is_given_up(tmp_path, command):
     words = ("--ways", "cg", "--bending", "", "--policies", "", "--seconds", 0.1, "--json", "a.json")
-    done = restshape("bench", "drape", SCENES / "pins.toml", *COARSE, *words)
+    done = command("bench", "drape", SCENES / "pins.toml", *COARSE, *words)
     assert done.returncode == 0, done.stderr
     entry = json.loads((tmp_path / "a.json").read_text())["ways"]["cg"]
     assert not entry["converged"] and entry["why"] == "0.1 s are over" and entry["short"] is None
@@ -54,7 +54,7 @@ def test_a_run_that_takes_too_long_is_given_up(tmp_path, restshape):
         (("../../solid/scenes/plate.toml", "--bending", "", "--ways", "auto"), ("effects.drape",)),
     ],
 )
-def test_bad_input(restshape, words, told):
-    done = restshape("bench", "drape", SCENES / words[0], *words[1:])
+def test_bad_input(command, words, told):
+    done = command("bench", "drape", SCENES / words[0], *words[1:])
     assert done.returncode == 2 and "Traceback" not in done.stderr
     assert all(word in done.stderr for word in told)

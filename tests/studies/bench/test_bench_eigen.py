@@ -7,8 +7,8 @@ from modal import EDITS, SCENES
 SMALL = ("--set", 'mesh.size="12 mm"', "--set", "mesh.layers=1", "--set", "effects.modal.modes=3")
 
 
-def test_all_solvers_find_the_same(tmp_path, restshape):
-    done = restshape("bench", "eigen", SCENES / "bar_100.toml", *SMALL, "--json", "a.json")
+def test_all_solvers_find_the_same(tmp_path, command):
+    done = command("bench", "eigen", SCENES / "bar_100.toml", *SMALL, "--json", "a.json")
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "a.json").read_text())
     assert found["frames"] == 120 - 1
@@ -21,7 +21,7 @@ def test_all_solvers_find_the_same(tmp_path, restshape):
     assert "substitutions a frame" in done.stdout and "LOBPCG" in done.stdout
 
 
-def test_what_has_no_modes_is_refused(restshape):
+def test_what_has_no_modes_is_refused(command):
     plate = SCENES.parents[1] / "solid" / "scenes" / "plate.toml"
-    done = restshape("bench", "eigen", plate, "--edits", EDITS.parents[1] / "solid" / "edits" / "plate.jsonl")
+    done = command("bench", "eigen", plate, "--edits", EDITS.parents[1] / "solid" / "edits" / "plate.jsonl")
     assert done.returncode == 2 and "no eigenproblem" in done.stderr

@@ -1,7 +1,7 @@
 """Parts of cloth that follow from a scene without being named among its effects."""
 
-from restshape.application import Implied
 from restshape.physics.elasticity.implied import GRAIN
+from restshape.scene.effect import Implied
 from restshape.scene.implied import MOVING_SUPPORTS, REGIONS, On, Tables, cause_of, listed
 from restshape.scene.model import Scene
 

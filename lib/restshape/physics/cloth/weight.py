@@ -23,5 +23,7 @@ def mass_and_weight(scene: Scene, plan: Plan, area: float) -> tuple[dict[str, fl
     mass = by_area * area
     gravity = plan.settings("gravity")
     found = {"mass_by_area": by_area, "mass": mass, "weight": mass * (gravity.size if gravity else 0.0)}
-    words = f"mass {mass:.4g} kg, weight {found['weight']:.4g} N; {1e3 * by_area:.4g} g/m^2, which is rho times thickness"
+    words = (
+        f"mass {mass:.4g} kg, weight {found['weight']:.4g} N; {1e3 * by_area:.4g} g/m^2, which is rho times thickness"
+    )
     return found, [("cloth", words)]

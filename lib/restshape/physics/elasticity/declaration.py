@@ -32,9 +32,7 @@ LOADS = {
 QUANTITIES = {
     "displacement": QuantityKind(Literal["x", "y", "magnitude"], "length", "mean"),
     "reaction": QuantityKind(Literal["x", "y"], "force", "sum"),
-    "stress": QuantityKind(
-        Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"], "pressure", "max"
-    ),
+    "stress": QuantityKind(Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"], "pressure", "max"),
     "energy": QuantityKind(
         Literal["strain", "kinetic", "total", "edit", "remesh"],
         "moment",

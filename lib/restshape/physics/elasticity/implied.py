@@ -1,6 +1,6 @@
 """Parts of elasticity that follow from a scene without being named among its effects."""
 
-from restshape.application import Implied
+from restshape.scene.effect import Implied
 from restshape.scene.implied import MOVING_SUPPORTS, REGIONS, On, Tables, cause_of, listed, loads_of, without_loads
 from restshape.scene.model import Scene
 

@@ -61,7 +61,9 @@ class ElasticMaterial(Material):
         missing = [key for key in ("E", "nu") if getattr(self, key) is None]
         if self.orthotropic is None:
             if missing:
-                raise UnitError(f"the key {missing[0]!r} is missing: add it, or name a material: {', '.join(self.known)}")
+                raise UnitError(
+                    f"the key {missing[0]!r} is missing: add it, or name a material: {', '.join(self.known)}"
+                )
             if self.grain:
                 raise UnitError("an isotropic material has no grain: leave it out, or add orthotropic")
         elif len(missing) < 2:

@@ -1,0 +1,91 @@
+"""Effects that physics have, and what follows from a scene without being named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+from pydantic import BaseModel
+
+from restshape.scene.model import Scene
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What an effect settles for one scene.
+
+    Args:
+        settings: its keys, with nothing left open.
+        why: for people; empty where there was nothing to decide.
+        order: the element order that it wants where the scene names none; None: it does not matter.
+        warns: the scene's own keys make the answer bad: True where `why` says how, else these words.
+        tolerance: `solve.tolerance` where the scene names none; None: the usual one.
+    """
+
+    settings: BaseModel
+    why: str = ""
+    order: int | None = None
+    warns: bool | str = False
+    tolerance: float | None = None
+
+
+@runtime_checkable
+class Deciding(Protocol):
+    """An effect model with keys that the scene as a whole decides."""
+
+    def decide(self, scene: Scene) -> Decision:
+        """The decision for a scene whose `mesh.order` is None where nobody has named one.
+
+        Raises:
+            UserError: what the keys ask for makes no sense with this scene.
+        """
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical effect that an application knows.
+
+    Args:
+        model: pydantic model of the keys that ``[effects.NAME]`` may hold; it may be `Deciding`.
+        summary: one line for people.
+        required: the application makes no sense without it.
+        fixed: the analysis is another one with it, so that an edit can switch it neither on nor off.
+        drives: it loads the body or sets it in motion.
+        transient: a frame goes on from the one before it, so that none can be left out.
+        quantities: kinds of quantities that there are with it only.
+        kernels: how the names of elements begin that are there for it alone.
+        carries: effects whose work is done again for what this one adds: its price is that of a scene without them.
+    """
+
+    model: type[BaseModel]
+    summary: str
+    required: bool = False
+    fixed: bool = False
+    drives: bool = False
+    transient: bool = False
+    quantities: tuple[str, ...] = ()
+    kernels: tuple[str, ...] = ()
+    carries: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Implied:
+    """A part of the physics that no ``[effects.NAME]`` names: it follows from what else a scene holds.
+
+    Args:
+        summary: one line for people.
+        cause: why a scene with these effects on calls for it; empty where nothing does.
+        idle: what is said where nothing does.
+        without: the plain tables of a scene with these effects on, copied, with nothing left that calls for it; None
+            where it is no part that could be left out.
+        drives: it loads the body or sets it in motion.
+        needs: the effect without which it cannot be.
+    """
+
+    summary: str
+    cause: Callable[[Scene, frozenset[str]], str]
+    idle: str
+    without: Callable[[dict[str, Any], frozenset[str]], dict[str, Any]] | None = None
+    drives: bool = False
+    needs: str = ""
