@@ -78,6 +78,8 @@ lint:
 	.venv/bin/python -m ruff check
 	.venv/bin/python -m ruff format --check
 	.venv/bin/clang-format --dry-run -Werror $(kernels)
+	.venv/bin/python -m mypy
+	.venv/bin/python -m pytest tests/test_layers.py tests/test_house.py
 
 format:
 	@scripts/setup.sh develop
@@ -86,5 +88,5 @@ format:
 	.venv/bin/clang-format -i $(kernels)
 
 clean: # keeps .venv
-	rm -rf build .pytest_cache .ruff_cache .hypothesis lib/restshape/_kernels.*.so apps/*/_kernels.*.so results/*.vtkhdf
+	rm -rf build .pytest_cache .ruff_cache .mypy_cache .hypothesis lib/restshape/_kernels.*.so apps/*/_kernels.*.so results/*.vtkhdf
 	find lib apps studies verification tests -name __pycache__ -type d -exec rm -rf {} +

@@ -84,6 +84,16 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.Captu
 
 
 @pytest.fixture
+def on_ranks(restshape: Run, command: Run) -> Run:
+    """Runs a command on one rank in this process, on more in processes of theirs: ``on_ranks(2, "replay", scene)``."""
+
+    def run(ranks: int, *words: object) -> subprocess.CompletedProcess:
+        return command(*words) if ranks == 1 else restshape(*words, ranks=ranks)
+
+    return run
+
+
+@pytest.fixture
 def start_restshape(tmp_path: Path) -> Callable[..., subprocess.Popen]:
     """Starts a `restshape` command in tmp_path, in a process group of its own."""
     started = []

@@ -1,6 +1,9 @@
-"""The library names no application."""
+"""The library names no application, no class knows too much, and a name means one thing."""
 
+import ast
 import re
+import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 LIBRARY = Path(__file__).parents[1] / "lib" / "restshape"
@@ -11,3 +14,79 @@ def test_the_library_names_no_application_and_no_plank():
     for path in LIBRARY.rglob("*.py"):
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
             assert not WORDS.search(line), f"{path}:{number}: {line}"
+
+
+PACKAGES = ("fem", "analysis", "algebra", "replay")
+MOST = 15
+EXCUSE = re.compile(r"# More than 15 (attributes|modules): \w")
+STANDARD = sys.stdlib_module_names
+KNOWN_CLASSES = {"Scene"}
+KNOWN_FILES = {
+    "buckling.py",
+    "modal.py",
+    "materials.py",
+    "outline.py",
+    "prediction.py",
+    "quantity.py",
+    "space.py",
+    "values.py",
+}
+"""Names that have two meanings still: to be removed, and none to be added."""
+
+
+def imported(tree: ast.Module) -> set[str]:
+    """Modules that a file imports, but those of the standard library."""
+    plain = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    named = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    return {name for name in plain | named if name.split(".")[0] not in STANDARD}
+
+
+def attributes(kind: ast.ClassDef) -> set[str]:
+    """What instances of a class hold: its fields, and what its methods set of themselves."""
+    fields = {
+        node.target.id
+        for node in kind.body
+        if isinstance(node, ast.AnnAssign) and not ast.unparse(node.annotation).startswith("ClassVar")
+    }
+    return fields | {
+        node.attr
+        for node in ast.walk(kind)
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and ast.unparse(node.value) == "self"
+    }
+
+
+def test_no_class_and_no_module_knows_too_much_without_saying_why():
+    for path in (path for package in PACKAGES for path in (LIBRARY / package).rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        tree, excused = ast.parse(text), {found[1] for found in EXCUSE.finditer(text)}
+        assert len(imported(tree)) <= MOST or "modules" in excused, path
+        for kind in (node for node in tree.body if isinstance(node, ast.ClassDef)):
+            assert len(attributes(kind)) <= MOST or "attributes" in excused, f"{path}: {kind.name}"
+
+
+def doubled(names: Iterable[tuple[str, Path]]) -> dict[str, list[str]]:
+    """Names that occur more than once, and where."""
+    found: dict[str, list[str]] = {}
+    for name, path in names:
+        found.setdefault(name, []).append(str(path.relative_to(LIBRARY)))
+    return {name: paths for name, paths in found.items() if len(paths) > 1}
+
+
+def test_no_two_classes_of_the_library_have_the_same_name():
+    kinds = (
+        (node.name, path)
+        for path in LIBRARY.rglob("*.py")
+        for node in ast.parse(path.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ClassDef)
+    )
+    assert set(doubled(kinds)) <= KNOWN_CLASSES
+
+
+def test_no_two_files_of_the_library_have_the_same_name():
+    # A folder of a physics, and a command, is named for what others name theirs for.
+    files = (
+        (path.name, path)
+        for path in LIBRARY.rglob("*.py")
+        if path.name != "__init__.py" and path.relative_to(LIBRARY).parts[0] not in ("physics", "cli")
+    )
+    assert set(doubled(files)) <= KNOWN_FILES

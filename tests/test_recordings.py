@@ -40,6 +40,7 @@ def packed(values):
     return packed(values)
 
 
+@pytest.mark.slow
 def test_a_changed_value_is_found(tmp_path, run):
     file = tmp_path / "recordings.json"
     done = run("--write", file)

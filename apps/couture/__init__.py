@@ -127,9 +127,9 @@ class Drape(Strict):
     """Keys of ``[effects.drape]``: the way to rest.
 
     Args:
-        rest: cloth rests where the norm of the forces out of balance is at most so much of that of its weight, both
-            over free nodes: another name of solve.tolerance, which it is where left out, or 1e-4 without either.
-        way: "kinetic", steps in time that begin anew at each peak of the kinetic energy; "rayleigh", steps with
+        tolerance: cloth is in equilibrium where the norm of the residual is at most so much of that of its weight,
+            both over free nodes: another name of solve.tolerance, which it is where left out, or 1e-4 without either.
+        strategy: "kinetic", steps in time that begin anew at each peak of the kinetic energy; "rayleigh", steps with
             Rayleigh damping; "newton", with a line search on the energy; "stabilised", the same with the stabilised
             tangent; "cg", nonlinear conjugate gradients; "auto" takes kinetic damping with a soft membrane where cloth
             starts anew, then quasi-Newton steps, then Newton's method.
@@ -138,8 +138,10 @@ class Drape(Strict):
             rest, from coarse to fine; left out, all.
     """
 
-    rest: Annotated[number_of("number"), Field(gt=0, lt=1)] | None = None
-    way: Literal["auto", "kinetic", "rayleigh", "newton", "stabilised", "cg"] = "auto"
+    renamed = {"tolerance": "rest", "strategy": "way"}
+
+    tolerance: Annotated[number_of("number"), Field(gt=0, lt=1)] | None = None
+    strategy: Literal["auto", "kinetic", "rayleigh", "newton", "stabilised", "cg"] = "auto"
     steps: Annotated[int, Field(ge=1)] = 3_000
     levels: Annotated[int, Field(ge=1)] | None = None
 
@@ -150,11 +152,11 @@ class Drape(Strict):
             UserError: there are fewer of them, or two tolerances.
         """
         named = scene.solve.tolerance if "tolerance" in scene.solve.model_fields_set else None
-        rest = self.rest or named or REST
+        rest = self.tolerance or named or REST
         if named is not None and named != rest:
             raise UserError(
                 f"cloth is to rest at {rest:g} of its weight, and the solver to end at {named:g}: both are one number",
-                "effects.drape.rest",
+                "effects.drape.tolerance",
                 "leave it out, and set solve.tolerance",
             )
         there = scene.mesh.levels
@@ -164,7 +166,7 @@ class Drape(Strict):
                 "effects.drape.levels",
                 f"set mesh.levels to {self.levels} or more",
             )
-        settings = self.model_copy(update={"levels": self.levels or there, "rest": rest})
+        settings = self.model_copy(update={"levels": self.levels or there, "tolerance": rest})
         return Decision(settings, tolerance=rest)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 from restshape_apps.furniture.physics.fasteners import fastener, wood
 from restshape_apps.furniture.scene.declaration import PLANKS
-from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
+from restshape_apps.furniture.scene.furniture import RANGES_BYTES, SUGGESTIONS_BYTES
 from restshape_apps.furniture.session.grammar import GRAMMAR
 
 from restshape.application import Application, Reporting, ScriptLines
@@ -111,7 +111,8 @@ def columns(scene: Scene) -> dict[str, Any]:
     reals += ("ms_equilibrium", "ms_range", "ms_suggestions")
     integers = ("flaws", "inside", "tried", "tested", "suggested")
     texts = dict.fromkeys(("note", "violated_constraints"), "S400")
-    texts |= {"parameter": "S96", "ranges": "S240", "suggestions": f"S{SUGGESTIONS_BYTES}"}
+    texts |= {"parameter": "S96", "ranges": "S240", "valid_ranges": f"S{RANGES_BYTES}"}
+    texts |= {"suggestions": f"S{SUGGESTIONS_BYTES}"}
     texts["no_suggestions"] = "S240"
     return dict.fromkeys(integers, np.int64) | dict.fromkeys(reals, np.float64) | texts
 

@@ -69,10 +69,10 @@ def closed_forms(scene: Scene) -> dict[str, float]:
     """Values of the quantities that the scene knows a closed form of."""
     found = {}
     for name, quantity in scene.quantities.items():
-        if isinstance(quantity.exact, Expression):
-            found[name] = float(quantity.exact.evaluate(0.0, 0.0, scene.parameters))
-        elif quantity.exact is not None:
-            found[name] = quantity.exact
+        if isinstance(quantity.reference, Expression):
+            found[name] = float(quantity.reference.evaluate(0.0, 0.0, scene.parameters))
+        elif quantity.reference is not None:
+            found[name] = quantity.reference
     return found
 
 

@@ -80,7 +80,7 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
             velocity = analysis.v.copy()
             stiffness[:, 3:] = body.mass.params
     grid = Grid.of(analysis.space)
-    large = solid is not None and solid.law == "stvk"
+    large = solid is not None and not solid.linear
     return State(grid, outline.copy(), displacement, velocity, spectrum, values, shapes, stiffness, large, dict(row))
 
 

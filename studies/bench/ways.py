@@ -22,7 +22,7 @@ class Plan:
     """What is compared.
 
     Args:
-        ways: of `effects.drape.way`, each from where the scene lays the cloth.
+        ways: of `effects.drape.strategy`, each from where the scene lays the cloth.
         bending: kinds of `effects.cloth.bending`, by the way that the scene names.
         policies: on the frames of the job's script.
         seconds: after which a run is given up.
@@ -53,7 +53,7 @@ def study(job: Job, plan: Plan, on_run: Callable[[str], None], play: Play = run)
     """
     still = replace(job, edits="", measure="drape", details={"seconds": plan.seconds})
     found: Row = {"ways": {}, "bending": {}, "policies": {}}
-    for kind, key, names in (("ways", "drape.way", plan.ways), ("bending", "cloth.bending", plan.bending)):
+    for kind, key, names in (("ways", "drape.strategy", plan.ways), ("bending", "cloth.bending", plan.bending)):
         for name in names:
             on_run(f"{kind}: {name}")
             outcome = play(replace(still, overrides=(*job.overrides, f"effects.{key}={name}")), plan.seconds + PATIENCE)

@@ -67,8 +67,8 @@ traction = ["100 MPa", 0]
 
 QUANTITIES = """
 [quantities]
-stretch = { displacement = "x", at = "right", take = "mean" }
-peak = { stress = "von_mises", take = "max" }
+stretch = { displacement = "x", at = "right", reduce = "mean" }
+peak = { stress = "von_mises", reduce = "max" }
 wall = { reaction = "x", at = "left" }
 energy = { energy = "strain" }
 """

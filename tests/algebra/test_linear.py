@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from scipy.sparse.linalg import spilu, splu
 from small_scenes import across, drag, make_replay, plate, write_scene, write_script
 
-from restshape.algebra.gather import System
+from restshape.algebra.gather import GatheredSystem
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import true_residual
 from restshape.algebra.stages import Stages
@@ -46,7 +46,9 @@ def systems(tmp_path_factory):
     found = []
     for row in made.frames():
         if row["level"]:
-            found.append(System(made.analysis.warm_system().matrix, made.analysis.state.system.right.ravel().copy()))
+            found.append(
+                GatheredSystem(made.analysis.warm_system().matrix, made.analysis.state.system.right.ravel().copy())
+            )
     assert len(found) == FRAMES + 1
     return found
 
@@ -173,13 +175,13 @@ def test_a_new_system_makes_a_new_factor(systems):
     made = solver()
     for k in range(3):
         A = sp.csr_matrix(systems[0].matrix[: -2 * k or None, : -2 * k or None])
-        mat, b, x = petsc(System(A, np.ones(A.shape[0])))
+        mat, b, x = petsc(GatheredSystem(A, np.ones(A.shape[0])))
         report = made.solve(mat, b, x, True)
         assert report.refreshed and report.age == 0 and report.iterations <= 2
 
 
 def test_nothing_loaded_has_the_solution_0(systems):
     for method in ("stale", "ilu", "direct"):
-        mat, b, x = petsc(System(systems[0].matrix, np.zeros(systems[0].matrix.shape[0])))
+        mat, b, x = petsc(GatheredSystem(systems[0].matrix, np.zeros(systems[0].matrix.shape[0])))
         solver(method).solve(mat, b, x, True)
         assert x.norm() == 0.0 and true_residual(mat, b, x) == 0.0

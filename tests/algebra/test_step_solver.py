@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
-from restshape.algebra.nodal import Nodal
+from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.step_solver import StepSolver
 
 NODES, FIELDS = 60, 3
@@ -35,7 +35,7 @@ def petsc(dense: np.ndarray) -> PETSc.Mat:
 
 
 def solver(kind: str, tolerance: float) -> StepSolver:
-    nodal = Nodal(PETSc.COMM_SELF, (NODES, FIELDS), slice(0, N))
+    nodal = NodalVectors(PETSc.COMM_SELF, (NODES, FIELDS), slice(0, N))
     return StepSolver(PETSc.COMM_SELF, "steps_test_", nodal, tolerance, kind)
 
 

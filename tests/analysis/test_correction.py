@@ -40,11 +40,11 @@ def test_error_of_a_time_step_with_an_incomplete_factor(tmp_path, monkeypatch, p
 
 
 @pytest.mark.mpi
-def test_two_ranks_tell_the_error_of_time_steps_that_one_tells(tmp_path, restshape):
+def test_two_ranks_tell_the_error_of_time_steps_that_one_tells(tmp_path, on_ranks):
     script, found = write_script(tmp_path, MOVED), []
     for ranks in (1, 2):
         words = ("--edits", script, "--policy", "thesis", "--json", f"{ranks}.json")
-        done = restshape("replay", BUILDING, *words, ranks=ranks)
+        done = on_ranks(ranks, "replay", BUILDING, *words)
         assert done.returncode == 0, done.stdout + done.stderr
         found.append(json.loads((tmp_path / f"{ranks}.json").read_text())["estimate_time"])
     assert found[1] == pytest.approx(found[0], rel=0.05)

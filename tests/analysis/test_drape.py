@@ -67,7 +67,7 @@ def test_a_weak_plate_deflects_as_a_cantilever(tmp_path):
     text = write_cloth(tmp_path, CLAMP).read_text().replace("nu = 0.25", "nu = 0").replace("[effects.gravity]\n", WEAK)
     path = tmp_path / "weak.toml"
     path.write_text(text)
-    scene = load_scene(path, ["mesh.size=0.125", "effects.drape.rest=1e-3"])
+    scene = load_scene(path, ["mesh.size=0.125", "effects.drape.tolerance=1e-3"])
     found = solved(scene)
     D, q = 2e6 * 0.5e-3**3 / 12, 0.2 * 1e-7
     tip = found.problem.corners(found.x)[found.space.X[:, 0] > 1 - 1e-9, 2].mean()
@@ -103,10 +103,10 @@ def test_cloth_lies_on_the_ball_and_not_in_it(tmp_path):
 def test_two_ways_find_the_one_rest(tmp_path):
     """A cantilever hangs in one way only: kinetic damping and descent agree, and so does a start from elsewhere."""
     shape = cloth(
-        tmp_path, CLAMP, overrides=("mesh.size=0.2", "effects.drape.rest=1e-7", "effects.cloth.bending=hinge")
+        tmp_path, CLAMP, overrides=("mesh.size=0.2", "effects.drape.tolerance=1e-7", "effects.cloth.bending=hinge")
     )
     usual = solved(shape)
-    moved = solved(revise(shape, "effects.drape.way", "kinetic"), mesh=usual.space)
+    moved = solved(revise(shape, "effects.drape.strategy", "kinetic"), mesh=usual.space)
     assert usual.state.report.converged and moved.state.report.converged
     np.testing.assert_allclose(moved.x, usual.x, atol=1e-5)
     lifted = solved(revise(shape, "start", {"move": [0.0, 0.0, 0.0], "scatter": 0.02}), mesh=usual.space)

@@ -226,7 +226,7 @@ def test_a_report_reads_no_file_that_its_header_names(restshape, tmp_path, bench
     values = tomllib.loads(scene.read_text())
     if key == "mesh":
         values["mesh"], values["shape"] = {"file": "x.geo"}, {}
-    put_header(path, {**header, "scene": "../../x.toml", "scene_values": values, "app": "solid"})
+    put_header(path, {**header, "scene": "../../x.toml", "scene_values": values})
     ended = restshape("report", path)
     assert ended.returncode == 2
     assert f"{key}.file" in ended.stderr and "no file but the recording is read" in ended.stderr

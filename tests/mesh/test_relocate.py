@@ -5,7 +5,7 @@ import pytest
 from mesh_samples import SQUARE, grid, holed_mesh, l_mesh, mesh_of, polygon_outline, shaken
 
 from restshape import _kernels
-from restshape.mesh.relocate import Boundary, HarmonicExtension, MeanValueExtension, extension, motion
+from restshape.mesh.relocate import BoundaryNodes, HarmonicExtension, MeanValueExtension, extension, motion
 from restshape.shape.gesture import drag
 
 LINEAR = np.array([[2.0, -1.0, 0.5], [0.3, 4.0, -2.0]])
@@ -15,7 +15,7 @@ LINEAR = np.array([[2.0, -1.0, 0.5], [0.3, 4.0, -2.0]])
 @pytest.mark.parametrize(("kind", "tolerance"), [("harmonic", 1e-12), ("mvc", 1e-13)])
 def test_linear_functions_are_reproduced_in_concave_shapes_and_around_holes(make, kind, tolerance):
     mesh = make()
-    boundary = Boundary(mesh)
+    boundary = BoundaryNodes(mesh)
     linear = mesh.X @ LINEAR + [1.0, -3.0, 0.2]
     found = extension(mesh, boundary.nodes, kind)(linear[boundary.nodes])
     assert np.abs(found - linear).max() < tolerance * np.abs(linear).max()
@@ -24,7 +24,7 @@ def test_linear_functions_are_reproduced_in_concave_shapes_and_around_holes(make
 @pytest.mark.parametrize("kind", ["harmonic", "mvc"])
 def test_the_map_is_linear_in_the_boundary(kind):
     mesh = holed_mesh()
-    nodes = Boundary(mesh).nodes
+    nodes = BoundaryNodes(mesh).nodes
     rng = np.random.default_rng(3)
     u, v = rng.normal(size=(2, len(nodes), 2))
     carry = extension(mesh, nodes, kind)
@@ -105,7 +105,7 @@ def test_harmonic_error_falls_with_the_square_of_the_size():
         mesh = shaken(mesh_of(polygon_outline(SQUARE), X, cells), 0.2 / n)
         x, y = mesh.X.T
         exact = (np.exp(x) * np.sin(y))[:, None]
-        nodes = Boundary(mesh).nodes
+        nodes = BoundaryNodes(mesh).nodes
         inside = np.setdiff1d(np.arange(len(mesh.X)), nodes)
         errors.append(np.sqrt(np.mean((HarmonicExtension(mesh, nodes)(exact[nodes]) - exact)[inside] ** 2)))
     assert np.log2(errors[0] / errors[2]) / 2 > 1.8
@@ -116,7 +116,7 @@ def test_a_dragged_hole_moves_its_boundary_by_the_hand_and_leaves_the_rest(kind)
     mesh = holed_mesh()
     outline = mesh.outline
     gesture = drag(outline, outline.entity("window"))
-    boundary = Boundary(mesh)
+    boundary = BoundaryNodes(mesh)
     Psi = motion(mesh, boundary.basis(outline, gesture.basis), kind)
     moved = np.isin(np.arange(len(mesh.X)), mesh.nodes_of("window"))
     still = np.isin(np.arange(len(mesh.X)), [*mesh.nodes_of("outline"), *mesh.nodes_of("patch")])
@@ -131,7 +131,7 @@ def test_a_dragged_hole_moves_its_boundary_by_the_hand_and_leaves_the_rest(kind)
 
 def test_mean_values_reach_embedded_points():
     mesh = holed_mesh()
-    boundary = Boundary(mesh)
+    boundary = BoundaryNodes(mesh)
     values = np.zeros((len(boundary.nodes), 1))
     probe = mesh.vertex_node[mesh.outline.vertex_names.index("probe")]
     values[boundary.nodes == probe] = 1.0
@@ -145,7 +145,7 @@ def test_mean_values_reach_embedded_points():
 @pytest.mark.parametrize("make", [l_mesh, holed_mesh])
 def test_a_gesture_that_is_linear_is_linear_inside_though_stiffened(make):
     mesh = make()
-    boundary = Boundary(mesh)
+    boundary = BoundaryNodes(mesh)
     turned = np.stack([-mesh.X[:, 1], mesh.X[:, 0]], axis=1)
     basis = np.stack([mesh.X - 0.5, turned])
     assert np.abs(motion(mesh, basis[:, boundary.nodes], "harmonic") - basis).max() < 1e-12
@@ -154,7 +154,7 @@ def test_a_gesture_that_is_linear_is_linear_inside_though_stiffened(make):
 def test_stiffening_lowers_the_largest_strain_of_a_dragged_hole():
     mesh = holed_mesh()
     gesture = drag(mesh.outline, mesh.outline.entity("window"))
-    boundary = Boundary(mesh)
+    boundary = BoundaryNodes(mesh)
     basis = boundary.basis(mesh.outline, gesture.basis)
 
     def strain(Psi):

@@ -19,13 +19,13 @@ TRACTION = f'[loads.pull]\non = "right"\ntraction = [{PULL}, 0]\n'
 TIGHT = "[solve]\ntolerance = 1e-12\n"
 QUANTITIES = """
 [quantities]
-stretch = { displacement = "x", at = "right", take = "mean" }
-top = { displacement = "y", at = "top", take = "mean" }
-xx = { stress = "xx", take = "max" }
-least = { stress = "xx", take = "min" }
-xy = { stress = "xy", take = "absmax" }
-mises = { stress = "von_mises", take = "max" }
-principal = { stress = "max_principal", take = "min" }
+stretch = { displacement = "x", at = "right", reduce = "mean" }
+top = { displacement = "y", at = "top", reduce = "mean" }
+xx = { stress = "xx", reduce = "max" }
+least = { stress = "xx", reduce = "min" }
+xy = { stress = "xy", reduce = "absmax" }
+mises = { stress = "von_mises", reduce = "max" }
+principal = { stress = "max_principal", reduce = "min" }
 energy = { energy = "strain" }
 area = { area = true }
 reaction = { reaction = "x", at = "left" }
@@ -129,7 +129,9 @@ def test_a_bar_that_hangs_stores_the_energy_of_its_own_weight(tmp_path):
     made = f"[material.steel]\nE = {E}\nnu = 0\nrho = {rho}\nthickness = {THICKNESS}\n"
     effects = f'[effects.solid]\nmodel = "plane_stress"\n[effects.gravity]\ng = [0, {-g}]\n'
     held = '[supports.top]\non = "top"\nfix = ["x", "y"]\n'
-    asked = '[quantities]\ntip = { displacement = "y", at = "bottom", take = "mean" }\nenergy = { energy = "strain" }\n'
+    asked = (
+        '[quantities]\ntip = { displacement = "y", at = "bottom", reduce = "mean" }\nenergy = { energy = "strain" }\n'
+    )
     text = HEAD + block(width, length) + made + effects + held + meshed(0.05) + TIGHT + asked
     row = rows_of(make_replay(write_scene(tmp_path, text)))[0]
     assert row["q_tip"] == pytest.approx(-rho * g * length**2 / (2 * E), rel=1e-3)

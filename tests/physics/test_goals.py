@@ -71,7 +71,7 @@ def test_the_quantity_measures_the_deformed_edge(tmp_path):
     wall = "\n[supports.held]\non = 'all'\nfix = { x = 0, y = '20 mm' }\n"
     goal = "\n[goal.roof]\npolyline = [[1, 1.05], ['500 mm', 1.05], [0, 1.05]]\n"
     watched = "\n[quantities]\nmiss = { distance = 'roof', at = 'top' }\n"
-    watched += "far = { distance = 'roof', at = 'outline', take = 'max' }\n"
+    watched += "far = { distance = 'roof', at = 'outline', reduce = 'max' }\n"
     path = tmp_path / "block.toml"
     path.write_text(HEAD + BLOCK.format(width=1, height=1) + STEEL + wall + goal + watched + MESH)
     row = rows_of(make_replay(path))[0]
@@ -86,7 +86,10 @@ def test_the_quantity_measures_the_deformed_edge(tmp_path):
         ("[goal.g]\npolyline = [[0, 0]]", "polyline"),
         ("[goal.g]\npolyline = [[0, 0], [1, 0]]\nspline = [[0, 0], [1, 0]]", "exactly one of spline, polyline"),
         ("[goal.g]\nspline = [[0, 0], [0, 0]]", "are the same"),
-        ("[goal.g]\nspline = [[0, 0], [1, 0]]\n[quantities]\nd = { distance = 'g', take = 'sum' }", '"mean" or "max"'),
+        (
+            "[goal.g]\nspline = [[0, 0], [1, 0]]\n[quantities]\nd = { distance = 'g', reduce = 'sum' }",
+            '"mean" or "max"',
+        ),
     ],
 )
 def test_goals_that_make_no_sense_are_refused(tmp_path, text, says):

@@ -21,8 +21,9 @@ def stretched(near, order):
         + '[supports.round]\non = ["outline", "window"]\nfix = { x = "0.01*x^2", y = 0 }\n'
         + meshed(0.15)
         + f"order = {order}\n[mesh.near]\nb = {near}\n"
-        + '[quantities]\nbottom = { displacement = "x", at = "bottom", take = "mean" }\n'
-        + 'corner = { displacement = "x", at = "c", take = "mean" }\nwhole = { displacement = "x", take = "mean" }\n'
+        + '[quantities]\nbottom = { displacement = "x", at = "bottom", reduce = "mean" }\n'
+        + 'corner = { displacement = "x", at = "c", reduce = "mean" }\n'
+        + 'whole = { displacement = "x", reduce = "mean" }\n'
     )
 
 

@@ -24,11 +24,11 @@ strained = { on = "all", fix = { x = "1e-3*x", y = 0 } }
 [mesh]
 size = 0.08
 [quantities]
-soft_most = { stress = "xx", at = "soft", take = "max" }
-soft_least = { stress = "xx", at = "soft", take = "min" }
-most = { stress = "xx", take = "max" }
-least = { stress = "xx", take = "min" }
-border_most = { stress = "xx", at = "soft.1", take = "max" }
+soft_most = { stress = "xx", at = "soft", reduce = "max" }
+soft_least = { stress = "xx", at = "soft", reduce = "min" }
+most = { stress = "xx", reduce = "max" }
+least = { stress = "xx", reduce = "min" }
+border_most = { stress = "xx", at = "soft.1", reduce = "max" }
 """
 PARALLEL = HEAD + block(1.0, 0.5) + TWO_MATERIALS
 

@@ -24,7 +24,7 @@ def pulled(stretch, order):
         + meshed(0.3)
         + f"order = {order}\n"
         + '[quantities]\nu = { displacement = "x", at = "c" }\ns = { stress = "von_mises" }\n'
-        + 'xx = { stress = "xx", take = "min" }\n'
+        + 'xx = { stress = "xx", reduce = "min" }\n'
     )
 
 

@@ -87,12 +87,12 @@ def test_recording(tmp_path):
 
 
 @pytest.mark.mpi
-def test_two_ranks(tmp_path, restshape):
+def test_two_ranks(tmp_path, on_ranks):
     scene = write_scene(tmp_path, WIDE)
     script, found = write_script(tmp_path, [*AROUND[:2], {"do": "release"}, *SET]), []
     for ranks in (1, 2):
         words = ("--edits", script, "--json", f"{ranks}.json", "--set", "solve.tolerance=1e-8", "--parity")
-        done = restshape("replay", scene, *words, ranks=ranks)
+        done = on_ranks(ranks, "replay", scene, *words)
         assert done.returncode == 0, done.stdout + done.stderr
         found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
     one, two = found

@@ -13,9 +13,9 @@ TIP = '[quantities]\ntip = { displacement = "z", at = "c" }\nback = { displaceme
 TIP += 'potential = { energy = "potential" }\nhold = { reaction = "z", at = "left" }\n'
 
 
-def found(tmp_path, restshape, scene, ranks, *words):
+def found(tmp_path, on_ranks, scene, ranks, *words):
     name = f"{ranks}-{len(words)}"
-    done = restshape("replay", scene, "--json", f"{name}.json", "--csv", f"{name}.csv", *words, ranks=ranks)
+    done = on_ranks(ranks, "replay", scene, "--json", f"{name}.json", "--csv", f"{name}.csv", *words)
     assert done.returncode == 0, done.stdout + done.stderr
     with (tmp_path / f"{name}.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -26,27 +26,27 @@ def found(tmp_path, restshape, scene, ranks, *words):
 
 
 @pytest.mark.parametrize("bending", ["morley", "hinge"])
-def test_a_cantilever(tmp_path, restshape, bending):
+def test_a_cantilever(tmp_path, on_ranks, bending):
     scene = write_cloth(tmp_path, CLAMP, TIP)
     edits = tmp_path / "edits.jsonl"
     edits.write_text(
-        '{"format": "restshape-edits", "version": 1, "scene": "cloth.toml", "units": "m"}\n'
+        '{"format": "on_ranks-edits", "version": 1, "scene": "cloth.toml", "units": "m"}\n'
         '{"t": 0, "do": "press", "on": "c"}\n{"t": 0.1, "do": "drag", "to": [1.02, 1.01], "frames": 2}\n'
     )
-    words = ("--edits", edits, "--parity", "--set", "effects.drape.rest=1e-7", "--set", "mesh.size=0.2")
+    words = ("--edits", edits, "--parity", "--set", "effects.drape.tolerance=1e-7", "--set", "mesh.size=0.2")
     words += ("--set", f"effects.cloth.bending={bending}", "--set", "material.cotton.bending=0.05")
-    one, two = (found(tmp_path, restshape, scene, ranks, *words) for ranks in (1, 2))
+    one, two = (found(tmp_path, on_ranks, scene, ranks, *words) for ranks in (1, 2))
     assert one["refused"] == two["refused"] == 0 and one["parity"]["holds"] and two["parity"]["holds"]
     for name in ("tip", "back", "potential", "hold"):
         np.testing.assert_allclose(two["quantities"][name], one["quantities"][name], rtol=1e-5, atol=1e-7)
 
 
-def test_on_a_ball_residual_and_energy(tmp_path, restshape):
+def test_on_a_ball_residual_and_energy(tmp_path, on_ranks):
     """Folds are not unique: both rest, at energies that differ little."""
     scene = write_cloth(tmp_path, BALL, CONTACT, TIP.replace('hold = { reaction = "z", at = "left" }\n', ""))
     words = ("--set", "mesh.size=0.12", "--set", "effects.cloth.bending=hinge")
-    one, two = (found(tmp_path, restshape, scene, ranks, *words) for ranks in (1, 2))
+    one, two = (found(tmp_path, on_ranks, scene, ranks, *words) for ranks in (1, 2))
     a, b = (summary["quantities"]["potential"][0] for summary in (one, two))
     assert b == pytest.approx(a, rel=0.05)
-    again = found(tmp_path, restshape, scene, 2, *words)
+    again = found(tmp_path, on_ranks, scene, 2, *words)
     assert again["quantities"] == two["quantities"]

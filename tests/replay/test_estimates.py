@@ -130,12 +130,12 @@ def test_summary_tells_them(tmp_path, command):
 
 
 @pytest.mark.mpi
-def test_two_ranks_estimate_the_same(tmp_path, restshape):
+def test_two_ranks_estimate_the_same(tmp_path, on_ranks):
     scene, script = write_scene(tmp_path, plate(0.1)), write_script(tmp_path, SHORT)
     found = []
     for ranks in (1, 2):
         words = ("--edits", script, "--predict", "linear", "--set", "solve.tolerance=1e-9", "--json", f"{ranks}.json")
-        done = restshape("replay", scene, *words, ranks=ranks)
+        done = on_ranks(ranks, "replay", scene, *words)
         assert done.returncode == 0, done.stdout + done.stderr
         found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
     one, two = found

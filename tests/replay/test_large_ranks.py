@@ -12,7 +12,7 @@ WIND = '\n[loads.wind]\non = "top"\npressure = 500\n'
 
 
 @pytest.mark.parametrize("wind", ["", WIND])
-def test_replay(tmp_path, restshape, wind):
+def test_replay(tmp_path, on_ranks, wind):
     scene = write_scene(tmp_path, beam(solid(), gravity(0, -8), wind))
     events = [
         *drag("b", (1, 0), across((1, 0), (1.1, -0.05), 10)),
@@ -21,7 +21,7 @@ def test_replay(tmp_path, restshape, wind):
     script, found = write_script(tmp_path, events), []
     for ranks in (1, 2):
         words = ("--edits", script, "--json", f"{ranks}.json", "--set", "solve.tolerance=1e-9", "--parity")
-        done = restshape("replay", scene, *words, ranks=ranks)
+        done = on_ranks(ranks, "replay", scene, *words)
         assert done.returncode == 0, done.stdout + done.stderr
         found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
     one, two = found

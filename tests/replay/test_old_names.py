@@ -31,7 +31,7 @@ force = [1e3, 0]
 [mesh]
 size = 0.3
 [quantities]
-far = { displacement = "x", at = "right", limit = "1 m" }
+far = { displacement = "x", at = "right", max = "1 m" }
 """
 
 

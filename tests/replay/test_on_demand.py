@@ -10,7 +10,7 @@ from vibrating import dynamics, tower
 
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.replay.constraints import broken, verdict
+from restshape.replay.constraints import Limit, constraint_status, violated_constraints
 from restshape.replay.recording import Recording
 from restshape.replay.run import replay_files
 from restshape.scene.load import load_scene
@@ -27,7 +27,7 @@ size = 0.08
 tolerance = 1e-9
 
 [quantities]
-strength = { stress = "von_mises", take = "max", limit = "3.3 MPa" }
+strength = { stress = "von_mises", reduce = "max", max = "3.3 MPa" }
 score = { area = true }
 """
 EVENTS = [
@@ -66,7 +66,7 @@ def test_what_is_asked_for_is_what_every_frame_gives(files):
     for one, other in zip(every, asked):
         assert one["q_score"] == pytest.approx(other["q_score"], rel=1e-12)
         assert one["level"] == other["level"]
-        if other["do"] == "analyse":
+        if other["event"] == "analyse":
             assert other["q_strength"] == pytest.approx(one["q_strength"], rel=1e-6)
             assert other["constraint_status"] == one["constraint_status"] and other["residual"] < 1e-8
     known = [row["index"] for row in asked if np.isfinite(row["q_strength"])]
@@ -130,18 +130,19 @@ def test_a_motion_is_not_analysed_on_demand(tmp_path, capsys, command):
     assert "edits.jsonl: line 1: a motion goes on from frame to frame" in told and 'leave "analysis" out' in told
 
 
-def test_verdicts():
-    most = (float("-inf"), 2.0)
-    assert verdict({"a": most}, {"a": 2.0, "b": 9.0}) == "holds"
-    assert verdict({"a": most, "b": most}, {"a": 1.0, "b": 2.1}) == "fails"
-    assert verdict({"a": most}, {"a": float("nan")}) == verdict({}, {"a": 1.0}) == ""
-    assert broken({"a": most, "b": most}, {"a": 1.0, "b": 2.1}) == ["b"]
-    least = (1.0, float("inf"))
-    assert verdict({"a": least}, {"a": 1.0}) == verdict({"a": least}, {"a": float("inf")}) == "holds"
-    assert verdict({"a": least}, {"a": 0.999}) == "fails"
+def test_the_constraint_status_of_quantities():
+    most = Limit(most=2.0)
+    assert constraint_status({"a": most}, {"a": 2.0, "b": 9.0}) == "holds"
+    assert constraint_status({"a": most, "b": most}, {"a": 1.0, "b": 2.1}) == "fails"
+    assert constraint_status({"a": most}, {"a": float("nan")}) == constraint_status({}, {"a": 1.0}) == ""
+    (one,) = violated_constraints({"a": most, "b": most}, {"a": 1.0, "b": 2.1})
+    assert (one.subjects, one.detail, one.value, one.bound) == (("b",), "max", 2.1, 2.0)
+    least = Limit(least=1.0)
+    assert [constraint_status({"a": least}, {"a": value}) for value in (1.0, float("inf"))] == ["holds"] * 2
+    assert constraint_status({"a": least}, {"a": 0.999}) == "fails"
 
 
 def test_a_limit_has_the_unit_of_its_quantity(files):
-    assert load_scene(files / "plate.toml").quantities["strength"].limit == 3.3e6
-    with pytest.raises(UserError, match=r"quantities.strength.limit.*(length|pressure)"):
-        load_scene(files / "plate.toml", ['quantities.strength.limit="3 mm"'])
+    assert load_scene(files / "plate.toml").quantities["strength"].max == 3.3e6
+    with pytest.raises(UserError, match=r"quantities.strength.max.*(length|pressure)"):
+        load_scene(files / "plate.toml", ['quantities.strength.max="3 mm"'])

@@ -66,6 +66,7 @@ REFUSED = {
 """Frames that have no solution, by scene, or by scene and policy: part of what their messages say."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["auto", "thesis", "refactor"])
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.stem)
 def test_every_scene_under_every_policy(tmp_path, scene, name):

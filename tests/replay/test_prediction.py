@@ -195,13 +195,13 @@ def test_a_motion_cannot_be_predicted(tmp_path, command):
 
 
 @pytest.mark.parametrize("kind", ["linear", "large"])
-def test_two_ranks_predict_the_same(tmp_path, restshape, kind):
+def test_two_ranks_predict_the_same(tmp_path, on_ranks, kind):
     write_scene(tmp_path, KINDS[kind])
     write_script(tmp_path, LONG)
     found = []
     for ranks in (1, 2):
         words = ("--edits", "edits.jsonl", "--predict", "linear", "--set", "solve.tolerance=1e-10", "--json", "a.json")
-        done = restshape("replay", "scene.toml", *words, ranks=ranks)
+        done = on_ranks(ranks, "replay", "scene.toml", *words)
         assert done.returncode == 0, done.stderr
         found.append(json.loads((tmp_path / "a.json").read_text()))
     assert found[0]["predicted"] == found[1]["predicted"] > 20

@@ -17,12 +17,12 @@ EVENTS = [
 
 
 @pytest.mark.parametrize("name", ["auto", "thesis", "refactor"])
-def test_replay(tmp_path, restshape, name):
+def test_replay(tmp_path, on_ranks, name):
     scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
     found = []
     for ranks in (1, 2):
         words = ("--edits", script, "--policy", name, "--json", f"{ranks}.json", "--set", "solve.tolerance=1e-9")
-        done = restshape("replay", scene, *words, "--parity", ranks=ranks)
+        done = on_ranks(ranks, "replay", scene, *words, "--parity")
         assert done.returncode == 0, done.stdout + done.stderr
         found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
     one, two = found

@@ -158,13 +158,13 @@ def test_a_recording_holds_quadratic_triangles(tmp_path):
 
 
 @pytest.mark.mpi
-def test_two_ranks_give_what_one_gives(tmp_path, restshape):
+def test_two_ranks_give_what_one_gives(tmp_path, on_ranks):
     scene, script = write_scene(tmp_path, plate(0.1)), write_script(tmp_path, EVENTS)
     found = []
     for ranks in (1, 2):
         words = ("--edits", script, "--json", f"{ranks}.json", "--set", "solve.tolerance=1e-9", "--set", ORDER)
         words += ("--set", "mesh.relocation=laplacian", "--set", "mesh.criterion=author")
-        done = restshape("replay", scene, *words, "--parity", ranks=ranks)
+        done = on_ranks(ranks, "replay", scene, *words, "--parity")
         assert done.returncode == 0, done.stdout + done.stderr
         found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
     one, two = found

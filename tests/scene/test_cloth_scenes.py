@@ -176,7 +176,7 @@ def test_bodies_without_contact_are_warned_of(tmp_path):
     ],
 )
 def test_the_solver_of_each_way(tmp_path, way, systems):
-    solver = plan(cloth(tmp_path, PIN, overrides=(f"effects.drape.way={way}",)), COUTURE).solver
+    solver = plan(cloth(tmp_path, PIN, overrides=(f"effects.drape.strategy={way}",)), COUTURE).solver
     assert solver.equations == "nonlinear" and solver.symmetric
     assert [system.of for system in solver.systems] == systems
 

@@ -30,8 +30,8 @@ def test_short_forms_are_filled_in(scene_file):
     scene = load_scene(scene_file)
     assert scene.supports["wall"].on == ["left"]
     assert scene.supports["wall"].fix == {"x": 0.0, "y": 0.0}
-    assert scene.quantities["peak"].take == "max"
-    assert scene.quantities["stretch"].take == "mean"
+    assert scene.quantities["peak"].reduce == "max"
+    assert scene.quantities["stretch"].reduce == "mean"
     assert scene.effects == {"solid": {"model": "plane_stress", "element": "auto"}}
     assert scene.mesh.order == 1
 
@@ -163,7 +163,7 @@ def test_an_error_in_the_shape_is_located(scene_file):
         ('sides = ["left", "right"]', 'sides = ["left", "rigth"]', "did you mean 'right'"),
         ("near = { window = 0.05 }", "near = { windo = 0.05 }", "did you mean 'window'"),
         ('peak = { stress = "von_mises" }', 'peak = { stress = "mises" }', "did you mean 'von_mises'"),
-        ('peak = { stress = "von_mises" }', 'peak = { take = "max" }', "none of them"),
+        ('peak = { stress = "von_mises" }', 'peak = { reduce = "max" }', "none of them"),
         ("[parameters]", "[parameters]\nx = 1", "meaning in formulas"),
         ("a = [0, 0]", "all = [0, 0]", "means something already"),
         ("a = [0, 0]", '"a.b" = [0, 0]', "cannot be a name"),
@@ -200,7 +200,7 @@ def test_models_can_be_made_in_code():
     assert support_type(Support, PLANE_SOLIDS.boundary)(on="left", fix=["x"]).fix == {"x": 0.0}
     Load = load_type(PLANE_SOLIDS.loads)
     assert Load(on="left", pressure="1 bar").pressure == pytest.approx(1e5)
-    assert quantity_type({})(area=True).take == "sum"
+    assert quantity_type({})(area=True).reduce == "sum"
     assert math.isclose(Load(on=["a"], force=["1 kN", 0]).force[0], 1000)
 
 

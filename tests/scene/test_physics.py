@@ -81,7 +81,7 @@ def test_tables_are_read_with_units_formulas_and_defaults(tmp_path, install):
     assert set(scene.sections) == {"ropes", "air"} and scene.sections["air"].density == 1.2
     assert ropes["a"].length.evaluate(0, 0, scene.parameters) == 1.0 and ropes["a"].mass == 0.3
     pull = scene.quantities["pull"]
-    assert (pull.kind, pull.dimension, pull.take, pull.limit) == ("tension", "force", "max", 2000.0)
+    assert (pull.kind, pull.dimension, pull.reduce, pull.max) == ("tension", "force", "max", 2000.0)
     heavier = revise(scene, "ropes.a.mass", "1 kg")
     assert heavier.sections["ropes"]["a"].mass == 1.0 and heavier.quantities is scene.quantities
 
@@ -94,7 +94,7 @@ def test_tables_are_read_with_units_formulas_and_defaults(tmp_path, install):
         ('[ropes.a]\nlength = "3 kg"\n', "ropes.a.length (line 5)", "a mass", "12 mm"),
         (ROPE.replace("50 cm", "50 kg"), "ropes.a.length (line 7)", "'2*l' is a mass", "12 mm"),
         (ROPE + "[rope.b]\nlength = 1\n", "rope", "no key 'rope'", "'ropes'"),
-        (ROPE + '[quantities]\na = { tension = true, limit = "2 m" }\n', "quantities.a.limit", "a force is wanted", ""),
+        (ROPE + '[quantities]\na = { tension = true, limit = "2 m" }\n', "quantities.a.max", "a force is wanted", ""),
         (ROPE + "[quantities]\na = { tensoin = true }\n", "quantities.a.tensoin", "no key", "'tension'"),
     ],
 )

@@ -7,6 +7,7 @@ from scipy.optimize import minimize
 from restshape.shape.handpath import cursor_path, minimum_jerk
 
 
+@pytest.mark.slow
 def test_the_law_is_the_minimiser_of_squared_jerk():
     n = 60
     t = np.linspace(0, 1, n + 1)

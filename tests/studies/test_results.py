@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pytest
 from restshape_studies.thesis import thesis_table
 from restshape_studies.verification import Verification
 
@@ -12,6 +13,7 @@ ROOT = Path(__file__).parents[2]
 THESIS = ROOT / "results" / "THESIS.md"
 
 
+@pytest.mark.slow
 def test_the_committed_table_holds(capsys):
     assert main(["tables", "--check", "--out", str(THESIS)]) == 0, capsys.readouterr().out
 

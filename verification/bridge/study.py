@@ -78,7 +78,7 @@ def main() -> None:
     if args.picture:
         from restshape_studies.pictures.score import draw_score
 
-        draw_score(args.picture, ways, load_scene(SCENE).quantities["strength"].limit)
+        draw_score(args.picture, ways, load_scene(SCENE).quantities["strength"].max)
 
 
 if __name__ == "__main__":

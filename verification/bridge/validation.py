@@ -13,7 +13,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.moving import MovingMesh
 from restshape.policy import policy
-from restshape.replay.constraints import HOLDS, limits_of, verdict
+from restshape.replay.constraints import HOLDS, constraint_status, limits_of
 from restshape.scene.load import load_scene, revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
@@ -59,7 +59,7 @@ def verdicts(comm: PETSc.Comm) -> list[Check]:
     for number, (scene, outline) in enumerate(designs(), start=1):
         limits = limits_of(scene.quantities)
         found = refined(comm, scene, outline)
-        given = [verdict(limits, quantities) for quantities in found]
+        given = [constraint_status(limits, quantities) for quantities in found]
         same = float(sum(one == given[-1] for one in given))
         source = f"the finest mesh says that design {number} {given[-1]}"
         checks.append(Check(f"design {number}: meshes of one verdict", same, float(len(given)), 0.0, source))

@@ -30,8 +30,8 @@ GRAVITY = "\n[effects.gravity]\n"
 CONTACT = "\n[effects.contact]\n"
 QUANTITIES = """
 [quantities]
-lowest = { displacement = "z", take = "min" }
-highest = { displacement = "z", take = "max" }
+lowest = { displacement = "z", reduce = "min" }
+highest = { displacement = "z", reduce = "max" }
 bent = { energy = "bending" }
 stretched = { energy = "membrane" }
 potential = { energy = "potential" }

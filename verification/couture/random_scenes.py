@@ -165,7 +165,7 @@ def cloth_sets(scene: Table) -> st.SearchStrategy[list[Table]]:
         "effects.gravity.g": [[0, 0, -1], [0, 0, 100], [0, 0, 0]],
         "effects.contact.thickness": ["1 mm", 0.05],
         "effects.contact.stiffness": [1e4, 1e8],
-        "effects.drape.way": ["auto", "kinetic"],
+        "effects.drape.strategy": ["auto", "kinetic"],
         "effects.drape.steps": [10, 100],
         "start.scatter": [0.1, 0],
     }

@@ -85,7 +85,7 @@ def too_thin(trial: Trial) -> Iterator[Statement]:
     """A wire that comes through between the nodes of a coarse mesh: warned of, and the cloth rests on the floor."""
     text = square(0.04, BAR.format(z=-0.006, radius=0.0005), CONTACT, floor(-0.3))
     made = trial.replay(text)
-    warned = made.analysis.plan.warnings
+    warned = made.analysis.state.plan.warnings
     yield true("warned of", any("between" in warning for warning in warned), "; ".join(warned))
     rows = [dict(row) for row in made.frames()]
     yield from resting(made, rows)

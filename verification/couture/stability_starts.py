@@ -79,7 +79,7 @@ def endless_fall(trial: Trial) -> Iterator[Statement]:
         yield below("steps until it is noticed", rows[0]["relaxation_steps"], 200)
         yield from sound(rows)
     for way in ("kinetic", "stabilised"):
-        rows = trial.rows(missed, overrides=[f"effects.drape.way={way}"])
+        rows = trial.rows(missed, overrides=[f"effects.drape.strategy={way}"])
         yield true(f"the way {way} says so, too", "nothing catches" in rows[0]["note"], rows[0]["note"])
     places = [[0.15, 0.15, -0.102], [2.0, 2.0, -0.102], [0.15, 0.15, -0.102]]
     made, rows = played(trial, missed, set_value("bodies.ball.sphere.center", *places))

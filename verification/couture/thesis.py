@@ -105,7 +105,7 @@ def stepped(size: str, length: float, steps: int = STEPS) -> tuple[int, float]:
         steps: that are timed.
     """
     # One step of the scene's way: what is wanted is the cloth, with all that its steps need.
-    first = (HINGE, DRESS, f'mesh.size="{size}"', "effects.drape.way=kinetic", "effects.drape.steps=1")
+    first = (HINGE, DRESS, f'mesh.size="{size}"', "effects.drape.strategy=kinetic", "effects.drape.steps=1")
     analysis: RelaxationAnalysis = still(SCENES / "sphere.toml", first).analysis
     sheet = analysis.problem
     equations = ClothEquations(sheet, PETSc.COMM_SELF, Stages())

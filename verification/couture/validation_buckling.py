@@ -45,7 +45,7 @@ def of_width(width: float, g: float, across: int = 4) -> list[str]:
 def critical(width: float, comm: PETSc.Comm, across: int = 4) -> float:
     """The acceleration [m/s^2] at which the lowest eigenvalue of the true tangent is zero, on the path in the plane."""
     guess = lightest(width)
-    overrides = [*of_width(width, 0.5 * guess, across), "effects.drape.way=newton"]
+    overrides = [*of_width(width, 0.5 * guess, across), "effects.drape.strategy=newton"]
     analysis = still(BLADE, overrides, comm).analysis
     x = analysis.x.copy()
     loads = [0.9 * guess, 0.97 * guess]

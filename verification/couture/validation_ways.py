@@ -39,7 +39,7 @@ class Counted:
 
 def resets(comm: PETSc.Comm) -> list[Check]:
     """Potential energies when velocities are set to zero, on the way of a cloth down a smooth ball."""
-    smooth = ["bodies.ball.friction=0", "effects.drape.steps=1", "effects.drape.way=newton"]
+    smooth = ["bodies.ball.friction=0", "effects.drape.steps=1", "effects.drape.strategy=newton"]
     analysis = still(SPHERE, [*COARSE, *smooth], comm).analysis
     sheet, moving = analysis.problem, analysis.state.solver.moving
     moving.motion = counted = Counted(moving.motion)

@@ -24,7 +24,7 @@ def range_rows(study: PlankStudy) -> Lines:
             "yes" if row["hints"] else "no",
             percent(row["worst"]),
             percent(row["mean"]),
-            f"{row['missed_modes']} of {study.intervals}",
+            f"{row['missed']} of {study.intervals}",
             f"{row['ms']:.3g}",
         ]
         for row in study.ranges
@@ -49,14 +49,14 @@ def search_rows(study: PlankStudy) -> Lines:
 def newton_rows(study: PlankStudy) -> Lines:
     """Lines of tolerances of the residual."""
     return [
-        [f"{row['tolerance']:.0e}", str(row["relaxation_steps"]), f"{row['error']:.1e}", f"{row['ms']:.3g}"]
+        [f"{row['tolerance']:.0e}", str(row["steps"]), f"{row['error']:.1e}", f"{row['ms']:.3g}"]
         for row in study.newton
     ]
 
 
 def ratio_rows(study: PlankStudy) -> Lines:
     """Lines of ratios of compliances."""
-    return [[f"{row['ratio']:g}", f"{row['utilisation']:.3g}", f"{row['worst']:.3g}"] for row in study.ratios]
+    return [[f"{row['ratio']:g}", f"{row['use']:.3g}", f"{row['worst']:.3g}"] for row in study.ratios]
 
 
 HEADS: dict[str, Sequence[str]] = {

@@ -7,6 +7,7 @@ import numpy as np
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Compliance, Furniture
+from restshape_apps.furniture.physics.plank_findings import FAULTS, SLANT
 from restshape_apps.furniture.pieces import shelf_1, stool_chair, table
 from restshape_apps.furniture.shape.planks import Foot, Load, Piece, Plane, Plank
 from restshape_apps.furniture.small_pieces import THIN, block, cantilever, ladder, mirrored, stool
@@ -164,6 +165,6 @@ def hardly_parallel(trial: Trial) -> Iterator[Statement]:
         gamma = np.zeros((3, 8))
         gamma[2, 4] = angle
         verdict = Furniture(piece).test(gamma)
-        flat = any("too flat" in word for word in verdict.words)
+        flat = any(one.detail == FAULTS[SLANT] for one in verdict.findings)
         yield true(f"turned by {angle:g} it is {'too flat' if lost else 'not'}", flat is lost)
         yield true("and lost with it", bool(verdict.flaws & LOST) or not lost)

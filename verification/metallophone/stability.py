@@ -205,7 +205,8 @@ def lowest_unknown(trial: Trial) -> Iterator[Statement]:
         yield true("none of them counted, and none at rest", not far)
         rest = [row for row in rows if row["event"] in ("release", "idle")]
         yield true(
-            "counted at rest, none missed then", all(r["inertia_checked"] for r in rest) and not rest[-1]["missed"]
+            "counted at rest, none missed then",
+            all(r["inertia_checked"] for r in rest) and not rest[-1]["missed_modes"],
         )
         yield below("tone over the first", rows[-1]["f_1"] / rows[0]["f_1"], 0.6)
         yield from sound(rows)

@@ -25,7 +25,7 @@ def column(dead: float, following: float = 0.0) -> str:
         + (f'[loads.weight]\non = "top"\nforce = [0, {-dead!r}]\n' if dead else "")
         + (f'[loads.jet]\non = "top"\npressure = {following / (DEPTH * THICKNESS)!r}\n' if following else "")
         + meshed(0.05)
-        + 'order = 2\n[quantities]\nsway = { displacement = "x", at = "top", take = "mean" }\n'
+        + 'order = 2\n[quantities]\nsway = { displacement = "x", at = "top", reduce = "mean" }\n'
     )
 
 

@@ -96,7 +96,7 @@ def _strip(trial: Trial, order: int, element: str, size: float, path: list) -> t
     text = HEAD + block(1.0, height) + f"[material.m]\nE = {E}\nnu = {nu}\n" + LARGE
     text += solid() + f'element = "{element}"\n[supports.wall]\non = "left"\nfix = ["x"]\n'
     text += f'[supports.pin]\non = "a"\nfix = ["y"]\n[loads.tip]\non = "right"\nforce = [0, {-bending!r}]\n'
-    text += meshed(size) + f"order = {order}\n" + TIP.replace('at = "c"', 'at = "right", take = "mean"')
+    text += meshed(size) + f"order = {order}\n" + TIP.replace('at = "c"', 'at = "right", reduce = "mean"')
     rows = trial.rows(text, drag("right", (1, height / 2), path))
     lengths = [1.0, 1.0, *(x for x, _ in path), path[-1][0]]
     wanted = [[length * part for part in stretched_elastica(length**2, height / length)] for length in lengths]
@@ -178,7 +178,9 @@ def predicted_at_the_buckling_load(trial: Trial) -> Iterator[Statement]:
         text = HEAD + block(h, L) + f"[material.r]\nE = {E}\nnu = 0\nthickness = {b}\n" + solid("plane_stress") + LARGE
         text += '[supports.foot]\non = "bottom"\nfix = ["x", "y"]\n'
         text += f'[loads.w]\non = "top"\nforce = [{0.001 * euler}, {-share * euler}]\n'
-        text += '[quantities]\ntip = { displacement = "x", at = "top", take = "mean" }\n' + meshed(0.04) + "order = 2\n"
+        text += (
+            '[quantities]\ntip = { displacement = "x", at = "top", reduce = "mean" }\n' + meshed(0.04) + "order = 2\n"
+        )
         events = drag("top", (0, 1), across((0, 1), (0, 1.1), 5))
         foretold, solved = (trial.rows(text, events, predict=predict) for predict in ("linear", "none"))
         yield above(f"residual of the last prediction at {share} of the load", foretold[6]["residual"], 0.1)
@@ -195,7 +197,7 @@ def predicted_beyond_a_limit(trial: Trial) -> Iterator[Statement]:
     # A guided column under its weight: St. Venant and Kirchhoff's law bears 0.19 E, at L = 0.19 E / (rho g).
     text += solid("plane_stress") + LARGE + '[effects.gravity]\ng = [-4, 0]\n[supports.wall]\non = "left"\n'
     text += 'fix = ["x", "y"]\n[supports.guide]\non = ["top", "bottom"]\nfix = ["y"]\n'
-    text += '[quantities]\ntip = { displacement = "x", at = "right", take = "mean" }\n' + meshed(0.1)
+    text += '[quantities]\ntip = { displacement = "x", at = "right", reduce = "mean" }\n' + meshed(0.1)
     events = [
         *drag("right", (1.0, 0.1), across((1.0, 0.1), (2.0, 0.1), 5)),
         {"do": "idle"},

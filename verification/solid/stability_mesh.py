@@ -23,7 +23,7 @@ from restshape.policy import POLICIES
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
 
-STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right", take = "mean" }\n'
+STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right", reduce = "mean" }\n'
 UNCONTRACTED = STEEL.replace("nu = 0.3", "nu = 0")
 """Steel that a pull makes no thinner, so that a block stretches evenly: sigma / E."""
 STRAIN = 1e8 / 200e9

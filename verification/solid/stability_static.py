@@ -22,7 +22,7 @@ from restshape_studies.stability.scenery import (
 from restshape.calibration import Calibration
 from restshape.policy import POLICIES
 
-STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right", take = "mean" }\n'
+STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right", reduce = "mean" }\n'
 NEVER = {"numeric_nonzero": 1.0, "ilu_numeric_nonzero": 1.0, "gamg_refresh_nonzero": 1.0}
 """Seconds a unit of work that let no refresh pay."""
 RUBBER = '[material.rubber]\nE = 1e5\nnu = 0.4999\nthickness = 0.01\nregion = ["soft"]\n'
@@ -74,7 +74,7 @@ def slender(trial: Trial) -> Iterator[Statement]:
     """A beam of 1:200 under its end load is dragged longer, with first-order triangles."""
     L, H, E, P, t = 2.0, 0.01, 2e11, 1.0, 0.01
     load = f'[loads.end]\non = "right"\nforce = [0, {-P}]\n'
-    asked = '[quantities]\ntip = { displacement = "y", at = "right", take = "mean" }\n'
+    asked = '[quantities]\ntip = { displacement = "y", at = "right", reduce = "mean" }\n'
     text = HEAD + block(L, H) + material(E=E, nu=0) + CLAMPED + load + meshed(0.0025) + asked
     rows, statements = trial.compared(text, drag("right", (L, 0.0), [(L + 0.001, 0.0), (L + 0.002, 0.0)]))
     bending = E * t * H**3 / 12

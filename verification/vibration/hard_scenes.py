@@ -12,7 +12,7 @@ WINDOW = "\n[shape.holes]\nwindow = { circle = { center = [0.5, 1.4], radius = 0
 QUANTITIES = """
 [quantities]
 sway = { displacement = "x", at = "c" }
-amplitude = { displacement = "x", at = "c", take = "peak" }
+amplitude = { displacement = "x", at = "c", reduce = "peak" }
 energy = { energy = "total" }
 edit = { energy = "edit" }
 remesh = { energy = "remesh" }

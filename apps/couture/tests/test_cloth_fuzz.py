@@ -2,6 +2,7 @@
 
 from collections import Counter
 
+import pytest
 from drawn_scenes import look_at_drawn
 from hypothesis.strategies import tuples
 from restshape_studies.stability.fuzz import fuzz
@@ -10,6 +11,7 @@ from restshape_verification.couture.random_scenes import cloth_scenes
 from restshape.application import application
 
 
+@pytest.mark.slow
 def test_nothing_breaks():
     tried = fuzz(40, 1, ("couture",))
     assert not tried.found, [vars(found) for found in tried.found.values()]

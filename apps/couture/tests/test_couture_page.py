@@ -15,6 +15,7 @@ PAGE = (ROOT / "docs" / "couture.md").read_text(encoding="utf-8")
 STRIP = ROOT / "apps" / "couture" / "scenes" / "strip.toml"
 
 
+@pytest.mark.slow
 def test_the_napkin(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     block = PAGE.split("```sh\n")[1].split("```")[0]

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
-from restshape_apps.furniture.guidance.design import Design, Idea, Ideas, Way, words_at
+from restshape_apps.furniture.guidance.design import Design, Idea, Ideas, Way, findings_at
+from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, encode_ranges
 from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, Verdict
 from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities, require_places
-from restshape_apps.furniture.physics.plank_words import held_by_springs
+from restshape_apps.furniture.physics.plank_words import held_by_springs, phrases
 from restshape_apps.furniture.physics.uncounted_moments import uncounted_moments
 from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
 from restshape_apps.furniture.session.boards import Boards
@@ -185,10 +186,11 @@ class FurnitureAnalysis:
     def row(self) -> dict[str, Any]:
         """The columns that only furniture has, and its verdict."""
         found, low, high = self._ranges()
-        words = words_at(self.design.furniture, self.verdict, self.gamma)
+        findings = findings_at(self.design.furniture, self.verdict, self.gamma)
         return {
             "constraint_status": "holds" if self.verdict.valid else "fails",
-            "violated_constraints": "; ".join(words),
+            "violated_constraints": "; ".join(phrases(findings)),
+            "findings": findings,
             "flaws": self.verdict.flaws,
             "utilisation": float(np.nanmax(self.use)) if self.forces else np.nan,
             "stability_margin": self.margin,
@@ -200,6 +202,7 @@ class FurnitureAnalysis:
             "range_low": low,
             "range_high": high,
             "ranges": found,
+            "valid_ranges": self._valid_ranges(),
             "inside": self._inside(),
             "tried": self.ideas.tried,
             "tested": self.ideas.tested,
@@ -223,6 +226,18 @@ class FurnitureAnalysis:
         far = np.maximum(intervals[:, 0] - self.at, self.at - intervals[:, 1])
         low, high = intervals[int(np.argmin(far))]
         return text, float(low), float(high)
+
+    def _valid_ranges(self) -> str:
+        """What is under the hand and its valid ranges for programs; empty where nothing is."""
+        if self.way is None:
+            return ""
+        way, ranges = self.way, None
+        if self.design.guidance.ranges:
+            ranges = tuple(
+                ValidRange(float(low), float(high), bool(low <= way.low), bool(high >= way.high))
+                for low, high in way.ranges.intervals
+            )
+        return encode_ranges(Grabbed(way.subject, way.unit, ranges))
 
     def _inside(self) -> int:
         """1: the piece is valid at the hand; 0: it is not; -1: it is, but farther than ranges were looked for."""

@@ -90,7 +90,7 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     rows += [(f"push {load.name}", _told(load, piece)) for load in piece.pushes]
     rows.append(("floor", f"height {scene.floor.height:g} m, friction {scene.floor.friction:g}"))
     rows += quantity_rows(scene)
-    if any(q.limit is not None or q.at_least is not None for q in scene.quantities.values()):
+    if any(q.max is not None or q.min is not None for q in scene.quantities.values()):
         rows.append(("limits", "restshape replay looks at those of quantities; the status here is that of the piece"))
     free = len(design.freedoms)
     rows.append(("freedoms", f"{free} of {8 * len(names)} design parameters keep all joints closed"))

@@ -4,9 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from restshape_apps.furniture.guidance.amounts import UNITS
-from restshape_apps.furniture.report.guided import VALUE, beyond, found, intervals, runs, searches, unit_of
+from restshape_apps.furniture.guidance.valid_ranges import ValidRange, decode_ranges
+from restshape_apps.furniture.report.guided import findings_of, found, grabbed, has_findings, runs, searches
 
 from restshape.cli.options import print_table
+from restshape.replay.constraints import LIMIT
 
 MOST = 12
 """Rows of a table at most."""
@@ -20,12 +22,12 @@ def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
     _print_verdicts(rows)
     ranges: dict[tuple[int, str, str], list[int]] = {}
     for row in rows:
-        if row.get("ranges"):
-            ranges.setdefault((row["line"], row["parameter"], row["ranges"]), []).append(row["inside"])
+        if (hand := grabbed(row)) and hand.ranges is not None:
+            ranges.setdefault((row["line"], row["parameter"], row["valid_ranges"]), []).append(row["inside"])
     if ranges:
         heads = ("line", "parameter under the hand", "valid from where it was taken", "frames", "of them valid")
         cells = [
-            (line, name, _valid(name, text), len(inside), inside.count(1))
+            (line, name, _valid(text), len(inside), inside.count(1))
             for (line, name, text), inside in _few(ranges).items()
         ]
         print_table("valid ranges", heads, cells, right=(heads[0], *heads[3:]))
@@ -34,7 +36,9 @@ def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
             _print_suggestions(same)
         else:
             print(f"no suggestions in {_frames(same)}: {same[0]['no_suggestions']}")
-    if any(VALUE.search(row["violated_constraints"]) for row in rows):
+    if not has_findings(rows):
+        print("valid ranges and worst amounts want a newer recording: record it again")
+    if any(one.kind == LIMIT for row in rows for one in findings_of(row)):
         print("limits of quantities count in verdicts; ranges and suggestions judge the piece alone")
 
 
@@ -50,14 +54,16 @@ def _print_verdicts(rows: Sequence[Mapping[str, Any]]) -> None:
     print_table("verdicts", ("line", "frames", "the piece"), cells, right=("line",))
 
 
-def _valid(parameter: str, text: str) -> str:
-    """Ranges as people read them."""
-    factor, unit = UNITS[unit_of(parameter)]
-    spans = [
-        " to ".join(f"{factor * end:+.6g}{' or beyond' if mark else ''}" for end, mark in zip(ends, open_)) + f" {unit}"
-        for ends, open_ in zip(intervals(text), beyond(text))
-    ]
-    return "; ".join(spans) or "nothing"
+def _valid(text: str) -> str:
+    """Ranges of a recording as people read them."""
+    hand = decode_ranges(text)
+    return "; ".join(_interval(one, *UNITS[hand.unit]) for one in hand.ranges) or "nothing"
+
+
+def _interval(one: ValidRange, factor: float, unit: str) -> str:
+    """A range as people read it."""
+    ends = ((one.low, one.below), (one.high, one.above))
+    return " to ".join(f"{factor * end:+.6g}{' or beyond' if mark else ''}" for end, mark in ends) + f" {unit}"
 
 
 def _frames(same: Sequence[Mapping[str, Any]]) -> str:

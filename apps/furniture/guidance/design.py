@@ -15,10 +15,13 @@ from restshape_apps.furniture.guidance.force_space import durability_space
 from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
 from restshape_apps.furniture.guidance.suggestions import Suggestions, suggest
 from restshape_apps.furniture.guidance.support_planks import FLOOR, SupportPlank, support_planks
+from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.furniture import APART, LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture, Verdict
+from restshape_apps.furniture.physics.plank_words import phrases
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, joints_near
 
+from restshape.findings import Finding
 from restshape.guidance.combination_search import Suggestion
 from restshape.guidance.force_space import LONGEST
 from restshape.guidance.ranges import Ranges, predicted_ends, valid_ranges
@@ -141,6 +144,7 @@ class Way:
         direction: (n, 8).
         name: for people.
         low, high: how far it is looked at.
+        subject: what is under the hand, without the direction in which it goes.
         expected: where ends of its range are known to be.
     """
 
@@ -149,7 +153,13 @@ class Way:
     name: str
     low: float
     high: float
+    subject: str = ""
     expected: tuple[float, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """The unit of the parameter, "m" or "rad"."""
+        return amounts.unit_of(amounts.parameters(self.design.piece, self.direction)[0][1])
 
     @cached_property
     def ranges(self) -> Ranges:
@@ -200,18 +210,17 @@ class Design:
             gamma[plank, number] = sign * TRIED
             verdict = self.furniture.test(gamma)
             if verdict.flaws & LOST:
-                # The first of its words are those of what is lost.
-                why += f" ({next(words for words in verdict.words if words.startswith('lost'))})"
+                why += f" ({'; '.join(phrases([one for one in verdict.findings if one.kind == plank_findings.LOST]))})"
                 break
         self.furniture.test()
         free = [FREEDOMS[k] for k in range(8) if (plank, k) in self.freedoms]
         return f"{why}; free: {', '.join(free) if free else 'nothing of it'}"
 
-    def way(self, direction: np.ndarray, name: str) -> Way:
+    def way(self, direction: np.ndarray, name: str, subject: str = "") -> Way:
         """The way along a direction (n, 8), looked at as far as suggestions go: `REACH` in sizes and radians."""
         sizes, turns = direction[:, [0, 1, 2, 6, 7]] / self.piece.size, direction[:, 3:6]
         reach = REACH / float(np.hypot(np.linalg.norm(sizes), np.linalg.norm(turns)))
-        return Way(self, direction, name, -reach, reach)
+        return Way(self, direction, name, -reach, reach, subject or name)
 
     def followed(self, idea: Idea) -> Way:
         """The way along a suggestion, whose range has the ends that it was told with."""
@@ -280,7 +289,7 @@ class Design:
             words = Furniture(one.piece).test().words
         else:
             gamma = one.t * one.direction
-            words = words_at(self.furniture, self.furniture.test(gamma), gamma)
+            words = phrases(findings_at(self.furniture, self.furniture.test(gamma), gamma))
             self.furniture.test()
         return replace(one, rest=shorten("; ".join(words), REST, placeholder=" ..."))
 
@@ -318,10 +327,10 @@ class Design:
         return Idea(words, None, 1.0, (0.0, 1.0), board.verdict.valid, board.piece, name="a support plank")
 
 
-def words_at(furniture: Furniture, verdict: Verdict, gamma: np.ndarray) -> tuple[str, ...]:
+def findings_at(furniture: Furniture, verdict: Verdict, gamma: np.ndarray) -> tuple[Finding, ...]:
     """What is wrong at design parameters (n, 8), with distances as they are there."""
     moved = gamma.any() and verdict.flaws & (LOST | APART)
-    return (replace(verdict, piece=furniture.moved(gamma)) if moved else verdict).words
+    return (replace(verdict, piece=furniture.moved(gamma)) if moved else verdict).findings
 
 
 def _verb(parameter: str) -> str:

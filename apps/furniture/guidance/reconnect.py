@@ -6,7 +6,7 @@ from itertools import combinations as choose
 import numpy as np
 from restshape_apps.furniture.guidance.opening import Opening
 from restshape_apps.furniture.physics.furniture import ALL, LOST, Furniture
-from restshape_apps.furniture.physics.plank_words import BEHIND, LENGTH, SLANT
+from restshape_apps.furniture.physics.plank_findings import BEHIND, LENGTH, SLANT
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import Joint
 

@@ -4,12 +4,14 @@ from dataclasses import astuple, dataclass, field
 
 import numpy as np
 from restshape_apps.furniture import _kernels
-from restshape_apps.furniture.physics import plank_words
+from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.fasteners import fastener, wood
-from restshape_apps.furniture.physics.plank_words import Findings
+from restshape_apps.furniture.physics.plank_findings import FlawNumbers
+from restshape_apps.furniture.physics.plank_words import phrases
 from restshape_apps.furniture.shape.planks import Joint, Piece
 
 from restshape.errors import UserError
+from restshape.findings import Finding
 
 LOST, OVERLAPPING, UNSTABLE, WEAK, UNBALANCED, APART = 1, 2, 4, 8, 16, 32
 ALL = LOST | OVERLAPPING | UNSTABLE | WEAK | UNBALANCED | APART
@@ -56,7 +58,7 @@ class Verdict:
     pull: float
     shear: float
     missing: float
-    found: Findings = field(default_factory=Findings, compare=False)
+    found: FlawNumbers = field(default_factory=FlawNumbers, compare=False)
     piece: Piece | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -65,14 +67,22 @@ class Verdict:
         return self.flaws == 0
 
     @property
-    def words(self) -> tuple[str, ...]:
-        """What is wrong, in words that name it."""
-        told = {LOST: plank_words.lost, OVERLAPPING: plank_words.overlapping}
-        parted = (plank_words.apart(self.piece),) if self.flaws & APART else ()
+    def findings(self) -> tuple[Finding, ...]:
+        """What is wrong, by names of planks, joints and loads."""
+        found = plank_findings.apart(self.piece) if self.flaws & APART else []
+        kinds = {LOST: plank_findings.lost, OVERLAPPING: plank_findings.overlapping}
         # Of a piece that cannot be closed nothing else is known.
         if not np.isinf(self.pull):
-            told |= {UNSTABLE: plank_words.falls, WEAK: plank_words.weak, UNBALANCED: plank_words.unbalanced}
-        return parted + tuple(tell(self.piece, self.found) for bit, tell in told.items() if self.flaws & bit)
+            kinds |= {UNSTABLE: plank_findings.falls, WEAK: plank_findings.weak, UNBALANCED: plank_findings.unbalanced}
+        return (
+            *found,
+            *(one for bit, find in kinds.items() if self.flaws & bit for one in find(self.piece, self.found)),
+        )
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What is wrong, in words that name it."""
+        return phrases(self.findings)
 
 
 @dataclass(frozen=True)
@@ -116,7 +126,7 @@ class Geometry:
         length: (j,) of each joint [m].
         nails: (j,) fasteners in it.
         contacts: (c, 3) points, four of each foot.
-        joint_faults, foot_faults: numbers of `plank_words.FAULTS`.
+        joint_faults, foot_faults: numbers of `plank_findings.FAULTS`.
         overlaps: pairs of planks that pass through each other; a plank and -1 - k where it goes through plane k.
     """
 
@@ -194,7 +204,7 @@ class Furniture:
     def test(self, gamma: np.ndarray | None = None, wanted: int = ALL, quick: bool = False) -> Verdict:
         """What the full test finds at design parameters (n, 8); with `quick` it ends at the first flaw wanted."""
         flaws, pull, shear, missing, *found = self.kernel.test(gamma, wanted, quick)
-        return Verdict(flaws, pull, shear, missing, Findings(*found), self.piece)
+        return Verdict(flaws, pull, shear, missing, FlawNumbers(*found), self.piece)
 
     def geometry(self, gamma: np.ndarray | None = None) -> Geometry:
         """The closed geometry at design parameters (n, 8), with all overlaps."""

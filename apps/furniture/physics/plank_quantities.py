@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from restshape_apps.furniture.physics.furniture import Forces, Geometry
-from restshape_apps.furniture.physics.plank_words import beyond_reach
+from restshape_apps.furniture.physics.plank_findings import beyond_reach
+from restshape_apps.furniture.physics.plank_words import amount_beyond_reach
 from restshape_apps.furniture.scene.plank_quantities import ENDS, place_of
 from restshape_apps.furniture.shape.plank_gaps import gap_at
 from restshape_apps.furniture.shape.planks import Piece
@@ -41,7 +42,7 @@ def plank_quantities(quantities: Mapping[str, Quantity], known: Observed) -> dic
     found = {}
     for name, quantity in quantities.items():
         values = _values(quantity, known)
-        found[name] = float(REDUCTIONS[quantity.take](values)) if len(values) else np.nan
+        found[name] = float(REDUCTIONS[quantity.reduce](values)) if len(values) else np.nan
     return found
 
 
@@ -71,7 +72,8 @@ def _too_far(quantity: Quantity, piece: Piece) -> str:
     if number is None or end in ENDS[4:]:
         # Faces take ends, and are joined by no end of their own.
         return ""
-    return beyond_reach(piece, gap_at(piece, number, ENDS.index(end) if end else None))
+    far = beyond_reach(piece, gap_at(piece, number, ENDS.index(end) if end else None))
+    return amount_beyond_reach(far) if far else ""
 
 
 def joints_at(quantity: Quantity, piece: Piece) -> list[int]:

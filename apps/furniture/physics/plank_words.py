@@ -1,172 +1,167 @@
-"""What is wrong with a piece of furniture, in words that name its planks, joints and loads."""
+"""Findings on a piece of furniture in words."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Sequence
 from math import ceil
 
 import numpy as np
-from restshape_apps.furniture.shape.plank_gaps import Gap, gap_between_parts, gap_of
-from restshape_apps.furniture.shape.planks import SIDES, Piece, parts_of
+from restshape_apps.furniture.physics import plank_findings as kinds
+from restshape_apps.furniture.physics.plank_findings import joint_planks, load_case
+from restshape_apps.furniture.shape.planks import Piece
 
-USES = re.compile(r" at \S+ of its (?:shear )?strength")
-
-GAPS = re.compile(r" \([^()]* is (\S+) mm from [^()]*, beyond the reach of \S+ mm of joints\)")
-"""How far two parts of a piece are from each other."""
-
-DISTANCES = re.compile(r", (\S+) mm from it")
-"""How far a plank is from the one that a joint should hold it to."""
+from restshape.findings import OMITTED, Finding
+from restshape.replay.constraints import LIMIT, formatted_constraint, value_and_bound
 
 SHOWN = 3
-"""Names of one kind that are told; of more it is told how many there are."""
-
-SLANT, LENGTH, GAP, MISSED, FOOT, BEHIND = 1, 2, 3, 4, 5, 6
-"""Numbers of faults of the geometry."""
+"""Names of one kind that are shown; of more it is said how many there are."""
 
 FAULTS = {
-    SLANT: "{plank} lies too flat on {other}",
-    LENGTH: "{plank} has no length left",
-    GAP: "{plank} is not flush with {other}",
-    MISSED: "{plank} misses {other}",
-    FOOT: "{plank} does not stand flat on {other}",
-    BEHIND: "{plank} comes to {other} from behind",
+    "slant": "{0} lies too flat on {1}",
+    "length": "{0} has no length left",
+    "gap": "{0} is not flush with {1}",
+    "missed": "{0} misses {1}",
+    "foot": "{0} does not stand flat on {1}",
+    "behind": "{0} comes to {1} from behind",
+    kinds.FAR_SLANT: "{0} does not point at {1}",
 }
+"""What is said of what is lost, by its detail."""
 
-FAR_SLANT = "{plank} does not point at {other}"
-"""What is said of a slant where the two planks are farther from each other than joints reach."""
+Worst = Collection[Finding]
+"""Findings whose amount is the worst of several frames."""
 
 
-@dataclass(frozen=True)
-class Findings:
-    """What is wrong, by numbers.
+def phrases(findings: Sequence[Finding], worst: Worst = ()) -> tuple[str, ...]:
+    """What is wrong, a phrase a kind, and one for each violated limit of a quantity.
 
     Args:
-        faults: number of `FAULTS`, and the end (4 plank + side) of a slant or from behind, the plank of a length, else
-            the joint or foot.
-        overlaps: pairs of planks; a plank and -1 - k where it goes through plane k.
-        falls: case, and the first plank of the part of the piece that falls in it.
-        unbalanced: cases without an equilibrium.
-        broken: joint, case, use in parts of its strength, and whether that is of shear.
+        findings: of a frame.
+        worst: those whose amount is the worst of several frames: it is "up to" that.
     """
+    groups: dict[str, list[Finding]] = {}
+    for one in findings:
+        groups.setdefault(one.kind, []).append(one)
+    found: list[str] = []
+    for kind, group in groups.items():
+        if kind == LIMIT:
+            found += [formatted_constraint(one, one in worst) for one in group if one.detail != OMITTED]
+        elif kind == kinds.FALLS:
+            found.append(_falls(group, [one.subjects for one in groups.get(kinds.APART, ())]))
+        else:
+            found.append(PHRASES[kind](group, worst))
+    return tuple(found)
 
-    faults: Sequence[tuple[int, int]] = ()
-    overlaps: Sequence[tuple[int, int]] = ()
-    falls: Sequence[tuple[int, int]] = ()
-    unbalanced: Sequence[int] = ()
-    broken: Sequence[tuple[int, int, float, bool]] = ()
+
+def amount(finding: Finding) -> str:
+    """The amount that a finding has, as its phrase shows it; empty without one."""
+    if finding.value is None or finding.bound is None:
+        return ""
+    if finding.kind == kinds.WEAK:
+        return _share(finding.value)
+    return value_and_bound(finding)[0] if finding.kind == LIMIT else _two_lengths(finding)[0]
+
+
+def amount_beyond_reach(finding: Finding, worst: bool = False) -> str:
+    """How far an end is from a plank, farther than joints reach."""
+    far, reach = _two_lengths(finding)
+    plank, side, other = finding.subjects
+    more = "up to " if worst else ""
+    return f"{plank} {side} is {more}{far} mm from {other}, beyond the reach of {reach} mm of joints"
 
 
 def joint_name(piece: Piece, joint: int) -> str:
     """What a joint is called: the plank whose end it holds, on the one whose face it is at."""
-    one = piece.joints[joint]
-    return f"{piece.planks[one.i].name} on {piece.planks[one.j].name}"
-
-
-def lost(piece: Piece, found: Findings) -> str:
-    """Joints and feet that are lost, and how."""
-    told: dict[tuple[str, int], str] = {}
-    for fault, where in found.faults:
-        key, plank, other = _place(piece, fault, where)
-        # An end that cannot be closed is not flush either.
-        if key not in told:
-            told[key] = _fault(piece, fault, key).format(plank=piece.planks[plank].name, other=other)
-    return f"lost: {_listed(told.values())}" if told else "a joint is lost"
-
-
-def overlapping(piece: Piece, found: Findings) -> str:
-    """Planks that are in each other, and in the floor."""
-    names = [plank.name for plank in piece.planks]
-    pairs = [f"{names[i]} and {names[j] if j >= 0 else _plane(-1 - j)}" for i, j in found.overlaps]
-    return f"overlapping: {_listed(pairs)}" if pairs else "planks overlap"
-
-
-def apart(piece: Piece) -> str:
-    """The parts that no joint connects, and how far two of them are from each other where no joint could reach."""
-    parts = parts_of(piece)
-    gap = beyond_reach(piece, gap_between_parts(piece))
-    return f"in {_count(len(parts))} parts: {_listed(_part(piece, part) for part in parts)}" + f" ({gap})" * bool(gap)
-
-
-def beyond_reach(piece: Piece, gap: Gap | None) -> str:
-    """How far an end is from a plank, farther than joints reach; empty where it is not, or where there is no gap."""
-    if gap is None or gap.size <= piece.reach:
-        return ""
-    far, reach = _two_lengths(gap.size, piece.reach)
-    end = f"{piece.planks[gap.i].name} {SIDES[gap.side]}"
-    return f"{end} is {far} mm from {piece.planks[gap.j].name}, beyond the reach of {reach} mm of joints"
-
-
-def falls(piece: Piece, found: Findings) -> str:
-    """Loads that it falls under, and what falls where it is in parts."""
-    if not found.falls:
-        return "falls"
-    cases = dict.fromkeys(_load(piece, case) for case, _ in found.falls)
-    parts = parts_of(piece)
-    down = {first for _, first in found.falls}
-    named = [_part(piece, part) for part in parts if down & set(part)] if len(parts) > 1 else []
-    return f"falls under {_listed(cases)}" + (f": {_listed(named)}" if named else "")
-
-
-def weak(piece: Piece, found: Findings) -> str:
-    """Joints that break, the worst first."""
-    # Joints that differ by rounding alone stay in their order.
-    broken = sorted(found.broken, key=lambda one: -round(one[2], 6))
-    told = [
-        f"{joint_name(piece, k)} at {_share(use)} of its {'shear ' if sheared else ''}strength"
-        + (f" under {_load(piece, case)}" if case else "")
-        for k, case, use, sheared in broken
-    ]
-    return f"weak: joint {_listed(told)}" if told else "a joint is weak"
-
-
-def unbalanced(piece: Piece, found: Findings) -> str:
-    """Loads without an equilibrium."""
-    cases = [_load(piece, case) for case in found.unbalanced]
-    return f"no equilibrium was found{' under ' + _listed(cases) if cases else ''}"
-
-
-def without_uses(words: str) -> str:
-    """What is wrong, without how much of its strength each joint bears and how far planks are from each other, which
-    change from frame to frame."""
-    return DISTANCES.sub("", GAPS.sub("", USES.sub("", words)))
+    return " on ".join(joint_planks(piece, joint))
 
 
 def held_by_springs(piece: Piece, cases: Sequence[int]) -> str:
     """Loads under which contacts act as springs that also pull; empty without any."""
     if not cases:
         return ""
-    told = _listed(_load(piece, case) for case in cases)
-    return f"forces under {told} are of feet that springs hold: with feet that only push no equilibrium was found"
+    under = _listed([_load(load_case(piece, case)) for case in cases])
+    return f"forces under {under} are of feet that springs hold: with feet that only push no equilibrium was found"
 
 
 def uncounted(piece: Piece, bent: Sequence[int], twisted: Sequence[int]) -> str:
     """Joints with moments that the verdict does not count, more than their fasteners bear; empty without any."""
-    told = [
-        f"{how} {_listed(joint_name(piece, k) for k in joints)}"
+    parts = [
+        f"{how} {_listed([joint_name(piece, k) for k in joints])}"
         for how, joints in (("bends joint", bent), ("twists joint", twisted))
         if joints
     ]
-    return f"not in the verdict: what {' and '.join(told)} is more than the fasteners bear" if told else ""
+    return f"not in the verdict: what {' and '.join(parts)} is more than the fasteners bear" if parts else ""
 
 
-def _fault(piece: Piece, fault: int, key: tuple[str, int]) -> str:
+def _apart(findings: list[Finding], worst: Worst) -> str:
+    nearest = next((one for one in findings if one.detail == kinds.NEAREST), None)
+    parts = [_part(one) for one in findings if one.detail == kinds.PART]
+    omitted = _omitted(findings)
+    gap = f" ({amount_beyond_reach(nearest, nearest in worst)})" if nearest else ""
+    return f"in {_count(len(parts) + omitted)} parts: {_listed(parts, omitted)}{gap}"
+
+
+def _lost(findings: list[Finding], worst: Worst) -> str:
+    lost = [_fault(one, one in worst) for one in findings if one.subjects]
+    return f"lost: {_listed(lost, _omitted(findings))}" if lost else "a joint is lost"
+
+
+def _fault(one: Finding, worst: bool) -> str:
     """What is said of a fault, with how far the two planks of a joint are from each other if joints do not reach."""
-    what, number = key
-    if what != "joint":
-        return FAULTS[fault]
-    joint = piece.joints[number]
-    size = gap_of(piece, joint.i, joint.side, joint.j).size
-    if size <= piece.reach:
-        return FAULTS[fault]
-    said = FAR_SLANT if fault == SLANT else FAULTS[fault]
-    return f"{said}, {_two_lengths(size, piece.reach)[0]} mm from it"
+    words = FAULTS[one.detail].format(*one.subjects)
+    if one.value is None or one.bound is None or one.value <= one.bound:
+        return words
+    return f"{words}, {'up to ' if worst else ''}{_two_lengths(one)[0]} mm from it"
 
 
-def _two_lengths(one: float, other: float) -> tuple[str, str]:
-    """Two lengths [m] in mm, with as many digits as tell them apart."""
-    texts = [tuple(_digits(1e3 * length, n) for length in (one, other)) for n in (4, 8, 17)]
+def _overlapping(findings: list[Finding], worst: Worst) -> str:
+    pairs = [" and ".join(one.subjects) for one in findings if one.subjects]
+    return f"overlapping: {_listed(pairs, _omitted(findings))}" if pairs else "planks overlap"
+
+
+def _falls(findings: list[Finding], parts: Sequence[tuple[str, ...]]) -> str:
+    """Loads that it falls under, and which of the parts, in their order."""
+    cases = list(dict.fromkeys(_load(one.case) for one in findings if one.case))
+    if not cases:
+        return "falls"
+    falling = {one.subjects: one for one in findings if one.subjects}
+    order = sorted(falling.values(), key=lambda one: parts.index(one.subjects) if one.subjects in parts else len(parts))
+    return f"falls under {_listed(cases)}" + (f": {_listed([_part(one) for one in order])}" if order else "")
+
+
+def _weak(findings: list[Finding], worst: Worst) -> str:
+    joints = [
+        f"{' on '.join(one.subjects)} at {'up to ' if one in worst else ''}{amount(one)}"
+        f" of its {'shear ' if one.detail == kinds.SHEAR else ''}strength"
+        + (f" under {_load(one.case)}" if one.case != kinds.WEIGHTS else "")
+        for one in findings
+        if one.subjects
+    ]
+    return f"weak: joint {_listed(joints, _omitted(findings))}" if joints else "a joint is weak"
+
+
+def _unbalanced(findings: list[Finding], worst: Worst) -> str:
+    cases = [_load(one.case) for one in findings if one.case]
+    return f"no equilibrium was found{' under ' + _listed(cases, _omitted(findings)) if cases else ''}"
+
+
+PHRASES: dict[str, Callable[[list[Finding], Worst], str]] = {
+    kinds.APART: _apart,
+    kinds.LOST: _lost,
+    kinds.OVERLAPPING: _overlapping,
+    kinds.WEAK: _weak,
+    kinds.UNBALANCED: _unbalanced,
+}
+
+
+def _omitted(findings: Iterable[Finding]) -> int:
+    """How many findings there are besides."""
+    return sum(int(one.value or 0) for one in findings if one.detail == OMITTED)
+
+
+def _two_lengths(finding: Finding) -> tuple[str, str]:
+    """Value and bound [m] in mm, with as many digits as tell them apart."""
+    lengths = finding.value, finding.bound
+    texts = [tuple(_digits(1e3 * length, n) for length in lengths) for n in (4, 8, 17)]
     return next((pair for pair in texts if pair[0] != pair[1]), texts[-1])
 
 
@@ -175,35 +170,15 @@ def _digits(value: float, count: int) -> str:
     return np.format_float_positional(value, count, unique=False, fractional=False, trim="-")
 
 
-def _place(piece: Piece, fault: int, where: int) -> tuple[tuple[str, int], int, str]:
-    """What has a fault (a joint, a foot or a plank), the plank, and what that is held by."""
-    if fault == LENGTH:
-        return ("plank", where), where, ""
-    if fault in (GAP, MISSED):
-        return ("joint", where), piece.joints[where].i, piece.planks[piece.joints[where].j].name
-    if fault == FOOT:
-        return ("foot", where), piece.feet[where].plank, _plane(piece.feet[where].plane)
-    for k, joint in enumerate(piece.joints):
-        if (joint.i, joint.side) == divmod(where, 4):
-            return ("joint", k), joint.i, piece.planks[joint.j].name
-    k, foot = next((k, foot) for k, foot in enumerate(piece.feet) if (foot.plank, foot.side) == divmod(where, 4))
-    return ("foot", k), foot.plank, _plane(foot.plane)
+def _load(case: str) -> str:
+    """What a load case is called in a phrase."""
+    return "its weights" if case == kinds.WEIGHTS else case
 
 
-def _plane(number: int) -> str:
-    """What a plane is called: the floor is the first."""
-    return "the floor" if number == 0 else f"plane {number}"
-
-
-def _load(piece: Piece, case: int) -> str:
-    """What a case is called: the weights alone, or a push beside them."""
-    return "its weights" if case == 0 else f"push {piece.pushes[case - 1].name}"
-
-
-def _part(piece: Piece, planks: Sequence[int]) -> str:
+def _part(one: Finding) -> str:
     """What a part of the piece is called."""
-    first = piece.planks[planks[0]].name
-    return first if len(planks) == 1 else f"{first} with {len(planks) - 1} more"
+    more = int(one.value or 1) - 1
+    return f"{one.subjects[0]} with {more} more" if more else one.subjects[0]
 
 
 def _count(number: int) -> str:
@@ -215,8 +190,7 @@ def _share(use: float) -> str:
     return f"{ceil(use * 100) / 100:.2f}" if use < 100 else f"{use:.3g}"
 
 
-def _listed(names: Iterable[str]) -> str:
+def _listed(names: Sequence[str], omitted: int = 0) -> str:
     """Names, the first of them where there are many."""
-    names = list(names)
-    more = len(names) - SHOWN
+    more = len(names) + omitted - len(names[:SHOWN])
     return ", ".join(names[:SHOWN]) + (f" and {more} more" if more > 0 else "")

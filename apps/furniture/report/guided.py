@@ -1,38 +1,40 @@
-"""What a replay of furniture told its user: verdicts, the parameter under the hand and its ranges, suggestions."""
+"""What a replay of furniture reports: findings, the parameter under the hand and its valid ranges, suggestions."""
 
 import json
-import re
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import groupby
 from typing import Any
 
-from restshape_apps.furniture.physics.plank_words import DISTANCES, GAPS, without_uses
+from restshape_apps.furniture.guidance.valid_ranges import Grabbed, decode_ranges
+from restshape_apps.furniture.physics.plank_findings import APART, LOST, NEAREST, WEAK
+from restshape_apps.furniture.physics.plank_words import amount, phrases
 
-from restshape.replay.constraints import HOLDS
-from restshape.scene.units import quantity
+from restshape.findings import Finding, decode_findings
+from restshape.replay.constraints import FAILS, HOLDS, MIN
 
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-USE = re.compile(r" at (\S+) of its (?:shear )?strength")
-VALUE = re.compile(rf" is ({NUMBER}(?: [^\s,;]+)?), at (most|least) ({NUMBER}(?: [^\s,;]+)?)")
-OPEN = "( or beyond)?"
-INTERVAL = re.compile(f"({NUMBER}){OPEN} to ({NUMBER}){OPEN}")
 Row = Mapping[str, Any]
 
 
-def intervals(text: str) -> list[tuple[float, float]]:
-    """The valid ranges in a column's text, such as ``-0.2 to 0.03; 0.1 to 0.55``; none of "none" and of no text."""
-    return [(float(low), float(high)) for low, _, high, _ in INTERVAL.findall(text)]
+def has_findings(rows: Sequence[Row]) -> bool:
+    """Whether rows have findings and valid ranges as data; those of recordings of version 0.1 have not."""
+    return all("findings" in row for row in rows)
 
 
-def beyond(text: str) -> list[tuple[bool, bool]]:
-    """Of each valid range whether its ends are where nothing further was looked at."""
-    return [(bool(below), bool(above)) for _, below, _, above in INTERVAL.findall(text)]
+def findings_of(row: Row) -> tuple[Finding, ...]:
+    """What is wrong in a frame; nothing where its recording has no findings."""
+    return decode_findings(row.get("findings") or "")
 
 
-def unit_of(parameter: str) -> str:
-    """The unit of a parameter under the hand, "m" or "rad": that of a suggestion is the one that it names first."""
-    leading = parameter.split(" + ")[0]
-    return "rad" if " turn " in f"{leading} " else "m"
+def grabbed(row: Row) -> Grabbed | None:
+    """What is under the hand in a frame, with its valid ranges; None where nothing is, or its recording has none."""
+    return decode_ranges(row.get("valid_ranges") or "")
+
+
+def only_limits(row: Row) -> bool:
+    """Whether a frame fails by limits of quantities alone: the piece holds."""
+    return row["constraint_status"] == FAILS and row.get("flaws", 0) <= 0
 
 
 def summary(rows: Sequence[Row]) -> dict[str, Any]:
@@ -41,7 +43,7 @@ def summary(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def guidance(rows: Sequence[Row]) -> dict[str, Any]:
-    """What each frame told, and each search for suggestions, for programs; None stands for what is not known.
+    """What is known of each frame, and of each search for suggestions, for programs; None is what is not known.
 
     Args:
         rows: of all frames of a replay of furniture.
@@ -51,13 +53,13 @@ def guidance(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def searches(rows: Iterable[Row]) -> list[list[Row]]:
-    """Frames in which suggestions were looked for, those together that tell the same of the same flaws."""
-    told: dict[tuple[str, ...], list[Row]] = {}
+    """Frames in which suggestions were looked for, those together that have the same of the same flaws."""
+    found: dict[tuple[str, ...], list[Row]] = {}
     for row in rows:
         key = tuple(row.get(name) or "" for name in ("suggestions", "no_suggestions", "violated_constraints"))
         if key[0] or key[1]:
-            told.setdefault(key, []).append(row)
-    return list(told.values())
+            found.setdefault(key, []).append(row)
+    return list(found.values())
 
 
 def found(row: Row) -> list[dict[str, Any]]:
@@ -66,77 +68,73 @@ def found(row: Row) -> list[dict[str, Any]]:
 
 
 def runs(rows: Iterable[Row]) -> list[tuple[Row, Row, str]]:
-    """Frames in a row with one verdict: the first, the last, and what is wrong with the piece; frames without one are
-    left out."""
+    """Frames in a row with the same findings but for their amounts: the first, the last, and what is wrong with the
+    piece, with the worst of each amount; frames without a constraint status are left out."""
     judged = [row for row in rows if row["constraint_status"]]
-    spans = [list(span) for _, span in groupby(judged, key=lambda row: without_amounts(_words(row)))]
-    return [(span[0], span[-1], at_worst(list(map(_words, span)))) for span in spans]
+    spans = [list(span) for _, span in groupby(judged, key=_without_amounts)]
+    return [(span[0], span[-1], _at_worst(span)) for span in spans]
 
 
-def without_amounts(words: str) -> str:
-    """What is wrong, without uses of strength, distances and values of quantities, which change from frame to frame."""
-    return VALUE.sub("", without_uses(words))
+def _without_amounts(row: Row) -> Any:
+    """What is wrong in a frame; its text where its recording has no findings."""
+    findings = findings_of(row)
+    if not findings:
+        return HOLDS if row["constraint_status"] == HOLDS else row["violated_constraints"]
+    # How far parts are from each other is known in some frames only.
+    return Counter(_same(one) for one in findings if one.detail != NEAREST)
 
 
-def at_worst(told: Sequence[str]) -> str:
-    """What is wrong in frames that differ in amounts alone, with the worst of each amount.
-
-    Args:
-        told: what is wrong in each of them.
-    """
-    if len(set(told)) == 1:
-        return told[0]
-    told = _at_farthest(told)
-    uses = iter([max(same, key=lambda use: float(use[1])) for same in zip(*map(USE.finditer, told))])
-    values = iter([_farthest(same) for same in zip(*map(VALUE.finditer, told))])
-    words = USE.sub(lambda _: " at up to " + next(uses)[0].removeprefix(" at "), told[0])
-    return VALUE.sub(lambda _: next(values), words)
+def _same(one: Finding) -> Finding:
+    """What a finding is in frames that differ in amounts alone."""
+    return Finding(APART, NEAREST) if one.detail == NEAREST else one.identity
 
 
-def _at_farthest(told: Sequence[str]) -> list[str]:
-    """What is wrong in frames that differ in amounts alone; the first tells the largest distances of all."""
-    gaps = [gap for words in told for gap in GAPS.finditer(words)]
-    ways = [DISTANCES.findall(words) for words in told]
-    words = GAPS.sub("", told[0])
-    if gaps:
-        # After the parts, of which it is told first; it may be in some of the frames only.
-        most = max(gaps, key=lambda gap: float(gap[1]))[0]
-        same = len({gap[0] for gap in gaps}) == 1
-        parts, *others = words.split("; ")
-        words = "; ".join([parts + (most if same else most.replace(" is ", " is up to ")), *others])
-    # Without them where only some of the frames have them.
-    ways = ways if all(len(far) == len(ways[0]) for far in ways) else []
-    farthest = iter([max(far, key=float) for far in zip(*ways)])
-    words = DISTANCES.sub(lambda _: f", up to {next(farthest)} mm from it" if ways else "", words)
-    return [words, *told[1:]]
+def _at_worst(span: Sequence[Row]) -> str:
+    """What is wrong in frames that differ in amounts alone, with the worst of each amount."""
+    first = span[0]
+    if first["constraint_status"] == HOLDS:
+        return HOLDS
+    # The text has what there was no room for in the findings.
+    if len({row["violated_constraints"] for row in span}) == 1:
+        return first["violated_constraints"]
+    equal: dict[tuple[Finding, int], list[Finding]] = defaultdict(list)
+    for row in span:
+        seen = Counter[Finding]()
+        for one in findings_of(row):
+            equal[_same(one), seen[_same(one)]].append(one)
+            seen[_same(one)] += 1
+    worst = [_worst(same) for same in equal.values()]
+    varying = {one for one, same in zip(worst, equal.values()) if len(set(map(amount, same))) > 1}
+    kinds = list(dict.fromkeys(one.kind for one in worst))
+    worst.sort(key=lambda one: (kinds.index(one.kind), -(one.value or 0.0) if one.kind == WEAK else 0.0))
+    return "; ".join(phrases(worst, varying))
 
 
-def _farthest(same: Sequence[re.Match[str]]) -> str:
-    """Of values of a quantity beyond a limit the one that is farthest from it."""
-    least = same[0][2] == "least"
-    worst = (min if least else max)(same, key=lambda value: quantity(value[1], None))
-    return f" is {'down' if least else 'up'} to {worst[1]}, at {worst[2]} {worst[3]}"
-
-
-def _words(row: Row) -> str:
-    return HOLDS if row["constraint_status"] == HOLDS else row["violated_constraints"]
+def _worst(same: Sequence[Finding]) -> Finding:
+    """Of findings that differ in amounts alone the worst; of what is lost without a distance that not all have."""
+    if same[0].kind == LOST and any(not amount(one) or one.value <= one.bound for one in same):
+        return replace(same[0], value=None)
+    least = same[0].detail == MIN
+    return (min if least else max)(same, key=lambda one: one.value or 0.0)
 
 
 def _frame(row: Row) -> dict[str, Any]:
-    """What one frame told."""
-    held = bool(row.get("parameter"))
+    """What is known of one frame."""
+    hand, held = grabbed(row), bool(row.get("parameter"))
+    ranges = hand.ranges if hand else None
     return {
         "index": int(row["index"]),
         "line": int(row["line"]),
         "constraint_status": row["constraint_status"],
         "violated_constraints": row["violated_constraints"],
+        "findings": [one.as_dict() for one in findings_of(row)] if "findings" in row else None,
         "utilisation": _number(row, "utilisation"),
         "stability_margin": _number(row, "stability_margin"),
         "parameter": row.get("parameter", ""),
-        "unit": unit_of(row["parameter"]) if held else None,
+        "unit": hand.unit if hand else None,
         "at": _number(row, "at") if held else None,
-        "ranges": [list(one) for one in intervals(row["ranges"])] if held and row["ranges"] else None,
-        "beyond": [list(one) for one in beyond(row["ranges"])] if held and row["ranges"] else None,
+        "ranges": None if ranges is None else [[one.low, one.high] for one in ranges],
+        "beyond": None if ranges is None else [[one.below, one.above] for one in ranges],
         "inside": bool(row["inside"]) if held and row["inside"] >= 0 else None,
     }
 

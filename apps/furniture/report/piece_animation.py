@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from restshape_apps.furniture.report.furniture import FOOT, add_use_bar, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.piece_frames import FEW, MOST_LINES, caption, pieces, shown_piece
-from restshape_apps.furniture.report.piece_verdicts import BEYOND
+from restshape_apps.furniture.report.status_colour import BEYOND
 
 from restshape.replay.recording import Recording
 from restshape.report.animation import even, pause, write_animation

@@ -11,9 +11,9 @@ import numpy as np
 from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.report.furniture import Slide, bounds, draw_piece, slenderness
-from restshape_apps.furniture.report.guided import intervals, runs, unit_of
+from restshape_apps.furniture.report.guided import grabbed, only_limits, runs
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
-from restshape_apps.furniture.report.piece_verdicts import only_limits, verdict_colour
+from restshape_apps.furniture.report.status_colour import status_colour
 from restshape_apps.furniture.session.plank_session import PlankFrame
 
 from restshape.errors import UserError
@@ -23,7 +23,7 @@ from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.report.frames import scene_name
 from restshape.report.style import new_figure
-from restshape.report.tables import column, refused, rows_of
+from restshape.report.tables import column, refused, row_of, rows_of
 from restshape.scene.load import recorded_scene
 from restshape.scene.script import Script, read_script
 
@@ -105,12 +105,11 @@ def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, Sli
     """The model of a frame's piece, the range of what is under the hand, and the case of the loads that is worst."""
     furniture = Furniture(frame.design.furniture.moved(frame.gamma))
     verdict, slide = furniture.test(), None
-    text = str(recording.table["ranges"][frame.index])
-    if frame.gesture is not None and text:
-        found = np.array(intervals(text)).reshape(-1, 2)
+    hand, way = grabbed(row_of(recording, frame.index)), frame.gesture
+    if way is not None and hand and hand.ranges is not None:
+        found = np.array([(one.low, one.high) for one in hand.ranges]).reshape(-1, 2)
         ranges = Ranges(found, np.zeros(0), np.zeros(0), 0)
-        way = frame.gesture
-        factor, unit = UNITS[unit_of(str(recording.table["parameter"][frame.index]))]
+        factor, unit = UNITS[hand.unit]
         unit = factor, "°" if unit == "deg" else f" {unit}"
         slide = Slide(way.direction, 0.0, ranges, way.low, way.high, verdict.valid, frame.c[0], unit=unit)
     return furniture, slide, 0 if verdict.flaws & LOST else worst_case(furniture)
@@ -127,18 +126,17 @@ def worst_case(furniture: Furniture) -> int:
 
 def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
     """What a frame is, in lines, and their colour, which tells whether it holds."""
-    table = recording.table
-    lines = [f"frame {i}, t = {recording.times[i]:.2f} s: {table['event'][i]} (line {table['line'][i]})"]
-    if name := str(table["parameter"][i]):
-        factor, unit = UNITS[unit_of(name)]
-        far = f"{factor * float(table['at'][i]):+.4g} {unit}".replace("-", "\N{MINUS SIGN}")
-        lines += wrap(f"{name} {far}", LETTERS, max_lines=1, placeholder=" …")
-    verdict, broken = str(table["constraint_status"][i]), str(table["violated_constraints"][i])
-    words = "holds" if verdict == HOLDS else broken or "not judged"
-    words = f"holds, but {words}" if only_limits(verdict, broken) else words
+    row = row_of(recording, i)
+    lines = [f"frame {i}, t = {recording.times[i]:.2f} s: {row['event']} (line {row['line']})"]
+    if hand := grabbed(row):
+        factor, unit = UNITS[hand.unit]
+        far = f"{factor * float(row['at']):+.4g} {unit}".replace("-", "\N{MINUS SIGN}")
+        lines += wrap(f"{row['parameter']} {far}", LETTERS, max_lines=1, placeholder=" …")
+    words = "holds" if row["constraint_status"] == HOLDS else row["violated_constraints"] or "not judged"
+    words = f"holds, but {words}" if only_limits(row) else words
     lines += wrap(words, LETTERS, max_lines=LINES, placeholder=" …")
     words = "\n".join(lines + ([f"loads: the weights, and the push {case}"] if case else []))
-    return words, verdict_colour(verdict, broken)
+    return words, status_colour(row)
 
 
 def meaning(recording: Recording, chosen: Sequence[int], ranges: bool) -> str:
@@ -149,8 +147,7 @@ def meaning(recording: Recording, chosen: Sequence[int], ranges: bool) -> str:
         chosen: frames that are shown.
         ranges: some of them have a range.
     """
-    table = recording.table
-    limits = any(only_limits(str(table["constraint_status"][i]), str(table["violated_constraints"][i])) for i in chosen)
+    limits = any(only_limits(row_of(recording, i)) for i in chosen)
     return ". ".join([MEANING, *([RANGES] if ranges else []), *([LIMITS] if limits else [])])
 
 

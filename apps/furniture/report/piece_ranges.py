@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from restshape_apps.furniture.guidance.amounts import UNITS
-from restshape_apps.furniture.report.guided import found, intervals, unit_of
-from restshape_apps.furniture.report.piece_verdicts import BEYOND, only_limits, verdict_colour
+from restshape_apps.furniture.report.guided import found, grabbed, only_limits
+from restshape_apps.furniture.report.status_colour import BEYOND, status_colour
 
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
@@ -30,14 +30,14 @@ def draw_guidance(recording: Recording, path: Path) -> None:
     """Writes the picture as a PNG: a panel each for use, margin, and the parameters in millimetres and in degrees."""
     rows = rows_of(recording)
     holds = _holds(rows)
-    units = [unit for unit in UNITS if any(unit_of(held[0]["parameter"]) == unit for held in holds)]
+    units = [unit for unit in UNITS if any(_unit(held) == unit for held in holds)]
     heights = [1.0, 1.0, *[1.5] * len(units)]
     figure = new_figure(10.0, 1.0 + 1.55 * sum(heights))
     panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     _draw_numbers(panels[0], recording, "utilisation", "utilisation [1]", 1.0)
     _draw_numbers(panels[1], recording, "stability_margin", "stability margin [1]", 0.0)
     for axes, unit in zip(panels[2:], units):
-        _draw_parameters(axes, [held for held in holds if unit_of(held[0]["parameter"]) == unit], unit)
+        _draw_parameters(axes, [held for held in holds if _unit(held) == unit], unit)
     for axes in panels:
         axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
         axes.set_axisbelow(True)
@@ -47,7 +47,7 @@ def draw_guidance(recording: Recording, path: Path) -> None:
     panels[-1].xaxis.get_major_locator().set_params(integer=True)
     name = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{name}: what holds, and how far edits may go", x=0.01, ha="left", color=INK)
-    limits = any(only_limits(row["constraint_status"], row["violated_constraints"]) for row in rows)
+    limits = any(only_limits(row) for row in rows)
     _legend(figure, bool(units), any(row["suggestions"] for row in rows), limits)
     figure.align_ylabels()
     figure.savefig(path)
@@ -55,25 +55,36 @@ def draw_guidance(recording: Recording, path: Path) -> None:
 
 def _holds(rows: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
     """Frames in a row with one parameter under the hand, or one plank, whichever way it goes."""
-    spans = groupby(rows, key=lambda row: (_undirected(row["parameter"]), row["event"] == "slide"))
+    spans = groupby(rows, key=lambda row: (_subject(row), row["event"] == "slide"))
     return [list(span) for (name, _), span in spans if name]
 
 
-def _undirected(name: str) -> str:
-    """What is under the hand, without the direction that a plank is moved along."""
-    return name.split(" along ")[0]
+def _subject(row: dict[str, Any]) -> str:
+    """What is under the hand, without the direction that a plank is moved along; empty where nothing is."""
+    hand = grabbed(row)
+    return hand.subject if hand else ""
+
+
+def _unit(held: list[dict[str, Any]]) -> str:
+    """The unit of what is under the hand in these frames."""
+    return grabbed(held[0]).unit
+
+
+def _bands(row: dict[str, Any]) -> np.ndarray:
+    """The valid ranges (k, 2) of a frame."""
+    return np.array([(one.low, one.high) for one in grabbed(row).ranges or ()]).reshape(-1, 2)
 
 
 def _label(held: list[dict[str, Any]]) -> str:
     """What is under the hand in all these frames."""
     names = {row["parameter"] for row in held}
-    return shorten(names.pop() if len(names) == 1 else _undirected(held[0]["parameter"]), 48, placeholder=" …")
+    return shorten(names.pop() if len(names) == 1 else _subject(held[0]), 48, placeholder=" …")
 
 
 def _draw_dots(axes: Axes, frames: np.ndarray, values: np.ndarray, rows: list[dict[str, Any]], size: float) -> None:
     """A dot a frame, which tells by its colour whether the piece holds; diamonds where quantities alone do not."""
-    limits = np.array([only_limits(row["constraint_status"], row["violated_constraints"]) for row in rows])
-    colours = np.array([verdict_colour(row["constraint_status"], row["violated_constraints"]) for row in rows])
+    limits = np.array([only_limits(row) for row in rows])
+    colours = np.array([status_colour(row) for row in rows])
     for mark, chosen, part in (("o", ~limits, 1.0), ("D", limits, 1.3)):
         axes.scatter(
             frames[chosen], values[chosen], c=colours[chosen], marker=mark, s=part * size, zorder=3, linewidths=0
@@ -103,7 +114,7 @@ def _draw_parameters(axes: Axes, holds: list[list[dict[str, Any]]], unit: str) -
         frames = np.array([row["index"] for row in held])
         way = factor * np.array([row["at"] for row in held], dtype=float)
         for row in held:
-            for low, high in factor * np.array(intervals(row["ranges"])).reshape(-1, 2):
+            for low, high in factor * _bands(row):
                 axes.fill_between(row["index"] + np.array([-0.5, 0.5]), low, high, color=BAND, linewidth=0, zorder=1)
         axes.plot(frames, way, color=FAINT, linewidth=0.8, zorder=2)
         _draw_dots(axes, frames, way, held, 14.0)

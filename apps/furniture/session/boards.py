@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
+from restshape_apps.furniture.session.plank_frame import PlankFrame
 
 from restshape.mesh.moving import Advance
-
-if TYPE_CHECKING:
-    from restshape_apps.furniture.session.plank_session import PlankFrame
 
 CORNERS = np.array([0, 4, 6, 2, 1, 5, 7, 3], dtype=np.int32)
 """Corners of a plank, as `Plank.corners` counts them, in VTK's order of a hexahedron."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from restshape_apps.furniture.guidance.amounts import amount
 from restshape_apps.furniture.guidance.design import Design, Guidance, Idea, Way
-from restshape_apps.furniture.physics.plank_words import LENGTH
+from restshape_apps.furniture.physics.plank_findings import LENGTH
 from restshape_apps.furniture.scene.plank_events import far_turn
 from restshape_apps.furniture.session.boards import MovingBoards
 from restshape_apps.furniture.session.plank_changes import CHANGES, plank_number
@@ -161,7 +161,8 @@ class PlankSession(ScriptSession):
             direction = np.zeros((len(self.design.piece.planks), 8))
             direction[hold.plank, :3] = unit
             towards = ", ".join(f"{part:.3g}" for part in (np.round(plank.axes @ unit, 3) + 0.0).tolist())
-            way = self.design.way(direction, f"{plank.name}: move along ({towards})")
+            name = f"{plank.name}: move"
+            way = self.design.way(direction, f"{name} along ({towards})", name)
             hold.ways[unit.tobytes()] = way
         return self._along(way, far, note)
 

@@ -220,11 +220,11 @@ def test_a_recording_holds_boxes_and_the_use_of_each_plank(tmp_path):
     assert [volumes.GetValue(k) for k in range(3)] == pytest.approx([0.0072, 0.003, 0.003])
 
 
-def test_two_ranks_find_the_same_rows(tmp_path, restshape):
+def test_two_ranks_find_the_same_rows(tmp_path, on_ranks):
     scene, edits = write_bench(tmp_path), write_edits(tmp_path, *EVENTS)
     tables = []
     for ranks in (1, 2):
-        done = restshape("replay", scene, "--edits", edits, "--csv", f"{ranks}.csv", ranks=ranks)
+        done = on_ranks(ranks, "replay", scene, "--edits", edits, "--csv", f"{ranks}.csv")
         assert done.returncode == 0, done.stderr
         with (tmp_path / f"{ranks}.csv").open(newline="") as file:
             rows = list(csv.DictReader(file))

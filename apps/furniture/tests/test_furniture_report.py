@@ -8,17 +8,19 @@ from furniture_scenes import BENCH, write_bench, write_edits
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
+from restshape_apps.furniture.cli.guidance import print_guidance
 from restshape_apps.furniture.report import piece_frames, piece_ideas, piece_ranges
-from restshape_apps.furniture.report.guided import intervals
+from restshape_apps.furniture.report.guided import grabbed, guidance, only_limits
 from restshape_apps.furniture.report.piece_frames import pieces, telling_frames
 from restshape_apps.furniture.report.piece_ideas import searches
-from restshape_apps.furniture.report.piece_verdicts import BEYOND, only_limits
+from restshape_apps.furniture.report.status_colour import BEYOND
 
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
 from restshape.report.space_scene import SpaceImage
 from restshape.report.style import INK, REFUSED
+from restshape.report.tables import rows_of
 
 EVENTS = [
     {"do": "press", "on": "left", "parameter": "move z"},
@@ -117,7 +119,8 @@ def test_the_band_is_the_range_and_dots_are_red_where_the_piece_does_not_hold(re
     bands = [band for band in lengths.collections if isinstance(band, PolyCollection) and len(band.get_paths()) == 1]
     spans = [band.get_paths()[0].vertices for band in bands]
     spans = [(v[:, 0].mean(), v[:, 1].min(), v[:, 1].max()) for v in spans if np.ptp(v[:, 0]) == pytest.approx(1.0)]
-    told = [(i, 1e3 * low, 1e3 * high) for i in held for low, high in intervals(table["ranges"][i])]
+    frames = [(i, grabbed({"valid_ranges": table["valid_ranges"][i]})) for i in held]
+    told = [(i, 1e3 * one.low, 1e3 * one.high) for i, hand in frames for one in hand.ranges]
     assert np.array(spans)[:, 1:] == pytest.approx(np.array(told)[:, 1:])
     dots = next(c for c in use.collections if len(c.get_offsets()) == len(table["constraint_status"]))
     red = [np.allclose(colour[:3], to_rgb(REFUSED)) for colour in dots.get_facecolors()]
@@ -185,18 +188,24 @@ def test_a_limit_alone_is_told_apart_from_a_piece_that_does_not_hold(tmp_path, m
 
 
 @pytest.mark.parametrize(
-    ("verdict", "broken", "alone"),
-    [
-        ("holds", "", False),
-        ("fails", "sag is 3.2 mm, at most 3 mm", True),
-        ("fails", "tray is 0.839, at most 0.8; sag is 3.291 mm, at most 3 mm", True),
-        ("fails", "weak: joint a on b at 1.03 of its strength; tray is 1.024, at most 0.8", False),
-        ("fails", "falls under push wind", False),
-        ("", "", False),
-    ],
+    ("status", "flaws", "alone"), [("holds", 0, False), ("fails", 0, True), ("fails", 8, False), ("", -1, False)]
 )
-def test_what_is_wrong_with_the_piece_comes_before_limits(verdict, broken, alone):
-    assert only_limits(verdict, broken) is alone
+def test_limits_alone_fail_where_the_piece_has_no_flaw(status, flaws, alone):
+    assert only_limits({"constraint_status": status, "flaws": flaws}) is alone
+
+
+def test_a_recording_without_findings_is_drawn_and_told_by_its_text(recorded, tmp_path, capsys):
+    with Recording(recorded[0]) as recording:
+        for name in ("findings", "valid_ranges"):
+            del recording.table[name]
+        piece_ranges.draw_guidance(recording, tmp_path / "guidance.png")
+        piece_frames.draw_piece_frames(recording, telling_frames(recording, 3), tmp_path / "frames.png")
+        rows = rows_of(recording)
+    print_guidance(rows)
+    told = capsys.readouterr().out
+    assert "falls under its weights" in told and "record it again" in told and "valid ranges\n" not in told
+    frame = guidance(rows)["frames"][9]
+    assert frame["parameter"] == "left: move z" and frame["findings"] is frame["ranges"] is frame["unit"] is None
 
 
 def test_planks_are_not_exaggerated(recorded, capsys):

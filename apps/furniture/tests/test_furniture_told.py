@@ -2,15 +2,18 @@
 
 import csv
 import json
-from math import inf
 
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
-from restshape_apps.furniture.report.guided import beyond, intervals, runs, unit_of
+from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, decode_ranges, encode_ranges
+from restshape_apps.furniture.physics.plank_findings import APART, FALLS, LOST, NEAREST, PART, PULL, WEAK, WEIGHTS
+from restshape_apps.furniture.physics.plank_words import phrases
+from restshape_apps.furniture.report.guided import runs
 
 from restshape.cli.main import main
-from restshape.replay.constraints import both, breaches
+from restshape.findings import Finding, encode_findings
+from restshape.replay.constraints import LIMIT, MAX, Limit, formatted_constraint, joined, violated_constraints
 
 EVENTS = [
     {"do": "press", "on": "left", "parameter": "move z"},
@@ -24,7 +27,7 @@ EVENTS = [
 ]
 
 
-USES = (("1.2", "3.5 mm"), ("1.81", "1.1 m"), ("1.05", "40 mm"))
+USES = ((1.2, 3.5e-3), (1.81, 1.1), (1.05, 0.04))
 """Of three frames in a row: use of a joint, and sag of a plank."""
 
 
@@ -90,28 +93,36 @@ def test_json_of_what_is_no_furniture_tells_no_guidance(tmp_path):
     assert "guidance" not in json.loads((tmp_path / "run.json").read_text())
 
 
-@pytest.mark.parametrize(
-    ("text", "wanted", "ends"),
-    [
-        ("-0.2 to 0.03; 0.1 to 0.55 or beyond", [(-0.2, 0.03), (0.1, 0.55)], [(False, False), (False, True)]),
-        ("-1e-05 or beyond to 3", [(-1e-5, 3.0)], [(True, False)]),
-        ("none", [], []),
-        ("", [], []),
-        # A recording cuts long texts.
-        ("0 to 1; 2 to 3; 4…", [(0.0, 1.0), (2.0, 3.0)], [(False, False)] * 2),
-    ],
-)
-def test_ranges_are_read_from_their_text(text, wanted, ends):
-    assert intervals(text) == wanted and beyond(text) == ends
-
-
-def test_units_and_runs():
-    assert [unit_of(name) for name in ("a: move", "a: turn y", "a: turn", "a: length x + b: turn y")] == [
-        "m",
-        "rad",
-        "rad",
-        "m",
+def failing(*frames):
+    """Rows of frames that fail by these findings."""
+    return [
+        {
+            "index": k,
+            "constraint_status": "fails",
+            "violated_constraints": "; ".join(phrases(found)),
+            "findings": encode_findings(found),
+        }
+        for k, found in enumerate(frames)
     ]
+
+
+def grouped(*frames):
+    """What is said of each run of frames."""
+    return [words for _, _, words in runs(failing(*frames))]
+
+
+def test_valid_ranges_are_read_as_they_were_written():
+    ranges = (ValidRange(-0.2, 0.03, False, False), ValidRange(0.1, 0.55, False, True))
+    for known in (ranges, (), None):
+        assert decode_ranges(encode_ranges(Grabbed("left: move", "m", known))) == Grabbed("left: move", "m", known)
+    assert decode_ranges("") is None
+    # What does not fit is left out.
+    many = Grabbed("left: " * 40, "m", tuple(ValidRange(k, k + 0.5, False, False) for k in range(40)))
+    text = encode_ranges(many, 200)
+    assert len(text) <= 200 and 0 < len(decode_ranges(text).ranges) < 40
+
+
+def test_runs():
     rows = [
         {"index": k, "constraint_status": verdict, "violated_constraints": why}
         for k, (verdict, why) in enumerate(
@@ -126,38 +137,53 @@ def test_units_and_runs():
 
 
 def test_a_piece_and_a_limit_fail_together():
-    limit = {"constraint_status": "fails", "violated_constraints": "leg", "note": ""}
+    leg = Finding(LIMIT, MAX, ("leg",), 2.0, 1.0)
+    limit = {"constraint_status": "fails", "violated_constraints": "leg", "note": "", "findings": (leg,)}
     piece = {"constraint_status": "holds", "violated_constraints": "", "note": "left out", "utilisation": 0.5}
-    assert both(limit, piece) == {
+    assert joined(limit, piece) == {
         "constraint_status": "fails",
         "violated_constraints": "leg",
         "note": "left out",
         "utilisation": 0.5,
+        "findings": (leg,),
     }
-    piece |= {"constraint_status": "fails", "violated_constraints": "falls"}
-    assert both(limit, piece)["violated_constraints"] == "falls; leg"
-    assert (
-        both({"constraint_status": "", "violated_constraints": "", "note": ""}, piece)["constraint_status"] == "fails"
-    )
-    assert np.isnan(both(limit, {"deflection": np.nan})["deflection"])
+    piece |= {"constraint_status": "fails", "violated_constraints": "falls", "findings": (Finding(FALLS),)}
+    both = joined(limit, piece)
+    assert both["violated_constraints"] == "falls; leg" and both["findings"] == (Finding(FALLS), leg)
+    empty = {"constraint_status": "", "violated_constraints": "", "note": "", "findings": ()}
+    assert joined(empty, piece)["constraint_status"] == "fails"
+    assert np.isnan(joined(limit, {"deflection": np.nan})["deflection"])
 
 
-def test_grouped_frames_tell_the_worst_of_their_amounts():
-    told = [f"weak: joint a on b at {use} of its strength; sag is {sag}, at most 3 mm" for use, sag in USES]
-    rows = [{"index": k, "constraint_status": "fails", "violated_constraints": words} for k, words in enumerate(told)]
+def test_grouped_frames_have_the_worst_of_their_amounts():
+    frames = [
+        [
+            Finding(WEAK, PULL, ("a", "b"), use, 1.0, case=WEIGHTS),
+            Finding(LIMIT, MAX, ("sag",), sag, 3e-3, "m"),
+        ]
+        for use, sag in USES
+    ]
+    rows = failing(*frames)
     ((first, last, words),) = runs(rows)
     assert (first["index"], last["index"]) == (0, 2)
     assert words == "weak: joint a on b at up to 1.81 of its strength; sag is up to 1.1 m, at most 3 mm"
-    assert runs(rows[:1] * 2)[0][2] == told[0]
+    assert runs(rows[:1] * 2)[0][2] == rows[0]["violated_constraints"]
 
 
-def test_a_limit_that_is_broken_tells_value_limit_and_unit():
-    limits, dimensions = {"sag": (-inf, 3e-3), "hold": (0.14, inf)}, {"sag": "length", "hold": "number"}
-    assert breaches(limits, {"sag": 3.2e-3, "hold": 0.1}, dimensions) == [
-        "sag is 3.2 mm, at most 3 mm",
-        "hold is 0.1, at least 0.14",
-    ]
-    assert breaches(limits, {"sag": 3.0000004e-3, "hold": 0.2}, dimensions) == ["sag is 3.0000004 mm, at most 3 mm"]
+def test_rows_without_findings_are_grouped_by_their_text():
+    rows = [{name: row[name] for name in row if name != "findings"} for row in failing(*[[Finding(FALLS)]] * 2)]
+    rows.append({"index": 2, "constraint_status": "fails", "violated_constraints": "planks overlap"})
+    assert [words for _, _, words in runs(rows)] == ["falls", "planks overlap"]
+
+
+def test_a_violated_limit_has_value_limit_and_unit():
+    limits = {"sag": Limit(most=3e-3, unit="m"), "hold": Limit(least=0.14)}
+
+    def formatted(**values):
+        return [formatted_constraint(one) for one in violated_constraints(limits, values)]
+
+    assert formatted(sag=3.2e-3, hold=0.1) == ["sag is 3.2 mm, at most 3 mm", "hold is 0.1, at least 0.14"]
+    assert formatted(sag=3.0000004e-3, hold=0.2) == ["sag is 3.0000004 mm, at most 3 mm"]
 
 
 def test_furniture_is_not_predicted_and_says_why(tmp_path, capsys):
@@ -197,21 +223,24 @@ def test_a_piece_in_parts_tells_its_gap_as_the_hand_goes_and_no_combinations(tmp
     assert "0 to 4 in two parts: top with 2 more, shelf (shelf +x is up to 80 mm from right, beyond the reach" in out
 
 
-def test_grouped_frames_tell_the_largest_of_their_distances():
-    def run(*told):
-        return [
-            one[2]
-            for one in runs(
-                [{"index": k, "constraint_status": "fails", "violated_constraints": one} for k, one in enumerate(told)]
-            )
-        ]
+def test_grouped_frames_have_the_largest_of_their_distances():
+    parts = [Finding(APART, PART, (name,), 1) for name in "ab"]
+    falls = Finding(FALLS, PART, ("b",), 1, case=WEIGHTS)
 
-    gap = "in two parts: a, b (b -x is {} mm from a, beyond the reach of 15 mm of joints); falls under its weights: b"
-    assert run(gap.format(20), gap.format(100), gap.format(30)) == [gap.format("up to 100")]
-    near = "in two parts: a, b; falls under its weights: b"
-    assert run(near, gap.format(20)) == [gap.format(20)]
-    assert run(near, near) == [near]
-    lost = "lost: arm misses post, {} mm from it, leg misses top"
-    assert run(lost.format(20), lost.format(9.5)) == ["lost: arm misses post, up to 20 mm from it, leg misses top"]
-    assert run(lost.format(20), "lost: arm misses post, leg misses top") == ["lost: arm misses post, leg misses top"]
-    assert run("lost: arm misses post", "lost: leg misses top") == ["lost: arm misses post", "lost: leg misses top"]
+    def gap(*mm):
+        nearest = [Finding(APART, NEAREST, ("b", "-x", "a"), 1e-3 * far, 0.015, "m") for far in mm]
+        return [*parts, *nearest, falls]
+
+    text = "in two parts: a, b (b -x is {} mm from a, beyond the reach of 15 mm of joints); falls under its weights: b"
+    assert grouped(gap(20), gap(100), gap(30)) == [text.format("up to 100")]
+    assert grouped(gap(), gap(20)) == [text.format(20)]
+    assert grouped(gap(), gap()) == ["in two parts: a, b; falls under its weights: b"]
+
+    def lost(mm, *names):
+        return [Finding(LOST, "missed", names or ("arm", "post"), 1e-3 * mm, 0.015, "m")]
+
+    other = lost(1, "leg", "top")
+    text = "lost: arm misses post, {} mm from it, leg misses top"
+    assert grouped(lost(20) + other, lost(19.5) + other) == [text.format("up to 20")]
+    assert grouped(lost(20) + other, lost(9.5) + other) == ["lost: arm misses post, leg misses top"]
+    assert grouped(lost(1), other) == ["lost: arm misses post", "lost: leg misses top"]

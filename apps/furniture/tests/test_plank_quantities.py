@@ -62,11 +62,11 @@ def test_a_bench_that_stands_alike_on_both_legs(tmp_path):
 both = { reaction = "z" }
 left = { reaction = "z", at = "left" }
 foot = { reaction = "z", at = "right -x" }
-least = { reaction = "z", take = "min" }
+least = { reaction = "z", reduce = "min" }
 margin = { margin = true, at_least = 0.14, limit = 0.16 }
 leg = { length = "x", at = "left" }
 thick = { length = "z", at = "top" }
-wide = { length = "y", take = "mean" }
+wide = { length = "y", reduce = "mean" }
 """
     row = observed(
         tmp_path, "".join(['format = "restshape-scene"\nversion = 1\napp = "furniture"\n', BENCH, quantities])

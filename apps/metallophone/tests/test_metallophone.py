@@ -36,6 +36,7 @@ def test_recording_holds_frequencies_tones_and_modes(command, tmp_path):
     assert table["tone"][0] in (b"C7", "C7") and table["cents"][0] == pytest.approx(-2, abs=3)
 
 
+@pytest.mark.slow
 def test_report_draws_a_recording_of_modes(command, tmp_path):
     scene, edits = SCENES / "bar_100.toml", EDITS / "bar_100.jsonl"
     command("replay", scene, "--edits", edits, *settings(), "--out", "bar.vtkhdf")

@@ -8,6 +8,7 @@ from restshape_studies.pictures.accuracy import draw_accuracy
 from restshape_verification.metallophone import accuracy, thesis
 
 
+@pytest.mark.slow
 def test_rows_of_table_44_have_the_thesis_counts(monkeypatch):
     """The counts are those of the thesis's table, whether timed or not."""
     rows = thesis.rows(timed=False)
@@ -20,6 +21,7 @@ def test_rows_of_table_44_have_the_thesis_counts(monkeypatch):
     assert all(row["ours"] > 0 and row["timing"] for row in speeds) and {row["table"] for row in rows} == {"4.4"}
 
 
+@pytest.mark.slow
 def test_each_point_is_as_far_off_as_its_model(tmp_path, monkeypatch):
     """First-order tetrahedra far too high, plates and Kirchhoff's limit where plate theory has them."""
     first, plate = accuracy.FAMILIES[2], accuracy.FAMILIES[-1]
@@ -41,6 +43,7 @@ def test_each_point_is_as_far_off_as_its_model(tmp_path, monkeypatch):
     assert picture.read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
 
 
+@pytest.mark.slow
 def test_command_writes_what_it_measured(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(accuracy, "FAMILIES", accuracy.FAMILIES[-1:])
     monkeypatch.setattr(accuracy, "BARS", {200: accuracy.BARS[200]})

@@ -9,13 +9,13 @@ from vibrating import SHAKEN, dynamics, tower
 
 
 @pytest.mark.parametrize("steps", [1, 10])
-def test_two_ranks_give_what_one_gives(restshape, tmp_path, steps):
+def test_two_ranks_give_what_one_gives(on_ranks, tmp_path, steps):
     scene = tower(tmp_path, SHAKEN, dynamics(0.01, steps), window=True)
     path = [(0.5, 1.4 - 0.04 * k) for k in range(1, 16)]
     script = write_script(tmp_path, drag("window", (0.5, 1.4), path))
     found = []
     for ranks in (1, 2):
-        done = restshape("replay", scene, "--edits", script, "--parity", "--json", f"{ranks}.json", ranks=ranks)
+        done = on_ranks(ranks, "replay", scene, "--edits", script, "--parity", "--json", f"{ranks}.json")
         assert done.returncode == 0, done.stderr
         found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
     for name in ("sway", "amplitude", "energy"):

@@ -21,7 +21,9 @@ class BlockCholesky:
     """
 
     def __init__(self, pc: PETSc.PC) -> None:
-        self.copy: PETSc.Mat | None = None
+        self.copy: PETSc.Mat = None
+        self.right: PETSc.Vec = None
+        self.way: PETSc.Vec = None
         self.pattern: tuple[np.ndarray, np.ndarray] | None = None
         self.inner = PETSc.PC().create(PETSc.COMM_SELF)
         self.inner.setType("cholesky")
@@ -32,7 +34,7 @@ class BlockCholesky:
     def setUp(self, pc: PETSc.PC) -> None:
         """Factor the matrix as it is now."""
         rows, columns, values = pc.getOperators()[1].getValuesCSR()
-        if self.pattern is None or not self._same(rows, columns):
+        if not self._same(rows, columns):
             self._order(rows, columns)
             self.inner.reset()
         self.copy.setValuesBlockedCSR(self.starts, self.blocks, values[self.places].ravel())
@@ -56,7 +58,8 @@ class BlockCholesky:
             part.destroy()
 
     def _same(self, rows: np.ndarray, columns: np.ndarray) -> bool:
-        return np.array_equal(self.pattern[0], rows) and np.array_equal(self.pattern[1], columns)
+        known = self.pattern
+        return known is not None and np.array_equal(known[0], rows) and np.array_equal(known[1], columns)
 
     def _order(self, rows: np.ndarray, columns: np.ndarray) -> None:
         """Order the nodes of a pattern, and find where each block of the upper triangle is in its values."""

@@ -1,11 +1,14 @@
 """Which preconditioner a linear system gets: the one of which counted work, priced by the calibration, costs least."""
 
+import logging
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
+
+log = logging.getLogger("restshape.algebra")
 
 MEMORY = 4e9
 """Bytes that a complete factor may take, over all ranks, unless the scene says otherwise (`solve.factor_memory`)."""
@@ -205,7 +208,14 @@ class Choice:
     def __call__(self, size: Size) -> Candidate:
         """The candidate of which a solve is expected to cost least; ties go to the first of the list."""
         self.systems += 1.0
-        return min(self.open(size), key=lambda candidate: self.cost(candidate, size))
+        costs = [(candidate, self.cost(candidate, size)) for candidate in self.open(size)]
+        chosen = min(costs, key=lambda priced: priced[1])[0]
+        if log.isEnabledFor(logging.INFO):
+            prices = ", ".join(f"{candidate.name} {cost:.3g} s" for candidate, cost in costs)
+            log.info(
+                "PC %s chosen for %d unknowns; a solve is expected to cost: %s", chosen.name, size.unknowns, prices
+            )
+        return chosen
 
     @staticmethod
     def candidates(traits: Traits) -> tuple[Candidate, ...]:

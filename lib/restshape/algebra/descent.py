@@ -9,7 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.block_cholesky import BLOCK, BlockCholesky
-from restshape.algebra.nodal import Nodal
+from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
 
 Reason = PETSc.SNES.ConvergedReason
@@ -20,7 +20,9 @@ MEMORY = 15
 class Energy(Protocol):
     """An energy of nodal values, its gradient r and a tangent."""
 
-    held: np.ndarray
+    @property
+    def held(self) -> np.ndarray:
+        """Unknowns, of all n f, that are constrained."""
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set `out` (n, f) to r; 0 at held unknowns."""
@@ -91,14 +93,14 @@ class Descent:
         comm: PETSc.Comm,
         prefix: str,
         energy: Energy,
-        shape: tuple[int, int],
+        shape: tuple[int, ...],
         rows: slice,
         kind: str = "quasi",
         factor: str = "cholesky",
         reach: float = np.inf,
     ) -> None:
         self.energy, self.kind, self.reach = energy, KINDS[kind], reach
-        self.nodal = Nodal(comm, shape, rows)
+        self.nodal = NodalVectors(comm, shape, rows)
         self.x, self.f = self.nodal.vector(), self.nodal.vector()
         self.work = np.zeros(shape)
         self.on_step = lambda *_: False

@@ -11,11 +11,13 @@ class Equations(Protocol):
 
     Attributes:
         potential: whether r is the gradient of an energy.
-        held: unknowns, of all n f, that are constrained.
     """
 
     potential: bool
-    held: np.ndarray
+
+    @property
+    def held(self) -> np.ndarray:
+        """Unknowns, of all n f, that are constrained."""
 
     @property
     def version(self) -> object:

@@ -37,8 +37,9 @@ class ModelError:
         k, seen = min(step, KINDS - 1), rest / size**2
         known = self.factors[k]
         # The rest of the linear solve is all that is seen, or nearly so.
-        hidden = known is not None and rest <= 2.0 * target
-        self.factors[k] = HOPE * min(known, seen) if hidden else seen
+        if known is not None and rest <= 2.0 * target:
+            seen = HOPE * min(known, seen)
+        self.factors[k] = seen
 
 
 class ForcingTerms:
@@ -87,17 +88,14 @@ class ForcingTerms:
     def tolerance(self, step: int, size: float) -> float:
         """The norm that a linear solve may leave of a residual of norm `size`."""
         goal, c = self.goal, self.error.factor(step)
-        rest = None
         if c is None:
-            target = COARSE * size
+            target, self.fused = COARSE * size, True
         else:
             # With the tangent of the step before, the model leaves over what both steps together do.
             rest = c * size * (2.0 * self.tangent_size if self.chord else size)
             target = goal - rest if rest <= SHARE * goal else max(SHARE * goal, SHARE * min(rest, COARSE * size))
-        # A residual that needs no further tangent, or none but the present one, is evaluated without.
-        self.fused = rest is None or not (
-            rest <= SHARE * goal or (self.chords and 2.0 * c * size * rest <= SHARE * goal)
-        )
+            # A residual that needs no further tangent, or none but the present one, is evaluated without.
+            self.fused = not (rest <= SHARE * goal or (self.chords and 2.0 * c * size * rest <= SHARE * goal))
         if self.searched:
             target = min(target, COARSE * COARSE * size)
         self.target = min(target, COARSE * size)

@@ -17,7 +17,7 @@ def bury(comm: PETSc.Comm) -> None:
 
 
 @dataclass
-class System:
+class GatheredSystem:
     """A whole linear system's matrix (n, n) and solution (n,).
 
     Args:

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.nodal import Nodal
+from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.step_solver import StepSolver
 from restshape.errors import ReplayProblem
 
@@ -24,10 +24,12 @@ SHORTEST = 1e-9
 NO_SOLUTION = "a step of the cloth's motion has no solution: part of it has neither mass nor support"
 
 
-class Motion(Protocol):
+class MovingEquations(Protocol):
     """Equations r(x) = 0 with a mass, whose tangent may be made positive semidefinite."""
 
-    held: np.ndarray
+    @property
+    def held(self) -> np.ndarray:
+        """Unknowns, of all n f, that are constrained."""
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set `out` (n, f) to r; 0 at held unknowns."""
@@ -95,15 +97,15 @@ class KineticDamping:
         self,
         comm: PETSc.Comm,
         prefix: str,
-        motion: Motion,
+        motion: MovingEquations,
         mass: np.ndarray,
-        shape: tuple[int, int],
+        shape: tuple[int, ...],
         rows: slice,
         steps: Steps,
     ) -> None:
         self.motion, self.steps = motion, steps
         self.set_mass(mass)
-        self.nodal = Nodal(comm, shape, rows)
+        self.nodal = NodalVectors(comm, shape, rows)
         self.time_step = steps.time_step
         self.resets: list[float] = []
         self.rejected = 0

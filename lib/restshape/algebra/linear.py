@@ -1,5 +1,6 @@
 """Linear solves with a preconditioner that is kept for as long as it is worth it."""
 
+import logging
 import math
 from collections.abc import Callable
 
@@ -16,6 +17,8 @@ from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 
+log = logging.getLogger("restshape.algebra")
+
 __all__ = ["COMPLETE", "METHODS", "MOST_ITERATIONS", "LinearSolver"]
 
 METHODS = ("direct", "stale", "auto", "ilu")
@@ -30,6 +33,7 @@ INCOMPLETE = 0.25
 plate): its solves end at this share of the tolerance, so that solutions agree within it in the energy norm."""
 NO_FACTOR = "the stiffness matrix has no factor: part of the body is not held, or has no stiffness"
 Reason = PETSc.KSP.ConvergedReason
+REASONS = {value: name for name, value in vars(Reason).items() if isinstance(value, int)}
 
 
 class LinearSolver:
@@ -172,13 +176,13 @@ class LinearSolver:
         if stale:
             self.ksp.setOperators(mat)
         else:
-            self._factor(mat, places)
+            self._factor(mat, places, self._why(again))
         self._use()
         iterations = last = self._iterate(b, x, limited=stale and self.keeps)
         while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
             self._clean(x)
             stale = False
-            self._factor(mat, places, anew=True)
+            self._factor(mat, places, f"no convergence in {last} iterations with the old one", anew=True)
             self._use()
             last = self._iterate(b, x, limited=False)
             iterations += last
@@ -218,7 +222,7 @@ class LinearSolver:
         pays = uses >= self.refresh.budget and not self.refresh.patched
         if not (self.method == "direct" or not self.kept.ready or pays):
             return False
-        self._factor(mat, None)
+        self._factor(mat, None, f"{uses} solves with this matrix, worth {self.refresh.budget} iterations")
         return True
 
     def apply(self, b: PETSc.Vec, x: PETSc.Vec) -> LinearReport:
@@ -250,7 +254,7 @@ class LinearSolver:
         self._begin(mat, new_system, False, False)
         if not self.kept.complete:
             return True
-        self._factor(mat, places)
+        self._factor(mat, places, "a test of positive definiteness")
         return self.kept.zero_pivots() == 0 and self.kept.negative_pivots() == 0
 
     def _aim(self) -> None:
@@ -280,15 +284,24 @@ class LinearSolver:
             if self.keeps:
                 self._set_budget()
 
-    def _factor(self, mat: PETSc.Mat, places: np.ndarray | None, anew: bool = False) -> None:
-        """Make the preconditioner from `mat`, then keep it; arguments as in `KeptPreconditioner.make`."""
+    def _factor(self, mat: PETSc.Mat, places: np.ndarray | None, why: str, anew: bool = False) -> None:
+        """Make the preconditioner from `mat`, then keep it; `why` is for the log, the rest as in its `make`."""
         with self.stages("factor"):
             self.kept.make(mat, places, anew)
         self.kept.note_kind()
         self.age = -1
+        log.info("KSP %s PC %s rebuilt: %s", self.ksp.getOptionsPrefix(), self.name, why)
         self.refresh.restart()
         if self.keeps:
             self._set_budget()
+
+    def _why(self, again: bool) -> str:
+        """Why the preconditioner is rebuilt before an iteration, for the log."""
+        if not (again and self.kept.ready):
+            return "another system"
+        if not self.keeps:
+            return "another matrix"
+        return f"refactorisation criterion: {self.refresh.excess} excess iterations, budget {self.refresh.budget}"
 
     def _use(self) -> None:
         self.age, self.refresh.uses = self.age + 1, self.refresh.uses + 1
@@ -313,7 +326,17 @@ class LinearSolver:
         self._aim()
         with self.stages("krylov"):
             self.ksp.solve(b, x)
-        return self.ksp.getIterationNumber()
+        iterations = self.ksp.getIterationNumber()
+        if log.isEnabledFor(logging.DEBUG):
+            reason = self.ksp.getConvergedReason()
+            log.debug(
+                "Linear %s solve %s due to %s iterations %d",
+                self.ksp.getOptionsPrefix(),
+                "converged" if reason > 0 else "did not converge",
+                REASONS.get(reason, reason),
+                iterations,
+            )
+        return iterations
 
     def _try_again(self, stale: bool) -> bool:
         """After a failure, tell whether another preconditioner is left: a fresh one, or one of another kind."""
@@ -337,11 +360,10 @@ class LinearSolver:
         self.kept.ready = False
         if reason == Reason.DIVERGED_PCSETUP_FAILED:
             raise ReplayProblem(NO_FACTOR)
-        names = {v: k for k, v in vars(Reason).items() if isinstance(v, int)}
         done = self.ksp.getIterationNumber()
         raise ReplayProblem(
             f"the linear solve did not converge, with a new preconditioner ({self.name}) either "
-            f"({names.get(reason, reason)}, {done} iterations)"
+            f"({REASONS.get(reason, reason)}, {done} iterations)"
             if self.keeps
-            else f"the linear solve did not converge ({names.get(reason, reason)}, {done} iterations)"
+            else f"the linear solve did not converge ({REASONS.get(reason, reason)}, {done} iterations)"
         )

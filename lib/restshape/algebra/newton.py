@@ -1,5 +1,7 @@
 """Newton's method by PETSc's SNES, on the one linear solver whose preconditioner outlives matrices and frames."""
 
+import logging
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -8,8 +10,10 @@ from restshape.algebra.forcing_terms import ForcingTerms
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton_convergence import MOST_SEARCHED, WORDS, ConvergenceTest, Outcome
 from restshape.algebra.newton_step import NewtonStep
-from restshape.algebra.nodal import Nodal
+from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.tangent import Tangent
+
+log = logging.getLogger("restshape.algebra")
 
 INFINITE = PETSc.NormType.INFINITY
 SEARCHED = 1e-3
@@ -32,9 +36,9 @@ class Newton:
     """
 
     def __init__(
-        self, comm: PETSc.Comm, prefix: str, linear: LinearSolver, shape: tuple[int, int], rows: slice
+        self, comm: PETSc.Comm, prefix: str, linear: LinearSolver, shape: tuple[int, ...], rows: slice
     ) -> None:
-        self.nodal, self.prefix = Nodal(comm, shape, rows), prefix
+        self.nodal, self.prefix = NodalVectors(comm, shape, rows), prefix
         self._tangent: Tangent | None = None
         self._step, self._forcing = NewtonStep(linear), ForcingTerms()
         self._test = ConvergenceTest(0.0, 0.0, False, 0.0)
@@ -117,6 +121,7 @@ class Newton:
         if reason < 0 and not why:
             why = WORDS.get(reason, "Newton's method fails")
         newton = snes.getIterationNumber()
+        log.debug("Nonlinear %s solve %s iterations %d", self.prefix, why or "converged", newton)
         return Outcome(reason > 0, newton, step.iterations, step.refreshed, test.monotone, why, test.last)
 
     # --- what SNES asks for ---------------------------------------------------------------------------------------
@@ -152,6 +157,7 @@ class Newton:
 
     def _converged(self, snes: PETSc.SNES, steps: int, norms: tuple[float, float, float]) -> int:
         test, norm = self._test, norms[2]
+        log.debug("%3d SNES Function norm %.12e", steps, norm)
         stalled = test.stalled(steps, norm, self._x.norm(INFINITE))
         if steps and not stalled:
             # Nothing is learned from rounding.

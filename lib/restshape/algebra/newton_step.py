@@ -26,7 +26,8 @@ class NewtonStep:
 
     def __init__(self, linear: LinearSolver) -> None:
         self.linear = linear
-        self.new_system, self.places, self.patched = True, None, False
+        self.places: np.ndarray | None = None
+        self.new_system, self.patched = True, False
         self.constrained = np.empty(0, dtype=np.int64)
         self.begin_run()
 

@@ -6,7 +6,7 @@ from petsc4py import PETSc
 from restshape.algebra.gather import whole_vector
 
 
-class Nodal:
+class NodalVectors:
     """Turns arrays (n, f) into distributed vectors and back.
 
     Args:
@@ -15,7 +15,7 @@ class Nodal:
         rows: this rank's, of n f.
     """
 
-    def __init__(self, comm: PETSc.Comm, shape: tuple[int, int], rows: slice) -> None:
+    def __init__(self, comm: PETSc.Comm, shape: tuple[int, ...], rows: slice) -> None:
         self.comm, self.shape, self.rows = comm, shape, rows
         self.whole = comm.size == 1
 

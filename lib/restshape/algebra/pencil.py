@@ -1,6 +1,7 @@
 """The pencil K - s M of an eigenproblem: products, a factor that is kept, and how many eigenvalues lie below s."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from petsc4py import PETSc
@@ -126,8 +127,8 @@ class _Factor:
 
     def __init__(self) -> None:
         self.made, self.stale_pattern, self.nonzeros = False, True, 0.0
-        self._matrix: PETSc.Mat | None = None
-        self._pc: PETSc.PC | None = None
+        self._matrix: PETSc.Mat = None
+        self._pc: PETSc.PC = None
 
     def forget(self) -> None:
         """Let go of the factor."""
@@ -177,7 +178,7 @@ class _Factor:
         self._pc.apply(b, x)
 
 
-def _through(operation: object, row: np.ndarray, out: np.ndarray) -> None:
+def _through(operation: Callable[[PETSc.Vec, PETSc.Vec], None], row: np.ndarray, out: np.ndarray) -> None:
     """Run an operation of PETSc from one array (n,) to another."""
     source = PETSc.Vec().createWithArray(row, comm=PETSc.COMM_SELF)
     target = PETSc.Vec().createWithArray(out, comm=PETSc.COMM_SELF)

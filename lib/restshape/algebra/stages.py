@@ -1,5 +1,6 @@
 """Where the time of a frame goes: named stages, each also a log stage of PETSc."""
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
@@ -22,7 +23,7 @@ class Stages:
             self.seconds[name] = 0.0
 
     @contextmanager
-    def __call__(self, name: str):
+    def __call__(self, name: str) -> Iterator[None]:
         """Count the time of a `with` block as stage `name`."""
         log = self._log.get(name)
         if log:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.nodal import Nodal
+from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
 
 WAYS = 2
@@ -37,7 +37,9 @@ class StepSolver:
         blocks: matrices may be of type BAIJ. Multigrid and Eisenstat's form have none, nor can PETSc copy them whole.
     """
 
-    def __init__(self, comm: PETSc.Comm, prefix: str, nodal: Nodal, tolerance: float, preconditioner: str) -> None:
+    def __init__(
+        self, comm: PETSc.Comm, prefix: str, nodal: NodalVectors, tolerance: float, preconditioner: str
+    ) -> None:
         self.nodal, self.tolerance, self.incomplete = nodal, tolerance, preconditioner == "ilu"
         self.right, self.way, self.diagonal = (nodal.vector() for _ in range(3))
         self.known = [(nodal.vector(), nodal.vector()) for _ in range(WAYS)]

@@ -18,7 +18,7 @@ class Tangent:
 
     def __init__(self, equations: Equations) -> None:
         self.equations = equations
-        self.mat: PETSc.Mat | None = None
+        self.mat: PETSc.Mat = None
         self._version: object = None
         self._x: np.ndarray | None = None
 

@@ -45,6 +45,10 @@ class Comparison:
     solution: float
 
 
+RowValues = dict[str, Any]
+"""Numbers and texts of a frame by column."""
+
+
 class Predictor(Protocol):
     """Shows frames of a drag to first order in the hand, without a solve."""
 
@@ -66,10 +70,10 @@ class Predictor(Protocol):
         """Take predicted values for those of the mesh as it lies now, without a solve."""
 
     @property
-    def shown(self) -> Any:
+    def shown(self) -> np.ndarray | None:
         """The prediction that the analysis holds; None where it holds a solution."""
 
-    def error(self, predicted: Any) -> float:
+    def error(self, predicted: np.ndarray) -> float:
         """The relative distance of a prediction on this mesh from the solution."""
 
 
@@ -110,7 +114,7 @@ class Analysis(Protocol):
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the state."""
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has."""
 
     def residual_norm(self) -> float:

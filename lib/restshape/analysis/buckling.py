@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+# More than 15 modules: here equilibrium, eigenproblem, prediction and estimates of a frame meet, a module each.
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from restshape.algebra.buckling import BucklingSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.buckling_binding import bound, flipped
 from restshape.analysis.buckling_comparison import compare_cold
 from restshape.analysis.buckling_output import fields, observed, residual_norm, row
@@ -17,6 +18,7 @@ from restshape.analysis.buckling_prediction import BucklingPrediction
 from restshape.analysis.buckling_state import BucklingModes, BucklingState, most_load_factor
 from restshape.analysis.frame import Frame
 from restshape.analysis.mode_tracking import ModeIds, normalise_signs
+from restshape.analysis.settings import buckling_settings
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.analysis.verified_shape import VerifiedShape
 from restshape.errors import ReplayProblem, UserError
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
     from petsc4py import PETSc
 
     from restshape.algebra.davidson import Found
-    from restshape.fem.problem import Fields, Problem
+    from restshape.fem.problem import Fields, PrestressedProblem
     from restshape.fem.space import Space
     from restshape.scene.model import Scene
     from restshape.scene.plan import Plan
@@ -60,14 +62,14 @@ class BucklingAnalysis:
     estimated = "load factors"
     why_not = ""
 
-    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[PrestressedProblem]) -> None:
         self.context = context
         self.rest = SteadyAnalysis(_more_exact(scene), plan, context, make)
         follows = context.policy.solver in ("auto", "stale")
         self.solver = BucklingSolver(follows, scene.solve.tolerance, context.calibration, context.stages)
         self.verified = VerifiedShape()
         self.state = BucklingState(self.rest.state)
-        self.shown = plan.settings("buckling").modes
+        self.shown = buckling_settings(plan).modes
         self.interrupted = False
         self.predictor = BucklingPrediction(self)
 
@@ -118,7 +120,7 @@ class BucklingAnalysis:
         """The scene's quantities of interest at the state; a load factor that there is not is infinite."""
         return self.rest.observe() | observed(self.state)
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """Columns of a frame's row that only buckling has."""
         return row(self.state, self.shown, self.solver)
 
@@ -187,7 +189,7 @@ class BucklingAnalysis:
         self, state: BucklingState, stiffness: PETSc.Mat, geometric: PETSc.Mat, new_system: bool, verify: bool
     ) -> BucklingState:
         """The state with load factors that have been solved for; modes get the ids of those before."""
-        constrained, count = state.rest.problem.boundary.constrained, state.rest.plan.settings("buckling").modes
+        constrained, count = state.rest.problem.boundary.constrained, buckling_settings(state.rest.plan).modes
         found, report = self.solver.solve(stiffness, geometric, constrained, count, state.most, new_system, verify)
         with self.context.stages("observe"):
             modes = self._with_ids(state, found)

@@ -9,14 +9,16 @@ from restshape.analysis.analysis import Context
 from restshape.analysis.buckling_matrices import BucklingMatrices
 from restshape.analysis.buckling_state import BucklingState
 from restshape.analysis.frame import Frame
+from restshape.analysis.settings import buckling_settings
 from restshape.analysis.steady import SteadyState
 from restshape.errors import UserError
+from restshape.fem.problem import PrestressedProblem
 from restshape.mesh.transfer import transfer
 from restshape.scene.model import Scene
 
 
 def bound(
-    state: BucklingState, rest: SteadyState, solver: BucklingSolver, frame: Frame, context: Context
+    state: BucklingState, rest: SteadyState[PrestressedProblem], solver: BucklingSolver, frame: Frame, context: Context
 ) -> BucklingState:
     """The state before with matrices and modes on the nodes, and with the supports, of an equilibrium.
 
@@ -31,7 +33,7 @@ def bound(
         UserError: a quantity is a load factor that is not computed.
     """
     new_mesh, mask = rest.space is not state.rest.space, rest.problem.boundary.mask
-    _require_computed(frame.scene, rest.plan.settings("buckling").modes)
+    _require_computed(frame.scene, buckling_settings(rest.plan).modes)
     solver.tolerance = frame.scene.solve.tolerance
     with context.stages("pattern"):
         if new_mesh:

@@ -5,14 +5,14 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
-from restshape.algebra.gather import System, matrix_difference, whole_matrix
+from restshape.algebra.gather import GatheredSystem, matrix_difference, whole_matrix
 from restshape.algebra.operator import Operator
 from restshape.analysis.analysis import Comparison
 from restshape.analysis.buckling_state import BucklingState
 from restshape.fem.assembled import Assembled
 
 
-def compare_cold(state: BucklingState, warm: System, cold: System) -> Comparison:
+def compare_cold(state: BucklingState, warm: GatheredSystem, cold: GatheredSystem) -> Comparison:
     """Largest differences of the entries of K and G, and of displacement and load factors, from a cold solve.
 
     Entries relative to the largest; of G at the same displacement. Displacements in the energy norm.

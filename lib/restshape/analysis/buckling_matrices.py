@@ -6,7 +6,7 @@ from petsc4py import PETSc
 from restshape.algebra.operator import Operator
 from restshape.analysis.steady import SteadyState
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import STIFFNESS, Problem
+from restshape.fem.problem import STIFFNESS, PrestressedProblem, Problem
 
 
 class BucklingMatrices:
@@ -42,7 +42,7 @@ class BucklingMatrices:
         for operator in self.operators:
             operator.patch(0, changed)
 
-    def assemble(self, rest: SteadyState, sign: float) -> tuple[PETSc.Mat, PETSc.Mat]:
+    def assemble(self, rest: SteadyState[PrestressedProblem], sign: float) -> tuple[PETSc.Mat, PETSc.Mat]:
         """K and G, times the sign of the load, at an equilibrium."""
         problem, zero = rest.problem, np.zeros_like(rest.x)
         geometric = Assembled([problem.geometric_stiffness(rest.x, sign)], self.operators[0]).tangent(zero)
@@ -52,7 +52,7 @@ class BucklingMatrices:
         return stiffness, geometric
 
 
-def products(problem: Problem, modes: np.ndarray, u: np.ndarray, sign: float) -> np.ndarray:
+def products(problem: PrestressedProblem, modes: np.ndarray, u: np.ndarray, sign: float) -> np.ndarray:
     """K phi and -G phi (2, k, 2 n) of modes (k, 2 n) at free unknowns, without matrices.
 
     Args:

@@ -1,10 +1,9 @@
 """What is shown of buckling: quantities, columns of a row, modes, and how far they are from solving their equation."""
 
-from typing import Any
-
 import numpy as np
 
 from restshape.algebra.buckling import BucklingSolver
+from restshape.analysis.analysis import RowValues
 from restshape.analysis.buckling_matrices import products
 from restshape.analysis.buckling_state import BucklingState
 
@@ -15,7 +14,7 @@ def observed(state: BucklingState) -> dict[str, float]:
     return {name: state.load_factor(q.load_factor) for name, q in quantities if q.load_factor is not None}
 
 
-def row(state: BucklingState, shown: int, solver: BucklingSolver) -> dict[str, Any]:
+def row(state: BucklingState, shown: int, solver: BucklingSolver) -> RowValues:
     """Columns of a frame's row that only buckling has.
 
     Args:
@@ -23,7 +22,7 @@ def row(state: BucklingState, shown: int, solver: BucklingSolver) -> dict[str, A
         shown: load factors that have a column.
         solver: with its tolerance, and what rounding leaves of it.
     """
-    row: dict[str, Any] = {f"mu_{k}": state.load_factor(k) for k in range(1, shown + 1)}
+    row: RowValues = {f"mu_{k}": state.load_factor(k) for k in range(1, shown + 1)}
     count = len(state.modes.load_factors)
     row["mode_ids"] = " ".join(map(str, state.modes.ids.ids[:count]))
     row["inertia_checked"], row["missed_modes"] = int(state.report.inertia_checked), state.report.missed_modes

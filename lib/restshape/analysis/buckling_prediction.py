@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -11,10 +11,18 @@ from restshape.algebra.eigen import EigenReport
 from restshape.analysis.buckling_matrices import products
 from restshape.analysis.correction import correction, largest_values, preconditioner
 from restshape.analysis.frequencies import largest_difference
-from restshape.sensitivity.buckling import buckling_derivative
+from restshape.analysis.steady import SteadyAnalysis
+from restshape.sensitivity.buckling import SolvedBuckling, buckling_derivative
 
-if TYPE_CHECKING:
-    from restshape.analysis.buckling import BucklingAnalysis
+
+class Buckling(SolvedBuckling, Protocol):
+    """What a prediction needs of an analysis of buckling.
+
+    Attributes:
+        rest: finds the equilibrium.
+    """
+
+    rest: SteadyAnalysis
 
 
 class BucklingPrediction:
@@ -28,7 +36,7 @@ class BucklingPrediction:
     Source: docs/theory.md, section 8.
     """
 
-    def __init__(self, analysis: BucklingAnalysis) -> None:
+    def __init__(self, analysis: Buckling) -> None:
         self.analysis = analysis
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
@@ -65,7 +73,7 @@ class BucklingPrediction:
 
     def error(self, predicted: np.ndarray) -> float:
         """The largest relative difference of predicted load factors (k,) from the solved ones of the same rank."""
-        return largest_difference(predicted, self.analysis.load_factors)
+        return largest_difference(predicted, self.analysis.state.modes.load_factors)
 
     def distance(self) -> float:
         """About the largest relative difference of the predicted load factors from those of the same mesh.

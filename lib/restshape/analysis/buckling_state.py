@@ -9,8 +9,10 @@ import numpy as np
 from restshape.algebra.eigen import EigenReport
 from restshape.analysis.buckling_matrices import BucklingMatrices
 from restshape.analysis.mode_tracking import ModeIds
+from restshape.analysis.settings import buckling_settings
 from restshape.analysis.steady import SteadyState
 from restshape.fem.balance import energy
+from restshape.fem.problem import PrestressedProblem
 from restshape.fem.quantity import area
 
 SIGNS = {"given": 1.0, "reversed": -1.0}
@@ -54,7 +56,7 @@ class BucklingState:
         report: of the last solve for them.
     """
 
-    rest: SteadyState
+    rest: SteadyState[PrestressedProblem]
     matrices: BucklingMatrices | None = None
     modes: BucklingModes = field(default_factory=BucklingModes.none)
     most: float = np.inf
@@ -64,11 +66,11 @@ class BucklingState:
     @property
     def sign(self) -> float:
         """Of the load that is meant, -1 where it is turned round."""
-        return SIGNS[self.rest.plan.settings("buckling").load]
+        return SIGNS[buckling_settings(self.rest.plan).load]
 
     def load_factor(self, k: int) -> float:
         """The k-th load factor, from 1; infinite where there is none, not a number where it is not computed."""
-        if k > self.rest.plan.settings("buckling").modes:
+        if k > buckling_settings(self.rest.plan).modes:
             return float("nan")
         found = self.modes.load_factors
         return float(found[k - 1]) if k <= len(found) else float("inf")

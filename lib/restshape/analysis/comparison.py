@@ -3,11 +3,11 @@
 import numpy as np
 import scipy.sparse as sp
 
-from restshape.algebra.gather import System, matrix_difference
+from restshape.algebra.gather import GatheredSystem, matrix_difference
 from restshape.analysis.analysis import Comparison
 
 
-def compared(warm: System, cold: System) -> Comparison:
+def compared(warm: GatheredSystem, cold: GatheredSystem) -> Comparison:
     """How far a system is from a cold one: entries relative to the largest, solutions in the energy norm."""
     entries = matrix_difference(warm.matrix, cold.matrix)
     return Comparison(entries, energy_distance(cold.matrix, warm.solution, cold.solution, warm.energy))

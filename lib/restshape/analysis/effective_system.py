@@ -1,5 +1,7 @@
 """The linear system of a time step: the effective stiffness and its right sides."""
 
+from collections.abc import Callable
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -138,12 +140,15 @@ class StepProducts:
         version: of the operator that the matrix was assembled with; None: there is none for the present shape.
     """
 
-    def __init__(self, vector: object, shape: tuple[int, int], size: tuple[int, int]) -> None:
+    def __init__(
+        self, vector: Callable[[np.ndarray], PETSc.Vec], shape: tuple[int, ...], size: tuple[int, int]
+    ) -> None:
         self.stiff, self.inert = np.zeros(shape), np.zeros(shape)
         self._stiff, self._inert = vector(self.stiff), vector(self.inert)
         self._own_force = np.zeros(size[0])
         self._force = PETSc.Vec().createWithArray(self._own_force, size=size, comm=self._stiff.comm)
-        self.constant, self._uniform = self.stiff, None
+        self.constant = self.stiff
+        self._uniform: np.ndarray | None = None
         self.version: object = None
 
     def assemble(self, operator: Operator, body: SemiDiscrete, load: float) -> None:

@@ -1,11 +1,14 @@
 """Load stepping: equilibria followed from a state that is known, in steps of load whose length adapts."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from restshape.algebra.newton_convergence import Outcome
+
+log = logging.getLogger("restshape.analysis")
 
 SHORTEST = 2.0**-7
 """The shortest step, as a part of the load: a shorter one finds no equilibrium that this one does not."""
@@ -80,6 +83,7 @@ def step_load(
             step *= 2.0 if outcome.newton <= EASY else 1.0
             continue
         found.why, last, step = problem, None, 0.5 * step
+        log.info("Load step cut to %g of the load, at %g: %s", step, found.reached, problem)
         if step < SHORTEST:
             break
     else:

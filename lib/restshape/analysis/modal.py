@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+# More than 15 modules: here matrices, solver, mode ids, prediction and estimates of a frame meet, a module each.
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis import modal_output
-from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.frame import Frame
 from restshape.analysis.modal_binding import bound, followed
 from restshape.analysis.modal_comparison import compare_cold
@@ -18,6 +19,7 @@ from restshape.analysis.modal_errors import FrequencyEstimate, residual_norm
 from restshape.analysis.modal_prediction import ModalPrediction
 from restshape.analysis.modal_state import ModalState
 from restshape.analysis.mode_search import ModeSearch
+from restshape.analysis.settings import modal_settings
 from restshape.analysis.verified_shape import VerifiedShape
 from restshape.errors import ReplayProblem, UserError
 
@@ -107,7 +109,7 @@ class ModalAnalysis:
         """The scene's quantities of interest at the state."""
         return modal_output.quantities(self.state)
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """Columns of a frame's row that only modes have."""
         return modal_output.row(self.state)
 
@@ -118,7 +120,7 @@ class ModalAnalysis:
 
     def blank_fields(self, space: Space) -> Fields:
         """The same fields, all NaN, on a mesh that has not been solved on."""
-        return modal_output.blank_fields(space, self.state.plan.settings("modal").modes)
+        return modal_output.blank_fields(space, modal_settings(self.state.plan).modes)
 
     def residual_norm(self) -> float:
         """The largest |K phi - lambda M phi| / |lambda M phi| of the modes that the scene asks for, element by element.
@@ -191,5 +193,5 @@ class ModalAnalysis:
         return state.solved_for(found, ids)
 
     def _search(self, state: ModalState) -> ModeSearch:
-        settings = state.plan.settings("modal")
+        settings = modal_settings(state.plan)
         return ModeSearch(self.solver, state.body, settings.modes, settings.in_plane)

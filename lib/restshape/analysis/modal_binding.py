@@ -10,6 +10,7 @@ from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.modal_state import ModalState
+from restshape.analysis.settings import modal_settings
 from restshape.application import application
 from restshape.fem.eigenproblem import Eigenproblem, Maker
 from restshape.mesh.transfer import transfer
@@ -46,7 +47,7 @@ def bound(
             carried = np.empty((0, mask.size))
     carried = np.where(mask.ravel() == 0, carried, 0.0)
     solver.restart(carried if len(carried) and context.policy.transfer else None)
-    count = max(state.count, plan.settings("modal").modes)
+    count = max(state.count, modal_settings(plan).modes)
     return replace(state, plan=plan, body=body, matrices=matrices, count=count), carried
 
 

@@ -1,11 +1,11 @@
 """What is shown of modes: quantities of interest, columns of a row, fields that are not known yet."""
 
-from typing import Any
-
 import numpy as np
 
+from restshape.analysis.analysis import RowValues
 from restshape.analysis.modal_state import ModalState
 from restshape.analysis.pitch import note
+from restshape.analysis.settings import modal_settings
 from restshape.errors import UserError
 from restshape.fem.problem import Fields
 from restshape.fem.quantity import area
@@ -23,9 +23,9 @@ def quantities(state: ModalState) -> dict[str, float]:
     return {name: modal_quantity(name, quantity, *found) for name, quantity in state.scene.quantities.items()}
 
 
-def row(state: ModalState) -> dict[str, Any]:
+def row(state: ModalState) -> RowValues:
     """Columns of a frame's row that only modes have."""
-    frequencies, settings = state.frequencies, state.plan.settings("modal")
+    frequencies, settings = state.frequencies, modal_settings(state.plan)
     tone, cents = note(float(frequencies[0]), settings.a4)
     return {
         **{f"f_{k + 1}": float(f) for k, f in enumerate(frequencies)},

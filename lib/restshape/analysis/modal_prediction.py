@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,10 +12,8 @@ from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.modal_matrices import products
 from restshape.analysis.modal_state import ModalState, Modes, frequencies
 from restshape.analysis.mode_search import ModeSearch
-from restshape.sensitivity.modal import modal_derivative
-
-if TYPE_CHECKING:
-    from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.settings import modal_settings
+from restshape.sensitivity.modal import SolvedModes, modal_derivative
 
 
 class ModalPrediction:
@@ -30,7 +27,7 @@ class ModalPrediction:
     Source: docs/theory.md, section 7.
     """
 
-    def __init__(self, analysis: ModalAnalysis) -> None:
+    def __init__(self, analysis: SolvedModes) -> None:
         self.analysis = analysis
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
@@ -61,11 +58,11 @@ class ModalPrediction:
     @property
     def shown(self) -> np.ndarray | None:
         """The predicted frequencies; None where there are none."""
-        return self.analysis.frequencies if self.analysis.state.predicted else None
+        return self.analysis.state.frequencies if self.analysis.state.predicted else None
 
     def error(self, predicted: np.ndarray) -> float:
         """The largest relative difference of predicted frequencies (modes,) from the solved ones."""
-        return largest_difference(predicted, self.analysis.frequencies)
+        return largest_difference(predicted, self.analysis.state.frequencies)
 
     def distance(self) -> float:
         """About the largest relative difference of the predicted frequencies from those of the same mesh.
@@ -99,7 +96,7 @@ class ModalPrediction:
         """
         if len(set(order)) != len(order):
             return state.modes
-        settings, solved = state.plan.settings("modal"), state.solved
+        settings, solved = modal_settings(state.plan), state.solved
         participation = solved.participation[order]
         # By rank, as a solve chooses; what had not converged is not predicted.
         search = ModeSearch(self.analysis.solver, state.body, settings.modes, settings.in_plane)

@@ -133,7 +133,7 @@ class MotionSystem:
         comm: PETSc.Comm,
         body: SemiDiscrete,
         scheme: Scheme,
-        newton: Callable[[tuple[int, int], slice], Newton],
+        newton: Callable[[tuple[int, ...], slice], Newton],
         backend: str | None,
         stages: Stages,
         symmetric: bool,

@@ -1,18 +1,19 @@
 """Nonlinear problems without time: Newton's method on kept patterns and factors, in steps of load where it must."""
 
+# More than 15 modules: here problem, Newton's method, load steps and guesses of a frame meet, a module each.
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import cast
 
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gather import System, whole_matrix
+from restshape.algebra.gather import GatheredSystem, whole_matrix
 from restshape.algebra.linear import COMPLETE, LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
 from restshape.algebra.newton_convergence import INDEFINITE
 from restshape.algebra.operator import Operator
-from restshape.analysis.analysis import Context
+from restshape.analysis.analysis import Context, RowValues
 from restshape.analysis.equilibrium_search import EquilibriumSearch
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import CurvedGuess
@@ -21,6 +22,8 @@ from restshape.analysis.steady import SteadyAnalysis, SteadyState
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.balance import energy
 from restshape.fem.problem import Problem
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.space import LagrangeSpace
 from restshape.policy import policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -55,7 +58,7 @@ class NonlinearSystem:
 
 
 @dataclass(frozen=True, eq=False)
-class NonlinearState(SteadyState):
+class NonlinearState(SteadyState[Problem]):
     """A solution of a nonlinear problem; further arguments:
 
     Args:
@@ -65,17 +68,21 @@ class NonlinearState(SteadyState):
         age: frames since the preconditioner was made.
     """
 
+    # All that a linear system is used for is overridden.
+    system: NonlinearSystem | None = None  # type: ignore[assignment]
     equations: ResidualEquations | None = None
     residual: float = 0.0
     believed: int = 0
     age: int = 0
 
 
-class NonlinearSteadyAnalysis(SteadyAnalysis):
+class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
     """The solution of a nonlinear problem, frame after frame, by `EquilibriumSearch`; arguments as `SteadyAnalysis`.
 
     Source: docs/theory.md, section 2.
     """
+
+    state: NonlinearState
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
         super().__init__(scene, plan, context, make)
@@ -114,7 +121,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis):
         self.state.equations.begin()
         self.state = replace(self.state, residual=0.0)
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """What the frame's row tells besides."""
         return rounding_note(self.state.residual, self.solver.tolerance)
 
@@ -136,7 +143,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis):
     def _directions(self) -> int:
         return 0
 
-    def _make_system(self, problem: Problem) -> NonlinearSystem:
+    def _make_system(self, problem: Problem) -> NonlinearSystem:  # type: ignore[override]
         context = self.context
         prefix = f"{self.make.name}_newton_"
         system = NonlinearSystem(context.comm, problem, context.policy.backend, self.solver, prefix)
@@ -207,24 +214,24 @@ class NonlinearSteadyAnalysis(SteadyAnalysis):
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------------
 
-    def warm_system(self) -> System:
+    def warm_system(self) -> GatheredSystem:
         """The tangent and the solution as they stand, whole on every rank."""
         matrix = whole_matrix(self.tangent(), self.context.comm)
-        return System(matrix, self.x.ravel().copy(), energy(self.problem, self.x))
+        return GatheredSystem(matrix, self.x.ravel().copy(), energy(self.problem, self.x))
 
-    def cold_system(self) -> System:
+    def cold_system(self) -> GatheredSystem:
         """The tangent at this frame's solution on a new pattern, and the solution of a cold analysis from nothing."""
         state, context = self.state, replace(self.context, policy=policy("rebuild"))
         cold = NonlinearSteadyAnalysis(state.scene, state.plan, context, self.make)
         cold.solver.tolerance *= COLD
         none = np.empty(0, dtype=np.int32)
-        cold.solve(Frame(state.space, none, None, state.scene, (None, (0.0, 0.0))))
+        cold.solve(Frame(cast(Mesh | LagrangeSpace, state.space), none, None, state.scene, (None, (0.0, 0.0))))
         newton = cold.state.system.newton
         matrix = whole_matrix(newton.tangent(self.x), context.comm)
         newton.destroy()
-        return System(matrix, cold.x.ravel().copy())
+        return GatheredSystem(matrix, cold.x.ravel().copy())
 
 
-def rounding_note(residual: float, tolerance: float) -> dict[str, Any]:
+def rounding_note(residual: float, tolerance: float) -> RowValues:
     """What a frame's row tells besides where rounding leaves more of the load, or of the forces, than the tolerance."""
     return {"note": f"a tolerance of {tolerance:g} is out of reach of rounding"} if residual > tolerance else {}

@@ -1,15 +1,15 @@
 """Nonlinear problems in time while the rest shape is edited: Newton's method in each implicit step."""
 
+# More than 15 modules: here time steps and Newton's method of a frame meet, a module each.
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from restshape.algebra.gather import System, whole_matrix
+from restshape.algebra.gather import GatheredSystem, whole_matrix
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
-from restshape.analysis.analysis import Context
+from restshape.analysis.analysis import Context, RowValues
 from restshape.analysis.equilibrium_search import least_scale, rounding
 from restshape.analysis.frame import Frame
 from restshape.analysis.motion_equations import MotionSystem
@@ -52,6 +52,8 @@ class NonlinearTransientState(TransientState):
         gain: of energy.
     """
 
+    # All that a linear system is used for is overridden.
+    system: MotionSystem | None = None  # type: ignore[assignment]
     scale: float = 0.0
     residual: float = 0.0
     gain: EnergyGain = EnergyGain()
@@ -65,6 +67,8 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     Source: docs/theory.md, section 2.
     """
+
+    state: NonlinearTransientState
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
         super().__init__(scene, plan, context, make)
@@ -90,7 +94,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
             return 0.0
         return float(np.linalg.norm(state.system.equations.whole_residual(self.x))) / state.scale
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """What the frame's row tells besides."""
         return rounding_note(self.state.residual, self.solver.tolerance)
 
@@ -102,7 +106,9 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         if scene is not self.state.gain.scene:
             self.state = replace(self.state, gain=replace(self.state.gain, scene=scene, gained=0.0))
 
-    def _make_system(self, body: SemiDiscrete, integration: TimeIntegration) -> MotionSystem:
+    def _make_system(  # type: ignore[override]
+        self, body: SemiDiscrete, integration: TimeIntegration
+    ) -> MotionSystem:
         return self._system_of(body, integration, self.context.policy.backend, self.solver)
 
     def _system_of(
@@ -110,7 +116,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
     ) -> MotionSystem:
         comm, stages = self.context.comm, self.context.stages
 
-        def newton(shape: tuple[int, int], rows: slice) -> Newton:
+        def newton(shape: tuple[int, ...], rows: slice) -> Newton:
             return Newton(comm, "motion_newton_", solver, shape, rows)
 
         made = MotionSystem(comm, body, integration.scheme, newton, backend, stages, solver.symmetric)
@@ -198,13 +204,13 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     # --- for comparison with other solves -----------------------------------------------------------------------------
 
-    def warm_system(self) -> System:
+    def warm_system(self) -> GatheredSystem:
         """The tangent and the solution of the last step as they stand, whole on every rank."""
         state = self.state
         solution = np.zeros(self.x.size) if state.unsolved else state.now.y.ravel().copy()
-        return System(whole_matrix(state.system.newton.tangent(self.x), self.context.comm), solution)
+        return GatheredSystem(whole_matrix(state.system.newton.tangent(self.x), self.context.comm), solution)
 
-    def cold_system(self) -> System:
+    def cold_system(self) -> GatheredSystem:
         """The tangent on a new pattern, and the last step's solution with a new factor and no guess."""
         state, context, body = self.state, self.context, self._cold_body()
         solver = LinearSolver(
@@ -228,4 +234,4 @@ class NonlinearTransientAnalysis(TransientAnalysis):
             solution = x - body.problem.boundary.values
         matrix = whole_matrix(newton.tangent(self.x), context.comm)
         solver.ksp.destroy()
-        return System(matrix, solution.ravel())
+        return GatheredSystem(matrix, solution.ravel())

@@ -1,16 +1,19 @@
 """Linear problems without time: one solve a frame, reusing pattern, factor and solution of the frames before."""
 
+# More than 15 modules: here problem, operator, solver, guesses and estimates of a frame meet, a module each.
+import logging
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Generic, TypeVar
 
 import numpy as np
+from petsc4py import PETSc
 from scipy.sparse.linalg import spsolve
 
-from restshape.algebra.gather import System, whole_matrix, whole_vector
+from restshape.algebra.gather import GatheredSystem, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator
-from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.comparison import compared
 from restshape.analysis.correction import correction
 from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
@@ -31,9 +34,13 @@ from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
 
+log = logging.getLogger("restshape.analysis")
+
+P = TypeVar("P", bound=Problem)
+
 
 @dataclass(frozen=True, eq=False)
-class SteadyState:
+class SteadyState(Generic[P]):
     """A solution, and what it was found with.
 
     Args:
@@ -50,8 +57,8 @@ class SteadyState:
 
     plan: Plan
     scene: Scene | None = None
-    problem: Problem | None = None
-    system: Any = None
+    problem: P | None = None
+    system: LinearSystem | None = None
     observer: Observer | None = None
     x: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     topology: int = -1
@@ -65,7 +72,7 @@ class SteadyState:
         return None if self.problem is None else self.problem.space
 
 
-class SteadyAnalysis:
+class SteadyAnalysis(Generic[P]):
     """The solution of a linear problem, frame after frame; an `analysis.Analysis`.
 
     What is stale is read from the versions of mesh topology, node places and scene; nobody tells the analysis.
@@ -84,16 +91,16 @@ class SteadyAnalysis:
 
     why_not = ""
 
-    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[P]) -> None:
         self.context, self.make = context, make
-        self.state = SteadyState(plan)
+        self.state: SteadyState[P] = SteadyState(plan)
         self.interrupted = False
         self.guess = Guess(context.policy.extrapolate)
         self.solver = self._make_solver(scene)
         self.predictor = SteadyPredictor(self)
         self.estimated = f"{make.unknowns[0].name} in the energy norm"
-        self._observed: tuple[SteadyState | None, dict[str, float]] = (None, {})
-        self._estimate: tuple[Problem | None, RecoveryEstimate | None] = (None, None)
+        self._observed: tuple[SteadyState[P] | None, dict[str, float]] = (None, {})
+        self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)
 
     def _make_solver(self, scene: Scene) -> LinearSolver:
         """The linear solver that outlives all frames."""
@@ -140,7 +147,7 @@ class SteadyAnalysis:
         self.state = replace(self.state, scene=frame.scene, topology=mesh.topology, geometry=mesh.geometry)
         return report
 
-    def rollback(self, state: SteadyState) -> None:
+    def rollback(self, state: SteadyState[P]) -> None:
         """Take back a frame that was solved, but of which others could make nothing: `state` is that of before."""
         self.state, self.interrupted = state, True
         # What was solved for may be of a mesh that is gone.
@@ -154,7 +161,7 @@ class SteadyAnalysis:
         return self.state.x
 
     @property
-    def problem(self) -> Problem | None:
+    def problem(self) -> P | None:
         """What was solved last."""
         return self.state.problem
 
@@ -179,7 +186,7 @@ class SteadyAnalysis:
             self._observed = (self.state, self.state.observer(self.state.x))
         return self._observed[1]
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has: none."""
         return {}
 
@@ -245,7 +252,9 @@ class SteadyAnalysis:
         self.state = replace(self.state, x=x, geometry=-1, predicted=True)
         self.guess.restart()
 
-    def _auxiliary_solve(self, mat: Any, rhs: np.ndarray, tolerance: float, same_matrix: bool = False) -> np.ndarray:
+    def _auxiliary_solve(
+        self, mat: PETSc.Mat, rhs: np.ndarray, tolerance: float, same_matrix: bool = False
+    ) -> np.ndarray:
         """Solve mat s = rhs beside the sequence of solves; arguments as in `linear_solve`."""
         system, constrained = self.state.system, self.state.problem.boundary.constrained
         return auxiliary_solve(
@@ -272,6 +281,7 @@ class SteadyAnalysis:
             if context.policy.transfer and before.space is not None:
                 with context.stages("map"):
                     projected = transfer(before.space, mesh, frame.interpolate(x))
+            log.info("%s", "Cold start" if projected is None else f"Unknowns interpolated to {len(projected)} nodes")
             x = projected if projected is not None else np.zeros(problem.boundary.mask.shape)
             self.guess.restart()
         self.state = replace(before, plan=plan, problem=problem, observer=observer, system=system, x=x)
@@ -360,13 +370,13 @@ class SteadyAnalysis:
         """The state beside a solve with new pattern, values and factor, and no guess."""
         return compared(self.warm_system(), self.cold_system())
 
-    def warm_system(self) -> System:
+    def warm_system(self) -> GatheredSystem:
         """The matrix and the free part of the solution as they stand, whole on every rank."""
         state = self.state
         matrix = whole_matrix(state.system.mat, self.context.comm)
-        return System(matrix, state.system.full.copy(), energy(state.problem, state.x))
+        return GatheredSystem(matrix, state.system.full.copy(), energy(state.problem, state.x))
 
-    def cold_system(self) -> System:
+    def cold_system(self) -> GatheredSystem:
         """Matrix and solution of this frame with new pattern, values and factor, and no guess."""
         comm, space = self.context.comm, self.state.space
         problem = self.make(self.state.scene, self.state.plan, space)
@@ -377,4 +387,4 @@ class SteadyAnalysis:
         dead_loads(problem, right)
         mat = Assembled(problem.integrals(INTERNAL), operator).system(problem.boundary.values, right)
         matrix = whole_matrix(mat, comm)
-        return System(matrix, spsolve(matrix.tocsc(), whole_vector(right.ravel(), operator.rows, comm)))
+        return GatheredSystem(matrix, spsolve(matrix.tocsc(), whole_vector(right.ravel(), operator.rows, comm)))

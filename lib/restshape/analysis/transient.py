@@ -1,5 +1,7 @@
 """Linear problems in time while the rest shape is edited: implicit steps on kept patterns and factors."""
 
+# More than 15 modules: here time steps, solver, projections and energies of a frame meet, a module each.
+import logging
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -7,10 +9,10 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from restshape.algebra.gather import System, whole_matrix, whole_vector
+from restshape.algebra.gather import GatheredSystem, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
-from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.comparison import compared
 from restshape.analysis.correction import preconditioner
 from restshape.analysis.effective_system import EffectiveSystem
@@ -30,6 +32,8 @@ from restshape.mesh.transfer import transfer
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
+
+log = logging.getLogger("restshape.analysis")
 
 NOTHING = TimeState(np.zeros((0, 2)), np.zeros((0, 2)), None, 0.0)
 
@@ -75,7 +79,7 @@ class TransientState:
     scene: Scene | None = None
     integration: TimeIntegration | None = None
     body: SemiDiscrete | None = None
-    system: Any = None
+    system: EffectiveSystem | None = None
     observer: Observer | None = None
     increments: IncrementProjection | None = None
     now: TimeState = NOTHING
@@ -222,7 +226,7 @@ class TransientAnalysis:
             self._observed = (self.state, self.state.observer(self.x, self.state.motion))
         return self._observed[1]
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has: none."""
         return {}
 
@@ -347,6 +351,7 @@ class TransientAnalysis:
             account = replace(account, edit=account.edit + (energy - account.last))
         y = transfer(before.problem.space, body.problem.space, before.unknowns(now.y)) - body.problem.boundary.values
         second = state.integration.scheme.order == 2
+        log.info("Unknowns interpolated to %d nodes%s", len(y), ", velocities projected" if second else "")
         v = project_velocity(before.mass, body.mass, now.v) if second else np.zeros_like(y)
         self._enter(y, v, self.time)
         if account.known:
@@ -449,12 +454,12 @@ class TransientAnalysis:
         """The last step beside a solve with new pattern, values and factor, and no guess."""
         return compared(self.warm_system(), self.cold_system())
 
-    def warm_system(self) -> System:
+    def warm_system(self) -> GatheredSystem:
         """The matrix and the solution of the last step as they stand, whole on every rank."""
         system = self.state.system
-        return System(whole_matrix(system.mat, self.context.comm), system.full.copy())
+        return GatheredSystem(whole_matrix(system.mat, self.context.comm), system.full.copy())
 
-    def cold_system(self) -> System:
+    def cold_system(self) -> GatheredSystem:
         """Matrix and solution of the last step with new pattern, values and factor, and no guess."""
         state, comm, scheme = self.state, self.context.comm, self.state.integration.scheme
         cold = EffectiveSystem(comm, self._cold_body(), scheme, "coo")
@@ -462,8 +467,8 @@ class TransientAnalysis:
         cold.assemble(before, self._shaking(now.time) + scheme.a3 * self._shaking(before.time))
         matrix, b = whole_matrix(cold.mat, comm), whole_vector(cold.right.ravel(), cold.rows, comm)
         if state.unsolved:
-            return System(matrix, np.zeros_like(b))
-        return System(matrix, spsolve(matrix.tocsc(), b))
+            return GatheredSystem(matrix, np.zeros_like(b))
+        return GatheredSystem(matrix, spsolve(matrix.tocsc(), b))
 
     def _cold_body(self) -> SemiDiscrete:
         state = self.state

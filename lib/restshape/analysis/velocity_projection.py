@@ -1,8 +1,11 @@
 """Velocities projected to a new mesh without loss of momentum."""
 
+from typing import cast
+
 import numpy as np
 
 from restshape.fem.mass import MassMatrix
+from restshape.mesh.mesh import Mesh
 from restshape.mesh.quadrature import DEGREE_4
 from restshape.mesh.space import quadratic_basis
 from restshape.mesh.transfer import Transfer
@@ -32,7 +35,8 @@ def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndar
 
 def _linear_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
     """Integral of N_new rho v (n_new, 2) by the rule of the edges' midpoints."""
-    mesh = new.space
+    # Cells of three nodes are those of the mesh itself.
+    mesh = cast(Mesh, new.space)
     middle = Transfer(old.space, mesh.X[mesh.edge_nodes].mean(axis=1))(v)[mesh.cell_edges]
     p, q = mesh.X[mesh.cells[:, 1]] - mesh.X[mesh.cells[:, 0]], mesh.X[mesh.cells[:, 2]] - mesh.X[mesh.cells[:, 0]]
     mass = 0.5 * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]) * np.broadcast_to(new.params, (len(mesh.cells), 1))[:, 0]

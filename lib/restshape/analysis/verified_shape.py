@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.mesh.mesh import Mesh
+from restshape.fem.space import Space
 from restshape.mesh.space import LagrangeSpace
 
 SHARE = 0.05
@@ -16,17 +16,17 @@ class VerifiedShape:
         self._X = np.empty((0, 2))
         self._far = 0.0
 
-    def due(self, mesh: Mesh | LagrangeSpace) -> bool:
+    def due(self, mesh: Space) -> bool:
         """Tell whether a mesh is far from that shape, or has other nodes."""
         X = _corners(mesh)
         return X.shape != self._X.shape or float(np.abs(X - self._X).max()) > self._far
 
-    def take(self, mesh: Mesh | LagrangeSpace) -> None:
+    def take(self, mesh: Space) -> None:
         """Take a mesh for the one that was counted on."""
         self._X = _corners(mesh).copy()
         self._far = SHARE * float(np.linalg.norm(np.ptp(self._X, axis=0)))
 
 
-def _corners(mesh: Mesh | LagrangeSpace) -> np.ndarray:
+def _corners(mesh: Space) -> np.ndarray:
     """Nodes (n, 2) [m] without those in the middle of sides, which flips set elsewhere though the shape stays."""
     return mesh.mesh.X if isinstance(mesh, LagrangeSpace) else mesh.X

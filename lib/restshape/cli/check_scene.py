@@ -16,6 +16,7 @@ from restshape.mesh.sizing import refuse_endless
 from restshape.scene.model import Load, Scene, Support
 from restshape.scene.physics import Rows
 from restshape.scene.plan import Plan, plan
+from restshape.scene.renamed import notes
 from restshape.scene.scene_type import joined_sections
 from restshape.scene.script import Script, load_script
 from restshape.scene.words import keys_in_words, listing, with_symbol
@@ -151,6 +152,7 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     mesh, solve = scene.mesh, scene.solve
     rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))
+    rows += [("note", note) for note in notes(scene.raw)]
     return rows + [("warning", warning) for warning in effects.warnings]
 
 

@@ -84,6 +84,10 @@ def _run(words: list[str]) -> int:
         from restshape.cli.options import permit
 
         permit(args)
+        if verbose := getattr(args, "verbose", 0):
+            from restshape.cli.verbosity import set_verbosity
+
+            set_verbosity(verbose)
         return args.run(args)
     except UserError as error:
         if first_rank():

@@ -13,8 +13,8 @@ def quantity_words(quantity: Quantity) -> str:
     """What a quantity is of, where, and within which limits it holds."""
     kind, value = quantity.kind, getattr(quantity, quantity.kind)
     what = kind.replace("_", " ") if value is True else f"{kind.replace('_', ' ')} {value}"
-    place = what if quantity.kinds[kind].whole else f"{quantity.take} of {what} at {quantity.at or 'all'}"
+    place = what if quantity.kinds[kind].whole else f"{quantity.reduce} of {what} at {quantity.at or 'all'}"
     of = quantity.dimension
-    limit = f", holds up to {with_unit(of, quantity.limit)}" if quantity.limit is not None else ""
-    limit += f", holds from {with_unit(of, quantity.at_least)} on" if quantity.at_least is not None else ""
+    limit = f", holds up to {with_unit(of, quantity.max)}" if quantity.max is not None else ""
+    limit += f", holds from {with_unit(of, quantity.min)} on" if quantity.min is not None else ""
     return f"{place}{limit}"

@@ -10,8 +10,10 @@ from typing import Any
 from restshape.application import Application, application
 from restshape.cli.options import add_scene, check_output, print_table, read_scene, write_json
 from restshape.cli.ranks import first_rank
+from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
+from restshape.scene.renamed import notes
 from restshape.surroundings import start_petsc
 
 KINDS = ("none", "linear")
@@ -40,6 +42,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, metavar="FILE", help="recording (.vtkhdf)")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="a row of numbers a frame")
     parser.add_argument("--parity", action="store_true", help="compare each frame with a cold solve on the same mesh")
+    add_verbose(parser)
     parser.add_argument("--calibration", type=Path, metavar="FILE", help="seconds a unit of work (default: nominal)")
 
 
@@ -139,6 +142,8 @@ def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> in
     """Print the tables, write the JSON file, and give the exit code."""
     # What is printed may find nobody who reads it.
     write_json(args, {key: value for key, value in summary.items() if key != "rows"})
+    for note in notes(request.scene.raw):
+        print(f"note: {note}")
     print_summary(summary, request.application)
     if request.script.error:
         kept = "replayed and recorded" if args.out else "replayed"

@@ -1,12 +1,13 @@
 """The sum of integrals as a function of nodal unknowns: its residual, tangent, products and energy."""
 
 from collections.abc import Iterable, Sequence
+from typing import cast
 
 import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.operator import Operator
-from restshape.fem.integral import Integral
+from restshape.fem.integral import Integral, Term
 
 
 class Assembled:
@@ -17,9 +18,20 @@ class Assembled:
         operator: holds the pattern of their blocks; None where no matrix is wanted.
     """
 
-    def __init__(self, integrals: Iterable[Integral], operator: Operator | None = None) -> None:
-        self.integrals: Sequence[Integral] = tuple(integrals)
-        self.operator = operator
+    def __init__(self, integrals: Iterable[Term], operator: Operator | None = None) -> None:
+        self.integrals: Sequence[Term] = tuple(integrals)
+        self._operator = operator
+
+    @property
+    def operator(self) -> Operator:
+        """What holds the pattern.
+
+        Raises:
+            ValueError: there is none.
+        """
+        if self._operator is None:
+            raise ValueError("a sum without an operator has no matrix")
+        return self._operator
 
     def residual(self, x: np.ndarray, out: np.ndarray | None = None, subset: np.ndarray | None = None) -> np.ndarray:
         """The residual (n, f) at x (n, f), added to `out` where it is given.
@@ -60,7 +72,8 @@ class Assembled:
     def design_product(self, x: np.ndarray, dX: np.ndarray, dx: np.ndarray | None = None) -> np.ndarray:
         """The rate (n, f) of the residual when material coordinates change with dX (n, d), and x with dx (n, f)."""
         out = np.zeros_like(x)
-        for integral in self.integrals:
+        # What only behaves like an integral does not know how it depends on material coordinates.
+        for integral in cast(Sequence[Integral], self.integrals):
             integral.add_design_product(x, dX, out, dx)
         return out
 

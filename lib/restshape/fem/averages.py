@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from restshape.fem.space import Space
+from restshape.fem.space import PlaneSpace
 
 SIMPSON = np.array([1.0, 1.0, 4.0]) / 6.0
 """Weights of a side's ends and middle."""
 
 
-def mean_over(space: Space, at: str | None, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
+def mean_over(space: PlaneSpace, at: str | None, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
     """The function that takes the mean of values at nodes over an entity, on the mesh at rest as it then lies.
 
     Args:
@@ -18,11 +18,12 @@ def mean_over(space: Space, at: str | None, nodes: np.ndarray | slice) -> Callab
         at: an entity: a region or all (None) counts by area, edges by length, vertices one like the other.
         nodes: of the values, in their order; each of them on the entity.
     """
-    cells = slice(None) if at is None else space.cells_of(at)
-    facets = space.facets_of(at) if at is not None else ()
-    if at is None or len(cells):
+    weigh: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    if at is None:
+        places, weigh = space.cells, cell_weights
+    elif len(cells := space.cells_of(at)):
         places, weigh = space.cells[cells], cell_weights
-    elif len(facets):
+    elif len(facets := space.facets_of(at)):
         places, weigh = space.facets[facets], facet_weights
     else:
         return plain_mean

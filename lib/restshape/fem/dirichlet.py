@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from restshape.errors import UserError
 from restshape.fem.values import Nodal, varies
+from restshape.scene.expressions import Value
 
 AGREES = 1e-9
 """Relative difference below which two values prescribed at one node are the same."""
@@ -27,7 +27,7 @@ class Prescribed:
     where: str
     component: int
     nodes: np.ndarray
-    value: Any
+    value: Value
 
 
 class Dirichlet:

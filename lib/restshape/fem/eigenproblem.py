@@ -1,7 +1,9 @@
 """What a physics is to an analysis of free vibrations: stiffness and mass of a body over a plane mesh under edit."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -16,7 +18,9 @@ from restshape.scene.plan import Plan
 class ModeEstimate(Protocol):
     """Estimates the errors of the modes of a body."""
 
-    body: Any
+    @property
+    def body(self) -> Eigenproblem:
+        """Whose modes they are."""
 
     def __call__(self, modes: np.ndarray) -> np.ndarray:
         """The estimated errors (k,) of eigenvalues of K phi = lambda M phi, of modes (k, n f) with phi M phi = 1."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import UserError
-from restshape.fem.space import Space
+from restshape.fem.space import PlaneSpace, Space
 from restshape.scene.model import Quantity
 
 
@@ -19,7 +19,7 @@ def nodes_on(space: Space, names: Sequence[str]) -> np.ndarray:
     return _union([space.nodes_of(name) for name in names])
 
 
-def facets_on(space: Space, names: Sequence[str]) -> np.ndarray:
+def facets_on(space: PlaneSpace, names: Sequence[str]) -> np.ndarray:
     """Indices (k,) of the facets on the named edges."""
     return _union([space.facets_of(name) for name in names])
 

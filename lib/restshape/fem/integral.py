@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -97,3 +98,22 @@ class Integral:
                 self.element.design(X, dX, x, own, self.parameters, out)
                 found[:, i, axis] = (x * out).reshape(m, -1).sum(axis=1)
         return found if self.factor == 1.0 else self.factor * found
+
+
+class Term(Protocol):
+    """What sums are made of: an `Integral`, or what behaves like one."""
+
+    @property
+    def block(self) -> int | None: ...
+
+    def add_residual(self, x: np.ndarray, out: np.ndarray, subset: np.ndarray | None = None) -> None:
+        """As `Integral.add_residual`."""
+
+    def add_tangent_product(self, x: np.ndarray, d: np.ndarray, out: np.ndarray) -> None:
+        """As `Integral.add_tangent_product`."""
+
+    def energies(self, x: np.ndarray) -> np.ndarray:
+        """As `Integral.energies`."""
+
+    def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> tuple:
+        """As `Integral.term`."""

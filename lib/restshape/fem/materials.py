@@ -1,4 +1,4 @@
-"""Parameters of materials by region: one table for all elements of a physics."""
+"""Materials by region, as a scene gives them: one reader for all physics."""
 
 from collections.abc import Callable, Sequence
 
@@ -9,35 +9,50 @@ from restshape.fem.space import Space
 from restshape.scene.model import Material, Scene
 
 
-def table_by_region(scene: Scene, space: Space, row: Callable[[Material], Sequence[float]]) -> np.ndarray:
-    """Rows (regions + 1, p) of parameters: row 0 is the rest of the shape, row i + 1 the i-th region.
+def names_by_region(scene: Scene, space: Space) -> list[str | None]:
+    """Names of the materials of the rest of the shape, then of each region; None where there is neither cell nor name.
+
+    A material of a group of regions is that of its members.
 
     Args:
         scene: its materials.
         space: all of its cells must have a material.
-        row: the p parameters of a material.
 
     Raises:
         UserError: a part of the shape has no material.
     """
     regions = [loop.name for loop in space.outline.loops if loop.kind == "region"]
-    materials = list(scene.material.values())
-    rest = [(material, row(material)) for material in materials if not material.region]
-    given = [(material, row(material)) for material in materials if material.region]
-    width = len((rest or given)[0][1])
-    table = np.full((len(regions) + 1, width), np.nan)
-    for material, values in [*rest, *given]:
-        rows = [regions.index(name) + 1 for name in material.region] if material.region else slice(None)
-        table[rows] = values
-    bare = np.flatnonzero(np.isnan(table[space.cell_region, 0]))
+    rest = next((name for name, material in scene.material.items() if not material.region), None)
+    given = {region: name for name, material in scene.material.items() for region in material.region or ()}
+    for group, members in space.outline.groups.items():
+        given |= {member: given[group] for member in members if group in given}
+    names = [rest, *(given.get(region, rest) for region in regions)]
+    bare = np.flatnonzero(np.isin(space.cell_region, [row for row, name in enumerate(names) if name is None]))
     if len(bare):
         x, y = space.X[space.corners[bare[0]]].mean(axis=0)[:2]
         raise UserError(
             f"{len(bare)} triangles lie outside of the regions that have a material, one at ({x:.4g}, {y:.4g}) m",
-            f"{scene.path}: material",
+            "material",
             "let one material have no region, or name the regions that are missing",
         )
-    return table
+    return names
+
+
+def table_by_region(scene: Scene, space: Space, row: Callable[[Material], Sequence[float]]) -> np.ndarray:
+    """Rows (regions + 1, p) of parameters: row 0 is the rest of the shape, row i + 1 the i-th region.
+
+    Args:
+        scene: its materials.
+        space: all of its cells must have a material; rows without cells may have none, and are not numbers.
+        row: the p parameters of a material.
+
+    Raises:
+        UserError: a part of the shape has no material.
+    """
+    names = names_by_region(scene, space)
+    rows = {name: row(scene.material[name]) for name in names if name is not None}
+    absent = np.full(len(next(iter(rows.values()))), np.nan)
+    return np.array([rows.get(name, absent) for name in names], dtype=float)
 
 
 def by_cell(table: np.ndarray, region: np.ndarray) -> np.ndarray:
@@ -48,3 +63,19 @@ def by_cell(table: np.ndarray, region: np.ndarray) -> np.ndarray:
         region: (ne,) of each cell.
     """
     return np.ascontiguousarray(table[region] if np.any(region) else table[0])
+
+
+def require_value(scene: Scene, key: str, what: str, do: str) -> None:
+    """Refuse a scene in which the value of a key of a material is 0 or missing.
+
+    Args:
+        scene: its materials.
+        key: such as "rho".
+        what, do: of the refusal.
+
+    Raises:
+        UserError: a material has no such value.
+    """
+    for name, material in scene.material.items():
+        if not getattr(material, key):
+            raise UserError(what, f"material.{name}", do)

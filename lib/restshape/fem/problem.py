@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from restshape.fem.space import Space
 from restshape.fem.time_integration import TimeIntegration
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
-
-if TYPE_CHECKING:
-    from restshape.fem.mass import MassMatrix
 
 INTERNAL, LOADS, FOLLOWERS = "internal", "loads", "followers"
 """Kinds of integrals that balance: of the cells, with body loads and all else that the unknowns enter; dead loads on
@@ -155,6 +152,20 @@ class Problem(Protocol):
         """The recovery-based estimate on this space."""
 
 
+class PrestressedProblem(Problem, Protocol):
+    """A problem whose stress at a solution changes its stiffness."""
+
+    def geometric_stiffness(self, u: np.ndarray, factor: float = 1.0) -> Integral:
+        """G of unknowns u (n, f), linear in them: phi . G phi = int sigma(u) : grad(phi)^T grad(phi)."""
+
+
+class Inertia(Protocol):
+    """What quantities of a motion need of a mass matrix."""
+
+    def energies(self, v: np.ndarray) -> np.ndarray:
+        """Kinetic energies (ne,) of the cells at the rates v (n, f)."""
+
+
 class TransientProblem(Problem, Protocol):
     """A problem that may be integrated in time: with integrals of the kinds `MASS`, `LUMPED`, `CONSISTENT`."""
 
@@ -171,5 +182,5 @@ class TransientProblem(Problem, Protocol):
         """Whether one of these quantities asks for `Motion.edit` or `Motion.remesh`."""
         return False
 
-    def motion_observer(self, quantities: Mapping[str, Quantity], mass: MassMatrix) -> Observer:
+    def motion_observer(self, quantities: Mapping[str, Quantity], mass: Inertia) -> Observer:
         """What evaluates quantities of unknowns x (n, f) and a `fem.time_integration.Motion`."""

@@ -1,14 +1,14 @@
 """Quantities of interest: numbers that a scene asks for, evaluated by functions that a physics gives."""
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import cast
 
 import numpy as np
 
 from restshape import _kernels
 from restshape.errors import UserError
 from restshape.fem.averages import mean_over
-from restshape.fem.space import Space
+from restshape.fem.space import PlaneSpace, Space
 from restshape.scene.model import Quantity
 
 Function = Callable[..., float]
@@ -31,9 +31,11 @@ REDUCTIONS: dict[str, Callable[[np.ndarray], float]] = {
 }
 
 
-def reduction(space: Space, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
+def reduction(space: PlaneSpace, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
     """What makes one number of values (k,) at nodes (k,): a mean counts lengths and areas, not nodes."""
-    return mean_over(space, quantity.at, nodes) if quantity.take == "mean" else REDUCTIONS[quantity.take]
+    # Where the scene says nothing of it, it is reduced as is usual for its kind.
+    how = cast(str, quantity.reduce)
+    return mean_over(space, quantity.at, nodes) if how == "mean" else REDUCTIONS[how]
 
 
 def area(space: Space, cells: np.ndarray | slice = slice(None)) -> float:
@@ -77,7 +79,7 @@ class Observer:
         self.watched = tuple(peaks)
         self._peaks: dict[str, float] = {}
 
-    def __call__(self, *state: Any) -> dict[str, float]:
+    def __call__(self, *state: object) -> dict[str, float]:
         """All quantities at a state."""
         self.refresh()
         return {name: self._value(name, function, state) for name, function in self.functions.items()}
@@ -86,13 +88,13 @@ class Observer:
         """Forget the peaks: a new frame begins."""
         self._peaks.clear()
 
-    def step(self, *state: Any) -> None:
+    def step(self, *state: object) -> None:
         """Take in the state after a time step."""
         self.refresh()
         for name in self.watched:
             self._peaks[name] = max(self._peaks.get(name, 0.0), abs(float(self.functions[name](*state))))
 
-    def _value(self, name: str, function: Function, state: tuple[Any, ...]) -> float:
+    def _value(self, name: str, function: Function, state: tuple[object, ...]) -> float:
         if name not in self.watched:
             return float(function(*state))
         if name not in self._peaks:

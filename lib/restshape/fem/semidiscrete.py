@@ -5,7 +5,7 @@ import numpy as np
 from restshape.fem.assembled import Assembled
 from restshape.fem.balance import dead_loads, energy, unconstrained_residual
 from restshape.fem.mass import MassMatrix
-from restshape.fem.problem import INTERNAL, REFERENCE, STIFFNESS, Problem
+from restshape.fem.problem import INTERNAL, REFERENCE, STIFFNESS, TransientProblem
 from restshape.fem.time_integration import Rayleigh
 
 
@@ -24,7 +24,7 @@ class SemiDiscrete:
         UserError: the problem refuses its mass.
     """
 
-    def __init__(self, problem: Problem, damping: Rayleigh) -> None:
+    def __init__(self, problem: TransientProblem, damping: Rayleigh) -> None:
         self.problem, self.damping_of, self.mass = problem, damping, MassMatrix(problem)
         self.held = problem.boundary.mask.astype(bool)
         shifted = problem.boundary.nonzero or problem.varies

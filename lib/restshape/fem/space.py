@@ -1,9 +1,10 @@
 """What a finite-element space offers: nodes and cells that unknowns live on, over a mesh that moves."""
 
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from restshape.mesh.space import EdgeInterpolation
 from restshape.shape.outline import Outline
 
 
@@ -23,9 +24,10 @@ class Space(Protocol):
         dim: of the cells; cell_type: their shape and order, as elements are named ("tri3", "tet10").
     """
 
-    dim: int
-    cell_type: str
-
+    @property
+    def dim(self) -> int: ...
+    @property
+    def cell_type(self) -> str: ...
     @property
     def X(self) -> np.ndarray: ...
     @property
@@ -69,10 +71,28 @@ class Space(Protocol):
             (m,) int32 cells of this space that are others than before.
         """
 
-    def interpolate(self, field: np.ndarray, interpolations: tuple[Any, ...]) -> np.ndarray:
+    def interpolate(self, field: np.ndarray, interpolations: tuple[EdgeInterpolation, ...]) -> np.ndarray:
         """A field (n, f) after flips, at the new places of nodes of flipped edges.
 
         Args:
             field: before the flips; it stays as it is.
             interpolations: what the flips did, in their order.
+        """
+
+
+class PlaneSpace(Space, Protocol):
+    """A space over a plane mesh, which knows the mesh's facets on the outline.
+
+    Attributes:
+        facets: (nf, 2) or (nf, 3) int32 nodes of each: both ends, then the middle.
+    """
+
+    @property
+    def facets(self) -> np.ndarray: ...
+
+    def facets_of(self, name: str) -> np.ndarray:
+        """Facets (k,) int32 on an entity of the outline.
+
+        Raises:
+            UserError: there is no such entity.
         """

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -156,6 +157,19 @@ class Theta:
         return TimeState(y, (y - state.y) / self.dt, None, state.time + self.dt)
 
 
+class DampingSettings(Protocol):
+    """How a scene says how much damping there is.
+
+    Attributes:
+        ratio: of critical damping at the two `frequencies` [Hz]; None: `alpha` [1/s] and `beta` [s] say it.
+    """
+
+    ratio: float | None
+    frequencies: Sequence[float] | None
+    alpha: float | None
+    beta: float | None
+
+
 @dataclass(frozen=True)
 class Rayleigh:
     """Damping C = alpha M + beta K: a mode of angular frequency w has the ratio alpha / (2 w) + beta w / 2.
@@ -169,13 +183,13 @@ class Rayleigh:
     beta: float = 0.0
 
     @classmethod
-    def of(cls, settings: Any) -> Rayleigh:
+    def of(cls, settings: DampingSettings | None) -> Rayleigh:
         """The damping that ``[effects.damping]`` asks for; none when it is off (None)."""
         if settings is None:
             return cls()
         if settings.ratio is None:
             return cls(settings.alpha or 0.0, settings.beta or 0.0)
-        first, second = (2 * pi * f for f in settings.frequencies)
+        first, second = (2 * pi * f for f in settings.frequencies or ())
         return cls(2 * settings.ratio * first * second / (first + second), 2 * settings.ratio / (first + second))
 
 

@@ -1,6 +1,6 @@
 """Values of a scene, numbers or expressions of the place, evaluated at nodes."""
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, Value
 
 
-def varies(value: Any) -> bool:
+def varies(value: Value | Sequence[Value]) -> bool:
     """Tell whether a value, or any component of it, is an expression of the place."""
     if isinstance(value, (list, tuple)):
         return any(varies(component) for component in value)
@@ -46,11 +46,13 @@ class Nodal:
         return result
 
 
-def evaluate(values: Any, X: np.ndarray, parameters: dict[str, float], where: str) -> np.ndarray:
+def evaluate(values: Sequence[Value], X: np.ndarray, parameters: dict[str, float], where: str) -> np.ndarray:
     """A vector value of the scene at places X (n, 2) [m]: (n, 2)."""
     return np.column_stack([Nodal(value, parameters, where)(X) for value in values])
 
 
-def rates(values: Any, X: np.ndarray, dX: np.ndarray, parameters: dict[str, float], where: str) -> np.ndarray:
+def rates(
+    values: Sequence[Value], X: np.ndarray, dX: np.ndarray, parameters: dict[str, float], where: str
+) -> np.ndarray:
     """How fast (n, 2) a vector value of the scene changes at places X (n, 2) [m] that move with dX (n, 2)."""
     return np.column_stack([Nodal(value, parameters, where).rate(X, dX) for value in values])

@@ -4,17 +4,27 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 
 from restshape import _kernels
 from restshape.shape.outline import Entity, Outline
 
-if TYPE_CHECKING:
-    from restshape.mesh.nested import NestedMesh
-
 _topologies = itertools.count(1)
+
+
+class Hierarchy(Protocol):
+    """Meshes, each nested in the one before.
+
+    Attributes:
+        meshes: the coarsest first.
+    """
+
+    meshes: list[Mesh]
+
+    def prolong(self, level: int, field: np.ndarray) -> np.ndarray:
+        """Values (n, f) on the mesh of level + 1, from those (n_coarse, f) on that of a level, 0 being the coarsest."""
 
 
 @dataclass(eq=False)
@@ -57,7 +67,7 @@ class Mesh:
     places: np.ndarray
     topology: int
     geometry: int = 0
-    hierarchy: NestedMesh | None = None
+    hierarchy: Hierarchy | None = None
 
     dim: ClassVar[int] = 2
     cell_type: ClassVar[str] = "tri3"

@@ -1,6 +1,7 @@
 """The mesh of a shape under edit: relocated, reconnected or reconstructed from frame to frame."""
 
 import itertools
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from time import perf_counter
@@ -15,13 +16,15 @@ from restshape.mesh.mesh import Mesh
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.reconnect import Reconnection
-from restshape.mesh.relocate import Boundary, Extension, extension, motion
+from restshape.mesh.relocate import BoundaryNodes, Extension, extension, motion
 from restshape.mesh.sizing import refuse_endless
 from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import MeshSpec
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditFrame
+
+log = logging.getLogger("restshape.mesh")
 
 SWEEPS = 2
 """Spring sweeps a frame: even, so that they do not swing (thesis, 4.2.3)."""
@@ -37,6 +40,16 @@ FRESH_AREA = 0.01
 """A triangle counts as inverted only below this share of the smallest area when new: sizes may differ by much."""
 
 NO_CELLS = np.empty(0, dtype=np.int32)
+
+REASONS = {
+    "start": "the first shape",
+    "move": "the policy makes a new mesh of each shape",
+    "shape": "another layout of the shape",
+    "values": "elements of another order",
+    "none": "elements of another order",
+}
+"""Why there is a new mesh after a change of that kind, for the log."""
+
 # Versions after flips count downwards, so that they never meet those of generated meshes.
 _reconnections = itertools.count(-1, -1)
 
@@ -246,7 +259,7 @@ class MovingMesh:
                 return self._follow(frame)
         else:
             self.spec = frame.scene.mesh
-        return self._reconstruct(frame, {})
+        return self._reconstruct(frame, {}, REASONS.get(frame.change, "other settings of the mesh"))
 
     def _rest(self, frame: EditFrame) -> Advance:
         """A frame in which the shape stays; taking hold makes the map of the gesture that begins."""
@@ -266,18 +279,21 @@ class MovingMesh:
         self._kept.X = self._before
         verdict = self._place(frame)
         stages["relocate"] = perf_counter() - start
-        flips, changed = 0, NO_CELLS
+        flips, changed, why = 0, NO_CELLS, ""
         if verdict[1] or verdict[2]:
+            why = f"{verdict[1]} inverted, {verdict[2]} distorted triangles"
             flips, changed, verdict = self._mend(frame, verdict, stages)
             if flips:
                 mesh.topology = next(_reconnections)
             if verdict[1]:
                 self._put_back()
-                return self._reconstruct(frame, stages)
+                return self._reconstruct(frame, stages, f"{why}; {verdict[1]} inverted after {flips} flips")
         mesh.outline = frame.outline
         mesh.geometry += 1
         if verdict[2]:
-            return self._reconstruct(frame, stages)
+            return self._reconstruct(frame, stages, f"{why}; {verdict[2]} distorted after {flips} flips")
+        if flips:
+            log.info("%4d Mesh level 2: %d edges flipped; %s; least quality %.3g", frame.index, flips, why, verdict[0])
         self._c, self.min_quality = frame.c, verdict[0]
         if not self.nested:
             return Advance(2 if flips else 1, flips, changed, verdict[0], None, stages)
@@ -387,8 +403,8 @@ class MovingMesh:
         if self.space:
             self.space.refer()
 
-    def _reconstruct(self, frame: EditFrame, stages: dict[str, float]) -> Advance:
-        """Replace the mesh by a new one of the frame's outline."""
+    def _reconstruct(self, frame: EditFrame, stages: dict[str, float], why: str) -> Advance:
+        """Replace the mesh by a new one of the frame's outline; `why` is for the log."""
         start = perf_counter()
         old = None if frame.change == "start" else self._former()
         if frame.gesture is not None:
@@ -410,6 +426,7 @@ class MovingMesh:
         self._set_reference(self._c)
         self.min_quality = quality
         stages["mesh"] = perf_counter() - start
+        log.info("%4d Mesh level 3: %d triangles; %s; least quality %.3g", frame.index, len(mesh.cells), why, quality)
         return Advance(3, 0, NO_CELLS, quality, old, stages)
 
     def _generate(self, outline: Outline) -> Mesh:
@@ -426,7 +443,7 @@ class MovingMesh:
         levels = self.spec.levels
         self.nested = NestedMesh(mesh, levels) if levels > 1 else None
         self.space = LagrangeSpace(mesh) if self.order == 2 and not self.nested else None
-        self._boundary = Boundary(mesh)
+        self._boundary = BoundaryNodes(mesh)
         self._flipper: Reconnection | None = None
         self._fixed = np.zeros(len(mesh.X), dtype=np.uint8)
         self._fixed[self._boundary.nodes] = 1

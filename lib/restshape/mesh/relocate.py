@@ -10,7 +10,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.shape.outline import Outline
 
 
-class Boundary:
+class BoundaryNodes:
     """Nodes of a mesh that follow its outline: those on outline edges, and embedded vertices.
 
     Args:
@@ -159,7 +159,7 @@ def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str) -> np.ndarray:
 
     Source: docs/theory.md, section 3.
     """
-    carry = extension(mesh, Boundary(mesh).nodes, kind)
+    carry = extension(mesh, BoundaryNodes(mesh).nodes, kind)
     values = np.concatenate(list(boundary_basis), axis=1)
     together = carry(values)
     if isinstance(carry, HarmonicExtension):

@@ -1,10 +1,21 @@
 """Transfer of nodal fields from an old mesh to a new one."""
 
+from typing import Protocol
+
 import numpy as np
 
 from restshape import _kernels
-from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace
+
+
+class FieldNodes(Protocol):
+    """Nodes X (n, 2) [m] and triangles on them, of first or second order: `cells` (ne, 3 or 6), `corners` (ne, 3)."""
+
+    @property
+    def X(self) -> np.ndarray: ...
+    @property
+    def cells(self) -> np.ndarray: ...
+    @property
+    def corners(self) -> np.ndarray: ...
 
 
 class Transfer:
@@ -17,9 +28,9 @@ class Transfer:
         points: (m, 2) where they are wanted [m].
     """
 
-    def __init__(self, mesh: Mesh | LagrangeSpace, points: np.ndarray) -> None:
+    def __init__(self, mesh: FieldNodes, points: np.ndarray) -> None:
         points = np.ascontiguousarray(points, dtype=float)
-        if isinstance(mesh, LagrangeSpace):
+        if mesh.cells.shape[1] == 6:
             found, self.weights = _kernels.locate_quadratic(mesh.X, mesh.corners, mesh.cells, points)
         else:
             found, self.weights = _kernels.locate(mesh.X, mesh.cells, points)
@@ -34,7 +45,7 @@ class Transfer:
         return np.einsum("ij,ijk->ik", self.weights, field[self.nodes])
 
 
-def transfer(old: Mesh | LagrangeSpace, new: Mesh | LagrangeSpace, field: np.ndarray) -> np.ndarray:
+def transfer(old: FieldNodes, new: FieldNodes, field: np.ndarray) -> np.ndarray:
     """Values (n_new, f) of a nodal field of the old mesh at the nodes of the new one.
 
     Exact for linear fields, and of second order for quadratic ones too where sides are straight.

@@ -5,6 +5,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from restshape.findings import FINDINGS_BYTES
+
 ALIASES = {
     "bending_utilisation": "bending_use",
     "constraint_status": "verdict",
@@ -60,8 +62,8 @@ def columns(quantities: list[str], own: dict[str, Any] | None = None) -> dict[st
         "newton",
         "unknowns",
         "elements",
+        "predicted",
     )
-    integers += ("predicted",)
     reals = ("t", "min_quality", "residual", *ESTIMATES, "ms", *(f"ms_{name}" for name in STAGES), "ms_python")
     return {
         **dict.fromkeys(integers, np.int64),
@@ -72,6 +74,7 @@ def columns(quantities: list[str], own: dict[str, Any] | None = None) -> dict[st
         "note": "S160",
         "constraint_status": "S8",
         "violated_constraints": "S160",
+        "findings": f"S{FINDINGS_BYTES}",
         "refused": str,
         **(own or {}),
     }

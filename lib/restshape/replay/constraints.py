@@ -1,29 +1,47 @@
-"""Verdicts: whether the quantities of a frame keep the limits that the scene gives them."""
+"""Constraint status: whether the quantities of a frame keep the limits that the scene gives them."""
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
+from restshape.findings import Finding
 from restshape.scene.model import Quantity
-from restshape.scene.quantity import with_unit
+from restshape.scene.quantity import in_unit
+from restshape.scene.units import SYMBOLS
 
 HOLDS, FAILS = "holds", "fails"
+LIMIT, MIN, MAX = "limit", "min", "max"
+"""Kind of a finding on a quantity, and its details: below the least value, above the largest one."""
 
 
-Limits = Mapping[str, tuple[float, float]]
-"""The smallest and the largest value that holds, by quantity."""
+@dataclass(frozen=True)
+class Limit:
+    """The smallest and the largest value of a quantity that holds, in its SI unit."""
+
+    least: float = -math.inf
+    most: float = math.inf
+    unit: str = ""
+
+
+Limits = Mapping[str, Limit]
+"""By quantity."""
 
 
 def limits_of(quantities: Mapping[str, Quantity]) -> Limits:
-    """The limits that a scene gives its quantities, in their units."""
+    """The limits that a scene gives its quantities."""
     return {
-        name: (-math.inf if q.at_least is None else q.at_least, math.inf if q.limit is None else q.limit)
+        name: Limit(
+            -math.inf if q.min is None else q.min,
+            math.inf if q.max is None else q.max,
+            SYMBOLS[q.dimension],
+        )
         for name, q in quantities.items()
-        if q.limit is not None or q.at_least is not None
+        if q.max is not None or q.min is not None
     }
 
 
-def verdict(limits: Limits, quantities: Mapping[str, float]) -> str:
+def constraint_status(limits: Limits, quantities: Mapping[str, float]) -> str:
     """ "holds" or "fails"; empty where there is no limit, or a limited quantity has no number.
 
     Args:
@@ -32,49 +50,56 @@ def verdict(limits: Limits, quantities: Mapping[str, float]) -> str:
     """
     if not limits or any(math.isnan(quantities[name]) for name in limits):
         return ""
-    return FAILS if broken(limits, quantities) else HOLDS
+    return FAILS if violated_constraints(limits, quantities) else HOLDS
 
 
-def broken(limits: Limits, quantities: Mapping[str, float]) -> list[str]:
-    """Names of the quantities beyond their limits; arguments as in `verdict`."""
-    return [name for name, (least, most) in limits.items() if quantities[name] < least or quantities[name] > most]
+def violated_constraints(limits: Limits, quantities: Mapping[str, float]) -> tuple[Finding, ...]:
+    """The quantities beyond their limits; arguments as in `constraint_status`."""
+    found = []
+    for name, limit in limits.items():
+        value = quantities[name]
+        if value < limit.least or value > limit.most:
+            detail, bound = (MIN, limit.least) if value < limit.least else (MAX, limit.most)
+            found.append(Finding(LIMIT, detail, (name,), value, bound, limit.unit))
+    return tuple(found)
 
 
-def breaches(limits: Limits, quantities: Mapping[str, float], dimensions: Mapping[str, str]) -> list[str]:
-    """What each quantity beyond its limits is, and what it may be, such as ``sag is 3.2 mm, at most 3 mm``.
+def value_and_bound(finding: Finding) -> tuple[str, str]:
+    """A value beyond a limit and the limit, with units and as many digits as distinguish the two."""
+    value, bound, unit = finding.value, finding.bound, finding.unit
+    texts = ((in_unit(unit, value, n), in_unit(unit, bound, n)) for n in (4, 8, 16))
+    return next((pair for pair in texts if pair[0] != pair[1]), (str(value), str(bound)))
+
+
+def formatted_constraint(finding: Finding, worst: bool = False) -> str:
+    """A violated constraint, such as ``sag is 3.2 mm, at most 3 mm``.
 
     Args:
-        limits, quantities: as in `verdict`.
-        dimensions: of the quantities, by name.
+        finding: of `violated_constraints`.
+        worst: the value is the worst of several.
     """
-    told = []
-    for name in broken(limits, quantities):
-        least, most = limits[name]
-        word, bound = ("at least", least) if quantities[name] < least else ("at most", most)
-        # As many digits as tell the two apart.
-        of = dimensions[name]
-        texts = ((with_unit(of, quantities[name], n), with_unit(of, bound, n)) for n in (4, 8, 16))
-        value, limit = next((pair for pair in texts if pair[0] != pair[1]), (quantities[name], bound))
-        told.append(f"{name} is {value}, {word} {limit}")
-    return told
+    value, bound = value_and_bound(finding)
+    far = {MIN: "down to ", MAX: "up to "}[finding.detail] if worst else ""
+    return f"{finding.subjects[0]} is {far}{value}, {'at least' if finding.detail == MIN else 'at most'} {bound}"
 
 
-def both(row: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    """The columns of an application, with its verdict, its reasons and its notes beside those that a row has."""
-    verdicts = [one["constraint_status"] for one in (own, row) if one.get("constraint_status")]
-    joined = {"constraint_status": FAILS if FAILS in verdicts else "".join(verdicts[:1])}
+def joined(row: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """The columns of an application, with its constraint status, findings and notes before those that a row has."""
+    known = [one["constraint_status"] for one in (own, row) if one.get("constraint_status")]
+    both: dict[str, Any] = {"constraint_status": FAILS if FAILS in known else "".join(known[:1])}
     for name in ("violated_constraints", "note"):
-        joined[name] = "; ".join(filter(None, (one.get(name, "") for one in (own, row))))
-    return {**own, **joined}
+        both[name] = "; ".join(filter(None, (one.get(name, "") for one in (own, row))))
+    both["findings"] = (*own.get("findings", ()), *row.get("findings", ()))
+    return {**own, **both}
 
 
-def counted(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """How many frames hold and fail, the verdict of the last frame that has one, and the quantities that broke their
-    limits there; empty where no frame has one."""
-    verdicts = [row["constraint_status"] for row in rows if row["constraint_status"]]
-    if not verdicts:
+def status_counts(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """How many frames hold and fail, the status of the last frame that has one, and the violated constraints there;
+    empty where no frame has one."""
+    known = [row["constraint_status"] for row in rows if row["constraint_status"]]
+    if not known:
         return {}
-    told = {"holds": verdicts.count(HOLDS), "fails": verdicts.count(FAILS), "last": verdicts[-1]}
-    return told | {
+    counts = {"holds": known.count(HOLDS), "fails": known.count(FAILS), "last": known[-1]}
+    return counts | {
         "violated_constraints": next(row["violated_constraints"] for row in reversed(rows) if row["constraint_status"])
     }

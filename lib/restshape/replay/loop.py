@@ -1,8 +1,10 @@
 """The frame loop: edit, shape, mesh, operators, solve, observe, record."""
 
+# More than 15 modules: session, mesh, analysis, prediction and recorder, which know nothing of each other, meet here.
+import logging
 from collections.abc import Callable, Iterator
 from time import perf_counter
-from typing import Any, Self
+from typing import Self, cast
 
 import numpy as np
 from petsc4py import PETSc
@@ -10,31 +12,44 @@ from petsc4py import PETSc
 from restshape.algebra.gather import bury
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import NAMES, Stages
-from restshape.analysis.analysis import Analysis, Context
+from restshape.analysis.analysis import Analysis, Context, RowValues
 from restshape.analysis.frame import Frame
 from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.quantity import areas
+from restshape.fem.space import Space
+from restshape.findings import encode_findings
 from restshape.mesh.importer import read_mesh
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import Advance, MovingMesh
+from restshape.mesh.space import LagrangeSpace
 from restshape.policy import Policy
 from restshape.replay.columns import ESTIMATES
-from restshape.replay.constraints import both, breaches, limits_of, verdict
+from restshape.replay.constraints import (
+    constraint_status,
+    formatted_constraint,
+    joined,
+    limits_of,
+    violated_constraints,
+)
 from restshape.replay.prediction import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
-from restshape.replay.sessions import session_of
+from restshape.replay.sessions import Follower, own_session
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script
 from restshape.shape.outline import Outline
-from restshape.shape.session import EditFrame
+from restshape.shape.protocol import Session
+from restshape.shape.session import EditFrame, EditSession
+
+log = logging.getLogger("restshape.replay")
 
 NATIVE = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe")
 
 
+# More than 15 attributes: what is known of the last frame stands beside the parts of the loop.
 class Replay:
     """Replays an edit script against a scene.
 
@@ -74,15 +89,16 @@ class Replay:
         ahead = predict == "linear"
         if ahead and script.header.analysis != "every frame":
             raise UserError("frames that are not analysed cannot be predicted", "--predict", "--predict none")
-        self.prediction = PredictedFrames(self.analysis, self.moving, self.session, policy) if ahead else None
+        self.prediction = (
+            PredictedFrames(self.analysis, cast(MovingMesh, self.moving), self.session, policy) if ahead else None
+        )
         self.recorded_topology: tuple[int, int] | None = None
         self.solved = False
         self.known = False
-        self.expected: Any = None
+        self.expected: np.ndarray | None = None
         self.estimating = True
         self.limits = limits_of(scene.quantities)
-        self.dimensions = {name: quantity.dimension for name, quantity in scene.quantities.items()}
-        self.row: dict[str, Any] = {}
+        self.row: RowValues = {}
 
     @classmethod
     def of(cls, request: Request, comm: PETSc.Comm, recorder: Recorder | None = None) -> Self:
@@ -90,13 +106,13 @@ class Replay:
         scene, script, application = request.scene, request.script, request.application
         return cls(scene, script, application, request.policy, comm, request.calibration, recorder, request.predict)
 
-    def frames(self) -> Iterator[dict[str, Any]]:
+    def frames(self) -> Iterator[RowValues]:
         """The row of each frame, as soon as it is computed and handed to the recorder.
 
         Raises:
             UserError: the scene cannot be simulated, or the recording cannot be written.
         """
-        edits = self.session.frames()
+        edits = cast(Iterator[EditFrame], self.session.frames())
         while True:
             self.stages.reset()
             start = perf_counter()
@@ -110,7 +126,7 @@ class Replay:
             self._record(edit, row, end)
             yield row
 
-    def _frame(self, edit: EditFrame) -> dict[str, Any]:
+    def _frame(self, edit: EditFrame) -> RowValues:
         """Compute one frame; one with a problem is recorded as refused, and all goes on from the last solution."""
         refused, predicted = edit.refused or "", False
         solved, self.solved = self.solved, False
@@ -134,6 +150,7 @@ class Replay:
                     str(problem), str(edit.scene.path), "mend the scene: its first shape has no solution"
                 ) from problem
             refused = str(problem).replace("\n  try:", "; try:")
+            log.info("%4d Frame refused: %s", edit.index, refused)
             self.moving.take_back()
             if self.prediction:
                 self.prediction.rollback()
@@ -147,13 +164,18 @@ class Replay:
             self.stages.seconds[stage] += seconds
         self.row = self._row(edit, advance, report, quantities) | {"predicted": int(predicted), "refused": refused}
         if self.known:
-            self.row.update(both(self.row, self.analysis.row()))
+            self.row.update(joined(self.row, self.analysis.row()))
+        self.row["findings"] = encode_findings(self.row["findings"])
+        level = logging.INFO if report.refreshed or advance.level > 1 else logging.DEBUG
+        if log.isEnabledFor(level):
+            done = "predicted" if predicted else f"{report.newton} Newton steps, {report.iterations} Krylov iterations"
+            rebuilt = f"; PC {report.preconditioner} rebuilt" if report.refreshed else ""
+            log.log(level, "%4d Frame %s: mesh level %d; %s%s", edit.index, edit.do, advance.level, done, rebuilt)
         return self.row
 
-    def _row(
-        self, edit: EditFrame, advance: Advance, report: LinearReport, quantities: dict[str, float]
-    ) -> dict[str, Any]:
-        """What all applications tell of a frame, but for times and whether it was predicted or refused."""
+    def _row(self, edit: EditFrame, advance: Advance, report: LinearReport, quantities: dict[str, float]) -> RowValues:
+        """What all applications report of a frame, but for times and whether it was predicted or refused."""
+        violated = violated_constraints(self.limits, quantities) if quantities else ()
         return {
             "index": edit.index,
             "t": edit.t,
@@ -168,17 +190,20 @@ class Replay:
             "newton": report.newton,
             "preconditioner": report.preconditioner,
             "unknowns": self.analysis.unknowns,
-            "elements": len((self.analysis.space if self.known else self.moving.mesh).cells),
+            "elements": len(self._space.cells if self.known else self.moving.mesh.cells),
             "note": self.prediction.note if self.prediction else "",
-            "constraint_status": verdict(self.limits, quantities),
-            "violated_constraints": "; ".join(breaches(self.limits, quantities, self.dimensions)) if quantities else "",
+            "constraint_status": constraint_status(self.limits, quantities),
+            "violated_constraints": "; ".join(map(formatted_constraint, violated)),
+            "findings": violated,
             **{f"q_{name}": value for name, value in quantities.items()},
         }
 
     def _solve(self, edit: EditFrame, advance: Advance, solved: bool) -> LinearReport:
         """Solve a frame; `solved` tells whether the one before was."""
-        mesh, hand = self.moving.field_mesh, (edit.gesture, tuple(edit.c))
-        interpolations = self.analysis.space.interpolations if self.analysis.space else ()
+        mesh: Mesh | LagrangeSpace = self.moving.field_mesh
+        hand = edit.gesture, (edit.c[0], edit.c[1])
+        space = self.analysis.space
+        interpolations = space.interpolations if isinstance(space, LagrangeSpace) else ()
         # Flips of a frame that failed are not known any more.
         changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
         if self.prediction:
@@ -190,7 +215,7 @@ class Replay:
             Frame(mesh, changed, advance.old_mesh, edit.scene, hand, interpolations, edit.settled)
         )
         self.solved = self.known = True
-        if mesh.interpolations:
+        if isinstance(mesh, LagrangeSpace) and mesh.interpolations:
             mesh.interpolations = ()
         if self.prediction:
             found = report.iterations or report.refreshed
@@ -198,11 +223,16 @@ class Replay:
             self.prediction.set_expansion_point(edit, idle)
         return report
 
+    @property
+    def _space(self) -> Space:
+        """Where the answer lives; that of the frame's mesh where there is none."""
+        return cast(Space, self.analysis.space if self.known else self.moving.field_mesh)
+
     def _no_report(self) -> LinearReport:
         """The report of a frame that is not solved."""
         return LinearReport(0, False, self.row["pc_age"], self.row["preconditioner"])
 
-    def _times(self, row: dict[str, Any], start: float, edited: float, end: float) -> None:
+    def _times(self, row: RowValues, start: float, edited: float, end: float) -> None:
         """Add the milliseconds of the frame; `ms_python` is what no compiled stage took."""
         seconds = self.stages.seconds
         row["ms"] = (end - start) * 1e3
@@ -211,11 +241,11 @@ class Replay:
             row[f"ms_{name}"] = seconds[name] * 1e3
         row["ms_python"] = row["ms"] - sum(seconds[name] for name in NATIVE) * 1e3
 
-    def _record(self, edit: EditFrame, row: dict[str, Any], end: float) -> None:
+    def _record(self, edit: EditFrame, row: RowValues, end: float) -> None:
         """Hand the frame to the recorder; residual and error are measured here, off the frame's time."""
         row["residual"] = self.analysis.residual_norm() if self.known else np.nan
         row.update(self._estimates(row))
-        mesh = self.analysis.space if self.known else self.moving.field_mesh
+        mesh = self._space
         if self.recorder:
             version = (id(mesh), mesh.topology)
             if version != self.recorded_topology:
@@ -228,22 +258,23 @@ class Replay:
         if row["level"] > 1 or edit.change not in ("none", "move"):
             bury(self.comm)
 
-    def _estimates(self, row: dict[str, Any]) -> dict[str, float]:
+    def _estimates(self, row: RowValues) -> dict[str, float]:
         """What is known of the error of the frame's answer; not numbers where it has none of its own."""
         found = dict.fromkeys(ESTIMATES, np.nan)
         if not (self.estimating and self.known) or row["refused"]:
             return found
         found.update(self.analysis.errors())
-        if self.expected is not None:
-            found["prediction_error"] = self.analysis.predictor.error(self.expected)
+        if self.expected is not None and self.prediction:
+            found["prediction_error"] = self.prediction.predictor.error(self.expected)
         return found
 
-    def _set_up(self, scene: Scene, script: Script, application: Application) -> tuple[Any, Any]:
+    def _set_up(self, scene: Scene, script: Script, application: Application) -> tuple[Session, Follower]:
         """The session, and what follows its shapes: a mesh, or models of the session's own."""
         imported, outline = self._imported(scene)
-        session = session_of(scene, script, outline)
         if application.session:
-            return session, session.models()
+            own = own_session(scene, script, application)
+            return own, own.models()
+        session = EditSession(scene, script, outline=outline)
         moving = MovingMesh(
             session.outline,
             scene.mesh,
@@ -264,16 +295,16 @@ class Replay:
             return None, None
         return read_mesh(scene.folder / scene.mesh.file, scene.mesh.unit, ranks=self.comm.size)
 
-    def _from_first_rank(self, make: Callable[[], Any]) -> Any:
+    def _from_first_rank(self, make: Callable[[], Mesh]) -> Mesh:
         """What `make` gives on rank 0, on every rank; its problem, if it has one, is raised on every rank."""
         comm = self.comm.tompi4py()
-        outcome = None
+        outcome: Mesh | ReplayProblem | UserError | None = None
         if comm.rank == 0:
             try:
-                outcome = (make(), None)
+                outcome = make()
             except (ReplayProblem, UserError) as problem:
-                outcome = (None, problem)
-        result, problem = comm.bcast(outcome)
-        if problem is not None:
-            raise problem
-        return result
+                outcome = problem
+        outcome = comm.bcast(outcome)
+        if isinstance(outcome, (ReplayProblem, UserError)):
+            raise outcome
+        return cast(Mesh, outcome)

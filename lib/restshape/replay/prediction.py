@@ -1,6 +1,6 @@
 """Which frames of a replay are predicted, and from where."""
 
-from typing import Any
+import logging
 
 import numpy as np
 
@@ -9,7 +9,10 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.moving import Advance, MovingMesh
 from restshape.policy import Policy
 from restshape.sensitivity.prediction import Prediction
-from restshape.shape.session import EditFrame, EditSession
+from restshape.shape.protocol import Session
+from restshape.shape.session import EditFrame
+
+log = logging.getLogger("restshape.replay")
 
 SPRINGS = "not predicted: nodes that springs relax do not follow the hand linearly"
 ARC = "not predicted: bending an arc is not linear"
@@ -34,7 +37,7 @@ class PredictedFrames:
     Source: docs/theory.md, "The design derivative".
     """
 
-    def __init__(self, analysis: Analysis, moving: MovingMesh, session: EditSession, policy: Policy) -> None:
+    def __init__(self, analysis: Analysis, moving: MovingMesh, session: Session, policy: Policy) -> None:
         if analysis.predictor is None:
             raise UserError(analysis.why_not, "--predict linear", "leave it out")
         if policy.regenerate:
@@ -49,16 +52,9 @@ class PredictedFrames:
         self.shown = False
         self.note = ""
         self._before: np.ndarray | None = None
-        self._c = (0.0, 0.0)
 
     @property
-    def way(self) -> float:
-        """How far the hand is from where the predictions start, in its coefficients."""
-        c, start = self._c, self.made.c
-        return float(np.hypot(c[0] - start[0], c[1] - start[1]))
-
-    @property
-    def predicted(self) -> Any:
+    def predicted(self) -> np.ndarray | None:
         """The prediction that the analysis holds, for `Predictor.error` after the next solve; None: there is none."""
         return self.predictor.shown
 
@@ -69,7 +65,7 @@ class PredictedFrames:
             return False
         if edit.change == "move":
             self.predictor.set_values(made(edit.c))
-            self._c, self.shown = edit.c, True
+            self.shown = True
         return self.shown and edit.change in ("move", "none")
 
     def start(self, edit: EditFrame) -> None:
@@ -102,13 +98,17 @@ class PredictedFrames:
         if gesture is None or edit.gesture is not gesture:
             if edit.change == "move" and edit.gesture is not None and not edit.gesture.linear:
                 self.note = ARC
+                log.info("%4d Frames %s", edit.index, self.note)
             return
         if self.moving.relocation == "laplacian":
             self.note = SPRINGS
+            log.info("%4d Frames %s", edit.index, self.note)
             return
         try:
             s = self.predictor.derivative(self.moving.field_motion, edit.scene.solve.tolerance)
         except ReplayProblem as problem:
             self.note = f"not predicted: {problem}"
+            log.info("%4d Frames %s", edit.index, self.note)
             return
+        log.info("%4d Expansion point of the frames that follow", edit.index)
         self.made = Prediction(gesture, edit.c, self.predictor.values(), s)

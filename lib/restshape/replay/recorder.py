@@ -26,6 +26,7 @@ _CELL_TYPES = {2: 3, 3: 5, 6: 22, 4: 10, 8: 12, 10: 24}
 _CHECK_EVERY = 64
 
 
+# More than 15 attributes: the process, its pipes, the ring in shared memory, and the layout of the next frame.
 class Recorder:
     """A recording that is being written; made by `Recorder.start`, closed by `close` or at the end of a ``with`` block.
 
@@ -123,7 +124,7 @@ class Recorder:
         self.ready()
         cells = np.ascontiguousarray(cells, dtype=np.int32)
         kind = _CELL_TYPES[cells.shape[1]] if cell_type is None else cell_type
-        self._send(rings.TOPOLOGY, cells, cells.shape[1], kind)
+        self._send(rings.TOPOLOGY, cells.data, cells.shape[1], kind)
         if len(cells) != self._cells:
             self._cells = len(cells)
             self._shape = ()
@@ -213,7 +214,7 @@ class Recorder:
         self.stalled_s += time.monotonic() - started
         return at
 
-    def _send(self, kind: int, data: bytes | np.ndarray, a: float = 0.0, b: float = 0.0) -> None:
+    def _send(self, kind: int, data: bytes | memoryview, a: float = 0.0, b: float = 0.0) -> None:
         view = memoryview(data).cast("B") if len(data) else memoryview(b"")
         at = self._begin(kind, len(view), a, b)
         self._ring.memory[at : at + len(view)] = view

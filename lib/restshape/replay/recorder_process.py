@@ -20,7 +20,7 @@ import numpy as np
 
 from restshape.replay import ring as rings
 from restshape.replay.rows import row_dtype
-from restshape.replay.vtkhdf import Frame, NoRoom, Topology, VtkHdfWriter
+from restshape.replay.vtkhdf import NoRoom, RecordedFrame, Topology, VtkHdfWriter
 
 PERIOD = 0.2
 BATCH_BYTES = 8 << 20
@@ -86,7 +86,7 @@ class Writing:
         self.writer = VtkHdfWriter(Path(start["path"]), start["header"], dtype)
         self.answer(ready=os.getpid())
 
-    def _frame(self, record: rings.Record) -> Frame:
+    def _frame(self, record: rings.Record) -> RecordedFrame:
         at = (self._row_bytes + 7) & ~7
         arrays = []
         for shape in self._layout["shapes"]:
@@ -96,7 +96,9 @@ class Writing:
         points, cells = self._layout["point_data"], self._layout["cell_data"]
         fields = arrays[1:]
         row = bytes(record.payload[: self._row_bytes])
-        return Frame(record.a, arrays[0], dict(zip(points, fields)), dict(zip(cells, fields[len(points) :])), row)
+        return RecordedFrame(
+            record.a, arrays[0], dict(zip(points, fields)), dict(zip(cells, fields[len(points) :])), row
+        )
 
     def finish(self, status: str) -> None:
         """Closes the file and says what writing it cost."""

@@ -24,6 +24,7 @@ class FieldInfo(NamedTuple):
     first_frame: int
 
 
+# More than 15 attributes: a file that is open, and what its parts, rows and fields are, read once.
 class Recording:
     """A recording opened for reading; close it, or use it in a ``with`` statement.
 

@@ -1,11 +1,38 @@
 """The session of a script: of a shape with an outline, or of the application's own kind."""
 
+from typing import Protocol, cast
+
+from restshape.application import Application
 from restshape.application import application as application_named
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.moving import Advance
+from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import Scene
 from restshape.scene.script import Script
 from restshape.shape.outline import Outline
-from restshape.shape.protocol import Session
-from restshape.shape.session import EditSession
+from restshape.shape.protocol import OwnSession, Session
+from restshape.shape.session import EditFrame, EditSession
+
+
+class Follower(Protocol):
+    """What follows the frames of a session: a moving mesh, or models of the application's own."""
+
+    @property
+    def mesh(self) -> Mesh: ...
+    @property
+    def field_mesh(self) -> Mesh | LagrangeSpace:
+        """What the unknowns of the next solve live on."""
+
+    def advance(self, frame: EditFrame) -> Advance:
+        """Go where a frame leads; what that did.
+
+        Raises:
+            ReplayProblem: it cannot; all is as before.
+            UserError: the scene's new values make no sense; likewise.
+        """
+
+    def take_back(self) -> None:
+        """Be as before the last frame, which has no solution."""
 
 
 def session_of(scene: Scene, script: Script, outline: Outline | None = None) -> Session:
@@ -21,5 +48,14 @@ def session_of(scene: Scene, script: Script, outline: Outline | None = None) -> 
     """
     application = application_named(scene.app)
     if application.session:
-        return application.make_session()(scene, script, application)
+        return own_session(scene, script, application)
     return EditSession(scene, script, outline=outline)
+
+
+def own_session(scene: Scene, script: Script, application: Application) -> OwnSession:
+    """The session that an application with sessions of its own makes.
+
+    Raises:
+        UserError: what the scene starts from is not valid.
+    """
+    return cast(OwnSession, application.make_session()(scene, script, application))

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from restshape.replay.columns import STAGES
-from restshape.replay.constraints import counted
+from restshape.replay.constraints import status_counts
 
 
 def percentiles(ms: np.ndarray) -> dict[str, float]:
@@ -87,7 +87,7 @@ def summarise(rows: list[dict[str, Any]], policy: str, ranks: int, estimated: st
         "preconditioners": dict(Counter(row["preconditioner"] for row in rows if row["level"])),
         "unknowns": rows[-1]["unknowns"] if rows else 0,
         "elements": rows[-1]["elements"] if rows else 0,
-        "constraint_status": counted(rows),
+        "constraint_status": status_counts(rows),
         "estimate": {**spread(rows, "estimate", False), "of": estimated},
         "estimate_time": spread(rows, "estimate_time", False),
         "predicted_estimate": spread(rows, "estimate", True),

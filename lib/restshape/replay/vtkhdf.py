@@ -31,7 +31,7 @@ class Topology(NamedTuple):
     cell_type: int
 
 
-class Frame(NamedTuple):
+class RecordedFrame(NamedTuple):
     """One frame: edit time, rest points (n, dim), fields, the row's bytes."""
 
     t: float
@@ -94,6 +94,7 @@ class Growing:
             self._pending.clear()
 
 
+# More than 15 attributes: each is a dataset or group of the file that every frame appends to.
 class VtkHdfWriter:
     """Writes a recording; `append` then `commit` makes frames safe.
 
@@ -171,7 +172,7 @@ class VtkHdfWriter:
         self._write_header()
         self.commit()
 
-    def append(self, item: Topology | Frame) -> None:
+    def append(self, item: Topology | RecordedFrame) -> None:
         """Takes one topology or frame; it is in the file after the next `commit`."""
         if isinstance(item, Topology):
             self._fresh = item
@@ -188,7 +189,7 @@ class VtkHdfWriter:
             self._parts[name].add(np.array([value], dtype="i8"))
         self._topologies.append(zlib.crc32(np.ascontiguousarray(cells, dtype="i4").data.cast("B")))
 
-    def _append_frame(self, frame: Frame) -> None:
+    def _append_frame(self, frame: RecordedFrame) -> None:
         n, dim = frame.X.shape
         if self._points is None:
             self._points = Growing(self.root, "Points", "f8", width=3, chunk=min(max(4096, 16 * n), 1 << 18))
@@ -218,10 +219,11 @@ class VtkHdfWriter:
             if name not in fields:
                 fields[name] = self._new_field(kind, name, values)
         self._largest[kind] = max(self._largest[kind], count)
-        written = []
+        written: list[np.ndarray] = []
         for name, field in fields.items():
-            values = given.get(name)
-            if values is None:
+            if name in given:
+                values = given[name]
+            else:
                 shape = (count, field.dataset.attrs["components"]) if field.width else (count,)
                 values = np.full(shape, np.nan)
             self._offsets[f"{kind}/{name}"].add(np.array([field.add_changed(_padded(values))], dtype="i8"))

@@ -21,7 +21,12 @@ def column(recording: Recording, name: str, default: float = np.nan) -> np.ndarr
 
 def rows_of(recording: Recording) -> list[dict[str, Any]]:
     """The rows of all frames."""
-    return [{name: values[i] for name, values in recording.table.items()} for i in range(recording.n)]
+    return [row_of(recording, i) for i in range(recording.n)]
+
+
+def row_of(recording: Recording, i: int) -> dict[str, Any]:
+    """The row of one frame."""
+    return {name: values[i] for name, values in recording.table.items()}
 
 
 def refused(recording: Recording) -> np.ndarray:

@@ -176,7 +176,7 @@ def _check_load(name: str, load: Load, kinds: dict[str, str], source: Source) ->
 def _check_formulas(scene: Scene, source: Source) -> None:
     """Refuses formulas that name what is neither a coordinate nor a parameter, and closed forms that name places."""
     for name, quantity in scene.quantities.items():
-        refuse_places(("quantities", name, "exact"), quantity.exact, "a closed form", source)
+        refuse_places(("quantities", name, "reference"), quantity.reference, "a closed form", source)
     for place, formula in formulas(scene):
         if unknown := formula.unknown(scene.parameters):
             what, _, do = unknown.rpartition(": ")

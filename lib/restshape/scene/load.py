@@ -17,6 +17,7 @@ from restshape.scene.model import FORMAT, VERSION, Scene
 from restshape.scene.plan import plan
 from restshape.scene.problems import user_error
 from restshape.scene.registered import checked_applications, installed_physics
+from restshape.scene.renamed import other_name
 from restshape.scene.scene_type import joined_sections, scene_type
 from restshape.scene.source import Source, read_text, split_key, suggestion
 
@@ -154,6 +155,8 @@ def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str) -> No
         elif key[:depth] in tables and part not in here:
             raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, suggestion(part, sorted(here)))
         if last:
+            if (other := other_name(key)) and isinstance(here, dict):
+                here.pop(other[-1], None)
             here[part] = value
         else:
             here = here[part] if isinstance(here, list) else here.setdefault(part, {})

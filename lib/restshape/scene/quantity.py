@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, ValidationInfo, WithJsonSchema, create_model, field_validator, model_validator
 
 from restshape.scene.expressions import Expression, Value
+from restshape.scene.renamed import by_todays_names
 from restshape.scene.units import SYMBOLS, UnitError, article, quantity, reads_as_quantity
 from restshape.scene.values import Strict, only_one
 
@@ -21,23 +22,23 @@ class QuantityKind:
     Args:
         value: annotation of what the key may hold; `Literal[True]` where there is nothing to choose.
         dimension: of its values, one of `units.DIMENSIONS`.
-        take: how values become one where the scene does not say.
+        reduce: how values become one where the scene does not say.
         whole: it belongs to the whole body, not to a place.
         summary: what it is, for people.
-        takes: how values may become one; empty: in any way.
+        reductions: how values may become one; empty: in any way.
     """
 
     value: Any
     dimension: str
-    take: str
+    reduce: str
     whole: bool = False
     summary: str = ""
-    takes: tuple[str, ...] = ()
+    reductions: tuple[str, ...] = ()
 
     @property
     def meaning(self) -> tuple[Any, ...]:
         """What it is in all physics that have it: they may differ in what may be chosen."""
-        return self.dimension, self.take, self.whole
+        return self.dimension, self.reduce, self.whole
 
 
 LIMIT_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string"}], "description": "in SI units, or such as 180 MPa"}
@@ -46,7 +47,11 @@ EXACT_SCHEMA = LIMIT_SCHEMA | {"description": "in SI units, such as 180 MPa, or 
 
 def with_unit(dimension: str, value: float, digits: int = 6) -> str:
     """The value of a quantity of a dimension with its unit, lengths below a metre in millimetres."""
-    unit = SYMBOLS[dimension]
+    return in_unit(SYMBOLS[dimension], value, digits)
+
+
+def in_unit(unit: str, value: float, digits: int = 6) -> str:
+    """The value of a quantity with its SI unit, lengths below a metre in millimetres."""
     factor, unit = (1e3, "mm") if unit == "m" and 0.0 < abs(value) < 1.0 else (1.0, unit)
     return f"{factor * value:.{digits}g} {unit}".rstrip()
 
@@ -56,32 +61,33 @@ CORE = {"area": QuantityKind(Literal[True], "area", "sum", summary="the area of 
 
 
 class Quantity(Strict):
-    """``[quantities.NAME]``: one number a frame; ``take`` says how many values become one.
+    """``[quantities.NAME]``: one number a frame; ``reduce`` says how many values become one.
 
-    With a ``limit`` the quantity gives a verdict: it holds as long as its value is not above; with ``at_least``, as
-    long as it is not below. ``exact`` is its value on the first shape by a closed form, a number or a formula of the
+    With ``max`` the quantity is a constraint: it holds as long as its value is not above; with ``min``, as long as it
+    is not below. ``reference`` is its value on the first shape by a closed form, a number or a formula of the
     parameters, which studies of accuracy count errors from.
     "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
     """
 
     kinds: ClassVar[Mapping[str, QuantityKind]] = {}
+    renamed = {"max": "limit", "min": "at_least", "reduce": "take", "reference": "exact"}
 
     at: str | None = None
-    take: Literal["max", "min", "mean", "sum", "absmax", "peak"] | None = None
-    limit: Annotated[float, WithJsonSchema(LIMIT_SCHEMA)] | None = None
-    at_least: Annotated[float, WithJsonSchema(LIMIT_SCHEMA)] | None = None
-    exact: Annotated[float | Expression, WithJsonSchema(EXACT_SCHEMA)] | None = None
+    reduce: Literal["max", "min", "mean", "sum", "absmax", "peak"] | None = None
+    max: Annotated[float, WithJsonSchema(LIMIT_SCHEMA)] | None = None
+    min: Annotated[float, WithJsonSchema(LIMIT_SCHEMA)] | None = None
+    reference: Annotated[float | Expression, WithJsonSchema(EXACT_SCHEMA)] | None = None
 
-    @field_validator("limit", "at_least", mode="before")
+    @field_validator("max", "min", mode="before")
     @classmethod
     def _read_limit(cls, raw: Any, info: ValidationInfo) -> float:
         """The largest or smallest value of a quantity that holds, in the unit of its kind."""
         kind = next((kind for kind in cls.kinds if info.data.get(kind) is not None), None)
         return quantity(raw, cls.kinds[kind].dimension if kind else None)
 
-    @field_validator("exact", mode="before")
+    @field_validator("reference", mode="before")
     @classmethod
-    def _read_exact(cls, raw: Any, info: ValidationInfo) -> Value:
+    def _read_reference(cls, raw: Any, info: ValidationInfo) -> Value:
         """The value of a quantity by a closed form, a formula or a number in the unit of its kind."""
         if isinstance(raw, Expression) or (isinstance(raw, str) and not reads_as_quantity(raw)):
             return raw if isinstance(raw, Expression) else Expression(raw)
@@ -99,18 +105,21 @@ class Quantity(Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _take_the_usual(cls, raw: Any) -> Any:
-        if isinstance(raw, dict) and "take" not in raw:
+    def _reduce_as_usual(cls, raw: Any) -> Any:
+        raw = by_todays_names(raw, cls.renamed)
+        if isinstance(raw, dict) and "reduce" not in raw:
             kind = next((kind for kind in cls.kinds if kind in raw), None)
-            return raw | {"take": cls.kinds[kind].take} if kind else raw
+            return raw | {"reduce": cls.kinds[kind].reduce} if kind else raw
         return raw
 
     @model_validator(mode="after")
     def _is_one_kind(self) -> Self:
         kind = only_one(self, self.kinds)
-        takes = self.kinds[kind].takes
-        if takes and self.take not in takes:
-            raise UnitError(f"{article(kind)} is taken as {' or '.join(map(json.dumps, takes))}, not as {self.take!r}")
+        reductions = self.kinds[kind].reductions
+        if reductions and self.reduce not in reductions:
+            raise UnitError(
+                f"{article(kind)} is reduced by {' or '.join(map(json.dumps, reductions))}, not by {self.reduce!r}"
+            )
         return self
 
 

@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from restshape.errors import UserError
+from restshape.scene.renamed import other_name
 
 KEY = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 DOTTED = rf"{KEY}(?:\s*\.\s*{KEY})*"
@@ -93,6 +94,9 @@ class Source:
         """The line of a key, or of the nearest table around it that has one."""
         if any(key[: len(over)] == over for over in self.overridden):
             return None
+        other = other_name(key)
+        if other in self.lines:
+            return self.lines[other]
         for length in range(len(key), 0, -1):
             if key[:length] in self.lines:
                 return self.lines[key[:length]]

@@ -1,14 +1,16 @@
 """Types of single values in scenes and scripts: numbers with units, formulas, points and names."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema
+from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema, model_validator
 from pydantic.fields import FieldInfo
 
 from restshape.scene.expressions import Expression, Value
+from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
@@ -16,9 +18,23 @@ RESERVED = ("all", "outline")
 
 
 class Strict(BaseModel):
-    """A model that refuses unknown keys and cannot be changed."""
+    """A model that refuses unknown keys and cannot be changed.
+
+    Attributes:
+        renamed: what version 0.1 called keys, by their names today; both are read.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, allow_inf_nan=False)
+    renamed: ClassVar[Mapping[str, str]] = {}
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        OLD_NAMES.update(cls.renamed)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_old_names(cls, raw: Any) -> Any:
+        return by_todays_names(raw, cls.renamed)
 
 
 def only_one(model: Strict, keys: tuple[str, ...]) -> str:

@@ -10,19 +10,20 @@ from restshape.algebra.buckling import BucklingSolver
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import STIFFNESS
 from restshape.sensitivity.modal import parted
-from restshape.sensitivity.static import Solved as SolvedAtRest
-from restshape.sensitivity.static import design_derivative
+from restshape.sensitivity.static import SolvedSteady, design_derivative
 
 if TYPE_CHECKING:
     from restshape.analysis.buckling_state import BucklingState
 
 
-class Solved(Protocol):
+class SolvedBuckling(Protocol):
     """What a derivative needs of an analysis of buckling that has been solved on the mesh as it lies."""
 
     state: BucklingState
-    rest: SolvedAtRest
     solver: BucklingSolver
+
+    @property
+    def rest(self) -> SolvedSteady: ...
 
 
 def load_factor_rates(state: BucklingState, dX: np.ndarray, s: np.ndarray) -> np.ndarray:
@@ -54,7 +55,7 @@ def load_factor_rates(state: BucklingState, dX: np.ndarray, s: np.ndarray) -> np
     return factors[:, None] * factors[None, :] * 0.5 * (rates + rates.T)
 
 
-def load_factor_derivatives(analysis: Solved, dX: np.ndarray, tolerance: float) -> np.ndarray:
+def load_factor_derivatives(analysis: SolvedBuckling, dX: np.ndarray, tolerance: float) -> np.ndarray:
     """Derivatives (k,) of the load factors where nodes move with dX (n, 2), those of coinciding ones ascending.
 
     Args:
@@ -69,7 +70,7 @@ def load_factor_derivatives(analysis: Solved, dX: np.ndarray, tolerance: float) 
     return parted(factors, load_factor_rates(analysis.state, dX, s), analysis.solver.reach)
 
 
-def buckling_derivative(analysis: Solved, Psi: np.ndarray, tolerance: float) -> np.ndarray:
+def buckling_derivative(analysis: SolvedBuckling, Psi: np.ndarray, tolerance: float) -> np.ndarray:
     """Derivatives (2, 2 n + k k) of `BucklingPrediction.values` along the two directions of the hand.
 
     All known load factors are one cluster to the subspace rule, so that a prediction knows of crossings among them.

@@ -26,7 +26,7 @@ MOST = 120
 """Iterations of one solve for the derivative of a mode."""
 
 
-class Solved(Protocol):
+class SolvedModes(Protocol):
     """What a derivative needs of an analysis of free vibrations that has been solved on the mesh as it lies."""
 
     state: ModalState
@@ -35,7 +35,7 @@ class Solved(Protocol):
     make: Maker
 
 
-def design_products(analysis: Solved, modes: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def design_products(analysis: SolvedModes, modes: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """K' phi and M' phi (k, n f) of modes (k, n f) when the nodes of the body move with a velocity (n, d)."""
     body = analysis.state.body
     boundary, found = body.boundary, []
@@ -49,7 +49,7 @@ def design_products(analysis: Solved, modes: np.ndarray, velocity: np.ndarray) -
     return found[0], found[1]
 
 
-def frequency_derivatives(analysis: Solved, velocity: np.ndarray, width: float = 0.0) -> np.ndarray:
+def frequency_derivatives(analysis: SolvedModes, velocity: np.ndarray, width: float = 0.0) -> np.ndarray:
     """Derivatives (modes,) [Hz] of the frequencies that the scene asks for, where nodes move with a velocity (n, d).
 
     phi^T (K' - lambda M') phi; of eigenvalues that coincide the eigenvalues of Phi^T (K' - lambda M') Phi, ascending:
@@ -68,7 +68,9 @@ def frequency_derivatives(analysis: Solved, velocity: np.ndarray, width: float =
     return rates(analysis, known, *design_products(analysis, vectors, velocity), width)
 
 
-def rates(analysis: Solved, known: np.ndarray, stiff: np.ndarray, heavy: np.ndarray, width: float = 0.0) -> np.ndarray:
+def rates(
+    analysis: SolvedModes, known: np.ndarray, stiff: np.ndarray, heavy: np.ndarray, width: float = 0.0
+) -> np.ndarray:
     """Derivatives (modes,) of the frequencies that the scene asks for, from K' phi and M' phi of the known modes.
 
     Args:
@@ -103,12 +105,12 @@ def parted(values: np.ndarray, rates: np.ndarray, tolerance: float, width: float
     return found
 
 
-def known_modes(analysis: Solved) -> np.ndarray:
+def known_modes(analysis: SolvedModes) -> np.ndarray:
     """Indices of the modes that have converged: at least those up to the last one that is asked for and its cluster."""
     return np.arange(min(analysis.state.count, len(analysis.state.modes.values)))
 
 
-def stands_alone(analysis: Solved, mode: int) -> bool:
+def stands_alone(analysis: SolvedModes, mode: int) -> bool:
     """Whether the eigenvalue of a mode, an index among the modes, is in no cluster with others."""
     return any(len(group) == 1 and group[0] == mode for group in clusters(analysis.state.modes.values))
 
@@ -116,7 +118,7 @@ def stands_alone(analysis: Solved, mode: int) -> bool:
 # --- along a drag --------------------------------------------------------------------------------------------------
 
 
-def modal_derivative(analysis: Solved, plane_motion: np.ndarray, tolerance: float) -> np.ndarray:
+def modal_derivative(analysis: SolvedModes, plane_motion: np.ndarray, tolerance: float) -> np.ndarray:
     """Derivatives (2, k, k + n f) of `ModalPrediction.values` along the two directions of the hand.
 
     All modes that are known are one cluster to the subspace rule: H' = Phi^T (K' - (lambda_i + lambda_j)/2 M') Phi, so
@@ -153,7 +155,7 @@ def modal_derivative(analysis: Solved, plane_motion: np.ndarray, tolerance: floa
     return result
 
 
-def _beyond(analysis: Solved, modes: np.ndarray, value: float, force: np.ndarray, tolerance: float) -> np.ndarray:
+def _beyond(analysis: SolvedModes, modes: np.ndarray, value: float, force: np.ndarray, tolerance: float) -> np.ndarray:
     """The part v (n f,) of a mode's change that is orthogonal to the known modes, rigid motions in it included.
 
     Args:
@@ -197,7 +199,7 @@ def _beyond(analysis: Solved, modes: np.ndarray, value: float, force: np.ndarray
 # --- by nodes, along the outline -----------------------------------------------------------------------------------
 
 
-def nodal_gradient(analysis: Solved, mode: int) -> np.ndarray:
+def nodal_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
     """The gradient (n, d) of an eigenvalue by the places of the body's nodes: phi^T (K_X - lambda M_X) phi.
 
     Args:
@@ -216,7 +218,7 @@ def nodal_gradient(analysis: Solved, mode: int) -> np.ndarray:
     return gradient
 
 
-def material_derivatives(analysis: Solved, mode: int) -> dict[str, dict[str, float]]:
+def material_derivatives(analysis: SolvedModes, mode: int) -> dict[str, dict[str, float]]:
     """Derivatives of a frequency [Hz] by each material's `E` [Hz/Pa] and `rho` [Hz m^3/kg], its Poisson's ratios kept.
 
     K is proportional to E in the cells of a material, and M to rho. Of a material with a grain `stiffness` [Hz] is the

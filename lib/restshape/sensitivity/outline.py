@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.relocate import Boundary, extension
+from restshape.mesh.relocate import BoundaryNodes, extension
 from restshape.mesh.space import LagrangeSpace
-from restshape.sensitivity.modal import Solved, nodal_gradient
+from restshape.sensitivity.modal import SolvedModes, nodal_gradient
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class OutlineDensity:
     edge: np.ndarray
 
 
-def plane_gradient(analysis: Solved, mode: int) -> np.ndarray:
+def plane_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
     """The gradient (n2, 2) [Hz/m] of a frequency by the places of the corners of the plane mesh.
 
     Nodes in the middle of sides follow their ends, columns of nodes their foot, and the thickness is that of the place.
@@ -64,14 +64,14 @@ def _of_corners(plane: Mesh | LagrangeSpace, gradient: np.ndarray) -> np.ndarray
     return corners
 
 
-def outline_density(analysis: Solved, mode: int) -> OutlineDensity:
+def outline_density(analysis: SolvedModes, mode: int) -> OutlineDensity:
     """The density of a frequency's derivative along the outline; arguments as in `plane_gradient`.
 
     Source: docs/theory.md, section 7.
     """
     plane = analysis.state.space
     mesh = plane.mesh if isinstance(plane, LagrangeSpace) else plane
-    nodes = Boundary(mesh).nodes
+    nodes = BoundaryNodes(mesh).nodes
     inside = extension(mesh, nodes, "harmonic")(np.eye(len(nodes)))
     gradient = inside.T @ plane_gradient(analysis, mode)
     row = np.full(len(mesh.X), -1)
@@ -102,7 +102,7 @@ class EdgeDensity:
     density: np.ndarray
 
 
-def edge_densities(analysis: Solved, found: OutlineDensity) -> dict[str, EdgeDensity]:
+def edge_densities(analysis: SolvedModes, found: OutlineDensity) -> dict[str, EdgeDensity]:
     """The density on each edge that is boundary, by the edge's name.
 
     Args:

@@ -10,7 +10,7 @@ from restshape.fem.assembled import Assembled
 from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.problem import MASS, STIFFNESS
 from restshape.scene.load import revise
-from restshape.sensitivity.modal import Solved, known_modes, rates
+from restshape.sensitivity.modal import SolvedModes, known_modes, rates
 
 STEP = 1e-4
 """Of the differences of K and M at fixed modes, a share of the value, or for 0 this [SI]: the first that is tried."""
@@ -28,7 +28,7 @@ KEYS = ("material", "parameters")
 """Tables whose numbers change matrices and no mesh."""
 
 
-def parameter_derivatives(analysis: Solved, key: str) -> np.ndarray:
+def parameter_derivatives(analysis: SolvedModes, key: str) -> np.ndarray:
     """Derivatives (modes,) [Hz a SI unit of the number] of the frequencies that the scene asks for.
 
     K and M are differenced at fixed modes, which no solve enters: phi (K' - lambda M') phi, and for eigenvalues that
@@ -68,7 +68,7 @@ def parameter_derivatives(analysis: Solved, key: str) -> np.ndarray:
     return best
 
 
-def _differenced(analysis: Solved, key: str, value: float, step: float) -> np.ndarray:
+def _differenced(analysis: SolvedModes, key: str, value: float, step: float) -> np.ndarray:
     """The derivatives (modes,) by central differences with a step.
 
     Raises:
@@ -85,7 +85,7 @@ def _differenced(analysis: Solved, key: str, value: float, step: float) -> np.nd
     return rates(analysis, known, stiff, heavy)
 
 
-def number_at(analysis: Solved, key: str) -> float:
+def number_at(analysis: SolvedModes, key: str) -> float:
     """The number [SI] that a key names.
 
     Raises:
@@ -116,7 +116,7 @@ def _at(here: Any, parts: Sequence[str]) -> Any:
     return here
 
 
-def _revision(analysis: Solved, key: str, value: float) -> tuple[str, Any]:
+def _revision(analysis: SolvedModes, key: str, value: float) -> tuple[str, Any]:
     """The key to change and its new value: of a list the whole of it."""
     whole, _, place = key.rpartition(".")
     around = _at(analysis.state.scene, whole.split("."))

@@ -12,7 +12,7 @@ SLACK = 100.0
 """A derivative whose true residual is so many times what was asked for has been spoilt by rounding."""
 
 
-class Solved(Protocol):
+class SolvedSteady(Protocol):
     """What a derivative needs of an analysis that has just been solved."""
 
     @property
@@ -27,7 +27,7 @@ class Solved(Protocol):
         """s (n, f) with (dR/dx) s = rhs (n, f) at free unknowns, 0 at prescribed ones, by the kept preconditioner."""
 
 
-def design_derivative(analysis: Solved, Psi: np.ndarray, tolerance: float) -> np.ndarray:
+def design_derivative(analysis: SolvedSteady, Psi: np.ndarray, tolerance: float) -> np.ndarray:
     """Derivatives s (2, n, f) of the unknowns along the two directions of the hand.
 
     (dR/dx) s_i = -(dR/dX) Psi_i, with the tangent of the answer and whatever factor there is.
@@ -50,7 +50,7 @@ def design_derivative(analysis: Solved, Psi: np.ndarray, tolerance: float) -> np
     return s
 
 
-def _response(analysis: Solved, rates: np.ndarray, tolerance: float) -> np.ndarray:
+def _response(analysis: SolvedSteady, rates: np.ndarray, tolerance: float) -> np.ndarray:
     """The rates (n, f) of free unknowns that make up for rates of the residual (n, f)."""
     problem = analysis.problem
     rhs = -rates

@@ -18,7 +18,7 @@ BOOLEANS = {
 DIMENSIONS = {"Point": 0, "Curve": 1, "Line": 1, "Surface": 2}
 
 
-class Drawing(Protocol):
+class GeoDrawing(Protocol):
     """What operations need of a file that is being read: see `geo_script.Script`."""
 
     gmsh: Any
@@ -33,7 +33,7 @@ class Drawing(Protocol):
         """What a call of gmsh gives."""
 
 
-def operation(script: Drawing) -> Entities | None:
+def operation(script: GeoDrawing) -> Entities | None:
     """What the operation that follows leaves as (dimension, tag); None where none follows.
 
     Raises:
@@ -53,7 +53,7 @@ def operation(script: Drawing) -> Entities | None:
     return entities
 
 
-def _boolean(script: Drawing, call: str, line: int) -> Entities:
+def _boolean(script: GeoDrawing, call: str, line: int) -> Entities:
     """``BooleanDifference{ Surface{1}; Delete; }{ Surface{2}; Delete; }``, ``(tag) =`` may come first."""
     tag = -1
     if script.cursor.takes("("):
@@ -69,7 +69,7 @@ def _boolean(script: Drawing, call: str, line: int) -> Entities:
     return list(made)
 
 
-def _listed(script: Drawing) -> tuple[Entities, bool]:
+def _listed(script: GeoDrawing) -> tuple[Entities, bool]:
     """The entities in the braces that follow, copied or moved first where these say so, and whether Delete is there."""
     cursor, found, delete = script.cursor, [], False
     cursor.expect("{")
@@ -94,21 +94,21 @@ def _listed(script: Drawing) -> tuple[Entities, bool]:
     return found, delete
 
 
-def _vector(script: Drawing) -> list[float]:
+def _vector(script: GeoDrawing) -> list[float]:
     line, values = script.cursor.peek().line, script.numbers.list()
     if len(values) != 3:
         raise script.cursor.error(f"3 numbers are wanted here, not {len(values)}", "write {x, y, z}", line)
     return values
 
 
-def _translate(script: Drawing, line: int) -> Entities:
+def _translate(script: GeoDrawing, line: int) -> Entities:
     by = _vector(script)
     entities, _ = _listed(script)
     script.made(line, script.kernel.translate, entities, *by)
     return entities
 
 
-def _rotate(script: Drawing, line: int) -> Entities:
+def _rotate(script: GeoDrawing, line: int) -> Entities:
     """``Rotate {axis, centre, angle} { ... }``."""
     cursor = script.cursor
     cursor.expect("{")
@@ -123,7 +123,7 @@ def _rotate(script: Drawing, line: int) -> Entities:
     return entities
 
 
-def _dilate(script: Drawing, line: int) -> Entities:
+def _dilate(script: GeoDrawing, line: int) -> Entities:
     """``Dilate {centre, factor} { ... }``."""
     cursor = script.cursor
     cursor.expect("{")
@@ -136,7 +136,7 @@ def _dilate(script: Drawing, line: int) -> Entities:
     return entities
 
 
-def _mirror(script: Drawing, line: int) -> Entities:
+def _mirror(script: GeoDrawing, line: int) -> Entities:
     """``Symmetry {a, b, c, d} { ... }``: in the plane a x + b y + c z + d = 0."""
     plane = script.numbers.list()
     if len(plane) != 4:
@@ -146,7 +146,7 @@ def _mirror(script: Drawing, line: int) -> Entities:
     return entities
 
 
-def _copy(script: Drawing, line: int) -> Entities:
+def _copy(script: GeoDrawing, line: int) -> Entities:
     entities, _ = _listed(script)
     return list(script.made(line, script.kernel.copy, entities))
 

@@ -45,10 +45,10 @@ def draw(gmsh: Any, text: str, where: str) -> None:
     Raises:
         UserError: naming the line of a statement that is not read, or that gmsh cannot make.
     """
-    Script(gmsh, Cursor(words_of(text, where), where)).run()
+    GeoScript(gmsh, Cursor(words_of(text, where), where)).run()
 
 
-class Script:
+class GeoScript:
     """One file while it is read.
 
     Args:
@@ -357,21 +357,21 @@ class Script:
         self.groups[dimension, name] = None if tags is None or former is None else [*former, *tags]
 
 
-DRAWING: dict[str, Callable[[Script, int], None]] = {
-    "Point": Script.point,
+DRAWING: dict[str, Callable[[GeoScript, int], None]] = {
+    "Point": GeoScript.point,
     "Line": lambda script, line: script.curve(line, "addLine", 2, 2),
     "Circle": lambda script, line: script.round(line, "addCircleArc", "addCircle", 3),
     "Ellipse": lambda script, line: script.round(line, "addEllipseArc", "addEllipse", 4),
     "Spline": lambda script, line: script.curve(line, "addSpline", 2),
     "BSpline": lambda script, line: script.curve(line, "addBSpline", 2),
     "Bezier": lambda script, line: script.curve(line, "addBezier", 2),
-    "Curve Loop": Script.loop,
-    "Line Loop": Script.loop,
-    "Plane Surface": Script.plane,
-    "Ruled Surface": Script.filling,
-    "Surface": Script.filling,
+    "Curve Loop": GeoScript.loop,
+    "Line Loop": GeoScript.loop,
+    "Plane Surface": GeoScript.plane,
+    "Ruled Surface": GeoScript.filling,
+    "Surface": GeoScript.filling,
     "Rectangle": lambda script, line: script.block_of(line, "addRectangle", (5, 6)),
     "Disk": lambda script, line: script.block_of(line, "addDisk", (4, 5)),
-    **{name: Script.group for name in TWO_WORDS if name.startswith("Physical")},
+    **{name: GeoScript.group for name in TWO_WORDS if name.startswith("Physical")},
 }
 """Statements that draw or name, by what they begin with."""

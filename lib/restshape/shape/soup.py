@@ -34,7 +34,7 @@ class Curve:
 
 
 @dataclass
-class Ring:
+class ClosedCurve:
     """A closed chain of curves: (index, forward)."""
 
     chain: list[tuple[int, bool]]
@@ -109,7 +109,7 @@ def _joined(soup: list[Curve]) -> tuple[list[tuple[int, int]], list[np.ndarray]]
     return [(vertex(curve.points[0]), vertex(curve.points[-1])) for curve in soup], corners
 
 
-def _rings(soup: list[Curve], ends: list[tuple[int, int]], corners: list[np.ndarray], where: str) -> list[Ring]:
+def _rings(soup: list[Curve], ends: list[tuple[int, int]], corners: list[np.ndarray], where: str) -> list[ClosedCurve]:
     at: dict[int, list[int]] = {}
     for i, pair in enumerate(ends):
         for v in pair:
@@ -130,7 +130,7 @@ def _rings(soup: list[Curve], ends: list[tuple[int, int]], corners: list[np.ndar
             chain.append((i, forward))
             v = ends[i][1] if forward else ends[i][0]
             i = next((j for j in at[v] if j in left), i)
-        rings.append(Ring(chain))
+        rings.append(ClosedCurve(chain))
     return rings
 
 
@@ -148,7 +148,7 @@ def _area(soup: list[Curve], chain: list[tuple[int, bool]]) -> float:
     return total
 
 
-def _loop_names(soup: list[Curve], rings: list[Ring]) -> list[str]:
+def _loop_names(soup: list[Curve], rings: list[ClosedCurve]) -> list[str]:
     """Names of the loops: that of a region, of a layer that holds this loop alone, or hole1, hole2, ..."""
     names, number = ["outline"], 0
     for ring in rings[1:]:

@@ -147,7 +147,7 @@ def test_scenes_of_no_use_for_a_study_are_refused(small, tmp_path, capsys):
 
 
 def test_closed_forms_are_formulas_of_parameters(tmp_path, capsys):
-    text = plate(0.25).replace('energy = { energy = "strain" }', 'energy = { energy = "strain", exact = "x*2" }')
+    text = plate(0.25).replace('energy = { energy = "strain" }', 'energy = { energy = "strain", reference = "x*2" }')
     scene = write_scene(tmp_path, text)
     assert main(["check", str(scene)]) == 2
     assert "cannot name x or y" in capsys.readouterr().err

@@ -138,8 +138,8 @@ def test_a_reference_that_is_not_finished_asks_for_what_differs(tmp_path, monkey
 def test_the_tolerance_of_rest_is_that_of_the_solver():
     plain = load_scene(STRIP)
     assert plain.solve.tolerance == 1e-4
-    assert load_scene(STRIP, ("effects.drape.rest=1e-6",)).solve.tolerance == 1e-6
-    assert revise(plain, "effects.drape.rest", 1e-5).solve.tolerance == 1e-5
+    assert load_scene(STRIP, ("effects.drape.tolerance=1e-6",)).solve.tolerance == 1e-6
+    assert revise(plain, "effects.drape.tolerance", 1e-5).solve.tolerance == 1e-5
     assert revise(plain, "solve.tolerance", 1e-5).solve.tolerance == 1e-5
     with pytest.raises(UserError, match="both are one number"):
-        load_scene(STRIP, ("effects.drape.rest=1e-6", "solve.tolerance=1e-5"))
+        load_scene(STRIP, ("effects.drape.tolerance=1e-6", "solve.tolerance=1e-5"))

@@ -54,7 +54,9 @@ def case(folder: Path, text: str, events: list) -> Case:
 @pytest.fixture(scope="module")
 def manufactured(tmp_path_factory):
     """A square with a known solution, whose corner is dragged a little."""
-    quantity = f'[quantities]\nenergy = {{ energy = "strain", exact = "S*2" }}\n[parameters]\nS = {energy() / 2!r}\n'
+    quantity = (
+        f'[quantities]\nenergy = {{ energy = "strain", reference = "S*2" }}\n[parameters]\nS = {energy() / 2!r}\n'
+    )
     text = HEAD + block() + MATERIAL + HELD + BODY + meshed(0.1) + quantity
     events = drag("c", (1.0, 1.0), [(1.01 + 0.01 * k, 1.0) for k in range(4)])
     choice = Choice((2.0, 1.41, 1.0), (1, 2), (1e-3,), ("refactor", "auto"))

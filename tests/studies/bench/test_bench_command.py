@@ -5,6 +5,8 @@ import json
 import pytest
 from small_scenes import across, drag, plate, write_scene, write_script
 
+pytestmark = pytest.mark.cli
+
 PNG = b"\x89PNG\r\n\x1a\n"
 
 

@@ -8,6 +8,8 @@ import pytest
 from restshape_apps import couture
 from small_scenes import across, drag, plate, write_scene, write_script
 
+pytestmark = pytest.mark.cli
+
 COUTURE = Path(couture.__file__).parent / "scenes"
 PNG = b"\x89PNG\r\n\x1a\n"
 

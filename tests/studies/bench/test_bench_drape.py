@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 from restshape_apps import couture
 
+pytestmark = pytest.mark.cli
+
 SCENES = Path(couture.__file__).parent / "scenes"
 COARSE = ("--set", 'mesh.size="70 mm"', "--set", "effects.cloth.bending=hinge")
 PNG = b"\x89PNG\r\n\x1a\n"

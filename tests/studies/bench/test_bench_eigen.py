@@ -2,7 +2,10 @@
 
 import json
 
+import pytest
 from modal import EDITS, SCENES
+
+pytestmark = pytest.mark.cli
 
 SMALL = ("--set", 'mesh.size="12 mm"', "--set", "mesh.layers=1", "--set", "effects.modal.modes=3")
 

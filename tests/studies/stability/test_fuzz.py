@@ -28,6 +28,7 @@ def test_nothing_breaks(tried):
     assert tried.damaged == 0 and tried.valid >= 10 and tried.frames > 50 and 3 < tried.largest <= 200
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_examples(tried):
     again = fuzz(40, 1, APPS)
     assert vars(again) | {"seconds": 0} == vars(tried) | {"seconds": 0}
@@ -50,6 +51,7 @@ main()
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("then", "kind", "words"),
     [

@@ -16,12 +16,14 @@ from small_scenes import make_replay
 from restshape.application import application
 
 
+@pytest.mark.slow
 def test_nothing_breaks():
     tried = fuzz(50, 1, ("furniture",))
     assert not tried.found, [vars(found) for found in tried.found.values()]
     assert tried.valid >= 20 and tried.frames > 150 and tried.written >= 1
 
 
+@pytest.mark.slow
 def test_scenes_and_edits_are_of_all_kinds(tmp_path):
     seen: Counter[str] = Counter()
 
@@ -57,8 +59,8 @@ def frame(tmp_path):
     [
         ({"constraint_status": "fails"}, "the verdict is fails"),
         ({"flaws": 8}, "the verdict is holds"),
-        ({"use": float("inf")}, "infinite"),
-        ({"use": float("nan")}, "no number"),
+        ({"utilisation": float("inf")}, "infinite"),
+        ({"utilisation": float("nan")}, "no number"),
         ({"at": -0.58}, "at -0.58 the piece holds"),
     ],
 )

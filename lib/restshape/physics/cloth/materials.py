@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from restshape.errors import UserError
+from restshape.fem.materials import names_by_region, require_value
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS
@@ -20,7 +20,7 @@ def fabric_of(scene: Scene, plan: Plan, mesh: Mesh) -> Fabric:
         UserError: a part of the cloth has no material, or it weighs nothing while gravity is on.
     """
     settings = plan.settings("cloth")
-    names = _materials(scene, mesh)
+    names = names_by_region(scene, mesh)
     _check_weight(scene, plan)
     used = [name for name in scene.material if name in names]
     sheets = [(membrane(m), bending(m), m.rho * m.thickness) for m in map(scene.material.get, used)]
@@ -76,32 +76,8 @@ def _in_plane(stiffness: np.ndarray, grain: float) -> np.ndarray:
     return turned(whole, grain)[np.ix_(PLANE, PLANE)]
 
 
-def _materials(scene: Scene, mesh: Mesh) -> list[str | None]:
-    """Names of materials: of the shape outside of regions, then of each region; None where no cell is."""
-    regions = [loop.name for loop in mesh.outline.loops if loop.kind == "region"]
-    rest = next((name for name, material in scene.material.items() if not material.region), None)
-    of_region = {region: name for name, material in scene.material.items() for region in material.region or ()}
-    # Groups of regions have materials too.
-    for group, members in mesh.outline.groups.items():
-        of_region |= {member: of_region[group] for member in members if group in of_region}
-    names = [rest, *(of_region.get(region, rest) for region in regions)]
-    bare = np.flatnonzero(np.isin(mesh.cell_region, [row for row, name in enumerate(names) if name is None]))
-    if len(bare):
-        x, y = mesh.X[mesh.corners[bare[0]]].mean(axis=0)
-        raise UserError(
-            f"{len(bare)} triangles lie outside of the regions that have a material, one at ({x:.4g}, {y:.4g}) m",
-            f"{scene.path}: material",
-            "let one material have no region, or name the regions that are missing",
-        )
-    return names
-
-
 def _check_weight(scene: Scene, plan: Plan) -> None:
     """Refuse gravity on a material without density."""
-    weightless = [name for name, material in scene.material.items() if not material.rho]
-    if plan.on("gravity") and np.any(plan.settings("gravity").g) and weightless:
-        raise UserError(
-            "gravity is on, but the material has no density",
-            f"{scene.path}: material.{weightless[0]}",
-            'give it one, e.g. rho = "400 kg/m^3", or leave out [effects.gravity]',
-        )
+    if plan.on("gravity") and np.any(plan.settings("gravity").g):
+        do = 'give it one, e.g. rho = "400 kg/m^3", or leave out [effects.gravity]'
+        require_value(scene, "rho", "gravity is on, but the material has no density", do)

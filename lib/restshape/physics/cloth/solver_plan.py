@@ -40,5 +40,5 @@ def cloth_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
         "stabilised": ((stabilised,), "Newton's method with the stabilised tangent and a line search on the energy"),
         "cg": ((gradients,), "nonlinear conjugate gradients on the energy"),
     }
-    systems, how = ways[settings["drape"].way]
+    systems, how = ways[settings["drape"].strategy]
     return SolverPlan("nonlinear", systems, f"cloth moves far and turns: {how}")

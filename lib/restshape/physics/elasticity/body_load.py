@@ -3,8 +3,8 @@
 import numpy as np
 
 from restshape import _kernels
-from restshape.errors import UserError
 from restshape.fem.entity_sets import cells_on
+from restshape.fem.materials import require_value
 from restshape.fem.space import Space
 from restshape.fem.values import evaluate, rates, varies
 from restshape.scene.model import Load, Scene
@@ -99,10 +99,6 @@ def require_density(scene: Scene, gravity: np.ndarray | None) -> None:
     Raises:
         UserError: gravity (2,) [m/s^2] is on, and some material has none.
     """
-    weightless = [name for name, material in scene.material.items() if not material.rho]
-    if gravity is not None and np.any(gravity) and weightless:
-        raise UserError(
-            "gravity is on, but the material has no density",
-            f"{scene.path}: material.{weightless[0]}",
-            'give it one, e.g. rho = "7850 kg/m^3", or leave out [effects.gravity]',
-        )
+    if gravity is not None and np.any(gravity):
+        do = 'give it one, e.g. rho = "7850 kg/m^3", or leave out [effects.gravity]'
+        require_value(scene, "rho", "gravity is on, but the material has no density", do)

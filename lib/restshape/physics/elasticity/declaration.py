@@ -44,7 +44,7 @@ QUANTITIES = {
         str,
         "length",
         "mean",
-        takes=("mean", "max"),
+        reductions=("mean", "max"),
         summary='the distance between a goal and the deformed edges, counted from both: "mean" is half the mean along '
         "the edges of their distance from the goal plus half the mean along the goal of its distance from them",
     ),

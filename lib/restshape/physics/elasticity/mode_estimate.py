@@ -3,23 +3,39 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
 from restshape import _kernels
 from restshape.fem.error_estimate import NO_KINDS
+from restshape.fem.integral import Integral
 from restshape.fem.recovery import NodalFlux
+from restshape.fem.space import Space
 from restshape.physics.elasticity.stiffness import plane_strain, plane_stress, stiffness_of
 from restshape.physics.elasticity.vibrating_materials import constant_thickness
-
-if TYPE_CHECKING:
-    from restshape.physics.elasticity.vibrating_body import VibratingBody
-    from restshape.physics.elasticity.vibrating_plane import VibratingPlane
-    from restshape.physics.elasticity.vibrating_solid import VibratingSolid
+from restshape.scene.model import Material
 
 COMPONENTS = [0, 1, 5, 2, 3, 4]
 """Rows of Voigt's order for stresses xx, yy, xy, zz, yz, xz."""
+
+
+class EstimatedBody(Protocol):
+    """What an estimate needs of a body that vibrates.
+
+    Attributes:
+        space: nodes and cells of the unknowns; plane: the mesh that it is over.
+        axes: names of the unknowns of a node.
+        materials: of each region of the plane mesh.
+        stiffness: integral of the cells.
+    """
+
+    space: Space
+    plane: Space
+    axes: tuple[str, ...]
+    materials: Sequence[Material]
+    stiffness: Integral
 
 
 class RecoveryModeEstimate(ABC):
@@ -31,7 +47,7 @@ class RecoveryModeEstimate(ABC):
     Source: docs/theory.md, section 9.
     """
 
-    def __init__(self, body: VibratingBody) -> None:
+    def __init__(self, body: EstimatedBody) -> None:
         self.body = body
 
     @abstractmethod
@@ -44,12 +60,17 @@ class RecoveryModeEstimate(ABC):
 
 
 class PlaneModeEstimate(RecoveryModeEstimate):
-    """Of a solid in the plane, whose stresses are recovered as at rest."""
+    """Of a solid in the plane, whose stresses are recovered as at rest.
 
-    def __init__(self, body: VibratingPlane) -> None:
+    Args:
+        body: what vibrates; kept by reference.
+        stress: plane stress, else plane strain.
+    """
+
+    def __init__(self, body: EstimatedBody, stress: bool) -> None:
         super().__init__(body)
         self.recovery = NodalFlux(body.space)
-        law = plane_stress if body.stress else plane_strain
+        law = plane_stress if stress else plane_strain
         self._compliance = np.zeros((len(body.materials), 4, 4))
         for row, m in zip(self._compliance, body.materials):
             row[:3, :3] = np.linalg.inv(law(stiffness_of(m))) * constant_thickness(m)
@@ -70,7 +91,7 @@ class PlaneModeEstimate(RecoveryModeEstimate):
 class SolidModeEstimate(RecoveryModeEstimate):
     """Of a body of tetrahedra, on each region by itself."""
 
-    def __init__(self, body: VibratingSolid) -> None:
+    def __init__(self, body: EstimatedBody) -> None:
         super().__init__(body)
         flexible = [np.linalg.inv(stiffness_of(m)) for m in body.materials]
         self._compliance = np.stack([C[np.ix_(COMPONENTS, COMPONENTS)] for C in flexible])

@@ -10,7 +10,6 @@ from restshape.errors import UserError
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
-from restshape.fem.mass import MassMatrix
 from restshape.fem.materials import by_cell, table_by_region
 from restshape.fem.problem import (
     CONSISTENT,
@@ -22,6 +21,7 @@ from restshape.fem.problem import (
     REFERENCE,
     STIFFNESS,
     Fields,
+    Inertia,
     TransientProblem,
     Unknown,
 )
@@ -34,18 +34,12 @@ from restshape.physics.elasticity.body_load import require_density
 from restshape.physics.elasticity.loads import PlaneLoads
 from restshape.physics.elasticity.quantities import MotionQuantities, PlaneQuantities
 from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
+from restshape.physics.elasticity.stiffness import lame
 from restshape.physics.elasticity.stress import PlaneStresses, plane_compliance, von_mises
-from restshape.scene.model import Material, Quantity, Scene
+from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 
 MASSES = {CONSISTENT: "mass", LUMPED: "lumped_mass"}
-
-
-def lame(material: Material, model: str) -> tuple[float, float]:
-    """Lame coefficients (lambda, mu) [Pa] for a plane model; plane stress takes lambda* (docs/theory.md, section 2)."""
-    E, nu = material.E, material.nu
-    mu = E / (2 * (1 + nu))
-    return (E * nu / (1 - nu**2), mu) if model == "plane_stress" else (E * nu / ((1 + nu) * (1 - 2 * nu)), mu)
 
 
 class PlaneSolid(TransientProblem):
@@ -83,13 +77,12 @@ class PlaneSolid(TransientProblem):
         mean = "dilatation_" if plan.settings("solid").element == "mean_dilatation" else ""
         self.small = _kernels.Element(f"linear_elastic_{mean}{shape}")
         self.element = self.small if self.linear else _kernels.Element(f"stvk_{mean}{shape}")
-        self.materials = table_by_region(scene, space, lambda m: (*lame(m, model), m.thickness, m.rho))
+        stress = model == "plane_stress"
+        self.materials = table_by_region(scene, space, lambda m: (*lame(m, stress), m.thickness, m.rho))
         self.gravity = np.array(plan.settings("gravity").g) if plan.on("gravity") else None
         self.loads = PlaneLoads(scene, space, self.materials[:, 2], not self.linear)
         self.params, self.stiffness_params = self._cell_params()
-        self.stresses = PlaneStresses(
-            space, self.element, self.stiffness_params, not self.linear, model == "plane_stress"
-        )
+        self.stresses = PlaneStresses(space, self.element, self.stiffness_params, not self.linear, stress)
         require_density(scene, self.gravity)
         self.boundary = dirichlet_of(scene, space, self.unknowns)
         check_rigid_body_modes(space.X, self.boundary.mask, scene)
@@ -169,7 +162,7 @@ class PlaneSolid(TransientProblem):
         if not np.all(density[np.unique(region)] > 0):
             raise UserError(
                 "a body without density cannot vibrate",
-                f"{self.scene.path}: material",
+                "material",
                 'give each material its rho, e.g. rho = "2400 kg/m^3"',
             )
         element = _kernels.Element(f"{MASSES[kind]}_{SHAPES[self.space.cells.shape[1]][0]}")
@@ -222,7 +215,7 @@ class PlaneSolid(TransientProblem):
         """Whether one of these quantities is the work of edits, or what new meshes have added."""
         return any(quantity.energy in ("edit", "remesh") for quantity in quantities.values())
 
-    def motion_observer(self, quantities: Mapping[str, Quantity], mass: MassMatrix) -> Observer:
+    def motion_observer(self, quantities: Mapping[str, Quantity], mass: Inertia) -> Observer:
         """What evaluates quantities of a displacement x (n, 2) [m] and a `fem.time_integration.Motion`.
 
         Raises:
@@ -230,7 +223,7 @@ class PlaneSolid(TransientProblem):
         """
         functions = MotionQuantities(self, mass.energies)
         made = {name: functions(name, quantity) for name, quantity in quantities.items()}
-        return Observer(made, functions.refresh, [name for name, q in quantities.items() if q.take == "peak"])
+        return Observer(made, functions.refresh, [name for name, q in quantities.items() if q.reduce == "peak"])
 
     def error_estimate(self) -> RecoveryEstimate:
         """The recovery-based estimate in the energy norm, of small or large strains."""

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from restshape.errors import UserError
 from restshape.fem.balance import unconstrained_residual
 from restshape.fem.entity_sets import cells_around, observed_nodes
+from restshape.fem.problem import Problem
 from restshape.fem.quantity import Function, area, cells_at, reduction
 from restshape.fem.recovery import NodalFlux
-from restshape.physics.elasticity.stress import COMPONENTS
+from restshape.physics.elasticity.stress import COMPONENTS, PlaneStresses
 from restshape.physics.elasticity.target_curves import GoalDistance
 from restshape.scene.model import Quantity
-
-if TYPE_CHECKING:
-    from restshape.physics.elasticity.plane_solid import PlaneSolid
 
 ELSEWHERE = {
     "frequency": ("only free vibrations have frequencies", 'use app = "metallophone"'),
@@ -26,6 +24,19 @@ ELSEWHERE = {
     "load_factor": ("without buckling there are no load factors", 'add [effects.buckling] to a scene of app = "solid"'),
 }
 """Quantities that a solid at rest or in motion has not: why, and what to do."""
+
+
+class ObservedSolid(Problem, Protocol):
+    """What quantities need of a solid in the plane beside a problem.
+
+    Attributes:
+        stresses: of the cells.
+    """
+
+    stresses: PlaneStresses
+
+    def energies(self, x: np.ndarray) -> np.ndarray:
+        """Strain energies (ne,) [J] of the cells at the displacement x (n, 2) [m]."""
 
 
 class PlaneQuantities:
@@ -38,7 +49,7 @@ class PlaneQuantities:
         solid: on the space whose nodes are looked at.
     """
 
-    def __init__(self, solid: PlaneSolid) -> None:
+    def __init__(self, solid: ObservedSolid) -> None:
         self.solid, self.space = solid, solid.space
         self._nodal: np.ndarray | None = None
         self._around: dict[str, tuple[int | None, np.ndarray]] = {}
@@ -106,7 +117,7 @@ class PlaneQuantities:
         facets = self.space.facets[self.space.facets_of(at)]
         if len(facets) == 0:
             raise UserError(f"{at!r} has no edge", f"quantities.{name}.at", "name an edge, a hole or a group of them")
-        distance = GoalDistance(self.solid.scene.goal[quantity.distance], facets, quantity.take)
+        distance = GoalDistance(self.solid.scene.goal[quantity.distance], facets, quantity.reduce)
         return lambda x, *_: distance(self.space.X + x)
 
     def _cells(self, name: str, nodes: np.ndarray) -> np.ndarray:
@@ -126,7 +137,7 @@ class MotionQuantities(PlaneQuantities):
         kinetic: kinetic energies (ne,) [J] of the cells at velocities (n, 2) [m/s].
     """
 
-    def __init__(self, solid: PlaneSolid, kinetic: Callable[[np.ndarray], np.ndarray]) -> None:
+    def __init__(self, solid: ObservedSolid, kinetic: Callable[[np.ndarray], np.ndarray]) -> None:
         super().__init__(solid)
         self.kinetic = kinetic
 

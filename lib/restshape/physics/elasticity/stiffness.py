@@ -22,6 +22,12 @@ def isotropic(E: float, nu: float) -> np.ndarray:
     return orthotropic((E, E, E), (nu, nu, nu), (G, G, G))
 
 
+def lame(material: Material, stress: bool) -> tuple[float, float]:
+    """Lame coefficients (lambda, mu) [Pa]; plane stress takes lambda* (docs/theory.md, section 2)."""
+    E, nu = material.E, material.nu
+    return (E * nu / (1 - nu**2) if stress else E * nu / ((1 + nu) * (1 - 2 * nu))), E / (2 * (1 + nu))
+
+
 def orthotropic(E: Sequence[float], nu: Sequence[float], G: Sequence[float]) -> np.ndarray:
     """Stiffness (6, 6) [Pa] in the order 11 22 33 23 13 12, shear strains doubled; 1 is along the grain.
 

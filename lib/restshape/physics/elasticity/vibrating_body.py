@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,11 +16,9 @@ from restshape.fem.space import Space
 from restshape.fem.supports import dirichlet_of
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
+from restshape.physics.elasticity.mode_estimate import RecoveryModeEstimate
 from restshape.physics.elasticity.vibrating_materials import materials_by_region
 from restshape.scene.model import Scene
-
-if TYPE_CHECKING:
-    from restshape.physics.elasticity.mode_estimate import RecoveryModeEstimate
 
 CONSTRAINED = 1e-9
 """A rigid motion of which less than this is left at the supports is free."""

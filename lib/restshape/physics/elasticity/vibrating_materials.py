@@ -1,8 +1,7 @@
 """What materials give to bodies that vibrate: moduli, density and thickness by region."""
 
-import numpy as np
-
 from restshape.errors import UserError
+from restshape.fem.materials import names_by_region, require_value
 from restshape.fem.space import Space
 from restshape.scene.expressions import Value
 from restshape.scene.model import Material, Scene
@@ -14,40 +13,17 @@ def materials_by_region(scene: Scene, plane: Space) -> list[Material]:
     Raises:
         UserError: a region without a material, or a material without density.
     """
-    for name, material in scene.material.items():
-        if not material.rho:
-            raise UserError(
-                "a body without density cannot vibrate",
-                f"material.{name}",
-                'give it one, e.g. rho = "7850 kg/m^3"',
-            )
-    rest = next((m for m in scene.material.values() if not m.region), None)
-    table = [rest]
-    for loop in plane.outline.loops:
-        if loop.kind == "region":
-            own = next((m for m in scene.material.values() if m.region and loop.name in m.region), rest)
-            table.append(own)
-    used = np.unique(plane.cell_region)
-    if any(table[region] is None for region in used):
-        raise UserError(
-            "part of the shape has no material",
-            "material",
-            "let one material have no region, or name the regions that are missing",
-        )
+    without = "a body without density cannot vibrate"
+    require_value(scene, "rho", without, 'give it one, e.g. rho = "7850 kg/m^3"')
+    names = names_by_region(scene, plane)
     # Regions that fill the shape leave no cell to the rest, whose material is never looked at.
-    some = next(m for m in table if m is not None)
-    return [m if m is not None else some for m in table]
+    some = next(name for name in names if name is not None)
+    return [scene.material[name or some] for name in names]
 
 
 def law(materials: list[Material]) -> str:
     """The law of small strains that all materials have: "linear_elastic", or "anisotropic" if one has a grain."""
     return "anisotropic" if any(m.orthotropic for m in materials) else "linear_elastic"
-
-
-def lame(material: Material, stress: bool) -> tuple[float, float]:
-    """Lame coefficients (lambda, mu) [Pa], lambda* for plane stress."""
-    E, nu = material.E, material.nu
-    return (E * nu / (1 - nu**2) if stress else E * nu / ((1 + nu) * (1 - 2 * nu))), E / (2 * (1 + nu))
 
 
 def constant_thickness(material: Material) -> float:

@@ -6,9 +6,9 @@ from restshape.fem.materials import by_cell
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.physics.elasticity.mode_estimate import PlaneModeEstimate
-from restshape.physics.elasticity.stiffness import plane_params, plane_strain, plane_stress, stiffness_of
+from restshape.physics.elasticity.stiffness import lame, plane_params, plane_strain, plane_stress, stiffness_of
 from restshape.physics.elasticity.vibrating_body import VibratingBody
-from restshape.physics.elasticity.vibrating_materials import constant_thickness, lame, law
+from restshape.physics.elasticity.vibrating_materials import constant_thickness, law
 from restshape.scene.model import Scene
 
 
@@ -55,4 +55,4 @@ class VibratingPlane(VibratingBody):
 
     def error_estimate(self) -> PlaneModeEstimate:
         """What estimates the errors of its modes."""
-        return PlaneModeEstimate(self)
+        return PlaneModeEstimate(self, self.stress)

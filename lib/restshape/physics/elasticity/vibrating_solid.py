@@ -7,9 +7,9 @@ from restshape.mesh.extrude import Extrusion
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.physics.elasticity.mode_estimate import SolidModeEstimate
-from restshape.physics.elasticity.stiffness import solid_params, stiffness_of
+from restshape.physics.elasticity.stiffness import lame, solid_params, stiffness_of
 from restshape.physics.elasticity.vibrating_body import VibratingBody
-from restshape.physics.elasticity.vibrating_materials import common_thickness, lame, law
+from restshape.physics.elasticity.vibrating_materials import common_thickness, law
 from restshape.scene.model import Scene
 
 

@@ -1,18 +1,11 @@
 """How far the frequencies of plates are from those of a finer space, estimated from the moments of modes."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from restshape import _kernels
 from restshape.fem.recovery import NodalFlux
-from restshape.physics.elasticity.mode_estimate import RecoveryModeEstimate
+from restshape.physics.elasticity.mode_estimate import EstimatedBody, RecoveryModeEstimate
 from restshape.physics.elasticity.stiffness import plane_stress, stiffness_of
-
-if TYPE_CHECKING:
-    from restshape.physics.plates.vibrating_plate import VibratingPlate
 
 
 class PlateModeEstimate(RecoveryModeEstimate):
@@ -22,7 +15,7 @@ class PlateModeEstimate(RecoveryModeEstimate):
     wrong, not which way. Shear has little part in it.
     """
 
-    def __init__(self, body: VibratingPlate) -> None:
+    def __init__(self, body: EstimatedBody) -> None:
         super().__init__(body)
         points = _kernels.recovery_points()
         # A node of a plate has its thickness as a third coordinate, which does not count here.

@@ -136,7 +136,7 @@ class RelaxationAnalysis:
     @property
     def tolerance(self) -> float:
         """Residual over load at an equilibrium."""
-        return self.state.plan.settings("drape").rest
+        return self.state.plan.settings("drape").tolerance
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest, evaluated once a solution."""

@@ -60,7 +60,7 @@ def bind(
         state, cold = replace(state, x=problem.constrain(origin.x)), False
         if problem.contact and origin.friction is not None:
             problem.contact.history = origin.friction
-    state.solver.set_tolerance(options.settings.rest)
+    state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
     return replace(state, observer=observer(problem, scene.quantities), notes=notes), cold
 

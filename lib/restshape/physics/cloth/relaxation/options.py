@@ -66,7 +66,7 @@ class RelaxationOptions:
     @property
     def strategy(self) -> str:
         """The name of the solution strategy."""
-        return "kinetic" if self.context.policy.name == "thesis" else self.settings.way
+        return "kinetic" if self.context.policy.name == "thesis" else self.settings.strategy
 
     @property
     def reach(self) -> float:
@@ -87,17 +87,19 @@ class RelaxationOptions:
             context.comm,
             f"{prefix}linear_",
             complete,
-            settings.rest,
+            settings.tolerance,
             context.calibration,
             context.stages,
             memory=self.scene.solve.factor_memory,
             traits=Traits(fields=3, dimension=3),
         )
         # A complete factor of a small matrix costs less than the iterations without one.
-        small = settings.way == "auto" and problem.n_nodes <= SMALL
+        small = settings.strategy == "auto" and problem.n_nodes <= SMALL
         preconditioner = "ilu" if context.policy.name == "thesis" else "cholesky" if small else "sor"
         steps = Steps(FIRST_STEP, reach=self.reach, most=100, preconditioner=preconditioner)
         backend = context.policy.backend
-        solver = EquilibriumSolver(problem, context.comm, context.stages, linear, settings.rest, steps, backend, prefix)
+        solver = EquilibriumSolver(
+            problem, context.comm, context.stages, linear, settings.tolerance, steps, backend, prefix
+        )
         solver.on_iterate = lambda x, residual: self.watch(solver, x, residual)
         return solver

@@ -116,4 +116,4 @@ STRATEGIES: dict[str, Strategy] = {
     "stabilised": lambda *a: descended(*a, kind="newton"),
     "cg": lambda *a: descended(*a, kind="cg"),
 }
-"""By the name that a scene gives in ``effects.drape.way``."""
+"""By the name that a scene gives in ``effects.drape.strategy``."""

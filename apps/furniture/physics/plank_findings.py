@@ -1,0 +1,151 @@
+"""What is wrong with a piece of furniture, as findings that name its planks, joints and loads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from restshape_apps.furniture.shape.plank_gaps import Gap, gap_between_parts, gap_of
+from restshape_apps.furniture.shape.planks import SIDES, Piece, parts_of
+
+from restshape.findings import Finding
+
+SLANT, LENGTH, GAP, MISSED, FOOT, BEHIND = 1, 2, 3, 4, 5, 6
+"""Numbers of faults of the geometry."""
+FAULTS = {SLANT: "slant", LENGTH: "length", GAP: "gap", MISSED: "missed", FOOT: "foot", BEHIND: "behind"}
+"""Details of what is lost, by the numbers of faults."""
+FAR_SLANT = "far slant"
+"""The same of a slant where the two planks are farther from each other than joints reach."""
+APART, LOST, OVERLAPPING, FALLS, WEAK, UNBALANCED = "apart", "lost", "overlapping", "falls", "weak", "unbalanced"
+"""Kinds of findings."""
+PART, NEAREST = "part", "nearest"
+"""Details of what is apart: a part, with the number of its planks, and how far two parts are from each other."""
+PULL, SHEAR = "pull", "shear"
+"""Details of a weak joint."""
+WEIGHTS = "weights"
+"""The case of the weights alone."""
+
+
+@dataclass(frozen=True)
+class FlawNumbers:
+    """What is wrong, by numbers.
+
+    Args:
+        faults: number of `FAULTS`, and the end (4 plank + side) of a slant or from behind, the plank of a length, else
+            the joint or foot.
+        overlaps: pairs of planks; a plank and -1 - k where it goes through plane k.
+        falls: case, and the first plank of the part of the piece that falls in it.
+        unbalanced: cases without an equilibrium.
+        broken: joint, case, use in parts of its strength, and whether that is of shear.
+    """
+
+    faults: Sequence[tuple[int, int]] = ()
+    overlaps: Sequence[tuple[int, int]] = ()
+    falls: Sequence[tuple[int, int]] = ()
+    unbalanced: Sequence[int] = ()
+    broken: Sequence[tuple[int, int, float, bool]] = ()
+
+
+def lost(piece: Piece, found: FlawNumbers) -> list[Finding]:
+    """Joints and feet that are lost, and how; of each the first fault."""
+    # An end that cannot be closed is not flush either.
+    first: dict[tuple[str, int], Finding] = {}
+    for fault, where in found.faults:
+        key, plank, other = _place(piece, fault, where)
+        if key not in first:
+            subjects = (piece.planks[plank].name, other) if other else (piece.planks[plank].name,)
+            first[key] = _lost(piece, fault, key, subjects)
+    return list(first.values()) or [Finding(LOST)]
+
+
+def overlapping(piece: Piece, found: FlawNumbers) -> list[Finding]:
+    """Planks that are in each other, and in the floor."""
+    names = [plank.name for plank in piece.planks]
+    pairs = [(names[i], names[j] if j >= 0 else _plane(-1 - j)) for i, j in found.overlaps]
+    return [Finding(OVERLAPPING, subjects=pair) for pair in pairs] or [Finding(OVERLAPPING)]
+
+
+def apart(piece: Piece) -> list[Finding]:
+    """The parts that no joint connects, and how far two of them are from each other where no joint could reach."""
+    nearest = beyond_reach(piece, gap_between_parts(piece))
+    return [*(_part(piece, part, APART) for part in parts_of(piece)), *([nearest] if nearest else [])]
+
+
+def beyond_reach(piece: Piece, gap: Gap | None) -> Finding | None:
+    """How far an end is from a plank, farther than joints reach; None where it is not, or where there is no gap."""
+    if gap is None or gap.size <= piece.reach:
+        return None
+    subjects = (piece.planks[gap.i].name, SIDES[gap.side], piece.planks[gap.j].name)
+    return Finding(APART, NEAREST, subjects, gap.size, piece.reach, "m")
+
+
+def falls(piece: Piece, found: FlawNumbers) -> list[Finding]:
+    """Loads that it falls under, and what falls in each of them where it is in parts."""
+    parts = parts_of(piece)
+    if len(parts) == 1:
+        cases = dict.fromkeys(load_case(piece, case) for case, _ in found.falls)
+        return [Finding(FALLS, case=case) for case in cases] or [Finding(FALLS)]
+    down = [(case, next(part for part in parts if first in part)) for case, first in found.falls]
+    return [_part(piece, part, FALLS, load_case(piece, case)) for case, part in dict.fromkeys(down)] or [Finding(FALLS)]
+
+
+def weak(piece: Piece, found: FlawNumbers) -> list[Finding]:
+    """Joints that break, the worst first."""
+    # Joints that differ by rounding alone stay in their order.
+    broken = sorted(found.broken, key=lambda one: -round(one[2], 6))
+    return [
+        Finding(WEAK, SHEAR if sheared else PULL, joint_planks(piece, k), use, 1.0, case=load_case(piece, case))
+        for k, case, use, sheared in broken
+    ] or [Finding(WEAK)]
+
+
+def unbalanced(piece: Piece, found: FlawNumbers) -> list[Finding]:
+    """Loads without an equilibrium."""
+    return [Finding(UNBALANCED, case=load_case(piece, case)) for case in found.unbalanced] or [Finding(UNBALANCED)]
+
+
+def joint_planks(piece: Piece, joint: int) -> tuple[str, str]:
+    """The plank whose end a joint holds, and the one whose face it is at."""
+    one = piece.joints[joint]
+    return piece.planks[one.i].name, piece.planks[one.j].name
+
+
+def load_case(piece: Piece, case: int) -> str:
+    """What a case is called: the weights alone, or a push beside them."""
+    return WEIGHTS if case == 0 else f"push {piece.pushes[case - 1].name}"
+
+
+def _lost(piece: Piece, fault: int, key: tuple[str, int], subjects: tuple[str, ...]) -> Finding:
+    """What is lost, of a joint with how far its two planks are from each other."""
+    what, number = key
+    if what != "joint":
+        return Finding(LOST, FAULTS[fault], subjects)
+    joint = piece.joints[number]
+    size = gap_of(piece, joint.i, joint.side, joint.j).size
+    detail = FAR_SLANT if fault == SLANT and size > piece.reach else FAULTS[fault]
+    return Finding(LOST, detail, subjects, size, piece.reach, "m")
+
+
+def _place(piece: Piece, fault: int, where: int) -> tuple[tuple[str, int], int, str]:
+    """What has a fault (a joint, a foot or a plank), the plank, and what that is held by."""
+    if fault == LENGTH:
+        return ("plank", where), where, ""
+    if fault in (GAP, MISSED):
+        return ("joint", where), piece.joints[where].i, piece.planks[piece.joints[where].j].name
+    if fault == FOOT:
+        return ("foot", where), piece.feet[where].plank, _plane(piece.feet[where].plane)
+    for k, joint in enumerate(piece.joints):
+        if (joint.i, joint.side) == divmod(where, 4):
+            return ("joint", k), joint.i, piece.planks[joint.j].name
+    k, foot = next((k, foot) for k, foot in enumerate(piece.feet) if (foot.plank, foot.side) == divmod(where, 4))
+    return ("foot", k), foot.plank, _plane(foot.plane)
+
+
+def _plane(number: int) -> str:
+    """What a plane is called: the floor is the first."""
+    return "the floor" if number == 0 else f"plane {number}"
+
+
+def _part(piece: Piece, planks: Sequence[int], kind: str, case: str = "") -> Finding:
+    """A part of the piece, by the first of its planks and how many there are."""
+    return Finding(kind, PART, (piece.planks[planks[0]].name,), len(planks), case=case)

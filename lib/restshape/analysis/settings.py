@@ -1,0 +1,40 @@
+"""What analyses read of the settings of effects, whichever application declares them."""
+
+from typing import Protocol, cast
+
+from restshape.scene.plan import Plan
+
+
+class ModalSettings(Protocol):
+    """Of free vibrations.
+
+    Attributes:
+        modes: how many are wanted; in_plane: those mostly in the plane count too.
+        a4: frequency of the tone A4 [Hz].
+    """
+
+    modes: int
+    in_plane: bool
+    a4: float
+
+
+class BucklingSettings(Protocol):
+    """Of buckling.
+
+    Attributes:
+        modes: how many load factors are wanted.
+        load: "given" or "reversed".
+    """
+
+    modes: int
+    load: str
+
+
+def modal_settings(plan: Plan) -> ModalSettings:
+    """The settings of the effect `modal`, which is on."""
+    return cast(ModalSettings, plan.settings("modal"))
+
+
+def buckling_settings(plan: Plan) -> BucklingSettings:
+    """The settings of the effect `buckling`, which is on."""
+    return cast(BucklingSettings, plan.settings("buckling"))
