@@ -227,7 +227,8 @@ def _tight(
         try:
             replay = _sparse(replace(request, scene=scene, policy=policy), frames, leap, every=keeps)
             fresh = {}
-            states, now, _ = _look(replay, frames, None if request.application.transient(request.scene) else Afresh(request, fresh))
+            again = None if request.application.transient(request.scene) else Afresh(request, fresh)
+            states, now, _ = _look(replay, frames, again)
         except (ReplayProblem, UserError) as problem:
             # Rounding does not let the first frame get there.
             lost = {0: str(problem)}

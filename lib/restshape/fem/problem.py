@@ -160,7 +160,10 @@ class PrestressedProblem(Problem, Protocol):
 
 
 class Inertia(Protocol):
-    """What quantities of a motion need of a mass matrix."""
+    """What quantities of a motion need of a mass, or capacity, matrix."""
+
+    def apply(self, v: np.ndarray) -> np.ndarray:
+        """M v (n, f) of nodal values v (n, f)."""
 
     def energies(self, v: np.ndarray) -> np.ndarray:
         """Kinetic energies (ne,) of the cells at the rates v (n, f)."""
