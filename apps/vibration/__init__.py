@@ -92,7 +92,11 @@ application = Application(
     summary="elastic solids that vibrate, on shaking ground",
     effects={
         "dynamics": Effect(
-            Dynamics, "motion in time by Newmark's method", required=True, kernels=("mass_", "lumped_mass_")
+            Dynamics,
+            "motion in time by Newmark's method",
+            required=True,
+            transient=True,
+            kernels=("mass_", "lumped_mass_"),
         ),
         "solid": Effect(Solid, "linear elasticity", required=True),
         "ground": Effect(Ground, "ground that shakes at one frequency", drives=True),
@@ -103,5 +107,4 @@ application = Application(
     folder=Path(__file__).parent,
     physics=(PLANE_SOLIDS,),
     analysis="restshape.physics.elasticity.analyses:transient_analysis",
-    transient=True,
 )

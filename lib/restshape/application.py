@@ -99,7 +99,6 @@ class Application:
         explain: path ``module:attribute`` of what each part of a frame is, by its name, in `restshape explain`.
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
-        transient: a frame goes on from the one before it, so that none can be left out.
         effects: every effect that its scenes may name; left out, all of its physics.
         implied: parts of its physics that follow from a scene without being named, by name; left out, all.
     """
@@ -115,7 +114,6 @@ class Application:
     report: Reporting | None = None
     explain: str = ""
     columns: str = ""
-    transient: bool = False
     effects: Mapping[str, Effect] | None = None
     implied: Mapping[str, Implied] | None = None
 
@@ -149,6 +147,11 @@ class Application:
     def has(self, physics: str) -> bool:
         """Whether one of its physics has this name."""
         return any(one.name == physics for one in self.physics)
+
+    def transient(self, scene: Scene) -> bool:
+        """Whether a frame of a scene goes on from the one before it, so that none can be left out."""
+        on = (effect for name, effect in self.effects.items() if effect.required or name in scene.effects)
+        return any(effect.transient for effect in on)
 
     def make_session(self) -> Callable[..., Any]:
         """The maker of an `OwnSession`, imported now."""

@@ -102,8 +102,8 @@ def rerun(
     case, asked = replace(study.case, scene=path, overrides=()), replace(study.asked, frames=0)
     scene = load_scene(path)
     app, script = application(scene.app), load_script(case.edits, scene)
-    limit = study.total if app.transient else None
-    sampling = sampled(scene, script, limit, study.asked.samples, app.transient)
+    limit = study.total if app.transient(scene) else None
+    sampling = sampled(scene, script, limit, study.asked.samples, app.transient(scene))
     setting = Setting(1.0, scene.mesh.order or 1, scene.solve.policy, scene.solve.tolerance)
     # The reference is as fine as the study's was.
     own = replace(setting, factor=study.plan.factor / picked["size_factor"] * FINER)

@@ -106,7 +106,7 @@ def planned(path: Path, given: Sequence[str], application: Application, finest: 
         UserError: no reference can be had.
     """
     scene = load_scene(path, given)
-    kind = kind_of(application)
+    kind = kind_of(scene, application)
     turned, overrides, coarse = {}, (), ()
     for parameter in study_parameters(scene, application):
         if parameter.reference is None:
@@ -128,7 +128,7 @@ def planned(path: Path, given: Sequence[str], application: Application, finest: 
     fine = load_scene(path, (*given, *overrides))
     affordable = sqrt(unknowns(fine, application, 1.0, order) / MOST_UNKNOWNS[kind])
     factor = max(finest / FINER, affordable)
-    policy = "refactor" if application.transient or application.has("cloth") else "rebuild"
+    policy = "refactor" if application.transient(fine) or application.has("cloth") else "rebuild"
     return Plan(factor, order, CORNERS[kind], policy, TOLERANCES[kind], turned, overrides, coarse)
 
 

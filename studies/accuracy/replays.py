@@ -71,7 +71,7 @@ def reference(request: Request, frames: list[int], folder: str, coarser: str = "
         coarser: folder of another reference, of which the distances are told.
     """
     start = perf_counter()
-    transient = request.application.transient
+    transient = request.application.transient(request.scene)
     replay = _sparse(request, frames, leap=request.policy.regenerate, every=transient)
     states, refused = _look(replay, frames)[:2]
     found: Row = {"unknowns": 0, "elements": 0, "refused": refused, "distances": {}, "quantities": {}}
@@ -110,7 +110,7 @@ def point(request: Request, frames: list[int], folder: str, total: int, whole: b
     """
     own, refused, timed = _timed(request, frames, total, whole)
     tight, direct, tolerance, lost = _tight(request, request.policy, frames, refused)
-    if request.application.transient:
+    if request.application.transient(request.scene):
         direct = tight
         if request.policy.solver != "direct":
             policy = replace(request.policy, solver="direct")
@@ -174,7 +174,7 @@ def _timed(request: Request, frames: list[int], total: int, whole: bool) -> tupl
     replay = Replay.of(request, PETSc.COMM_WORLD)
     moving, _ = changing(request.scene, request.script, total)
     some = spread(moving, frames, TIMED)
-    alike = request.policy.solver == "direct" and not request.application.transient and not whole
+    alike = request.policy.solver == "direct" and not request.application.transient(request.scene) and not whole
     sparse: list[bool] = []
 
     def solved(index: int) -> bool:
@@ -222,12 +222,13 @@ def _tight(
     lost: dict[int, str] = {}
     for chosen_tolerance in chosen:
         scene = revise(request.scene, "solve.tolerance", chosen_tolerance)
-        keeps = request.application.transient or policy.solver != "direct"
-        leap = policy.regenerate and not request.application.transient
+        keeps = request.application.transient(request.scene) or policy.solver != "direct"
+        leap = policy.regenerate and not request.application.transient(request.scene)
         try:
             replay = _sparse(replace(request, scene=scene, policy=policy), frames, leap, every=keeps)
             fresh = {}
-            states, now, _ = _look(replay, frames, None if request.application.transient else Afresh(request, fresh))
+            again = None if request.application.transient(request.scene) else Afresh(request, fresh)
+            states, now, _ = _look(replay, frames, again)
         except (ReplayProblem, UserError) as problem:
             # Rounding does not let the first frame get there.
             lost = {0: str(problem)}

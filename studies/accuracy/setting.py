@@ -142,16 +142,16 @@ def scaled(scene: Scene, factor: float) -> tuple[str, ...]:
 
 def default_sizes(scene: Scene, application: Application, order: int) -> tuple[float, ...]:
     """The factors of the mesh size that are tried unasked: finer ones as far as they are quickly computed."""
-    most = MOST[kind_of(application)]
+    most = MOST[kind_of(scene, application)]
     fine = [factor for factor in SIZES if unknowns(scene, application, factor, order) <= most]
     return tuple(fine) or SIZES[:1]
 
 
-def kind_of(application: Application) -> str:
+def kind_of(scene: Scene, application: Application) -> str:
     """What a frame costs depends on: "space" for layers of elements, "motion" for time steps, "cloth", else "plane"."""
     if application.has("cloth"):
         return "cloth"
-    return "space" if application.layered else "motion" if application.transient else "plane"
+    return "space" if application.layered else "motion" if application.transient(scene) else "plane"
 
 
 def unknowns(scene: Scene, application: Application, factor: float, order: int) -> float:

@@ -73,7 +73,7 @@ class Asked:
         """Number of frames that are replayed; None for all."""
         if self.frames is not None:
             return self.frames or None
-        return begun(scene, script, FRAMES[kind_of(app)])
+        return begun(scene, script, FRAMES[kind_of(scene, app)])
 
 
 @dataclass
@@ -106,7 +106,7 @@ class Study:
     @property
     def transient(self) -> bool:
         """Tell whether it is of motion."""
-        return application(self.scene.app).transient
+        return application(self.scene.app).transient(self.scene)
 
     @property
     def measure(self) -> str:
@@ -131,7 +131,7 @@ def study(case: Case, asked: Asked, on_run: Callable[[str], None], play: Play = 
     app, script = application(scene.app), load_script(case.edits, scene)
     _refuse_senseless(case, asked, scene, app, script)
     tried, omitted = settings(case.scene, case.overrides, app, asked.choice)
-    frames, total = sampled(scene, script, asked.limit(scene, app, script), asked.samples, app.transient)
+    frames, total = sampled(scene, script, asked.limit(scene, app, script), asked.samples, app.transient(scene))
     with tempfile.TemporaryDirectory(prefix="restshape-accuracy-") as folder:
         found = referred(case, asked, scene, app, tried, (frames, total), Path(folder), on_run, play)
         found.omissions = omitted

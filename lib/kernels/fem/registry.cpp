@@ -11,7 +11,8 @@
     file(membrane_elements) \
     file(bending_elements) \
     file(point_elements) \
-    file(stokes_elements)
+    file(stokes_elements) \
+    file(heat_elements)
 // clang-format on
 
 #include <stdexcept>

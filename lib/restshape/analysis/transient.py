@@ -314,7 +314,7 @@ class TransientAnalysis:
         state = self.state
         plan = planned(scene, application(scene.app)) if state.body is not None else state.plan
         integration = self.make.time_integration(plan, state.integration, self.time)
-        known = any(quantity.energy in ("edit", "remesh") for quantity in scene.quantities.values())
+        known = self.make.accounts_energy(scene.quantities)
         account = replace(state.account, known=known)
         self.state = replace(state, plan=plan, integration=integration, account=account)
 
@@ -334,7 +334,8 @@ class TransientAnalysis:
         observer = body.problem.motion_observer(scene.quantities, body.mass)
         self.state = replace(self.state, increments=increments, observer=observer)
         if before.body is None:
-            self._enter(np.zeros_like(body.static), np.zeros_like(body.static), 0.0)
+            first = body.problem.initial() - body.problem.boundary.values
+            self._enter(first, np.zeros_like(first), 0.0)
         elif new_mesh:
             with self.context.stages("map"):
                 self._project(before.body)

@@ -218,7 +218,7 @@ def estimates(summary: dict[str, Any]) -> list[str]:
     if mesh["p50"] is not None:
         lines.append(f"error estimate ({mesh['of']}): {_spread(mesh)}")
     if step["p50"] is not None:
-        lines.append(f"error estimate of single time steps (over the largest displacement): {_spread(step)}")
+        lines.append(f"error estimate of single time steps (over the largest value of a frame so far): {_spread(step)}")
     if ahead["p50"] is not None:
         lines.append(f"predicted frames, estimated distance from the solution: {_spread(ahead)}")
     if jump["p50"] is not None:

@@ -51,11 +51,14 @@ Fields = tuple[dict[str, np.ndarray], dict[str, np.ndarray]]
 class Problem(Protocol):
     """One physics of one scene on one space, from which analyses derive all else: made of scene, plan and space.
 
+    What has a body here a problem need not say: it inherits that there are no loads at nodes and no objections.
+
     Attributes:
         name: of the physics, before the options of its solvers in PETSc's database.
         scene: whose values it has.
         space: nodes and cells of the unknowns, by reference; its nodes may move.
         unknowns: fields of each node, in the order of the columns.
+        cell_scalars: names of the fields of the cells, numbers, where `blank_fields` is inherited.
         boundary: prescribed unknowns.
         symmetric: whether every tangent is symmetric.
         linear: whether the integrals are linear in the unknowns.
@@ -67,6 +70,7 @@ class Problem(Protocol):
     scene: Scene
     space: Space
     unknowns: tuple[Unknown, ...]
+    cell_scalars: tuple[str, ...] = ()
     boundary: Dirichlet
     symmetric: bool
     linear: bool
@@ -80,10 +84,12 @@ class Problem(Protocol):
     @property
     def load_steps(self) -> int:
         """Steps of load that are tried at most where the problem is not linear."""
+        return 1
 
     @property
     def loaded(self) -> bool:
         """Whether there is any load."""
+        return bool(self.scene.loads)
 
     @property
     def loaded_inside(self) -> bool:
@@ -111,21 +117,29 @@ class Problem(Protocol):
         """
 
     def add_nodal_load_rates(self, dX: np.ndarray, out: np.ndarray) -> None:
-        """Add the rates of the loads of `add_nodal_loads` when nodes move with rates dX (n, d) to `out` (n, f)."""
+        """Take the rates of the loads of `add_nodal_loads`, when nodes move with dX (n, d), from `out` (n, f)."""
 
     def objection(self, x: np.ndarray) -> str:
         """What speaks against unknowns x (n, f) that solve the equations, for people; empty where nothing does."""
+        return ""
 
     def fields(self, x: np.ndarray) -> Fields:
         """What a recording shows of the unknowns x (n, f)."""
 
-    @staticmethod
-    def traits(plan: Plan) -> Traits:
-        """What it declares of its linear systems under a plan."""
+    @classmethod
+    def traits(cls, plan: Plan) -> Traits:
+        """What it declares of its linear systems under a plan; by default that rigid motions are nothing special."""
+        fields = sum(len(one.components) for one in cls.unknowns)
+        return Traits(symmetric=cls.symmetric, fields=fields, rigid_motions=False)
 
-    @staticmethod
-    def blank_fields(space: Space) -> Fields:
-        """The same fields, all NaN, on a space that has not been solved on."""
+    @classmethod
+    def blank_fields(cls, space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on: the unknowns, and scalars of the cells."""
+        shapes = {
+            one.name: (len(space.X), *([len(one.components)] * (len(one.components) > 1))) for one in cls.unknowns
+        }
+        cells = {name: np.full(len(space.cells), np.nan) for name in cls.cell_scalars}
+        return {name: np.full(shape, np.nan) for name, shape in shapes.items()}, cells
 
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates quantities of the unknowns x (n, f).
@@ -146,7 +160,10 @@ class PrestressedProblem(Problem, Protocol):
 
 
 class Inertia(Protocol):
-    """What quantities of a motion need of a mass matrix."""
+    """What quantities of a motion need of a mass, or capacity, matrix."""
+
+    def apply(self, v: np.ndarray) -> np.ndarray:
+        """M v (n, f) of nodal values v (n, f)."""
 
     def energies(self, v: np.ndarray) -> np.ndarray:
         """Kinetic energies (ne,) of the cells at the rates v (n, f)."""
@@ -163,9 +180,18 @@ class TransientProblem(Problem, Protocol):
     name_in_time: str = ""
     time_step_key: str
 
+    def initial(self) -> np.ndarray:
+        """The unknowns (n, f) at time 0; what is prescribed is so from the first step on."""
+        return self.boundary.values.copy()
+
     @staticmethod
     def time_integration(plan: Plan, before: TimeIntegration | None, now: float) -> TimeIntegration:
         """How it is integrated under a plan; `before` is how it was until the time `now` [s]."""
+
+    @staticmethod
+    def accounts_energy(quantities: Mapping[str, Quantity]) -> bool:
+        """Whether one of these quantities asks for `Motion.edit` or `Motion.remesh`."""
+        return False
 
     def motion_observer(self, quantities: Mapping[str, Quantity], mass: Inertia) -> Observer:
         """What evaluates quantities of unknowns x (n, f) and a `fem.time_integration.Motion`."""

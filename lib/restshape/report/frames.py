@@ -88,6 +88,7 @@ def title(figure: Figure, recording: Recording, scenery: Scenery, size: float = 
     meaning += "   ·   red: goal" * bool(scenery.goals)
     name = shorten(scene_name(recording), room, placeholder=" …")
     gap = "   ·   " if len(name) + len(meaning) + 7 <= room else "\n"
+    gap *= bool(meaning)
     figure.suptitle(name + gap + meaning, color=INK, fontsize=size)
 
 

@@ -8,15 +8,17 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgba
 
+from restshape.application import applications
 from restshape.errors import UserError
 from restshape.physics.elasticity.goal import Goal
 from restshape.physics.elasticity.target_curves import goal_curve
 from restshape.replay.recording import Recording
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.style import BODY, COLOURS, GOAL, INK, MESH, length_unit, scaled_unit, si
+from restshape.scene.physics import PictureField
 
 SHARE = 0.08
-FIELD_NAMES = {"von_mises": ("von Mises stress of the cells", "Pa")}
+UNNAMED = PictureField("", "")
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,9 @@ class Scenery:
         scale: exaggeration of the displacement.
         largest: displacement [m].
         extent: xmin, xmax, ymin, ymax of everything drawn [m].
-        field: cell field that gives the colour, or None.
+        field: scalar field that gives the colour, or None.
+        look: its label and unit.
+        deforms: a displacement is recorded.
         top: value [field's unit] at the top of the colour bar; ``clipped`` if there are higher ones.
         bottom: value at its bottom.
         goals: curves (m, 2) [m] that the deformed shape should meet; drawn as they are.
@@ -41,6 +45,8 @@ class Scenery:
     top: float
     clipped: bool
     goals: tuple[np.ndarray, ...] = ()
+    look: PictureField = UNNAMED
+    deforms: bool = True
 
     @property
     def unit(self) -> tuple[float, str]:
@@ -50,13 +56,14 @@ class Scenery:
     @property
     def colour(self) -> tuple[float, str]:
         """Factor of the field's values and the label of the colour bar."""
-        name, unit = FIELD_NAMES.get(self.field or "", (self.field or "", ""))
-        factor, shown = scaled_unit(max(abs(self.bottom), abs(self.top)), unit)
-        return factor, f"{name} [{shown}]" if shown else name
+        factor, shown = scaled_unit(max(abs(self.bottom), abs(self.top)), self.look.unit)
+        return factor, f"{self.look.label} [{shown}]" if shown else self.look.label
 
     @property
     def deformation(self) -> str:
-        """What the title says of the deformed shape."""
+        """What the title says of the deformed shape; empty where there is no displacement in the recording."""
+        if not self.deforms:
+            return ""
         if not self.largest:
             return "no displacement"
         return f"deformation ×{self.scale:.3g}, largest displacement {si(self.largest, 'm')}"
@@ -95,7 +102,7 @@ class Drawing:
         self.body.set_verts(polygons(x, cells))
         self.rest.set_segments(factor * lines(X, border(cells)))
         if scenery.field:
-            self.body.set_array(np.ma.masked_invalid(scenery.colour[0] * recording.field(i, scenery.field)))
+            self.body.set_array(np.ma.masked_invalid(scenery.colour[0] * by_cell(recording, i, scenery.field)))
 
 
 def scenery(recording: Recording, frames: np.ndarray, scale: float | None = None) -> Scenery:
@@ -111,7 +118,7 @@ def scenery(recording: Recording, frames: np.ndarray, scale: float | None = None
     """
     if recording.dimension != 2:
         raise UserError("pictures can be drawn of shapes in the plane only", str(recording.path), "open it in ParaView")
-    field = _colour_field(recording)
+    field, look = _colour_field(recording)
     low, high, values, largest = [], [], [], 0.0
     for i in frames:
         X = recording.points(i)
@@ -119,7 +126,7 @@ def scenery(recording: Recording, frames: np.ndarray, scale: float | None = None
         high.append(X.max(axis=0))
         largest = max(largest, float(np.hypot(*displacement(recording, i).T).max(initial=0.0)))
         if field:
-            values.append(recording.field(i, field))
+            values.append(by_cell(recording, i, field))
     size = float(np.max(np.max(high, axis=0) - np.min(low, axis=0)))
     goals = goals_of(recording)
     if scale is None and goals:
@@ -136,7 +143,16 @@ def scenery(recording: Recording, frames: np.ndarray, scale: float | None = None
     (xmin, ymin), (xmax, ymax) = np.min(low, axis=0) - margin, np.max(high, axis=0) + margin
     extent = (float(xmin), float(xmax), float(ymin), float(ymax))
     known = any(np.isfinite(value).any() for value in values)
-    return Scenery(scale, largest, extent, field if known else None, *_colour_range(values), goals)
+    return Scenery(
+        scale,
+        largest,
+        extent,
+        field if known else None,
+        *_colour_range(values, look.from_zero),
+        goals,
+        look,
+        "displacement" in recording.fields,
+    )
 
 
 def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:
@@ -146,20 +162,35 @@ def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:
     return tuple(goal_curve(Goal.model_validate(goal)) for goal in given.values())
 
 
-def _colour_field(recording: Recording) -> str | None:
-    scalars = [name for name, info in recording.fields.items() if info.where == "cell_data" and not info.components]
-    return "von_mises" if "von_mises" in scalars else next(iter(scalars), None)
+def by_cell(recording: Recording, i: int, field: str) -> np.ndarray:
+    """A scalar field of frame i, a value a cell (ne,): of one at nodes the mean of the corners."""
+    values = recording.field(i, field)
+    return values if recording.fields[field].where == "cell_data" else values[recording.mesh(i)[1][:, :3]].mean(axis=1)
 
 
-def _colour_range(values: list[np.ndarray]) -> tuple[float, float, bool]:
+def _colour_field(recording: Recording) -> tuple[str | None, PictureField]:
+    """The field that gives the colour, and how it looks: the first that a physics names, else any of the cells."""
+    scalars = {name: info.where for name, info in recording.fields.items() if not info.components}
+    app = applications().get(recording.header.get("app"))
+    for one in app.physics if app else ():
+        for name, look in one.pictured.items():
+            if name in scalars:
+                return name, look
+    first = next((name for name, where in scalars.items() if where == "cell_data"), None)
+    return first, PictureField(first or "", "")
+
+
+def _colour_range(values: list[np.ndarray], from_zero: bool) -> tuple[float, float, bool]:
     """Bottom, top, and whether some values lie above: a corner's singular stress must not darken all the rest."""
     finite = np.concatenate(values) if values else np.zeros(0)
     finite = finite[np.isfinite(finite)]
     if not len(finite) or finite.max() == finite.min() == 0:
         return 0.0, 1.0, False
-    bottom, top = min(0.0, float(finite.min())), float(finite.max())
+    bottom, top = float(finite.min()), float(finite.max())
+    if from_zero:
+        bottom = min(0.0, bottom)
     usual = float(np.percentile(finite, 99.5))
-    if usual > 0 and top > 3 * usual:
+    if from_zero and usual > 0 and top > 3 * usual:
         return bottom, usual, True
     return bottom, top if top > bottom else bottom + 1.0, False
 

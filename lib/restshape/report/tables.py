@@ -1,24 +1,16 @@
 """What a recording says in numbers: time a level, quantities; and tables in Markdown."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
 
+from restshape.application import applications
 from restshape.replay.recording import Recording
 from restshape.replay.summary import percentiles
-
-QUANTITY_UNITS = {
-    "displacement": "m",
-    "reaction": "N",
-    "stress": "Pa",
-    "energy": "J",
-    "area": "m²",
-    "distance": "m",
-    "sag": "m",
-    "mass": "kg",
-    "length": "m",
-}
+from restshape.scene.quantity import CORE
+from restshape.scene.units import SYMBOLS
 
 
 def column(recording: Recording, name: str, default: float = np.nan) -> np.ndarray:
@@ -131,7 +123,15 @@ def quantity_units(header: Mapping[str, Any]) -> dict[str, str]:
     """Quantity -> unit, as far as the scene in the header tells."""
     scene = header.get("scene_values")
     given = scene.get("quantities", {}) if isinstance(scene, Mapping) else {}
-    return {name: next((QUANTITY_UNITS[k] for k in spec if k in QUANTITY_UNITS), "") for name, spec in given.items()}
+    units = kind_units()
+    return {name: next((units[key] for key in spec if key in units), "") for name, spec in given.items()}
+
+
+@cache
+def kind_units() -> dict[str, str]:
+    """Units of the kinds of quantities that installed applications know."""
+    known = [CORE, *(one.quantities for app in applications().values() for one in app.physics)]
+    return {key: SYMBOLS[kind.dimension].replace("^2", "²") for kinds in known for key, kind in kinds.items()}
 
 
 def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], right: Sequence[str] = ()) -> str:

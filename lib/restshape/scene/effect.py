@@ -52,6 +52,7 @@ class Effect:
         required: the application makes no sense without it.
         fixed: the analysis is another one with it, so that an edit can switch it neither on nor off.
         drives: it loads the body or sets it in motion.
+        transient: a frame goes on from the one before it, so that none can be left out.
         quantities: kinds of quantities that there are with it only.
         kernels: how the names of elements begin that are there for it alone.
         carries: effects whose work is done again for what this one adds: its price is that of a scene without them.
@@ -62,6 +63,7 @@ class Effect:
     required: bool = False
     fixed: bool = False
     drives: bool = False
+    transient: bool = False
     quantities: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
     carries: tuple[str, ...] = ()

@@ -70,6 +70,21 @@ class Invariant:
     do: str
 
 
+@dataclass(frozen=True)
+class PictureField:
+    """A scalar field that pictures of the plane show by colours.
+
+    Args:
+        label: for people.
+        unit: SI unit of its values.
+        from_zero: colours begin at 0; else at the smallest value.
+    """
+
+    label: str
+    unit: str
+    from_zero: bool = True
+
+
 @dataclass(frozen=True, eq=False)
 class Physics:
     """One physics, as scenes know it.
@@ -90,6 +105,7 @@ class Physics:
         effects: by name; an application takes all or some.
         implied: parts that follow from a scene without being named, by name.
         invariants: what cannot change during an edit.
+        pictured: fields of recordings that pictures show, by name, the most telling first.
         orders: of elements; the usual one first.
         layered: bodies have a thickness of their own with layers of elements over it.
         nested: its fields, of first order, may live on a mesh nested in coarser ones.
@@ -115,6 +131,7 @@ class Physics:
     effects: Mapping[str, Effect] = field(default_factory=dict)
     implied: Mapping[str, Implied] = field(default_factory=dict)
     invariants: tuple[Invariant, ...] = ()
+    pictured: Mapping[str, PictureField] = field(default_factory=dict)
     orders: tuple[int, ...] = (1,)
     layered: bool = False
     nested: bool = False

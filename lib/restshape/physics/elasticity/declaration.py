@@ -12,7 +12,7 @@ from restshape.physics.elasticity.solver_plan import solid_plan, vibration_plan
 from restshape.scene.implied import REGIONS
 from restshape.scene.load_kind import AREAS, CURVES, POINTS, LoadKind
 from restshape.scene.model import Scene
-from restshape.scene.physics import Invariant, Physics, Section
+from restshape.scene.physics import Invariant, Physics, PictureField, Section
 from restshape.scene.quantity import QuantityKind
 from restshape.scene.values import value_of
 
@@ -91,6 +91,7 @@ PLANE_SOLIDS = Physics(
             "make it two scenes, or give the load in both and set it to 0",
         ),
     ),
+    pictured={"von_mises": PictureField("von Mises stress of the cells", "Pa")},
     orders=(1, 2),
     check=check_solids,
     check_shape="restshape.physics.elasticity.outline_checks:check_supports",

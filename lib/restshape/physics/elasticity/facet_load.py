@@ -48,7 +48,7 @@ class FacetLoad:
             params[:, 0:2], params[:, 2:4] = samples.at_ends(given)
         elif self.load.pressure is not None:
             value = Nodal(self.load.pressure, self.parameters, f"{where}.pressure")
-            params[:, 4], params[:, 5] = samples.at_ends([value(at) for at in places])
+            params[:, 4], params[:, 5] = samples.ends_of(value, X)
         if self.load.force is not None and len(self.facets):
             at, along = samples.at_points(X)
             weights = np.linalg.norm(along, axis=2) * LENGTH_RULE[1]
@@ -75,7 +75,7 @@ class FacetLoad:
             out[:, 0:2], out[:, 2:4] = samples.at_ends(given)
         elif spec.pressure is not None:
             value = Nodal(spec.pressure, self.parameters, f"{where}.pressure")
-            out[:, 4], out[:, 5] = samples.at_ends([value.rate(*place) for place in places])
+            out[:, 4], out[:, 5] = samples.end_rates_of(value, X, dX)
         if spec.force is not None and len(self.facets):
             out[:, 0:2] = out[:, 2:4] = self._total_force_rate(X, dX)
         return out

@@ -22,6 +22,7 @@ from restshape.fem.problem import (
     STIFFNESS,
     Fields,
     Inertia,
+    TransientProblem,
     Unknown,
 )
 from restshape.fem.quantity import Observer
@@ -41,8 +42,8 @@ from restshape.scene.plan import Plan
 MASSES = {CONSISTENT: "mass", LUMPED: "lumped_mass"}
 
 
-class PlaneSolid:
-    """Elasticity of one scene on one space, a `fem.problem.Problem`.
+class PlaneSolid(TransientProblem):
+    """Elasticity of one scene on one space, a `fem.problem.TransientProblem`.
 
     The law is linear, or that of St. Venant and Kirchhoff under the effect `large_deformation`: pressures then act on
     the deformed boundary; all other loads are dead.
@@ -67,6 +68,7 @@ class PlaneSolid:
 
     name, name_in_time, time_step_key = "solid", "motion", "effects.dynamics.time_step"
     unknowns = (Unknown("displacement", "m", ("x", "y")),)
+    cell_scalars = ("von_mises",)
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
         shape, model = SHAPES[space.cells.shape[1]][0], plan.settings("solid").model
@@ -184,11 +186,6 @@ class PlaneSolid:
         """Displacement [m] of the nodes, equivalent stress [Pa] of the cells, at x (n, 2) [m]."""
         return {"displacement": x}, {"von_mises": von_mises(self.stresses.cauchy(x))}
 
-    @staticmethod
-    def blank_fields(space: Space) -> Fields:
-        """The same fields, all NaN, on a space that has not been solved on."""
-        return {"displacement": np.full((len(space.X), 2), np.nan)}, {"von_mises": np.full(len(space.cells), np.nan)}
-
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates quantities of a displacement x (n, 2) [m].
 
@@ -212,6 +209,11 @@ class PlaneSolid:
         if ground is not None:
             excitation = GroundMotion(ground, before.excitation if before else None, now)
         return TimeIntegration(scheme, settings.steps, Rayleigh.of(plan.settings("damping")), excitation)
+
+    @staticmethod
+    def accounts_energy(quantities: Mapping[str, Quantity]) -> bool:
+        """Whether one of these quantities is the work of edits, or what new meshes have added."""
+        return any(quantity.energy in ("edit", "remesh") for quantity in quantities.values())
 
     def motion_observer(self, quantities: Mapping[str, Quantity], mass: Inertia) -> Observer:
         """What evaluates quantities of a displacement x (n, 2) [m] and a `fem.time_integration.Motion`.

@@ -1,0 +1,17 @@
+"""Bodies in the plane that conduct heat: heat sinks, walls, pipes, steady or in time.
+
+Quantities of interest: temperatures, means and extremes, and the heat that leaves by an edge.
+"""
+
+from pathlib import Path
+
+from restshape.application import Application
+from restshape.physics.heat.declaration import HEAT
+
+application = Application(
+    name="thermal",
+    summary="bodies in the plane that conduct heat",
+    folder=Path(__file__).parent,
+    physics=(HEAT,),
+    analysis="restshape.physics.heat.analyses:heat_analysis",
+)

@@ -1,0 +1,1 @@
+"""Conduction of heat in the plane, steady and in time."""

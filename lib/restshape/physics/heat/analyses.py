@@ -1,0 +1,14 @@
+"""The analysis of conduction that a plan calls for."""
+
+from restshape.analysis.analysis import Analysis, Context
+from restshape.analysis.steady import SteadyAnalysis
+from restshape.analysis.transient import TransientAnalysis
+from restshape.physics.heat.conduction import HeatConduction
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+
+def heat_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis:
+    """The temperature in time where heat is stored, else the steady one; arguments as of any `Analysis`."""
+    make = TransientAnalysis if plan.on("storage") else SteadyAnalysis
+    return make(scene, plan, context, HeatConduction)

@@ -1,0 +1,90 @@
+"""What scenes of heat conduction may say."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from restshape.scene.effect import Effect
+from restshape.scene.implied import On
+from restshape.scene.load_kind import AREAS, CURVES, LoadKind
+from restshape.scene.model import Material, Scene
+from restshape.scene.physics import Invariant, Physics, PictureField
+from restshape.scene.quantity import QuantityKind
+from restshape.scene.solver import DEFINITE, SolverPlan, System
+from restshape.scene.units import declare_dimension
+from restshape.scene.values import Strict, number_of, value_of
+
+CONDUCTIVITY = declare_dimension("conductivity", "W/(m K)", "50 W/(m K)")
+SPECIFIC_HEAT = declare_dimension("specific heat", "J/(kg K)", "900 J/(kg K)")
+HEAT_FLUX = declare_dimension("heat flux", "W/m^2", "5 kW/m^2")
+HEAT_SOURCE = declare_dimension("heat source", "W/m^3", "2 MW/m^3")
+FILM = declare_dimension("film coefficient", "W/(m^2 K)", "25 W/(m^2 K)")
+
+
+class ThermalMaterial(Material):
+    """``[material.NAME]``: what conducts heat, and with density and specific heat stores it."""
+
+    conductivity: Annotated[number_of(CONDUCTIVITY), Field(gt=0)]
+    specific_heat: Annotated[number_of(SPECIFIC_HEAT), Field(ge=0)] = 0.0
+    rho: Annotated[number_of("density"), Field(ge=0)] = 0.0
+    thickness: Annotated[number_of("length"), Field(gt=0)] = 1.0
+
+
+class Convection(Strict):
+    """``{ film = ..., ambient = ... }``: film (T - ambient) leaves by each unit of area."""
+
+    film: Annotated[number_of(FILM), Field(ge=0)]
+    ambient: value_of("temperature")
+
+
+class Storage(Strict):
+    """``[effects.storage]``: the temperature in time by the theta method; the first frame shows it at time 0.
+
+    ``steps`` steps of ``time_step`` [s] a frame; ``theta`` is 1 for backward Euler, 1/2 for Crank and Nicolson.
+    """
+
+    time_step: Annotated[number_of("time"), Field(gt=0)]
+    steps: Annotated[int, Field(ge=1)] = 1
+    theta: Annotated[float, Field(ge=0.5, le=1)] = 1.0
+    initial: number_of("temperature")
+    capacity: Literal["consistent", "lumped"] = "consistent"
+
+
+def heat_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
+    """Which equations conduction makes, and which solver they get."""
+    system = System("temperature", DEFINITE, "cg", "cholesky", "heat flows from warm to cold alone")
+    frame = "one matrix for all time steps of a frame" if "storage" in on else "one solve a frame"
+    return SolverPlan("linear", (system,), f"conductivity does not depend on temperature: {frame}")
+
+
+def convections(scene: Scene, on: On) -> dict[str, list[str]]:
+    """Where each convection acts: the pattern of the matrix depends on it."""
+    return {name: list(load.on) for name, load in scene.loads.items() if load.kind == "convection"}
+
+
+HEAT = Physics(
+    name="heat",
+    summary="conduction of heat in the plane, steady and in time",
+    solver=heat_plan,
+    material=ThermalMaterial,
+    materials={"aluminium": {"conductivity": 167.0, "specific_heat": 896.0}},
+    boundary={"temperature": "temperature"},
+    loads={
+        "source": LoadKind(value_of(HEAT_SOURCE), AREAS, "heat [W/m^3] set free inside"),
+        "flux": LoadKind(value_of(HEAT_FLUX), CURVES, "heat [W/m^2] that enters by an edge"),
+        "convection": LoadKind(Convection, CURVES, "heat that leaves by an edge to an ambient"),
+    },
+    quantities={
+        "temperature": QuantityKind(Literal[True], "temperature", "mean"),
+        "heat_flow": QuantityKind(Literal[True], "power", "sum", summary="heat that leaves by an edge"),
+    },
+    effects={
+        "storage": Effect(
+            Storage, "heat that is stored: the temperature in time", fixed=True, transient=True, kernels=("heat_cap",)
+        ),
+    },
+    invariants=(Invariant(convections, "where convection acts cannot change", "set its film to 0 instead"),),
+    pictured={"temperature": PictureField("temperature", "K", from_zero=False)},
+    orders=(2, 1),
+)

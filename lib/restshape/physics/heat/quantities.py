@@ -1,0 +1,65 @@
+"""Quantities of interest of conduction: temperatures, and heat that flows through edges."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from restshape.fem.balance import unconstrained_residual
+from restshape.fem.entity_sets import cells_around, observed_nodes
+from restshape.fem.problem import Inertia, Problem
+from restshape.fem.quantity import Function, area, cells_at, reduction
+from restshape.fem.time_integration import Motion
+from restshape.physics.heat.surface import SurfaceHeat
+from restshape.scene.model import Quantity
+
+Surfaces = Sequence[SurfaceHeat]
+
+
+def heat_quantity(
+    problem: Problem, surfaces: Surfaces, capacity: Inertia | None, name: str, quantity: Quantity
+) -> Function:
+    """The function of the temperature x (n, 1) [K] that a quantity of this name is.
+
+    Args:
+        problem: on the space whose nodes are looked at; surfaces: its fluxes and convections.
+        capacity: of what changes in time; None: it is steady.
+        name: of the quantity in the scene.
+        quantity: what is asked for.
+
+    Raises:
+        UserError: there is nothing where it is asked for.
+    """
+    space = problem.space
+    if quantity.kind == "area":
+        cells = cells_at(space, name, quantity)
+        return lambda x, *_: area(space, cells)
+    nodes = observed_nodes(space, name, quantity, placed=quantity.kind == "heat_flow")
+    if quantity.kind == "heat_flow":
+        return _heat_flow(problem, surfaces, capacity, quantity.at)
+    reduce = reduction(space, quantity, nodes)
+    return lambda x, *_: reduce(x[nodes, 0])
+
+
+def _heat_flow(problem: Problem, surfaces: Surfaces, capacity: Inertia | None, edge: str) -> Function:
+    """Heat [W] that leaves by an edge: by its fluxes and convections, and where its temperature is fixed.
+
+    A node where two such edges meet counts for both.
+    """
+    index = problem.space.facets_of(edge)
+    facets = problem.space.facets[index]
+    fixed = np.unique(facets[problem.boundary.mask[facets, 0].all(axis=1)])
+    parts = [(part, np.flatnonzero(np.isin(part.index, index)).astype(np.int32)) for part in surfaces]
+    own = [(part, chosen) for part, chosen in parts if len(chosen)]
+
+    def value(x: np.ndarray, *motion: Motion) -> float:
+        out = np.zeros_like(x)
+        for part, chosen in own:
+            part.integral().add_residual(x, out, chosen)
+        if not len(fixed):
+            return out.sum()
+        balance = unconstrained_residual(problem, x, cells_around(problem.space, fixed))
+        if capacity is not None:
+            balance += capacity.apply(motion[0].v)
+        return out.sum() - balance[fixed].sum()
+
+    return value

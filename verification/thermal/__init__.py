@@ -1,0 +1,18 @@
+"""What verifies the conduction of heat."""
+
+from restshape_studies.verification import StudyParameter, Verification
+
+verification = Verification(
+    validation="restshape_verification.thermal.validation:CASES",
+    hard_cases="restshape_verification.thermal.stability:CASES",
+    parameters=(
+        StudyParameter(
+            "effects.storage.time_step",
+            factors=(2.0, 0.5),
+            reference=0.25,
+            against="effects.storage.steps",
+            effect="storage",
+        ),
+        StudyParameter("effects.storage.capacity", ("consistent", "lumped"), reference="consistent", effect="storage"),
+    ),
+)
