@@ -17,8 +17,8 @@ from restshape.scene.values import Strict, number_of, value_of
 
 CONDUCTIVITY = declare_dimension("conductivity", "W/(m K)", "50 W/(m K)")
 SPECIFIC_HEAT = declare_dimension("specific heat", "J/(kg K)", "900 J/(kg K)")
-HEAT_FLUX = declare_dimension("heat flux", "W/m^2", "5 kW/m^2")
-HEAT_SOURCE = declare_dimension("heat source", "W/m^3", "2 MW/m^3")
+HEAT_FLUX = declare_dimension("heat flux", "W/m^2", "2 kW/m^2")
+HEAT_SOURCE = declare_dimension("heat source", "W/m^3", "1 MW/m^3")
 FILM = declare_dimension("film coefficient", "W/(m^2 K)", "25 W/(m^2 K)")
 
 
