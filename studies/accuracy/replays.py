@@ -273,7 +273,7 @@ class Afresh:
         analysis.solve(Frame(replay.moving.field_mesh, none, None, scene, (None, (0.0, 0.0)), settled=True))
         row = {f"q_{name}": value for name, value in analysis.observe().items()}
         for name, quantity in scene.quantities.items():
-            if quantity.mode is not None:
+            if quantity.kind == "mode":
                 # The number that a mode was followed by is not known from nothing, its place among the others is.
                 place = np.flatnonzero(kept.numbers == quantity.mode)
                 row[f"q_{name}"] = analysis.frequencies[place[0]] if len(place) else np.nan

@@ -30,7 +30,7 @@ def test_round_trip_bit_for_bit(plate):
             assert np.array_equal(cells, frame["cells"]) and cells.dtype == np.int32
             for name in ("displacement", "von_mises"):
                 assert np.array_equal(recording.field(i, name), frame[name])
-            for name in ("index", "t", "do", "level", "iterations", "ms", "refused", "q_tip"):
+            for name in ("index", "t", "event", "level", "iterations", "ms", "refused", "q_tip"):
                 assert recording.table[name][i] == frame[name]
         assert np.isnan(recording.table["min_quality"]).all()
         assert np.array_equal(recording.mesh(-1)[0], known[-1]["points"])

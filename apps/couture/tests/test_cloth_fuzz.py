@@ -29,7 +29,7 @@ def test_scenes_are_of_all_kinds(tmp_path):
         assert scene.app == known.name
         seen.update(body.kind for body in scene.bodies.values())
         seen.update(list(scene.effects))
-        seen.update([scene.effects["cloth"]["bending"], scene.effects["drape"]["way"]])
+        seen.update([scene.effects["cloth"]["bending"], scene.effects["drape"]["strategy"]])
         seen.update({"start": scene.start is not None, "nested": scene.mesh.levels > 1, "bare": not scene.supports})
 
     look_at_drawn(tuples(cloth_scenes()), 150, tmp_path, look)

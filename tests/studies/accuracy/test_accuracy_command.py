@@ -153,4 +153,4 @@ def test_closed_forms_are_formulas_of_parameters(tmp_path, capsys):
     assert "cannot name x or y" in capsys.readouterr().err
     scene.write_text(text.replace("x*2", "P*2"))
     assert main(["check", str(scene)]) == 2
-    assert "quantities.energy.exact" in capsys.readouterr().err
+    assert "quantities.energy.reference" in capsys.readouterr().err
