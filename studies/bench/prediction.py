@@ -128,7 +128,7 @@ def measure(request: Request) -> Row:
         if not (found["predicted"] and found["level"]) or true["refused"]:
             continue
         x, exact = (answer(replay.analysis) for replay in (ahead, behind))
-        way.append(ahead.prediction.way)
+        way.append(ahead.prediction.distance)
         size = float(np.linalg.norm(exact))
         error.append(float(np.linalg.norm(x - exact)) / size if size > 0.0 else 0.0)
         for name in names:

@@ -30,7 +30,7 @@ def test_a_cantilever(tmp_path, on_ranks, bending):
     scene = write_cloth(tmp_path, CLAMP, TIP)
     edits = tmp_path / "edits.jsonl"
     edits.write_text(
-        '{"format": "on_ranks-edits", "version": 1, "scene": "cloth.toml", "units": "m"}\n'
+        '{"format": "restshape-edits", "version": 1, "scene": "cloth.toml", "units": "m"}\n'
         '{"t": 0, "do": "press", "on": "c"}\n{"t": 0.1, "do": "drag", "to": [1.02, 1.01], "frames": 2}\n'
     )
     words = ("--edits", edits, "--parity", "--set", "effects.drape.tolerance=1e-7", "--set", "mesh.size=0.2")

@@ -52,6 +52,13 @@ class PredictedFrames:
         self.shown = False
         self.note = ""
         self._before: np.ndarray | None = None
+        self._c = (0.0, 0.0)
+
+    @property
+    def distance(self) -> float:
+        """How far the hand is from where the predictions start, in its coefficients."""
+        start = self.made.c if self.made is not None else self._c
+        return float(np.hypot(self._c[0] - start[0], self._c[1] - start[1]))
 
     @property
     def predicted(self) -> np.ndarray | None:
@@ -65,7 +72,7 @@ class PredictedFrames:
             return False
         if edit.change == "move":
             self.predictor.set_values(made(edit.c))
-            self.shown = True
+            self._c, self.shown = edit.c, True
         return self.shown and edit.change in ("move", "none")
 
     def start(self, edit: EditFrame) -> None:
