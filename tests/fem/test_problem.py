@@ -15,7 +15,16 @@ from restshape.physics.elasticity.vibrating_solid import VibratingSolid
 from restshape.physics.plates.vibrating_plate import VibratingPlate
 
 # Cloth is loaded by weight and contact alone, which are internal; what it is made of comes without its scene.
-OF_LOADS = {"load_steps", "loaded", "loaded_inside", "add_nodal_loads", "add_nodal_load_rates", "objection", "scene", "cell_scalars"}
+OF_LOADS = {
+    "load_steps",
+    "loaded",
+    "loaded_inside",
+    "add_nodal_loads",
+    "add_nodal_load_rates",
+    "objection",
+    "scene",
+    "cell_scalars",
+}
 
 
 def members(protocol: type) -> set[str]:

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+from counted import begin_log, kernels, watched
 from restshape_apps.thermal import application
 
 SCENE = application.folder / "scenes" / "fins.toml"
@@ -27,3 +28,10 @@ def test_the_sink_loses_what_the_chip_gives_in_every_frame(restshape, tmp_path):
     quantities = json.loads((tmp_path / "out.json").read_text())["quantities"]
     np.testing.assert_allclose(quantities["chip_heat"], -60.0, rtol=1e-9)
     np.testing.assert_allclose(quantities["air_heat"], 60.0, rtol=1e-5)
+
+
+def test_storage_that_no_scene_asks_for_is_absent():
+    begin_log()
+    stored = 'effects.storage={time_step="10 s", initial="300 K"}'
+    steady, in_time = (kernels(watched(SCENE, EDITS, overrides)[0]) for overrides in ((), (stored,)))
+    assert not any("capacity" in name for name in steady) and any("capacity" in name for name in in_time)
