@@ -11,7 +11,7 @@ COLUMNS = {
     "index": "i4",
     "t": "f8",
     "line": "i4",
-    "do": "str",
+    "event": "str",
     "level": "i4",
     "flips": "i4",
     "min_quality": "f8",
@@ -66,7 +66,7 @@ def record_plate(path: Path, frames: int = 12, remesh_every: int = 4) -> list[di
             row = {
                 "index": i,
                 "t": i / 60,
-                "do": "drag",
+                "event": "drag",
                 "level": level,
                 "iterations": 2 + i % 5,
                 "ms": 1.0 + i,

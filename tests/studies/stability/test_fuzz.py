@@ -9,11 +9,11 @@ from restshape_studies.bench.job import ending
 from restshape_studies.stability.batch import Batch
 from restshape_studies.stability.example import Example
 from restshape_studies.stability.fuzz import fuzz
+from restshape_studies.verification import verifications
 
-from restshape.application import applications
 from restshape.cli.main import main
 
-APPS = tuple(applications())
+APPS = tuple(app for app, known in verifications().items() if known.random_scenes)
 
 
 @pytest.fixture(scope="module")
