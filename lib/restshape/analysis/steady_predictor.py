@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -11,11 +11,18 @@ from restshape.fem.problem import Problem
 from restshape.sensitivity.static import design_derivative
 
 
+class Predictable(Protocol):
+    """A state that knows whether it is a prediction."""
+
+    @property
+    def predicted(self) -> bool: ...
+
+
 class Steady(Protocol):
     """What is predicted: an analysis whose state has unknowns `x` (n, f), a `problem`, and tells a prediction."""
 
-    state: Any
-
+    @property
+    def state(self) -> Predictable: ...
     @property
     def problem(self) -> Problem: ...
     @property

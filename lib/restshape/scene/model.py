@@ -176,7 +176,7 @@ class Material(Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _take_the_named(cls, raw: Any) -> Any:
+    def _take_the_named(cls, raw: object) -> object:
         return named(raw, cls.known, cls.model_fields)
 
 

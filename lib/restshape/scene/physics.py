@@ -142,7 +142,7 @@ class Physics:
     summed: Callable[[Scene, Any, float], tuple[dict[str, Any], Rows]] | None = None
     instead: Mapping[str, str] = field(default_factory=dict)
 
-    def checked_shape(self, scene: Scene, outline: Any) -> None:
+    def checked_shape(self, scene: Scene, outline: object) -> None:
         """Makes sure that a scene makes sense on its first outline.
 
         Raises:

@@ -36,7 +36,7 @@ class QuantityKind:
     reductions: tuple[str, ...] = ()
 
     @property
-    def meaning(self) -> tuple[Any, ...]:
+    def meaning(self) -> tuple[str, str, bool]:
         """What it is in all physics that have it: they may differ in what may be chosen."""
         return self.dimension, self.reduce, self.whole
 
@@ -85,14 +85,14 @@ class Quantity(Strict):
 
     @field_validator("max", "min", mode="before")
     @classmethod
-    def _read_limit(cls, raw: Any, info: ValidationInfo) -> float:
+    def _read_limit(cls, raw: float | str, info: ValidationInfo) -> float:
         """The largest or smallest value of a quantity that holds, in the unit of its kind."""
         kind = next((kind for kind in cls.kinds if info.data.get(kind) is not None), None)
         return quantity(raw, cls.kinds[kind].dimension if kind else None)
 
     @field_validator("reference", mode="before")
     @classmethod
-    def _read_reference(cls, raw: Any, info: ValidationInfo) -> Value:
+    def _read_reference(cls, raw: Expression | float | str, info: ValidationInfo) -> Value:
         """The value of a quantity by a closed form, a formula or a number in the unit of its kind."""
         if isinstance(raw, Expression) or (isinstance(raw, str) and not reads_as_quantity(raw)):
             return raw if isinstance(raw, Expression) else Expression(raw)
@@ -110,7 +110,7 @@ class Quantity(Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _reduce_as_usual(cls, raw: Any) -> Any:
+    def _reduce_as_usual(cls, raw: object) -> object:
         raw = by_todays_names(raw, cls.renamed)
         if isinstance(raw, dict) and "reduce" not in raw:
             kind = next((kind for kind in cls.kinds if kind in raw), None)

@@ -37,12 +37,12 @@ class Strict(BaseModel):
     renamed: ClassVar[Mapping[str, str]] = {}
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
         OLD_NAMES.update(cls.renamed)
 
     @model_validator(mode="before")
     @classmethod
-    def _read_old_names(cls, raw: Any) -> Any:
+    def _read_old_names(cls, raw: object) -> object:
         return by_todays_names(raw, cls.renamed)
 
 
@@ -81,7 +81,7 @@ class InSI(Measured):
 
     formula: bool = False
 
-    def read(self, raw: Any) -> Value:
+    def read(self, raw: Value | str) -> Value:
         """The value of what a user has written."""
         if self.formula and isinstance(raw, Expression):
             return raw
@@ -135,7 +135,7 @@ def value_of(dimension: str) -> Any:
     return Annotated[float | Expression, InSI(dimension, formula=True)]
 
 
-def _read_name(raw: Any) -> str:
+def _read_name(raw: object) -> str:
     """The name, if it may name something."""
     if not isinstance(raw, str):
         raise UnitError(f"a name is wanted here, not {raw!r}")
@@ -146,7 +146,7 @@ def _read_name(raw: Any) -> str:
     return raw
 
 
-def _read_entities(raw: Any) -> list[str]:
+def _read_entities(raw: object) -> list[str]:
     """One name or several, as a list."""
     names = [raw] if isinstance(raw, str) else raw
     if not isinstance(names, list) or not names or not all(isinstance(name, str) and name for name in names):
