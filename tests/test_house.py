@@ -16,7 +16,7 @@ def test_the_library_names_no_application_and_no_plank():
             assert not WORDS.search(line), f"{path}:{number}: {line}"
 
 
-PACKAGES = ("fem", "analysis", "algebra", "replay")
+PACKAGES = ("fem", "analysis", "algebra", "replay", "scene")
 MOST = 15
 EXCUSE = re.compile(r"# More than 15 (attributes|modules): \w")
 STANDARD = sys.stdlib_module_names

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from restshape.application import application
-from restshape.replay.run import replay_files
+from restshape.replay.replayed_files import replay_files
 from restshape.scene.load import load_scene
 
 FOLDER = application("bridge").folder

@@ -6,7 +6,7 @@ from restshape_studies.validation.case import Check
 from scipy.optimize import brentq
 
 from restshape.application import application
-from restshape.replay.run import replay_files
+from restshape.replay.replayed_files import replay_files
 from restshape.replay.still import still
 
 FOLDER = application("couture").folder

@@ -12,7 +12,7 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.modal_matrices import products
 from restshape.calibration import Calibration
-from restshape.replay.run import replay_files
+from restshape.replay.replayed_files import replay_files
 
 CELLS = 60
 """Of the one-dimensional bar whose discrete eigenvalues are known."""

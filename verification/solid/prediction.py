@@ -6,7 +6,7 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 
 from restshape.application import application
-from restshape.replay.run import replay_files
+from restshape.replay.replayed_files import replay_files
 
 HERE = application("solid").folder
 GROWTH = 0.1

@@ -86,6 +86,7 @@ class PictureField:
     from_zero: bool = True
 
 
+# More than 15 attributes: each is a part of the declaration, of which a physics gives those that it has.
 @dataclass(frozen=True, eq=False)
 class Physics:
     """One physics, as scenes know it.
