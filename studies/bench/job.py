@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from restshape.cli.verbosity import relay
 from restshape.errors import UserError
 
 Row = dict[str, Any]
@@ -104,6 +105,7 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
         )
         try:
             _, stderr = process.communicate(job.dumps(), timeout=seconds)
+            relay(stderr)
             problem = ending(process.returncode, stderr)
         except subprocess.TimeoutExpired:
             problem = f"{STOPPED} after {seconds:.0f} s"

@@ -11,6 +11,7 @@ from typing import Any
 
 from restshape_studies.bench.job import Job
 
+from restshape.cli.verbosity import inherit_verbosity
 from restshape.errors import ReplayProblem, UserError
 from restshape.surroundings import start_petsc
 
@@ -82,6 +83,7 @@ def measured(job: Job, tell: Any) -> None:
 def main() -> int:
     """Run the job on stdin; 0 when it is done, 2 when it cannot be."""
     pin()
+    inherit_verbosity()
     job = Job.loads(sys.stdin.read())
     with Path(sys.argv[1]).open("w", buffering=1) as file:
 

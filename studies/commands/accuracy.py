@@ -10,6 +10,7 @@ from restshape_studies.verification import verification
 from restshape.cli.options import add_json, add_set, check_output, open_json, print_table, require_mesh, write_json
 from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
+from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 
@@ -25,6 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_set(parser)
     add_json(parser)
+    add_verbose(parser)
     parser.add_argument(
         "--out", type=Path, metavar="DIR", default=Path("accuracy"), help="of the pages (default: %(default)s)"
     )

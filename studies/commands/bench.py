@@ -13,6 +13,7 @@ from restshape_studies.commands import bench_design, bench_drape, bench_eigen, b
 from restshape.application import applications
 from restshape.cli.options import add_json, add_set, open_json, print_table, require_mesh, write_json
 from restshape.cli.shipped import script_of
+from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 
@@ -57,6 +58,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     for study in (*plain, *(drawing := (reuse, size, *bench_design.arguments(studies)))):
         add_set(study)
         add_json(study)
+        add_verbose(study)
     for study in drawing:
         study.add_argument(
             "--out", type=Path, default=PICTURES, metavar="DIR", help="of the picture (default: %(default)s)"

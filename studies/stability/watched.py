@@ -12,6 +12,8 @@ from typing import Any
 
 from restshape_studies.bench.job import ending
 
+from restshape.cli.verbosity import relay
+
 TOLD = "told.jsonl"
 LOOK = 0.05
 """Seconds between two looks at a process."""
@@ -79,6 +81,7 @@ def watch(
                 process.kill()
             process.wait()
     messages = (folder / "stderr").read_text(errors="replace")
+    relay(messages)
     problem = f"told nothing for {silence:g} s" if hung else ending(process.returncode, messages)
     lines = [line for line in messages.splitlines() if line.strip()]
     return End(problem, hung, " | ".join(lines[-8:]))

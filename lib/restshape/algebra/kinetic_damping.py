@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -11,6 +12,8 @@ from petsc4py import PETSc
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.step_solver import StepSolver
 from restshape.errors import ReplayProblem
+
+log = logging.getLogger("restshape.algebra")
 
 Reason = PETSc.SNES.ConvergedReason
 PEAK = 3
@@ -160,6 +163,7 @@ class KineticDamping:
             motion.residual(x, force)
             self.norm = float(np.linalg.norm(force))
             snes.setIterationNumber(k)
+            log.debug("%3d TS dt %.3e Function norm %.12e", k, self.time_step, self.norm)
             reason = self._reason(x, k)
             if reason:
                 break
@@ -174,6 +178,7 @@ class KineticDamping:
             if steps.damping == "kinetic" and len(seen) == PEAK and seen[0] <= seen[1] > seen[2]:
                 v, seen = np.zeros_like(v), [0.0]
                 self.resets.append(motion.energy(x))
+                log.debug("%3d TS kinetic-energy peak, velocities set to 0; energy %.12e", k, self.resets[-1])
         self.nodal.put(x, X)
         snes.setConvergedReason(reason)
 
@@ -213,6 +218,7 @@ class KineticDamping:
                 raise ReplayProblem(NO_SOLUTION)
             self.rejected += 1
             self.time_step *= SHORTER
+            log.debug("    TS step rejected, dt %.3e", self.time_step)
             if d is not None and self.time_step < SHORTEST * steps.time_step:
                 raise ReplayProblem("no time step is short enough: the cloth's energy is no number, or nothing moves")
         self.time_step = min(LONGER * self.time_step, steps.longest)

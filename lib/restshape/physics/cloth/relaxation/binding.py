@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +20,8 @@ from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_con
 from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
+
+log = logging.getLogger("restshape.physics")
 
 
 def bind(
@@ -48,6 +51,7 @@ def bind(
         state = moved_material(before, arguments)
         if cold:
             state = replace(state, x=state.problem.flat(arguments.start))
+    log.info("Relaxation from %s", "the initial placement" if cold and not origin else "the last positions")
     problem, notes = state.problem, ()
     state = replace(state, plan=options.plan, bodies=options.bodies)
     if cold and problem.contact:

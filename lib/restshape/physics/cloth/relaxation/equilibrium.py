@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -17,6 +18,8 @@ from restshape.errors import ReplayProblem
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.equations import ClothEquations
 from restshape.physics.cloth.relaxation.report import FALLS, ConvergenceReport
+
+log = logging.getLogger("restshape.physics")
 
 NEAR = 1e-3
 """Residual over load at which Newton's method takes over."""
@@ -138,8 +141,18 @@ class EquilibriumSolver:
             # From where it has come to, other methods may get on.
             report.why = str(problem)
         report.residual = self.residual_norm(x)
-        report.steps += self._moving.snes.getIterationNumber()
-        report.iterations += self._moving.iterations
+        moving, steps = self._moving, self._moving.snes.getIterationNumber()
+        report.steps += steps
+        report.iterations += moving.iterations
+        log.info(
+            "TS kinetic damping to %g: %d steps, %d kinetic-energy peaks, %d rejected, dt %.1e, residual/load %.3e",
+            goal,
+            steps,
+            len(moving.resets),
+            moving.rejected,
+            moving.time_step,
+            report.residual,
+        )
 
     def descend(self, x: np.ndarray, goal: float, most: int, report: ConvergenceReport) -> bool:
         """Quasi-Newton steps from x (n, 3), which is changed, on a fresh tangent every few steps; tells of success."""
@@ -155,6 +168,13 @@ class EquilibriumSolver:
             report.factors, report.iterations = report.factors + 1, report.iterations + steps
             report.steps, taken = report.steps + steps, taken + max(steps, 1)
             report.residual = norm / self.scale(x)
+            log.info(
+                "SNES descent to %g on a new tangent: %d steps, inertia %.3e, residual over load %.3e",
+                goal,
+                steps,
+                equations.inertia,
+                report.residual,
+            )
             if not self.is_valid(x):
                 x[:] = before
             if report.residual <= goal:
@@ -177,9 +197,11 @@ class EquilibriumSolver:
         scale, start = self.scale(x), x.copy()
         try:
             outcome = self.newton.solve(x, self.goal * scale, scale, searched=True, rounding=self.rounding)
-        except ReplayProblem:
+        except ReplayProblem as problem:
+            log.info("Newton refinement failed: %s", problem)
             x[:] = start
             return False
+        log.info("Newton refinement %s: %d iterations", outcome.why or "converged", outcome.newton)
         report.newton += outcome.newton
         report.steps += outcome.newton
         report.iterations += outcome.iterations
