@@ -225,7 +225,9 @@ class BuildKernels(build_ext):
 
     def compile(self, extension: Pybind11Extension, source: str, place: str) -> None:
         """Compiles one file, and has the compiler note what it reads."""
-        print(place, source.partition("kernels" + os.sep)[2], flush=True)
+        # Several files are compiled at once: a line is written whole, its end included.
+        sys.stdout.write(f"{place} {source.partition('kernels' + os.sep)[2]}\n")
+        sys.stdout.flush()
         self.compiler.compile(
             [source],
             output_dir=self.build_temp,

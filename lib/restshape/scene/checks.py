@@ -1,15 +1,13 @@
 """What models alone cannot check in a scene: names that refer to each other, coverage, sense."""
 
-import os.path
 from collections.abc import Iterable
-from pathlib import Path
 
 from restshape.application import Application
 from restshape.scene.bodies import bodies_of
 from restshape.scene.dimensions import formulas
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
 from restshape.scene.model import EdgeLoop, Load, Scene
-from restshape.scene.permits import may_name
+from restshape.scene.permits import outside
 from restshape.scene.source import Source, suggestion
 
 
@@ -60,11 +58,8 @@ def _check_file(key: tuple[str, str], file: str, source: Source) -> None:
         what, do = f"the recording names the file {file!r}, and no file but the recording is read", "replay its scene"
         raise source.error(key, what, do)
     path = source.path.parent / file
-    if file not in source.named and not may_name(path, source.path.parent):
-        link = " through a link" if Path(os.path.abspath(path)).is_relative_to(source.path.parent.absolute()) else ""
-        what = f"the file {file!r} lies outside of the scene's folder{link}"
-        do = f"put it beside the scene, or allow its folder: --allow-path {path.resolve().parent}"
-        raise source.error(key, what, do)
+    if file not in source.named and (refused := outside(file, source.path.parent)):
+        raise source.error(key, *refused)
     if not path.is_file():
         raise source.error(key, f"there is no file {str(path)!r}", "paths are relative to the scene's folder")
 

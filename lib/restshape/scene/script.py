@@ -13,8 +13,9 @@ from restshape.errors import UserError
 from restshape.scene.bodies import POINTS, Body, bodies_of
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
+from restshape.scene.permits import outside
 from restshape.scene.problems import user_error
-from restshape.scene.source import Source, read_text, suggestion
+from restshape.scene.source import Source, read_text, split_key, suggestion
 from restshape.scene.units import article, length_unit
 from restshape.scene.values import Angle, Name, Number, Strict, only_one
 
@@ -254,6 +255,7 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
     try:
         for number, line in lines[1:]:
             reader.event(number, line)
+            _refuse_outside(reader.events[-1], scene, path)
     except _Torn as torn:
         reader.torn, reader.error = str(torn.error), torn.error
     except UserError as error:
@@ -271,6 +273,20 @@ def events_of(application: Application) -> dict[str, type[EventLine]]:
 def shared_events(application: Application) -> dict[str, type[EventLine]]:
     """The events of its edit scripts that other applications have too."""
     return PLAIN_EVENTS if application.session else EVENTS
+
+
+def _refuse_outside(event: EventLine, scene: Scene | None, path: Path) -> None:
+    """Refuses an event that names a file which the scene may not name."""
+    if scene is None or not isinstance(event, Set):
+        return
+    value = event.value
+    for part in reversed(split_key(event.key)):
+        value = {part: value}
+    for table in ("shape", "mesh"):
+        held = value.get(table) if isinstance(value, dict) else None
+        file = held.get("file") if isinstance(held, dict) else None
+        if isinstance(file, str) and file not in scene._source.named and (refused := outside(file, scene.folder)):
+            raise UserError(refused[0], f"{path.name}: line {event.line}: {table}.file", refused[1])
 
 
 def _first_line() -> str:

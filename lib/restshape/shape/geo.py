@@ -12,6 +12,9 @@ from restshape.shape.geo_script import draw
 from restshape.shape.geo_words import MOST_BYTES
 from restshape.shape.soup import shape_data
 
+BOOLEAN = "Boolean"
+"""How the names of statements begin that OpenCASCADE may take any time for."""
+
 
 def read_geo(path: Path, trusted: bool = False) -> dict[str, Any]:
     """The plain tables of a ``[shape]`` from a Gmsh .geo file in metres, through the gmsh package.
@@ -25,11 +28,13 @@ def read_geo(path: Path, trusted: bool = False) -> dict[str, Any]:
         trusted: gmsh runs the whole script, in a process of its own; otherwise only statements that draw are read.
 
     Raises:
-        UserError: unreadable, a statement that is not read, not in the plane, or open loops.
+        UserError: unreadable, a statement that is not read, not in the plane, open loops, or too long to read.
     """
     if trusted:
-        return shape_data(curves_apart(path), path.name)
+        return shape_data(curves_apart(path, "run"), path.name)
     text = _text(path)
+    if BOOLEAN in text:
+        return shape_data(curves_apart(path, "draw"), path.name)
     with gmsh_model(path) as gmsh:
         draw(gmsh, text, path.name)
         soup = curves_of(gmsh.model, path.name)
