@@ -134,11 +134,15 @@ def settled(form: Strict, parameters: dict[str, float]) -> Any:
     Raises:
         UnitError: a formula gives no number.
     """
+    names = type(form).model_fields
+    return form.model_copy(update={name: _number_of(getattr(form, name), parameters) for name in names})
 
-    def each(value: Any) -> Any:
-        return tuple(map(each, value)) if isinstance(value, tuple) else number(value, parameters)
 
-    return form.model_copy(update={name: each(getattr(form, name)) for name in type(form).model_fields})
+def _number_of(value: Any, parameters: dict[str, float]) -> Any:
+    """A number in place of a formula, and in tuples of them."""
+    if isinstance(value, tuple):
+        return tuple(_number_of(part, parameters) for part in value)
+    return number(value, parameters)
 
 
 def _refuse_flat(kind: str, form: Any) -> None:
