@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -99,8 +99,8 @@ class Application:
         explain: path ``module:attribute`` of what each part of a frame is, by its name, in `restshape explain`.
         columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
             has, with their types, for a scene.
-        effects: every effect that its scenes may name; left out, all of its physics.
-        implied: parts of its physics that follow from a scene without being named, by name; left out, all.
+        effects: every effect that its scenes may name; without any, all of its physics.
+        implied: parts of its physics that follow from a scene without being named, by name; without any, all.
     """
 
     name: str
@@ -114,12 +114,12 @@ class Application:
     report: Reporting | None = None
     explain: str = ""
     columns: str = ""
-    effects: Mapping[str, Effect] | None = None
-    implied: Mapping[str, Implied] | None = None
+    effects: Mapping[str, Effect] = field(default_factory=dict)
+    implied: Mapping[str, Implied] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for key in ("effects", "implied"):
-            if getattr(self, key) is None:
+            if not getattr(self, key):
                 declared = {name: part for one in self.physics for name, part in getattr(one, key).items()}
                 object.__setattr__(self, key, declared)
 
