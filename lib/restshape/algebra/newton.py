@@ -1,6 +1,7 @@
 """Newton's method by PETSc's SNES, on the one linear solver whose preconditioner outlives matrices and frames."""
 
 import logging
+from collections.abc import Callable
 
 import numpy as np
 from petsc4py import PETSc
@@ -13,6 +14,7 @@ from restshape.algebra.newton_convergence import MOST_SEARCHED, WORDS, Convergen
 from restshape.algebra.newton_step import NewtonStep
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.tangent import Tangent
+from restshape.algebra.weak_calls import weak_call
 
 log = logging.getLogger("restshape.algebra")
 
@@ -180,7 +182,7 @@ class Newton:
             tangent.assemble(self.nodal.values(self._x), None)
         # SNES only carries a matrix; the step's solver has the present one from the equations.
         if self._handles.get(searched) != tangent.mat.handle:
-            snes.setJacobian(self._jacobian, tangent.mat)
+            snes.setJacobian(weak_call(self._jacobian), tangent.mat)
             self._handles[searched] = tangent.mat.handle
         return snes
 
@@ -196,15 +198,15 @@ class Newton:
         snes.setFromOptions()
         if given:
             options.delValue("snes_linesearch_type")
-        snes.setFunction(self._function, self._f)
+        snes.setFunction(weak_call(self._function), self._f)
         if searched and self.equations.potential:
-            snes.setObjective(self._objective)
-        snes.setConvergenceTest(self._converged)
+            snes.setObjective(weak_call(self._objective))
+        snes.setConvergenceTest(weak_call(self._converged))
         # The test counts the steps; SNES has a limit of its own, below that of a line search.
         snes.setTolerances(max_it=2 * MOST_SEARCHED)
         ksp = snes.getKSP()
         ksp.setType("python")
-        ksp.setPythonContext(KSPContext(self))
+        ksp.setPythonContext(KSPContext(weak_call(self.solve_step)))
         ksp.getPC().setType("none")
         return snes
 
@@ -213,15 +215,15 @@ class KSPContext:
     """The Krylov solver of the two SNES: hands their linear systems on.
 
     Args:
-        newton: whose systems they are.
+        solve_step: solves for the step (second argument) of a residual; tells whether that went well.
     """
 
-    def __init__(self, newton: Newton) -> None:
-        self.newton = newton
+    def __init__(self, solve_step: Callable[[PETSc.Vec, PETSc.Vec], bool]) -> None:
+        self.solve_step = solve_step
 
     def solve(self, ksp: PETSc.KSP, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Solve for the step x of the residual b."""
-        good = self.newton.solve_step(b, x)
+        good = self.solve_step(b, x)
         ksp.setConvergedReason(
             PETSc.KSP.ConvergedReason.CONVERGED_ITS if good else PETSc.KSP.ConvergedReason.DIVERGED_BREAKDOWN
         )

@@ -72,7 +72,11 @@ class BucklingAnalysis:
         self.state = BucklingState(self.rest.state)
         self.shown = buckling_settings(plan).modes
         self.interrupted = False
-        self.predictor = BucklingPrediction(self)
+
+    @property
+    def predictor(self) -> BucklingPrediction:
+        """Predicts frames from the state."""
+        return BucklingPrediction(self)
 
     @property
     def space(self) -> Space | None:

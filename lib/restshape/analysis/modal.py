@@ -60,8 +60,12 @@ class ModalAnalysis:
         self.verified = VerifiedShape()
         self.state = ModalState(plan, scene)
         self.interrupted = False
-        self.predictor = ModalPrediction(self)
         self._estimate = FrequencyEstimate()
+
+    @property
+    def predictor(self) -> ModalPrediction:
+        """Predicts frames from the state."""
+        return ModalPrediction(self)
 
     @property
     def space(self) -> Space | None:

@@ -124,7 +124,6 @@ class SteadyAnalysis(Generic[P]):
         self.interrupted = False
         self.guess = Guess(context.policy.extrapolate)
         self.solver = self._make_solver(scene)
-        self.predictor = SteadyPredictor(self)
         self.estimated = f"{make.unknowns[0].name} in the energy norm"
         self._observed: tuple[SteadyState[P] | None, dict[str, float]] = (None, {})
         self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)
@@ -147,6 +146,11 @@ class SteadyAnalysis(Generic[P]):
     def _directions(self) -> int:
         """Increments of the solution along which guesses are improved."""
         return self.context.policy.directions
+
+    @property
+    def predictor(self) -> SteadyPredictor:
+        """Predicts frames from the state."""
+        return SteadyPredictor(self)
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the unknowns `x` up to date with a frame.

@@ -137,13 +137,15 @@ def settled(form: Form, parameters: dict[str, float]) -> Form:
     Raises:
         UnitError: a formula gives no number.
     """
+    names = type(form).model_fields
+    return form.model_copy(update={name: _number_of(getattr(form, name), parameters) for name in names})
 
-    def each(value: Value | tuple[Value, ...]) -> float | tuple[float, ...]:
-        if isinstance(value, tuple):
-            return tuple(number(one, parameters) for one in value)
-        return number(value, parameters)
 
-    return form.model_copy(update={name: each(getattr(form, name)) for name in type(form).model_fields})
+def _number_of(value: Value | tuple[Value, ...], parameters: dict[str, float]) -> float | tuple[float, ...]:
+    """A number in place of a formula, and in tuples of them."""
+    if isinstance(value, tuple):
+        return tuple(number(part, parameters) for part in value)
+    return number(value, parameters)
 
 
 def _refuse_flat(kind: str, form: Any) -> None:
