@@ -12,7 +12,7 @@ from restshape.surroundings import start_petsc
 
 
 def main() -> int:
-    """Run the cases named on stdin, and tell a row for each."""
+    """Run the cases named on stdin, and report a row for each."""
     inherit_verbosity()
     asked = json.loads(sys.stdin.read())
     folder = Path(sys.argv[1])

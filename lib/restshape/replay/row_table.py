@@ -15,25 +15,25 @@ def table_of_rows(path: Path | None, names: list[str]) -> Iterator[Callable[[Row
     if path is None:
         yield None
         return
-    with _reported(path):
+    with _user_errors(path):
         file = path.open("w", newline="", buffering=1)
     writer = csv.DictWriter(file, names, extrasaction="ignore")
 
     def write(row: RowValues) -> None:
-        with _reported(path):
+        with _user_errors(path):
             writer.writerow(row)
 
     try:
-        with _reported(path):
+        with _user_errors(path):
             writer.writeheader()
         yield write
     finally:
-        with _reported(path):
+        with _user_errors(path):
             file.close()
 
 
 @contextmanager
-def _reported(path: Path) -> Iterator[None]:
+def _user_errors(path: Path) -> Iterator[None]:
     """Turn a failure to write into a user's error."""
     try:
         yield

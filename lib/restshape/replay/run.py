@@ -10,7 +10,7 @@ from restshape.analysis.analysis import RowValues
 from restshape.replay.columns import columns
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
-from restshape.replay.petsc_words import refusal
+from restshape.replay.petsc_options import refusal
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.row_table import table_of_rows
@@ -56,11 +56,13 @@ def run_replay(
                     table(row)
                 on_frame()
         except KeyboardInterrupt:
-            # The other ranks know nothing of it, and one that waits for this one cannot be told.
+            # The other ranks know nothing of it, and one that waits for this one cannot be determined.
             if comm.size > 1 or not rows:
                 raise
             interrupted = True
-    summary = summarise(rows, request.policy.name, comm.size, replay.analysis.estimated) | {"interrupted": interrupted}
+    summary = summarise(rows, request.policy.name, comm.size, replay.analysis.estimated_quantity) | {
+        "interrupted": interrupted
+    }
     if request.application.report:
         summary |= request.application.report.summarised(rows)
     if check:

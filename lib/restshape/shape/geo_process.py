@@ -17,7 +17,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.shape.geo_model import curves_of, gmsh_model, opened_by_gmsh
 from restshape.shape.geo_script import draw
-from restshape.shape.soup import Curve
+from restshape.shape.unordered_curves import Curve
 
 LIMIT = 60.0
 """Seconds that reading may take."""
@@ -49,13 +49,13 @@ def curves_apart(path: Path, how: str) -> list[Curve]:
                 if not isinstance(error, subprocess.TimeoutExpired):
                     raise
                 raise UserError(f"gmsh has not ended after {LIMIT:g} s", path.name, REMEDIES[how]) from None
-        told = json.loads(out.read_text()) if out.is_file() else {}
-    if "error" in told:
-        raise UserError(*told["error"])
-    if "curves" not in told:
+        result = json.loads(out.read_text()) if out.is_file() else {}
+    if "error" in result:
+        raise UserError(*result["error"])
+    if "curves" not in result:
         what = f"gmsh ended with code {process.returncode} before it was done"
         raise UserError(what, path.name, "take Exit out of it")
-    return [Curve(**{**curve, "points": np.array(curve["points"])}) for curve in told["curves"]]
+    return [Curve(**{**curve, "points": np.array(curve["points"])}) for curve in result["curves"]]
 
 
 def main() -> int:
@@ -69,10 +69,10 @@ def main() -> int:
                 draw(gmsh, path.read_text(encoding="utf-8-sig"), path.name)
                 curves = curves_of(gmsh.model, path.name)
     except UserError as error:
-        told: dict[str, object] = {"error": [error.what, error.where, error.do]}
+        result: dict[str, object] = {"error": [error.what, error.where, error.do]}
     else:
-        told = {"curves": [{**dataclasses.asdict(curve), "points": curve.points.tolist()} for curve in curves]}
-    out.write_text(json.dumps(told))
+        result = {"curves": [{**dataclasses.asdict(curve), "points": curve.points.tolist()} for curve in curves]}
+    out.write_text(json.dumps(result))
     return 0
 
 
