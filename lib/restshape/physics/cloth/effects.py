@@ -33,7 +33,7 @@ class ClothKeys(Strict):
     hinges: Literal["plate", "strip"] = "plate"
     membrane: Literal["stvk", "corotated"] = "stvk"
 
-    def decide(self, scene: Scene) -> ResolvedSettings:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same keys, with a warning where bodies are there that nothing touches.
 
         Morley's triangles of cloth that does not resist bending would have slopes that nothing holds: it has none.
@@ -86,7 +86,7 @@ class ContactKeys(Strict):
     stiffness: Annotated[number_of("body force"), Field(gt=0)] | None = None
     slip: Annotated[number_of("length"), Field(gt=0)] = 1e-4
 
-    def decide(self, scene: Scene) -> ResolvedSettings:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The stiffness, where the scene names none: half of the thickness bears ten times the cloth's weight, or more.
 
         Raises:
@@ -144,7 +144,7 @@ class DrapeKeys(Strict):
     steps: Annotated[int, Field(ge=1)] = 3_000
     levels: Annotated[int, Field(ge=1)] | None = None
 
-    def decide(self, scene: Scene) -> ResolvedSettings:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same keys with the tolerance and the number of nested meshes filled in.
 
         Raises:

@@ -28,7 +28,7 @@ class ModalKeys(Strict):
     in_plane: bool = False
     a4: Annotated[number_of("frequency"), Field(gt=0)] = 440.0
 
-    def decide(self, scene: Scene) -> ResolvedSettings:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The order of the elements: the second, where the scene names none, for the first is far too stiff in bending.
 
         Raises:

@@ -26,7 +26,7 @@ class SolidKeys(BaseModel):
     model: Literal["plane_stress", "plane_strain"] = "plane_stress"
     element: Literal["auto", "displacement", "mean_dilatation"] = "auto"
 
-    def decide(self, scene: Scene) -> ResolvedSettings:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The element for a scene, and its order; why, where the material is nearly incompressible.
 
         Raises:
@@ -95,7 +95,7 @@ class BucklingKeys(Strict):
     modes: Annotated[int, Field(ge=1, le=20)] = 3
     load: Literal["given", "reversed"] = "given"
 
-    def decide(self, scene: Scene) -> ResolvedSettings:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The order of the elements: the second, where the scene names none, for the first bend too stiffly.
 
         Raises:
