@@ -45,6 +45,9 @@ class MovingBoards:
         """Where fields live."""
         return self.mesh
 
+    def solved(self) -> None:
+        """Nothing: planks have no edges that flip."""
+
     def advance(self, frame: PlankFrame) -> Advance:
         """Take in a frame."""
         start = perf_counter()

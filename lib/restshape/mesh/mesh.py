@@ -135,6 +135,15 @@ class Mesh:
         """Nodes (ne, 3) whose unknowns a triangle has: its corners."""
         return self.cells
 
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh itself, as of any space over one."""
+        return self
+
+    def on_corners(self, gradient: np.ndarray) -> np.ndarray:
+        """A gradient (n, d) by the places of the corners: the same, for there are no other nodes."""
+        return gradient
+
     def follow(self, changed: np.ndarray) -> np.ndarray:
         """The triangles (k,) int32 that flips have changed: those that are given, for the arrays are the mesh's own."""
         return changed

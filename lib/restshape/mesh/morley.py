@@ -75,6 +75,11 @@ class MorleySpace:
         return self.mesh.cell_region
 
     @property
+    def interpolations(self) -> tuple[()]:
+        """None: flips set no unknown elsewhere."""
+        return ()
+
+    @property
     def topology(self) -> int:
         """Version of the connectivity, that of the mesh."""
         return self.mesh.topology

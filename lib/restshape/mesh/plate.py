@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.space import EdgeInterpolation
 from restshape.mesh.thickness import Thickness
 from restshape.scene.expressions import Value
 from restshape.shape.outline import Outline
@@ -73,6 +74,16 @@ class PlateMesh:
     def outline(self) -> Outline:
         """The outline whose entities the plane mesh resolves."""
         return self.plane.outline
+
+    @property
+    def mesh(self) -> Mesh:
+        """The plane mesh, of corners alone."""
+        return self.plane.mesh
+
+    @property
+    def interpolations(self) -> tuple[EdgeInterpolation, ...]:
+        """What flips did to nodes of the plane mesh since the last solution."""
+        return self.plane.interpolations
 
     @property
     def topology(self) -> int:

@@ -147,6 +147,14 @@ class LagrangeSpace:
         """Triangles inside an entity; see `Mesh.cells_of`."""
         return self.mesh.cells_of(name)
 
+    def on_corners(self, gradient: np.ndarray) -> np.ndarray:
+        """The gradient (corners, d) of one (n, d) by all nodes, where middles of sides follow their ends."""
+        corners = gradient[self.corner_number].copy()
+        half = 0.5 * gradient[self.side_number]
+        for end in self.mesh.edge_nodes.T:
+            np.add.at(corners, end, half)
+        return corners
+
     def follow(self, changed: np.ndarray) -> np.ndarray:
         """The triangles (k,) int32 that flips have changed: those that are given, for `reconnect` has taken them in."""
         return changed
