@@ -20,6 +20,7 @@ from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
 from restshape.analysis.linear_system import LinearSystem, auxiliary_solve
+from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.steady_predictor import SteadyPredictor
 from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
@@ -189,6 +190,12 @@ class SteadyAnalysis(Generic[P]):
     def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has: none."""
         return {}
+
+    def solution(self) -> Solution:
+        """The unknowns, and what their energy is measured by."""
+        problem = self.problem
+        name = problem.unknowns[0].name
+        return Solution(name, self.x.copy(), moduli=moduli_of(problem), large=not problem.linear)
 
     def fields(self) -> Fields:
         """What a recording shows of the last solution."""

@@ -4,6 +4,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from restshape.mesh.mesh import Mesh
 from restshape.mesh.space import EdgeInterpolation
 from restshape.shape.outline import Outline
 
@@ -21,6 +22,8 @@ class Space(Protocol):
         node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
         topology: version of the connectivity; geometry: version of the positions.
         outline: whose entities the mesh resolves.
+        mesh: plane mesh that it stands on; of a mesh itself.
+        interpolations: what flips did to nodes in the middle of edges since the last solution, see `interpolate`.
         dim: of the cells; cell_type: their shape and order, as elements are named ("tri3", "tet10").
     """
 
@@ -46,6 +49,10 @@ class Space(Protocol):
     def geometry(self) -> int: ...
     @property
     def outline(self) -> Outline: ...
+    @property
+    def mesh(self) -> Mesh: ...
+    @property
+    def interpolations(self) -> tuple[EdgeInterpolation, ...]: ...
 
     def nodes_of(self, name: str) -> np.ndarray:
         """Sorted nodes (k,) int32 of an entity of the outline.
@@ -89,6 +96,9 @@ class PlaneSpace(Space, Protocol):
 
     @property
     def facets(self) -> np.ndarray: ...
+
+    def on_corners(self, gradient: np.ndarray) -> np.ndarray:
+        """A gradient (corners, d) by the places of the corners, of one (n, d) by those of all nodes, which follow."""
 
     def facets_of(self, name: str) -> np.ndarray:
         """Facets (k,) int32 on an entity of the outline.

@@ -225,6 +225,10 @@ class PlaneSolid(TransientProblem):
         made = {name: functions(name, quantity) for name, quantity in quantities.items()}
         return Observer(made, functions.refresh, [name for name, q in quantities.items() if q.reduce == "peak"])
 
+    def energy_moduli(self) -> np.ndarray:
+        """lambda, mu [Pa] and thickness [m], (3,) or (ne, 3)."""
+        return self.stiffness_params[..., :3]
+
     def error_estimate(self) -> RecoveryEstimate:
         """The recovery-based estimate in the energy norm, of small or large strains."""
         lame, shear, thickness, _ = self.materials.T
