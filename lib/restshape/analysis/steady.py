@@ -299,7 +299,7 @@ class SteadyAnalysis(Generic[P]):
 
     def _make_system(self, problem: Problem) -> LinearSystem:
         """What outlives frames on a new mesh."""
-        return LinearSystem(self.context.comm, problem, self.context.policy.backend, self.solver.symmetric)
+        return LinearSystem(self.context.comm, problem, self.context.policy.backend, self.solver.traits)
 
     def _flip(self, frame: Frame) -> None:
         """Follow flipped edges: with the pattern and, where such edges have nodes, with the last solutions."""

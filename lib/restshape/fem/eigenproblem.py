@@ -45,7 +45,7 @@ class Eigenproblem(Protocol):
     materials: Sequence[Material]
 
     def blocks(self) -> Sequence[Block]:
-        """Entities (m, k) int32 that have a tangent, one array, or pair with dofs of their own, a block of operators."""
+        """Entities (m, k) int32 that have a tangent, an array, or a pair with dofs, a block of the operator."""
 
     def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral]:
         """Those of `fem.problem.STIFFNESS` or of `fem.problem.MASS`."""

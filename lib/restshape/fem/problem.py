@@ -101,7 +101,7 @@ class Problem(Protocol):
         """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
 
     def blocks(self) -> Sequence[Block]:
-        """Entities (m, k) int32 that have a tangent, one array, or pair with dofs of their own, a block of operators."""
+        """Entities (m, k) int32 that have a tangent, an array, or a pair with dofs, a block of the operator."""
 
     def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral]:
         """The integrals of a kind at the present places of the nodes; none where the problem has none of it.

@@ -17,6 +17,7 @@ class Space(Protocol):
         X: (n, d) material coordinates [m], changed in place when the mesh moves.
         cells: (ne, k) int32 nodes whose X an element reads.
         dofs: (ne, k) int32 nodes whose unknowns it reads: `cells` itself, but at seams and under periodicity.
+        dof_X: (m, d) X of the nodes that `dofs` number, the rows of unknowns: X, but at seams and in mixed spaces.
         corners: (ne, c) int32 the corners of the cells.
         cell_region: (ne,) int32 0, or i + 1 for the i-th region of the outline.
         node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
@@ -37,6 +38,8 @@ class Space(Protocol):
     def cells(self) -> np.ndarray: ...
     @property
     def dofs(self) -> np.ndarray: ...
+    @property
+    def dof_X(self) -> np.ndarray: ...
     @property
     def corners(self) -> np.ndarray: ...
     @property

@@ -131,6 +131,11 @@ class Mesh:
         return self.cells
 
     @property
+    def dof_X(self) -> np.ndarray:
+        """Material coordinates (n, 2) [m] of the nodes that have unknowns: all of them."""
+        return self.X
+
+    @property
     def dofs(self) -> np.ndarray:
         """Nodes (ne, 3) whose unknowns a triangle has: its corners."""
         return self.cells

@@ -75,6 +75,11 @@ class MorleySpace:
         return self.mesh.cell_region
 
     @property
+    def dof_X(self) -> np.ndarray:
+        """Material coordinates (n, 2) [m] of the nodes that have unknowns: all of them."""
+        return self.X
+
+    @property
     def interpolations(self) -> tuple[()]:
         """None: flips set no unknown elsewhere."""
         return ()

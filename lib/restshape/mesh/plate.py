@@ -76,6 +76,11 @@ class PlateMesh:
         return self.plane.outline
 
     @property
+    def dof_X(self) -> np.ndarray:
+        """Material coordinates (n, 3) [m] of the nodes that have unknowns: all of them."""
+        return self.X
+
+    @property
     def mesh(self) -> Mesh:
         """The plane mesh, of corners alone."""
         return self.plane.mesh

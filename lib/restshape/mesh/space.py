@@ -100,6 +100,11 @@ class LagrangeSpace:
         return self.mesh.outline
 
     @property
+    def dof_X(self) -> np.ndarray:
+        """Material coordinates (n, 2) [m] of the nodes that have unknowns: all of them."""
+        return self.X
+
+    @property
     def dofs(self) -> np.ndarray:
         """Nodes (ne, 6) whose unknowns a triangle has: its own."""
         return self.cells
