@@ -27,6 +27,8 @@ DEFAULTS = {
     "traits",
     "blank_fields",
     "cell_scalars",
+    "definite",
+    "rigid_motions",
 }
 """What a problem may inherit from the protocol as it stands there."""
 
