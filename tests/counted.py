@@ -1,6 +1,5 @@
 """Replays whose frames are counted: unknowns, matrix entries, kernel calls, PETSc's events, stages."""
 
-import gc
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -75,8 +74,6 @@ def watched(
     replay = Watched.of(asked, PETSc.COMM_WORLD)
     replay.events = EventCounts(EVENTS)
     replay.events.since_last()
-    # Matrices of replays that have ended and refer to themselves would go while these frames are counted.
-    gc.collect()
     before, rows = stored()[1], []
     _kernels.reset_calls()
     for row in replay.frames():

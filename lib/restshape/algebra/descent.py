@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from restshape.algebra.block_cholesky import BLOCK, BlockCholesky
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
+from restshape.algebra.weak_calls import weak_call
 
 Reason = PETSc.SNES.ConvergedReason
 MEMORY = 15
@@ -125,7 +126,7 @@ class Descent:
         self.snes.destroy()
         self.snes = self._made()
         if self.kind.tangent:
-            self.snes.setJacobian(self._jacobian, self.energy.tangent(x))
+            self.snes.setJacobian(weak_call(self._jacobian), self.energy.tangent(x))
         self.snes.setTolerances(max_it=most)
         self.nodal.put(x, self.x)
         self.snes.solve(None, self.x)
@@ -174,10 +175,10 @@ class Descent:
         for key in given:
             options.setValue(key, self.kind.options[key])
         snes.setFromOptions()
-        snes.setFunction(self._function, self.f)
-        snes.setObjective(self._objective)
-        snes.setConvergenceTest(self._test)
-        snes.setLineSearchPreCheck(self._shortened)
+        snes.setFunction(weak_call(self._function), self.f)
+        snes.setObjective(weak_call(self._objective))
+        snes.setConvergenceTest(weak_call(self._test))
+        snes.setLineSearchPreCheck(weak_call(self._shortened))
         if self.ksp:
             ksp = snes.getKSP()
             ksp.setType("preonly")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,6 +11,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.step_solver import StepSolver
+from restshape.algebra.weak_calls import weak_call
 from restshape.errors import ReplayProblem
 
 Reason = PETSc.SNES.ConvergedReason
@@ -71,6 +73,17 @@ class Steps:
         return self.longest > self.time_step
 
 
+@dataclass(frozen=True)
+class SNESContext:
+    """What a SNES of type python calls.
+
+    Args:
+        solve: with the SNES, the right side and the unknowns, which it changes.
+    """
+
+    solve: Callable[[PETSc.SNES, PETSc.Vec | None, PETSc.Vec], None]
+
+
 class KineticDamping:
     """Semi-implicit steps (M/h^2 + K) d = -r + M v/h; v = d/h is set to zero when the kinetic energy has passed a peak.
 
@@ -114,7 +127,7 @@ class KineticDamping:
         self.snes = PETSc.SNES().create(comm)
         self.snes.setOptionsPrefix(prefix)
         self.snes.setType("python")
-        self.snes.setPythonContext(self)
+        self.snes.setPythonContext(SNESContext(weak_call(self.solve)))
         # SNES checks that there is a function; the context evaluates the residual itself.
         self.snes.setFunction(lambda *_: None, self.f)
         self.linear = StepSolver(comm, f"{prefix}step_", self.nodal, steps.tolerance, steps.preconditioner)

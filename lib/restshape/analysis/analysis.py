@@ -85,13 +85,16 @@ class Analysis(Protocol):
         state: frozen; `solve` replaces it, and a failed `solve` leaves it. Versions in it decide what is stale.
         space: of the last solution; None before the first.
         estimated: what the estimates of `errors` are of.
-        predictor: None where frames cannot be predicted; `why_not` then says why, and what to do.
+        why_not: why frames cannot be predicted where there is no predictor, and what to do.
     """
 
     state: Any
     estimated: str
-    predictor: Predictor | None
     why_not: str
+
+    @property
+    def predictor(self) -> Predictor | None:
+        """Predicts frames from the state; None where they cannot be."""
 
     @property
     def space(self) -> Space | None: ...

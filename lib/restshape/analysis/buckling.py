@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.algebra.buckling import BucklingSolver
+from restshape.algebra.first_use import made
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.buckling_binding import bound, flipped
@@ -72,7 +73,11 @@ class BucklingAnalysis:
         self.state = BucklingState(self.rest.state)
         self.shown = buckling_settings(plan).modes
         self.interrupted = False
-        self.predictor = BucklingPrediction(self)
+
+    @property
+    def predictor(self) -> BucklingPrediction:
+        """Predicts frames from the state."""
+        return BucklingPrediction(self)
 
     @property
     def space(self) -> Space | None:
@@ -177,7 +182,7 @@ class BucklingAnalysis:
             state = flipped(state, self.solver, frame, self.context)
         state = replace(state, rest=rest)
         with stages("values"):
-            stiffness, geometric = state.matrices.assemble(rest, state.sign)
+            stiffness, geometric = made(state.matrices).assemble(rest, state.sign)
         state = replace(state, most=most_load_factor(rest))
         verify = frame.settled or self.verified.due(frame.mesh)
         self.state = self._find(state, stiffness, geometric, new_system, verify)
@@ -189,7 +194,7 @@ class BucklingAnalysis:
         self.state = self._find(self.state, pencil.mass, pencil.stiffness, False, True)
         # The same modes twice say nothing of where the next ones lie.
         self.solver.history = self.solver.history[:1]
-        self.verified.take(self.space)
+        self.verified.take(self.state.rest.problem.space)
         return self._report(report)
 
     def _find(
@@ -201,7 +206,7 @@ class BucklingAnalysis:
         with self.context.stages("observe"):
             modes = self._with_ids(state, found)
         if report.inertia_checked:
-            self.verified.take(state.rest.space)
+            self.verified.take(state.rest.problem.space)
         return replace(state, modes=modes, predicted=False, report=report)
 
     def _with_ids(self, state: BucklingState, found: Found) -> BucklingModes:

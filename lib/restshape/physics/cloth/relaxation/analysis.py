@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.weak_calls import weak_call
 from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.solution import Solution
@@ -20,6 +21,7 @@ from restshape.physics.cloth.error_estimate import ClothEstimate
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.binding import bind
 from restshape.physics.cloth.relaxation.comparison import compare_cold
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.options import RelaxationOptions, Watch
 from restshape.physics.cloth.relaxation.relaxing import relax
 from restshape.physics.cloth.relaxation.row import Row
@@ -106,7 +108,11 @@ class RelaxationAnalysis:
     def _options(self, scene: Scene, new_values: bool) -> RelaxationOptions:
         """How the cloth of a scene is relaxed."""
         known = None if new_values else self.state.plan
-        return RelaxationOptions.of(self.context, scene, known, lambda *iterate: self.watch(*iterate))
+        return RelaxationOptions.of(self.context, scene, known, weak_call(self._note))
+
+    def _note(self, solver: EquilibriumSolver, x: np.ndarray, residual: float) -> None:
+        """Hand on an iterate to who watches now."""
+        self.watch(solver, x, residual)
 
     @property
     def _preconditioner(self) -> str:

@@ -13,6 +13,7 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
+from restshape.algebra.weak_calls import weak_call
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.equations import ClothEquations
@@ -48,7 +49,7 @@ class EquilibriumSolver:
         prefix: of options in PETSc's database.
 
     Attributes:
-        on_iterate: called with positions (n, 3) and residual over load at each iterate of any method.
+        on_iterate: called with this solver, positions (n, 3) and residual over load at each iterate of any method.
 
     Source: docs/theory.md, section "Cloth".
     """
@@ -73,8 +74,8 @@ class EquilibriumSolver:
         self.descent = Descent(comm, f"{prefix}descent_", self.equations, shape, rows, reach=reach)
         self._newton = Newton(comm, f"{prefix}newton_", linear, shape, rows) if linear else None
         self._met, self._noted = -1, 0
-        self.on_iterate: Callable[[np.ndarray, float], None] = lambda *_: None
-        self._moving.on_step = self.descent.on_step = self.note
+        self.on_iterate: Callable[[EquilibriumSolver, np.ndarray, float], None] = lambda *_: None
+        self._moving.on_step = self.descent.on_step = weak_call(self.note)
         # Friction that followed at peaks alone would be none for what slides ever faster and has no peak.
         self._moving.on_move = problem.follow_friction
 
@@ -242,7 +243,7 @@ class EquilibriumSolver:
 
     def note(self, x: np.ndarray, norm: float) -> bool:
         """Hand on an iterate x (n, 3) and its residual's norm [N]; tells whether the cloth falls without end."""
-        self.on_iterate(x, norm / self.scale(x))
+        self.on_iterate(self, x, norm / self.scale(x))
         self._noted += 1
         # Looked at in every step it would cost a twentieth of it.
         return self._noted % MEMORY == 0 and self.problem.falls(x)

@@ -100,5 +100,5 @@ class RelaxationOptions:
         solver = EquilibriumSolver(
             problem, context.comm, context.stages, linear, settings.tolerance, steps, backend, prefix
         )
-        solver.on_iterate = lambda x, residual: self.watch(solver, x, residual)
+        solver.on_iterate = self.watch
         return solver
