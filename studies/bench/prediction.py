@@ -15,7 +15,7 @@ from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 
 SHARES = (0.25, 0.5, 0.75, 1.0)
-"""Parts of the farthest way of the hand, at which the error is told."""
+"""Parts of the farthest way of the hand, at which the error is reported."""
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,13 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.linear_system import LinearSystem
 from restshape.calibration import Calibration
 from restshape.fem.assembled import Assembled
-from restshape.fem.balance import dead_loads, internal_norm, residual_norm
 from restshape.fem.dirichlet import Dirichlet, Prescribed
 from restshape.fem.elements import STOKES
 from restshape.fem.integral import Integral
 from restshape.fem.mixed import MixedSpace
 from restshape.fem.problem import INTERNAL, STIFFNESS, Problem, Unknown
-from restshape.mesh.space import EdgeInterpolation, LagrangeSpace
+from restshape.fem.residuals import dead_loads, internal_norm, residual_norm
+from restshape.mesh.lagrange_space import EdgeInterpolation, LagrangeSpace
 from restshape.scene.expressions import Expression
 
 VISCOSITY = 0.1

@@ -19,11 +19,11 @@ class VerifiedShape:
         self._far = 0.0
 
     def due(self, mesh: Space) -> bool:
-        """Tell whether a mesh is far from that shape, or has other nodes."""
+        """Whether a mesh is far from that shape, or has other nodes."""
         X = mesh.mesh.X
         return X.shape != self._X.shape or float(np.abs(X - self._X).max()) > self._far
 
-    def take(self, mesh: Space) -> None:
+    def update(self, mesh: Space) -> None:
         """Take a mesh for the one that was counted on."""
         self._X = mesh.mesh.X.copy()
         self._far = SHARE * float(np.linalg.norm(np.ptp(self._X, axis=0)))

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from restshape.fem.space import Space
+from restshape.mesh.lagrange_space import EdgeInterpolation
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import EdgeInterpolation
 from restshape.shape.outline import Outline
 
 Layout = Sequence[tuple[str, int, int]]

@@ -13,7 +13,7 @@ from restshape.algebra.traits import Traits
 from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.integral import Integral
-from restshape.fem.quantity import Observer
+from restshape.fem.observer import Observer
 from restshape.fem.space import Space
 from restshape.fem.time_integration import TimeIntegration
 from restshape.scene.model import Quantity, Scene
@@ -90,7 +90,7 @@ class Problem(Protocol):
 
     @property
     def loaded(self) -> bool:
-        """Whether there is any load; what has loads at nodes must tell by itself."""
+        """Whether there is any load; what has loads at nodes must report by itself."""
         return self.loaded_inside or bool(self.integrals(LOADS))
 
     @property

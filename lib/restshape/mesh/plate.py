@@ -6,8 +6,8 @@ import itertools
 
 import numpy as np
 
+from restshape.mesh.lagrange_space import EdgeInterpolation
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import EdgeInterpolation
 from restshape.mesh.thickness import Thickness
 from restshape.scene.expressions import Value
 from restshape.shape.outline import Outline
@@ -128,7 +128,7 @@ class PlateMesh:
         return result
 
     def follow(self, changed: np.ndarray | None = None) -> np.ndarray:
-        """Go where the plane mesh is; tells which triangles (k,) are others than before: those that are given.
+        """Go where the plane mesh is; returns which triangles (k,) are others than before: those that are given.
 
         Raises:
             ReplayProblem: the thickness is not positive somewhere; all is as before.

@@ -3,9 +3,9 @@
 from typing import Protocol, cast
 
 from restshape.application import application as application_named
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.moving import Advance
-from restshape.mesh.space import LagrangeSpace
+from restshape.mesh.moving import MeshUpdate
 from restshape.scene.model import Scene
 from restshape.scene.script import Script
 from restshape.shape.outline import Outline
@@ -22,7 +22,7 @@ class Follower(Protocol):
     def field_mesh(self) -> Mesh | LagrangeSpace:
         """What the unknowns of the next solve live on."""
 
-    def advance(self, frame: EditFrame) -> Advance:
+    def update(self, frame: EditFrame) -> MeshUpdate:
         """Go where a frame leads; what that did.
 
         Raises:
@@ -33,7 +33,7 @@ class Follower(Protocol):
     def solved(self) -> None:
         """Take note that the frame has a solution on `field_mesh`, which holds all that flips have done to it."""
 
-    def take_back(self) -> None:
+    def rollback(self) -> None:
         """Be as before the last frame, which has no solution."""
 
 
