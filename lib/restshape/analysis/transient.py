@@ -2,7 +2,7 @@
 
 # More than 15 modules: here time steps, solver, projections and energies of a frame meet, a module each.
 import logging
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,87 +19,21 @@ from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
 from restshape.analysis.increment_subspace import IncrementProjection
 from restshape.analysis.time_error import local_error
+from restshape.analysis.transient_state import TransientState
 from restshape.analysis.velocity_projection import project_velocity
 from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.problem import MASS, STIFFNESS, Fields, TransientProblem
-from restshape.fem.quantity import Observer
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.space import Space
-from restshape.fem.time_integration import Motion, TimeIntegration, TimeState
+from restshape.fem.time_integration import TimeIntegration, TimeState
 from restshape.mesh.transfer import transfer
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
 
 log = logging.getLogger("restshape.analysis")
-
-NOTHING = TimeState(np.zeros((0, 2)), np.zeros((0, 2)), None, 0.0)
-
-
-@dataclass(frozen=True)
-class EnergyAccount:
-    """Where the energy of a motion comes from.
-
-    Args:
-        known: whether anybody asks.
-        last: energy after the last step [J].
-        edit, remesh: as in `Motion`.
-    """
-
-    known: bool = False
-    last: float = 0.0
-    edit: float = 0.0
-    remesh: float = 0.0
-
-
-# The fifteen that a step takes and gives, so that a failure takes back all of them.
-@dataclass(frozen=True, eq=False)
-class TransientState:
-    """A motion, and what it was found with.
-
-    Args:
-        plan: which effects are on.
-        scene: whose values it is for; None before the first solution.
-        integration: in time.
-        body: the scene's problem on its space.
-        system: what outlives frames on the space.
-        observer: of the scene's quantities.
-        increments: what guesses are made of.
-        now, previous: after the last step and before it.
-        account: of energies.
-        topology, geometry: versions of the space that it was found at; -1: on none.
-        factored: the solver has a complete factor of this very matrix.
-        unsolved: no step has been taken yet.
-        age: frames since the preconditioner was made.
-    """
-
-    plan: Plan
-    scene: Scene | None = None
-    integration: TimeIntegration | None = None
-    body: SemiDiscrete | None = None
-    system: EffectiveSystem | None = None
-    observer: Observer | None = None
-    increments: IncrementProjection | None = None
-    now: TimeState = NOTHING
-    previous: TimeState = NOTHING
-    account: EnergyAccount = field(default_factory=EnergyAccount)
-    topology: int = -1
-    geometry: int = -1
-    factored: bool = False
-    unsolved: bool = True
-    age: int = 0
-
-    @property
-    def space(self) -> Space | None:
-        """Where the unknowns live."""
-        return None if self.body is None else self.body.problem.space
-
-    @property
-    def motion(self) -> Motion:
-        """What quantities see beside the unknowns."""
-        return Motion(self.now.v, self.account.edit, self.account.remesh)
 
 
 class TransientAnalysis:

@@ -20,9 +20,10 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.fem.quantity import areas
 from restshape.fem.space import Space
 from restshape.findings import encode_findings
+from restshape.mesh.advance import Advance
 from restshape.mesh.importer import read_mesh
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.moving import Advance, MovingMesh
+from restshape.mesh.moving import MovingMesh
 from restshape.mesh.space import LagrangeSpace
 from restshape.policy import Policy
 from restshape.replay.columns import ESTIMATES

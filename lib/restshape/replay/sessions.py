@@ -4,8 +4,8 @@ from typing import Protocol, cast
 
 from restshape.application import Application
 from restshape.application import application as application_named
+from restshape.mesh.advance import Advance
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.moving import Advance
 from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import Scene
 from restshape.scene.script import Script
