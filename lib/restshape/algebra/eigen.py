@@ -8,6 +8,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.davidson import Found, SearchSpace, davidson, ritz_values
 from restshape.algebra.factor_life import FactorLife
+from restshape.algebra.first_use import made
 from restshape.algebra.inverse_iteration import EPSILON, inverse_iteration
 from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.pencil import Deflation, Pencil
@@ -102,13 +103,18 @@ class EigenSolver:
         self.method, self.tolerance, self.stages = method, tolerance, stages
         self.pencil = Pencil(stages)
         self.life = FactorLife(self.pencil, calibration)
-        self.deflation: Deflation | None = None
+        self._deflation: Deflation | None = None
         self.space: SearchSpace | None = None
         self.history: list[np.ndarray] = []
         self.unchecked = self.fresh_below = 0
         self.doubtful = False
         self.davidson_cost, self.krylov_cost = PRIOR_DAVIDSON, PRIOR_KRYLOV
         self.floor = 0.0
+
+    @property
+    def deflation(self) -> Deflation:
+        """Of the rigid motions of the last solve."""
+        return made(self._deflation)
 
     @property
     def reach(self) -> float:
@@ -142,7 +148,7 @@ class EigenSolver:
         """
         self.pencil.take(stiffness, mass, new_system)
         self.floor = 0.0 if new_system else self.floor
-        self.deflation = Deflation(rigid, self.pencil)
+        self._deflation = Deflation(rigid, self.pencil)
         substitutions, factorizations = self.pencil.substitutions, self.pencil.factorizations
         # A mode that has just come down among the others may be lost again in the next frame.
         verify = verify or self.doubtful

@@ -7,6 +7,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.equations import Equations
+from restshape.algebra.first_use import made
 from restshape.algebra.forcing_terms import ForcingTerms
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton_convergence import MOST_SEARCHED, WORDS, ConvergenceTest, Outcome
@@ -41,7 +42,7 @@ class Newton:
         self, comm: PETSc.Comm, prefix: str, linear: LinearSolver, shape: tuple[int, ...], rows: slice
     ) -> None:
         self.nodal, self.prefix = NodalVectors(comm, shape, rows), prefix
-        self._tangent: Tangent | None = None
+        self._taken: Tangent | None = None
         self._step, self._forcing = NewtonStep(linear), ForcingTerms()
         self._test = ConvergenceTest(0.0, 0.0, False, 0.0)
         self._offset: np.ndarray | None = None
@@ -59,12 +60,17 @@ class Newton:
         """What is solved."""
         return self._tangent.equations
 
+    @property
+    def _tangent(self) -> Tangent:
+        """Of what is solved."""
+        return made(self._taken)
+
     def take(self, equations: Equations) -> None:
         """Solve these equations from now on, whose matrix has the same size."""
-        before, self._tangent = self._tangent, Tangent(equations)
+        before, self._taken = self._taken, Tangent(equations)
         if before:
             # The two SNES carry it until there is another one.
-            self._tangent.mat = before.mat
+            self._taken.mat = before.mat
         start, stop = self.nodal.rows.start, self.nodal.rows.stop
         self._step.constrained = equations.held[(equations.held >= start) & (equations.held < stop)] - start
 
@@ -76,7 +82,7 @@ class Newton:
         """Whether the tangent at x (n, f) is positive definite, as far as the preconditioner can tell."""
         return self._step.definite(self._tangent.at(x))
 
-    def begin(self, new_system: bool, patched: bool, places: np.ndarray) -> None:
+    def begin(self, new_system: bool, patched: bool, places: np.ndarray | None) -> None:
         """A new frame: whether the mesh is another one, or has flips; `places` are those of this rank's nodes."""
         self._step.begin_frame(new_system, patched, places)
 

@@ -35,7 +35,7 @@ class NewtonStep:
         """Count from zero."""
         self.iterations, self.refreshed, self.why, self._shift = 0, False, "", 0.0
 
-    def begin_frame(self, new_system: bool, patched: bool, places: np.ndarray) -> None:
+    def begin_frame(self, new_system: bool, patched: bool, places: np.ndarray | None) -> None:
         """A new frame: whether the mesh is another one, or has flips; `places` are those of this rank's nodes."""
         # A mesh on which nothing had to be solved for is still to be met.
         self.new_system |= new_system

@@ -35,7 +35,7 @@ class Operator:
         offsets = np.ascontiguousarray(node_offsets, dtype=np.int32)
         self.rows = slice(int(offsets[comm.rank]) * fields, int(offsets[comm.rank + 1]) * fields)
         self.backend = backend or ("csr" if comm.size == 1 else "coo")
-        self.core = _kernels.Operator(comm.size > 1, fields, offsets, comm.rank, self.backend)
+        self.core = _kernels.Operator(comm.size > 1, fields, offsets.tolist(), comm.rank, self.backend)
         self.mat = PETSc.Mat()
         self._generation, self.version = -1, 0
 

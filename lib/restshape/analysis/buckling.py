@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.algebra.buckling import BucklingSolver
+from restshape.algebra.first_use import made
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.buckling_binding import bound, flipped
@@ -174,7 +175,7 @@ class BucklingAnalysis:
             state = flipped(state, self.solver, frame, self.context)
         state = replace(state, rest=rest)
         with stages("values"):
-            stiffness, geometric = state.matrices.assemble(rest, state.sign)
+            stiffness, geometric = made(state.matrices).assemble(rest, state.sign)
         state = replace(state, most=most_load_factor(rest))
         verify = frame.settled or self.verified.due(frame.mesh)
         self.state = self._find(state, stiffness, geometric, new_system, verify)
@@ -186,7 +187,7 @@ class BucklingAnalysis:
         self.state = self._find(self.state, pencil.mass, pencil.stiffness, False, True)
         # The same modes twice say nothing of where the next ones lie.
         self.solver.history = self.solver.history[:1]
-        self.verified.take(self.space)
+        self.verified.take(self.state.rest.problem.space)
         return self._report(report)
 
     def _find(
@@ -198,7 +199,7 @@ class BucklingAnalysis:
         with self.context.stages("observe"):
             modes = self._with_ids(state, found)
         if report.inertia_checked:
-            self.verified.take(state.rest.space)
+            self.verified.take(state.rest.problem.space)
         return replace(state, modes=modes, predicted=False, report=report)
 
     def _with_ids(self, state: BucklingState, found: Found) -> BucklingModes:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.buckling import BucklingSolver
+from restshape.algebra.first_use import made
 from restshape.analysis.analysis import Context
 from restshape.analysis.buckling_matrices import BucklingMatrices
 from restshape.analysis.buckling_state import BucklingState
@@ -39,7 +40,7 @@ def bound(
         if new_mesh:
             matrices = BucklingMatrices(rest.problem, context.comm.size, context.policy.backend)
         else:
-            matrices = state.matrices
+            matrices = made(state.matrices)
             matrices.set_constraints(mask)
     modes = state.modes
     if len(modes.vectors):
@@ -53,7 +54,7 @@ def bound(
 def flipped(state: BucklingState, solver: BucklingSolver, frame: Frame, context: Context) -> BucklingState:
     """The state before with matrices and modes after flips; arguments as in `bound`."""
     with context.stages("pattern"):
-        state.matrices.patch(frame.changed_cells)
+        made(state.matrices).patch(frame.changed_cells)
         if not frame.interpolations:
             return state
 
@@ -70,7 +71,7 @@ def _on_new_mesh(state: BucklingState, frame: Frame) -> np.ndarray:
     """The last modes (k, 2 n) on a new mesh."""
     modes = state.modes.vectors
     columns = np.concatenate([frame.interpolate(mode.reshape(-1, 2)) for mode in modes], axis=1)
-    there = transfer(state.rest.space, frame.mesh, columns).reshape(-1, len(modes), 2)
+    there = transfer(state.rest.problem.space, frame.mesh, columns).reshape(-1, len(modes), 2)
     return there.transpose(1, 0, 2).reshape(len(modes), -1)
 
 

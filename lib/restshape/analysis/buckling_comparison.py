@@ -5,6 +5,7 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
+from restshape.algebra.first_use import made
 from restshape.algebra.gather import GatheredSystem, matrix_difference, whole_matrix
 from restshape.algebra.operator import Operator
 from restshape.analysis.analysis import Comparison
@@ -22,7 +23,7 @@ def compare_cold(state: BucklingState, warm: GatheredSystem, cold: GatheredSyste
         warm, cold: the system of its equilibrium, as it was solved and from nothing.
     """
     rest, found = state.rest, state.modes.load_factors
-    kept = whole_matrix(state.matrices.geometric, PETSc.COMM_SELF)
+    kept = whole_matrix(made(state.matrices).geometric, PETSc.COMM_SELF)
     entries = max(matrix_difference(warm.matrix, cold.matrix), matrix_difference(kept, _geometric(state, rest.x)))
     error = warm.solution - cold.solution
     distance = float(np.sqrt(max(0.0, error @ (cold.matrix @ error)) / (2.0 * warm.energy))) if warm.energy else 0.0

@@ -81,7 +81,7 @@ def most_load_factor(rest: SteadyState) -> float:
 
     The square of the mean strain is twice the strain energy over the stiffness of the body.
     """
-    problem, size = rest.problem, area(rest.space)
+    problem, size = rest.problem, area(rest.problem.space)
     strain = float(np.sqrt(2.0 * energy(problem, rest.x) / (problem.stiffest * size)))
     # Supports may only carry the body somewhere else: what strain it then has is rounding.
     carried = float(np.abs(rest.x).max()) / np.sqrt(size)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.algebra.eigen import EigenSolver
+from restshape.algebra.first_use import made
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis import modal_output
 from restshape.analysis.analysis import Comparison, Context, RowValues
@@ -57,7 +58,7 @@ class ModalAnalysis:
         self.context, self.make = context, make
         self.solver = EigenSolver(context.policy.solver, scene.solve.tolerance, context.calibration, context.stages)
         self.verified = VerifiedShape()
-        self.state = ModalState(plan)
+        self.state = ModalState(plan, scene)
         self.interrupted = False
         self._estimate = FrequencyEstimate()
 
@@ -155,7 +156,7 @@ class ModalAnalysis:
         """A frame that is the last one again: solved only where the hand rests, and nothing has been verified yet."""
         if frame.settled and self.solver.unchecked:
             self.state = self._verify()
-            self.verified.take(self.state.space)
+            self.verified.take(made(self.state.space))
             return self._report()
         report = self.state.report
         report = replace(report, age=report.age + 1, missed_modes=0)

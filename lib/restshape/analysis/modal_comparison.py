@@ -3,6 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.first_use import made
 from restshape.algebra.gather import matrix_difference, whole_matrix
 from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.pencil import Deflation, Pencil
@@ -17,7 +18,7 @@ COLD = 1e-10
 
 def compare_cold(state: ModalState, context: Context, make: Maker) -> Comparison:
     """Largest differences of the matrices' entries and of frequencies from a solve with nothing kept; relative."""
-    body = make(state.scene, state.plan, state.space, context.policy.lumped_mass)
+    body = make(state.scene, state.plan, made(state.space), context.policy.lumped_mass)
     cold = ModalMatrices(body, "coo").assemble()
     pairs = zip(state.matrices.gather(), (whole_matrix(mat, PETSc.COMM_SELF) for mat in cold))
     entries = max(matrix_difference(*pair) for pair in pairs)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.eigen import EigenReport
+from restshape.algebra.first_use import made
 from restshape.analysis.correction import largest_values
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.modal_matrices import products
@@ -96,7 +97,7 @@ class ModalPrediction:
         """
         if len(set(order)) != len(order):
             return state.modes
-        settings, solved = modal_settings(state.plan), state.solved
+        settings, solved = modal_settings(state.plan), made(state.solved)
         participation = solved.participation[order]
         # By rank, as a solve chooses; what had not converged is not predicted.
         search = ModeSearch(self.analysis.solver, state.body, settings.modes, settings.in_plane)

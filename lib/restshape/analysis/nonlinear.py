@@ -7,6 +7,7 @@ from typing import cast
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.first_use import made
 from restshape.algebra.gather import GatheredSystem, whole_matrix
 from restshape.algebra.linear import COMPLETE, LinearSolver
 from restshape.algebra.linear_report import LinearReport
@@ -68,12 +69,16 @@ class NonlinearState(SteadyState[Problem]):
         age: frames since the preconditioner was made.
     """
 
-    # All that a linear system is used for is overridden.
-    system: NonlinearSystem | None = None  # type: ignore[assignment]
     equations: ResidualEquations | None = None
     residual: float = 0.0
     believed: int = 0
     age: int = 0
+
+    # All that a linear system is used for is overridden.
+    @property
+    def system(self) -> NonlinearSystem:  # type: ignore[override]
+        """What outlives frames on the space."""
+        return cast(NonlinearSystem, super().system)
 
 
 class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
@@ -86,7 +91,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
         super().__init__(scene, plan, context, make)
-        self.state = NonlinearState(plan)
+        self.state = NonlinearState(plan, scene)
         self.guess = CurvedGuess(context.policy.extrapolate)
         self._made: list[Newton] = []
 
@@ -101,7 +106,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
             report = super().solve(frame)
         except (ReplayProblem, UserError):
             # The tangent that is assembled is that of the frame that failed.
-            if self.state.system:
+            if self.state.equations:
                 self.state.system.newton.take(self.state.equations)
             raise
         finally:
@@ -118,7 +123,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
     def set_values(self, x: np.ndarray) -> None:
         """Take unknowns x (n, f) for those of the space as it lies now, without a solve."""
         super().set_values(x)
-        self.state.equations.begin()
+        made(self.state.equations).begin()
         self.state = replace(self.state, residual=0.0)
 
     def row(self) -> RowValues:
@@ -131,7 +136,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
         # Newton's last one was of these very unknowns, unless they were predicted.
         if not state.predicted:
             return state.residual
-        norm = float(np.linalg.norm(state.equations.whole_residual(state.x)))
+        norm = float(np.linalg.norm(made(state.equations).whole_residual(state.x)))
         return norm / state.scale if state.scale else norm
 
     def tangent(self) -> PETSc.Mat:
@@ -206,7 +211,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
 
         A SNES and the functions that it calls hold each other: it goes when it is told to.
         """
-        kept = self.state.system.newton if self.state.system else None
+        kept = self.state.system.newton if self.state.bound else None
         for newton in self._made:
             if newton is not kept:
                 newton.destroy()

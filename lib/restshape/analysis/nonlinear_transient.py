@@ -2,6 +2,7 @@
 
 # More than 15 modules: here time steps and Newton's method of a frame meet, a module each.
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
@@ -53,11 +54,15 @@ class NonlinearTransientState(TransientState):
         gain: of energy.
     """
 
-    # All that a linear system is used for is overridden.
-    system: MotionSystem | None = None  # type: ignore[assignment]
     scale: float = 0.0
     residual: float = 0.0
     gain: EnergyGain = EnergyGain()
+
+    # All that a linear system is used for is overridden.
+    @property
+    def system(self) -> MotionSystem:  # type: ignore[override]
+        """What outlives frames on the space."""
+        return cast(MotionSystem, super().system)
 
 
 class NonlinearTransientAnalysis(TransientAnalysis):
@@ -73,7 +78,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
         super().__init__(scene, plan, context, make)
-        self.state = NonlinearTransientState(plan)
+        self.state = NonlinearTransientState(plan, scene)
         self._made: list[Newton] = []
 
     def solve(self, frame: Frame) -> LinearReport:
@@ -155,7 +160,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     def _destroy_unused(self) -> None:
         """Free all of Newton's methods but the present one; see `NonlinearSteadyAnalysis`."""
-        kept = self.state.system.newton if self.state.system else None
+        kept = self.state.system.newton if self.state.bound else None
         for newton in self._made:
             if newton is not kept:
                 newton.destroy()

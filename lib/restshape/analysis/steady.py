@@ -9,6 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.sparse.linalg import spsolve
 
+from restshape.algebra.first_use import made
 from restshape.algebra.gather import GatheredSystem, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
@@ -40,15 +41,28 @@ P = TypeVar("P", bound=Problem)
 
 
 @dataclass(frozen=True, eq=False)
+class BoundProblem(Generic[P]):
+    """What is set up for a mesh and the values of a scene.
+
+    Args:
+        problem: of the scene on its space.
+        system: what outlives frames on the space.
+        observer: of the scene's quantities.
+    """
+
+    problem: P
+    system: LinearSystem
+    observer: Observer
+
+
+@dataclass(frozen=True, eq=False)
 class SteadyState(Generic[P]):
     """A solution, and what it was found with.
 
     Args:
         plan: which effects are on.
-        scene: whose values it is for; None before the first solution.
-        problem: of that scene on its space.
-        system: what outlives frames on the space.
-        observer: of the scene's quantities.
+        scene: whose values it is for.
+        bound: None before the first frame.
         x: (n, f) unknowns.
         topology, geometry: versions of the space that they were found at; -1: on none.
         scale: what residuals are measured against; None: the right side.
@@ -56,10 +70,8 @@ class SteadyState(Generic[P]):
     """
 
     plan: Plan
-    scene: Scene | None = None
-    problem: P | None = None
-    system: LinearSystem | None = None
-    observer: Observer | None = None
+    scene: Scene
+    bound: BoundProblem[P] | None = None
     x: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     topology: int = -1
     geometry: int = -1
@@ -67,9 +79,24 @@ class SteadyState(Generic[P]):
     predicted: bool = False
 
     @property
+    def problem(self) -> P:
+        """The scene's problem on its space."""
+        return made(self.bound).problem
+
+    @property
+    def system(self) -> LinearSystem:
+        """What outlives frames on the space."""
+        return made(self.bound).system
+
+    @property
+    def observer(self) -> Observer:
+        """Of the scene's quantities."""
+        return made(self.bound).observer
+
+    @property
     def space(self) -> Space | None:
-        """Where the unknowns live."""
-        return None if self.problem is None else self.problem.space
+        """Where the unknowns live; None before the first frame."""
+        return None if self.bound is None else self.bound.problem.space
 
 
 class SteadyAnalysis(Generic[P]):
@@ -93,7 +120,7 @@ class SteadyAnalysis(Generic[P]):
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[P]) -> None:
         self.context, self.make = context, make
-        self.state: SteadyState[P] = SteadyState(plan)
+        self.state: SteadyState[P] = SteadyState(plan, scene)
         self.interrupted = False
         self.guess = Guess(context.policy.extrapolate)
         self.solver = self._make_solver(scene)
@@ -165,7 +192,7 @@ class SteadyAnalysis(Generic[P]):
         return self.state.x
 
     @property
-    def problem(self) -> P | None:
+    def problem(self) -> P:
         """What was solved last."""
         return self.state.problem
 
@@ -226,9 +253,11 @@ class SteadyAnalysis(Generic[P]):
     @property
     def error_estimate(self) -> RecoveryEstimate:
         """The estimate on the problem's space, kept until there is another problem."""
-        if self._estimate[0] is not self.state.problem:
-            self._estimate = (self.state.problem, self.state.problem.error_estimate())
-        return self._estimate[1]
+        problem, estimate = self._estimate
+        if estimate is None or problem is not self.problem:
+            estimate = self.problem.error_estimate()
+            self._estimate = (self.problem, estimate)
+        return estimate
 
     # --- prediction ---------------------------------------------------------------------------------------------------
 
@@ -274,10 +303,10 @@ class SteadyAnalysis(Generic[P]):
             plan = planned(frame.scene, application(frame.scene.app))
             problem = self.make(frame.scene, plan, mesh)
             observer = problem.observer(self._observed_quantities(frame.scene.quantities))
-            system = before.system
             if new_mesh:
                 system = self._make_system(problem)
             else:
+                system = before.system
                 system.operator.set_constraints(problem.boundary.mask)
         x = before.x
         if new_mesh:
@@ -288,7 +317,7 @@ class SteadyAnalysis(Generic[P]):
             log.info("%s", "Cold start" if projected is None else f"Unknowns interpolated to {len(projected)} nodes")
             x = projected if projected is not None else np.zeros(problem.boundary.mask.shape)
             self.guess.restart()
-        self.state = replace(before, plan=plan, problem=problem, observer=observer, system=system, x=x)
+        self.state = replace(before, plan=plan, bound=BoundProblem(problem, system, observer), x=x)
 
     def _observed_quantities(self, quantities: dict[str, Quantity]) -> dict[str, Quantity]:
         """The quantities of the scene that the problem knows."""
@@ -382,7 +411,7 @@ class SteadyAnalysis(Generic[P]):
 
     def cold_system(self) -> GatheredSystem:
         """Matrix and solution of this frame with new pattern, values and factor, and no guess."""
-        comm, space = self.context.comm, self.state.space
+        comm, space = self.context.comm, self.problem.space
         problem = self.make(self.state.scene, self.state.plan, space)
         shape = problem.boundary.mask.shape
         operator = Operator(comm, shape[1], space.node_offsets, "coo")

@@ -32,6 +32,7 @@ def local_error(
     Baca, J. Comput. Appl. Math. 11 (1984) 197.
     """
     before, now = states
+    assert scheme.error_factor is not None, "the scheme has no known error"
     if before.a is not None and now.a is not None:
         change = body.mass.apply(now.a - before.a)
     else:

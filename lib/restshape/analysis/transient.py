@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
+from restshape.algebra.first_use import made
 from restshape.algebra.gather import GatheredSystem, whole_matrix, whole_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
@@ -19,7 +20,7 @@ from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
 from restshape.analysis.increment_subspace import IncrementProjection
 from restshape.analysis.time_error import local_error
-from restshape.analysis.transient_state import TransientState
+from restshape.analysis.transient_state import BoundMotion, TransientState
 from restshape.analysis.velocity_projection import project_velocity
 from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
@@ -57,7 +58,7 @@ class TransientAnalysis:
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
         self.context, self.make = context, make
-        self.state = TransientState(plan)
+        self.state = TransientState(plan, scene)
         self.interrupted = False
         self.solver = self._make_solver(scene)
         self.estimated = f"{make.unknowns[0].name} in the energy norm"
@@ -96,7 +97,7 @@ class TransientAnalysis:
         try:
             stale, new_mesh = self._follow(frame)
             # The solver may have met the mesh of a frame that failed, which is gone.
-            steps = 0 if before.body is None else self.state.integration.steps
+            steps = 0 if before.bound is None else self.state.integration.steps
             report = self._run(stale, new_mesh or self.interrupted, steps)
         except (ReplayProblem, UserError):
             self.state, self.interrupted = before, True
@@ -107,14 +108,16 @@ class TransientAnalysis:
 
     def begin(self, x: np.ndarray, v: np.ndarray, time: float = 0.0) -> None:
         """Let the motion go on from unknowns x (n, f) and rates v (n, f) at a time [s]."""
-        self.state = replace(self.state, increments=self._no_increments(self.state))
+        bound = made(self.state.bound)
+        bound = replace(bound, increments=self._no_increments(bound.body, bound.system))
+        self.state = replace(self.state, bound=bound)
         self._enter(x - self.problem.boundary.values, v, time)
         account = self.state.account
         self.state = replace(self.state, account=replace(account, last=self.energy() if account.known else 0.0))
 
     def set_integration(self, **changes: Any) -> None:
         """Let the next steps be others: changes of the `TimeIntegration`, until the scene's settings are read again."""
-        self.state = replace(self.state, integration=replace(self.state.integration, **changes))
+        self.state = replace(self.state, in_time=replace(self.state.integration, **changes))
 
     # --- what is asked of a state -------------------------------------------------------------------------------------
 
@@ -122,7 +125,7 @@ class TransientAnalysis:
     def x(self) -> np.ndarray:
         """Unknowns (n, f) after the last step, relative to the base."""
         state = self.state
-        return state.now.y if state.body is None else state.body.unknowns(state.now.y)
+        return state.now.y if state.bound is None else state.body.unknowns(state.now.y)
 
     @property
     def v(self) -> np.ndarray:
@@ -135,7 +138,7 @@ class TransientAnalysis:
         return self.state.now.time
 
     @property
-    def body(self) -> SemiDiscrete | None:
+    def body(self) -> SemiDiscrete:
         """What moves."""
         return self.state.body
 
@@ -193,9 +196,11 @@ class TransientAnalysis:
     @property
     def error_estimate(self) -> RecoveryEstimate:
         """The estimate on the problem's space, kept until there is another problem."""
-        if self._estimate[0] is not self.state.body:
-            self._estimate = (self.state.body, self.problem.error_estimate())
-        return self._estimate[1]
+        body, estimate = self._estimate
+        if estimate is None or body is not self.body:
+            estimate = self.problem.error_estimate()
+            self._estimate = (self.body, estimate)
+        return estimate
 
     def _time_error(self) -> float:
         """The estimated error of the last step over the largest unknowns of a frame so far, or NaN."""
@@ -214,7 +219,8 @@ class TransientAnalysis:
     def _follow(self, frame: Frame) -> tuple[bool, bool]:
         """Take up the frame's mesh and scene; tells whether the matrix is stale, and the mesh another one."""
         mesh, before = frame.mesh, self.state
-        new_mesh, new_scene = mesh is not before.space, self.interrupted or frame.scene is not before.scene
+        new_mesh = mesh is not before.space
+        new_scene = self.interrupted or before.bound is None or frame.scene is not before.scene
         flipped = mesh.topology != before.topology
         if not (new_mesh or new_scene or flipped or mesh.geometry != before.geometry):
             return False, False
@@ -246,28 +252,26 @@ class TransientAnalysis:
     def _read(self, scene: Scene) -> None:
         """Take the settings of a scene, whose values may be others."""
         state = self.state
-        plan = planned(scene, application(scene.app)) if state.body is not None else state.plan
-        integration = self.make.time_integration(plan, state.integration, self.time)
+        plan = planned(scene, application(scene.app)) if state.bound is not None else state.plan
+        in_time = self.make.time_integration(plan, state.in_time, self.time)
         known = self.make.accounts_energy(scene.quantities)
         account = replace(state.account, known=known)
-        self.state = replace(state, plan=plan, integration=integration, account=account)
+        self.state = replace(state, plan=plan, in_time=in_time, account=account)
 
     def _bind(self, scene: Scene, mesh: Space, new_mesh: bool) -> None:
         """Set up what depends on the mesh topology or on the scene's values, and bring the motion there."""
         before, integration = self.state, self.state.integration
         with self.context.stages("pattern"):
             body = SemiDiscrete(self.make(scene, before.plan, mesh), integration.damping)
-            system, increments = before.system, before.increments
             if new_mesh:
                 system = self._make_system(body, integration)
+                increments = self._no_increments(body, system)
             else:
+                system, increments = before.system, made(before.bound).increments
                 system.bind(body, integration.scheme)
-        self.state = replace(before, body=body, system=system)
-        if new_mesh:
-            increments = self._no_increments(self.state)
         observer = body.problem.motion_observer(scene.quantities, body.mass)
-        self.state = replace(self.state, increments=increments, observer=observer)
-        if before.body is None:
+        self.state = replace(before, bound=BoundMotion(body, system, observer, increments))
+        if before.bound is None:
             first = body.problem.initial() - body.problem.boundary.values
             self._enter(first, np.zeros_like(first), 0.0)
         elif new_mesh:
@@ -353,13 +357,13 @@ class TransientAnalysis:
             system.full[:] = state.y.ravel()
             system.solution.stateIncrease()
             if guessed:
-                system.full += self.state.increments(system.force())
+                system.full += made(self.state.bound).increments(system.force())
                 system.solution.stateIncrease()
             report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale)
         whole_vector(system.full, system.rows, self.context.comm)
         y = system.full.reshape(state.y.shape).copy()
         if guessed:
-            self.state.increments.keep((y - state.y).ravel())
+            made(self.state.bound).increments.keep((y - state.y).ravel())
         self._advance(scheme.after(state, y))
         return report
 
@@ -369,9 +373,9 @@ class TransientAnalysis:
         if self.state.observer.watched:
             self.state.observer.step(self.x, self.state.motion)
 
-    def _no_increments(self, state: TransientState) -> IncrementProjection:
-        rows = state.system.rows
-        return IncrementProjection(state.body.static.size, rows.stop - rows.start, self.context.comm)
+    def _no_increments(self, body: SemiDiscrete, system: EffectiveSystem) -> IncrementProjection:
+        rows = system.rows
+        return IncrementProjection(body.static.size, rows.stop - rows.start, self.context.comm)
 
     def _shaking(self, time: float) -> np.ndarray:
         return self.state.integration.shaking(time, self.state.body.static.shape[1])
@@ -411,4 +415,4 @@ class TransientAnalysis:
 
     def _cold_body(self) -> SemiDiscrete:
         state = self.state
-        return SemiDiscrete(self.make(state.scene, state.plan, state.space), state.integration.damping)
+        return SemiDiscrete(self.make(state.scene, state.plan, self.problem.space), state.integration.damping)

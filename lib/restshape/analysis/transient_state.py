@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from restshape.algebra.first_use import made
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.increment_subspace import IncrementProjection
 from restshape.fem.quantity import Observer
@@ -32,19 +33,32 @@ class EnergyAccount:
     remesh: float = 0.0
 
 
-# The fifteen that a step takes and gives, so that a failure takes back all of them.
+@dataclass(frozen=True, eq=False)
+class BoundMotion:
+    """What is set up for a mesh and the values of a scene.
+
+    Args:
+        body: the scene's problem on its space.
+        system: what outlives frames on the space.
+        observer: of the scene's quantities.
+        increments: what guesses are made of.
+    """
+
+    body: SemiDiscrete
+    system: EffectiveSystem
+    observer: Observer
+    increments: IncrementProjection
+
+
+# All that a step takes and gives, so that a failure takes back the whole of it.
 @dataclass(frozen=True, eq=False)
 class TransientState:
     """A motion, and what it was found with.
 
     Args:
         plan: which effects are on.
-        scene: whose values it is for; None before the first solution.
-        integration: in time.
-        body: the scene's problem on its space.
-        system: what outlives frames on the space.
-        observer: of the scene's quantities.
-        increments: what guesses are made of.
+        scene: whose values it is for.
+        in_time: how it is integrated; bound: both None before the first frame.
         now, previous: after the last step and before it.
         account: of energies.
         topology, geometry: versions of the space that it was found at; -1: on none.
@@ -54,12 +68,9 @@ class TransientState:
     """
 
     plan: Plan
-    scene: Scene | None = None
-    integration: TimeIntegration | None = None
-    body: SemiDiscrete | None = None
-    system: EffectiveSystem | None = None
-    observer: Observer | None = None
-    increments: IncrementProjection | None = None
+    scene: Scene
+    in_time: TimeIntegration | None = None
+    bound: BoundMotion | None = None
     now: TimeState = NOTHING
     previous: TimeState = NOTHING
     account: EnergyAccount = field(default_factory=EnergyAccount)
@@ -70,9 +81,29 @@ class TransientState:
     age: int = 0
 
     @property
+    def integration(self) -> TimeIntegration:
+        """How it is integrated in time."""
+        return made(self.in_time)
+
+    @property
+    def body(self) -> SemiDiscrete:
+        """The scene's problem on its space."""
+        return made(self.bound).body
+
+    @property
+    def system(self) -> EffectiveSystem:
+        """What outlives frames on the space."""
+        return made(self.bound).system
+
+    @property
+    def observer(self) -> Observer:
+        """Of the scene's quantities."""
+        return made(self.bound).observer
+
+    @property
     def space(self) -> Space | None:
-        """Where the unknowns live."""
-        return None if self.body is None else self.body.problem.space
+        """Where the unknowns live; None before the first frame."""
+        return None if self.bound is None else self.bound.body.problem.space
 
     @property
     def motion(self) -> Motion:

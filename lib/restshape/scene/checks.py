@@ -3,7 +3,6 @@
 import os.path
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 from restshape.application import Application
 from restshape.scene.bodies import bodies_of
@@ -88,7 +87,7 @@ def _check_shape(scene: Scene, source: Source) -> None:
         kind = next(iter(type(edge).model_fields))
         for vertex in getattr(edge, kind):
             _refuse_absent(vertex, shape.vertices, "vertex", ("shape", "edges", name, kind), source)
-    loops = {("shape", "outline"): shape.outline}
+    loops: dict[tuple[str, ...], list[str]] = {("shape", "outline"): shape.outline}
     for key in ("holes", "regions"):
         for name, loop in getattr(shape, key).items():
             if isinstance(loop, EdgeLoop):
@@ -183,7 +182,7 @@ def _check_formulas(scene: Scene, source: Source) -> None:
             raise source.error(place, what, do)
 
 
-def refuse_places(place: tuple[str, ...], value: Any, what: str, source: Source) -> None:
+def refuse_places(place: tuple[str, ...], value: object, what: str, source: Source) -> None:
     """Refuses a formula of places where one number is wanted.
 
     Args:

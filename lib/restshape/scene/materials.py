@@ -8,8 +8,6 @@ from typing import Any
 MATERIALS: dict[str, dict[str, Any]] = tomllib.loads((files(__package__) / "materials.toml").read_text("utf-8"))
 """Keys of a material by its name, as a scene would hold them, and the source of their values."""
 
-NAMES = tuple(MATERIALS)
-
 
 def named(raw: Any, known: Mapping[str, Mapping[str, Any]], keys: Collection[str]) -> Any:
     """The tables of a material with the values of the material that they name; values of their own come first.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
+from types import GenericAlias
 from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, Field
@@ -47,7 +48,7 @@ class Section:
     @property
     def field(self) -> tuple[Any, Any]:
         """Its annotation and its default, for pydantic."""
-        kind: Any = dict[Name, self.model] if self.named else self.model
+        kind: Any = GenericAlias(dict, (Name, self.model)) if self.named else self.model
         if self.required:
             return kind, Field(description=self.summary)
         if self.optional:

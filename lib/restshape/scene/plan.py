@@ -69,7 +69,7 @@ def plan(scene: Scene, application: Application) -> Plan:
         UserError: an effect cannot be had in this scene.
     """
     planned, warnings, tolerances = [], [], []
-    orders = [(scene.mesh.order, "the scene says so in mesh.order")]
+    orders: list[tuple[int | None, str]] = [(scene.mesh.order, "the scene says so in mesh.order")]
     for name, effect in application.effects.items():
         if name not in scene.effects and not effect.required:
             planned.append(PlannedEffect(name, False, f"the scene has no [effects.{name}]"))
@@ -88,7 +88,8 @@ def plan(scene: Scene, application: Application) -> Plan:
     settings = {effect.name: effect.settings for effect in planned}
     solver = joint([physics.solver(scene, on, settings) for physics in application.physics])
     usual = (application.orders[0], f"the usual one of {application.name}")
-    order, order_why = next((asked for asked in orders if asked[0] in application.orders), usual)
+    possible = ((order, why) for order, why in orders if order is not None and order in application.orders)
+    order, order_why = next(possible, usual)
     tolerance = min(tolerances, default=None)
     return Plan(tuple(planned), implied, solver, order, order_why, tuple(warnings), tolerance)
 

@@ -113,7 +113,7 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
         case "less_than_equal":
             return f"{_shown(given)} is too large: it must be at most {context['le']:g}", ""
         case "too_short" | "too_long":
-            limit = context.get("min_length", context.get("max_length"))
+            limit = context["min_length" if kind == "too_short" else "max_length"]
             bound = "at least" if kind == "too_short" else "at most"
             what = f"{bound} {limit} entries are wanted here, but there are {context['actual_length']}"
             return what, _of_length(given, limit)
@@ -128,7 +128,7 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
     return f"{details['msg']}, {shown}", ""
 
 
-def _of_length(given: Any, count: int) -> str:
+def _of_length(given: object, count: int) -> str:
     """What to write in place of a list of numbers that is too short or too long; empty where it holds other things."""
     if not isinstance(given, list | tuple) or not given or not all(_is_quantity(one) for one in given):
         return ""
@@ -136,14 +136,14 @@ def _of_length(given: Any, count: int) -> str:
     return f"write {count}, as in {json.dumps(entries, ensure_ascii=False)}"
 
 
-def _is_quantity(value: Any) -> bool:
+def _is_quantity(value: object) -> bool:
     """Whether it is a number, or text that reads as one."""
     if isinstance(value, str):
         return reads_as_quantity(value)
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _shown(given: Any) -> str:
+def _shown(given: object) -> str:
     """What was given, short."""
     text = repr(given)
     return text if len(text) <= 60 else f"{text[:57]}..."
@@ -171,7 +171,7 @@ def _step(kind: Any, part: str | int) -> Any:
     """The annotation one key further in, or None."""
     origin, arguments = get_origin(kind), get_args(kind)
     if components := _components(kind):
-        return components.get(part)
+        return components.get(str(part))
     if origin is Annotated:
         return _step(arguments[0], part)
     if isinstance(kind, type) and issubclass(kind, BaseModel):

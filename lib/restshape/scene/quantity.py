@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, create_model, field_validator, model_validator
 
@@ -132,8 +132,10 @@ def quantity_type(kinds: Mapping[str, QuantityKind]) -> type[Quantity]:
     """The model of quantities that may be of these kinds, and of those that all scenes have."""
     kinds = {**kinds, **CORE}
     # Fields of the last base come first: a limit is read by the kind that has been read before it.
-    fields = {key: (kind.value | None, Field(None, description=kind.summary or None)) for key, kind in kinds.items()}
+    fields: dict[str, Any] = {
+        key: (kind.value | None, Field(None, description=kind.summary or None)) for key, kind in kinds.items()
+    }
     keys = create_model("Keys", __base__=Strict, **fields)
-    made = create_model("Quantity", __base__=(Quantity, keys), __doc__=Quantity.__doc__)
+    made = cast(type[Quantity], create_model("Quantity", __base__=(Quantity, keys), __doc__=Quantity.__doc__))
     made.kinds = kinds
     return made

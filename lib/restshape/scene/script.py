@@ -16,7 +16,7 @@ from restshape.scene.model import Scene
 from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, suggestion
 from restshape.scene.units import article, length_unit
-from restshape.scene.values import Name, Strict, number_of, only_one
+from restshape.scene.values import Angle, Name, Number, Strict, only_one
 
 FORMAT = "restshape-edits"
 VERSION = 1
@@ -66,7 +66,7 @@ class Rotate(EventLine):
 
     do: Literal["rotate"]
     on: str
-    by: number_of("angle")
+    by: Angle
     about: Position | None = None
     frames: Frames = 1
 
@@ -76,7 +76,7 @@ class Scale(EventLine):
 
     do: Literal["scale"]
     on: str
-    factor: Annotated[number_of("number"), Field(gt=0)]
+    factor: Annotated[Number, Field(gt=0)]
     about: Position | None = None
     frames: Frames = 1
 
@@ -211,7 +211,7 @@ class Script:
     """
 
     header: Header
-    events: tuple[Event, ...]
+    events: tuple[EventLine, ...]
     torn: str | None = None
     error: UserError | None = None
     warnings: tuple[str, ...] = ()
@@ -220,7 +220,7 @@ class Script:
     @classmethod
     def empty(cls, scene: Scene) -> Self:
         """The script that leaves the scene's shape as it is."""
-        return cls(Header(format=FORMAT, version=VERSION, scene=scene.path.name), ())
+        return cls(Header(format="restshape-edits", version=1, scene=scene.path.name), ())
 
 
 def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = False) -> Script:
@@ -313,7 +313,7 @@ class _Reader:
     last: int
     known: dict[str, type[EventLine]]
     bodies: Mapping[str, Body]
-    events: list[Event] = field(default_factory=list)
+    events: list[EventLine] = field(default_factory=list)
     torn: str | None = None
     error: UserError | None = None
     held: str | None = None
@@ -391,7 +391,7 @@ class _Reader:
         keys = [f"bodies.{name}.{body.kind}.{key}.2" for key in POINTS[body.kind]]
         return f'leave out z: hands move bodies in x and y; "do": "set" of {" and of ".join(keys)} lifts this one'
 
-    def check_order(self, event: Event, number: int) -> None:
+    def check_order(self, event: EventLine, number: int) -> None:
         """Refuses time that runs backwards, and a hand that drags what it does not hold."""
         if event.t < self.t:
             self.fail(number, f"time runs backwards: t = {event.t:g} after t = {self.t:g}", "let t never decrease")
@@ -401,7 +401,7 @@ class _Reader:
         if self.held is not None and event.do not in HELD:
             self.fail(number, f"there is {what} while {self.held!r} is still held", "add a release before it")
         if event.do in TAKING_HOLD:
-            self.held = event.on
+            self.held = getattr(event, "on", None)
         elif event.do == "release":
             self.held = None
 
