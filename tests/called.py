@@ -124,6 +124,6 @@ class Law:
         else:
             assert times("stress", body) == self.stresses
             # Each evaluation is one pass over the cells, with the tangent or without. One more begins a frame, and the
-            # first one ends with the tangent that tells whether the body is stable.
+            # first one ends with the tangent that shows whether the body is stable.
             passes = times("residual", body) + times("tangent", body)
             assert passes == events["SNESFunctionEval"] + (2 if first else 1)

@@ -68,7 +68,7 @@ class ClothLaw:
         assert {purpose for purposes in calls.values() for purpose in purposes} <= {"residual", "energy", "tangent"}
         stabilised, true = (times(name, "tangent") for name in (STABILISED, TRUE))
         kept = sum(times(name, "tangent") for name in bent)
-        # The first frame softens the membrane on its way, and begins anew with each softness.
+        # The first frame softens the membrane on its way, and restarts with each softness.
         assert kept >= 1 if first else kept == 1
         assert stabilised + true + kept == row["events"]["RestshapeValues"]
         inert = times(POINT, "tangent")

@@ -15,10 +15,10 @@ from restshape_apps.metallophone.stage import add_scene, analysed
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.pitch import note
 from restshape.errors import UserError
-from restshape.mesh.space import LagrangeSpace
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.report.modes import draw_modes
-from restshape.sensitivity.modal import stands_alone
-from restshape.sensitivity.outline import outline_density
+from restshape.sensitivity.frequency_derivative import stands_alone
+from restshape.sensitivity.outline_density import outline_density
 
 
 def draw(analysis: ModalAnalysis, path: Path) -> None:
@@ -37,7 +37,7 @@ def draw_rasp(analysis: ModalAnalysis, path: Path) -> None:
     """Draw along the outline what rasping does to the first tone.
 
     Raises:
-        UserError: others lie so close to it that rasping mixes their modes, which no density tells.
+        UserError: others lie so close to it that rasping mixes their modes, which no density shows.
     """
     first = int(analysis.state.modes.chosen[0])
     if not stands_alone(analysis, first):

@@ -280,11 +280,11 @@ def command_of(args: argparse.Namespace) -> str:
     return " ".join(["restshape", *(plain(word) for word in args.words)])
 
 
-# --- what is told -----------------------------------------------------------------------------------------------------
+# --- what is reported -------------------------------------------------------------------------------------------------
 
 
 def announce(text: str) -> None:
-    """Tells what comes next, where it does not mix with tables."""
+    """Reports what comes next, where it does not mix with tables."""
     print(text, file=sys.stderr, flush=True)
 
 
@@ -301,7 +301,7 @@ def tell(study: Any) -> None:
 
 
 def reuse_holds(study: Any) -> bool:
-    """Tell whether reuse stays below the tolerance at every point where it is known, and is known at one at least."""
+    """Whether reuse stays below the tolerance at every point where it is known, and is known at one at least."""
     known = [record["reuse_holds"] for record in study.records if record["reuse_holds"] is not None]
     return bool(known) and all(known)
 

@@ -127,12 +127,12 @@ def _picture(folder: Path, name: str) -> Path:
 
 
 def announce(words: str) -> None:
-    """Tells what comes next, where it does not mix with tables."""
+    """Reports what comes next, where it does not mix with tables."""
     print(words, file=sys.stderr, flush=True)
 
 
 def _draw(path: Path, draw: Any) -> None:
-    """Draw, and tell where."""
+    """Draw, and show where."""
     try:
         draw()
     except OSError as error:

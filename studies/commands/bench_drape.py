@@ -1,12 +1,12 @@
-"""The study `restshape bench drape`: ways of cloth to rest."""
+"""The study `restshape bench drape`: Solution strategies of cloth."""
 
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from restshape_studies.bench.cloth_strategies import BENDING, POLICIES, WAYS
 from restshape_studies.bench.turns import Announce, Case
-from restshape_studies.bench.ways import BENDING, POLICIES, WAYS
 from restshape_studies.commands.bench_kind import Kind, add_frames, job_of
 
 from restshape.cli.options import check_output, print_table
@@ -47,7 +47,7 @@ def check(args: argparse.Namespace) -> None:
 
 def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:
     """A record for each way, kind of bending and policy."""
-    from restshape_studies.bench.ways import Plan, study
+    from restshape_studies.bench.cloth_strategies import Plan, study
 
     names = {name: chosen(getattr(args, name), name, names) for name, names in KNOWN.items()}
     return study(job_of(args, case, "auto"), Plan(**names, seconds=args.seconds), announce)

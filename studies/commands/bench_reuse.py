@@ -25,7 +25,13 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--policies", default=",".join(POLICIES), metavar="A,B", help="default: %(default)s")
     add_frames(parser, 200)
     add_repeat(parser, "timed runs a policy")
-    parser.add_argument("--regret", action="store_true", help="measure the regret of auto's refreshes in hindsight")
+    parser.add_argument(
+        "--hindsight",
+        "--regret",
+        dest="hindsight_cost",
+        action="store_true",
+        help="measure the regret of auto's refreshes in hindsight",
+    )
 
 
 def policies(args: argparse.Namespace) -> tuple[str, ...]:
@@ -46,7 +52,7 @@ def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[st
     from restshape_studies.bench.reuse import Plan, compare
 
     given = tuple(args.set), tuple(args.petsc)
-    return compare(case, Plan(policies(args), args.repeat, args.frames or None, *given, args.regret), announce)
+    return compare(case, Plan(policies(args), args.repeat, args.frames or None, *given, args.hindsight_cost), announce)
 
 
 def draw(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
@@ -75,22 +81,22 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     events = [event for event in one["events"] if event in EVENTS or any(e["events"][event] for e in found.values())]
     rows = [[event, *(str(entry["events"][event]) for entry in found.values())] for event in events]
     print_table("", ("PETSc events", *found), rows, list(found))
-    regret = found.get("auto", {}).get("regret")
-    if regret:
-        print(regret_line(regret))
+    hindsight_cost = found.get("auto", {}).get("regret")
+    if hindsight_cost:
+        print(hindsight_line(hindsight_cost))
     print()
 
 
-def regret_line(regret: dict[str, Any]) -> str:
-    """The regret in words."""
-    if "problem" in regret:
-        return f"regret of auto's refreshes: not measured, {regret['problem']}"
-    refreshes, iterations = regret["refreshes"], regret["iterations"]
+def hindsight_line(hindsight_cost: dict[str, Any]) -> str:
+    """The cost over the best schedule in hindsight, as a line."""
+    if "problem" in hindsight_cost:
+        return f"regret of auto's refreshes: not measured, {hindsight_cost['problem']}"
+    refreshes, iterations = hindsight_cost["refreshes"], hindsight_cost["iterations"]
     spent = {
-        which: f"{1e3 * regret[which]:.4g} ms ({refreshes[which]} refreshes, {iterations[which]} iterations)"
+        which: f"{1e3 * hindsight_cost[which]:.4g} ms ({refreshes[which]} refreshes, {iterations[which]} iterations)"
         for which in ("run", "best")
     }
-    ratio = f"{regret['ratio']:.3f} times the best schedule in hindsight"
+    ratio = f"{hindsight_cost['ratio']:.3f} times the best schedule in hindsight"
     return f"regret of auto's refreshes: {ratio}; by the calibration {spent['run']} against {spent['best']}"
 
 

@@ -11,7 +11,7 @@ from restshape.surroundings import start_petsc
 
 
 def main() -> int:
-    """Run the cases named on stdin, and tell a row for each."""
+    """Run the cases named on stdin, and report a row for each."""
     asked = json.loads(sys.stdin.read())
     folder = Path(sys.argv[1])
     start_petsc(sys.argv[2:])

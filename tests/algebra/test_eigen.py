@@ -38,7 +38,7 @@ def chain_values(n: int, count: int) -> np.ndarray:
 
 def pencil_of(K: PETSc.Mat, M: PETSc.Mat) -> Pencil:
     pencil = Pencil(Stages())
-    pencil.take(K, M, True)
+    pencil.set_matrices(K, M, True)
     return pencil
 
 

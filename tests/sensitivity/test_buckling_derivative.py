@@ -6,9 +6,9 @@ from columns import FOOT, HINGES, PUSHED, TWINS, Column, column
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
 from restshape.analysis.buckling import BucklingAnalysis
-from restshape.sensitivity.buckling import load_factor_rates
-from restshape.sensitivity.modal import parted
-from restshape.sensitivity.static import design_derivative
+from restshape.sensitivity.frequency_derivative import parted
+from restshape.sensitivity.load_factor_derivative import load_factor_rates
+from restshape.sensitivity.steady_derivative import design_derivative
 
 TOLERANCE = 1e-11
 HINGED = (HINGES, PUSHED.format(1e3))

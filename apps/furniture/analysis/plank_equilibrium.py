@@ -82,8 +82,8 @@ class PlankEquilibrium:
         return None
 
     def _leans(self, case: int, springs: Forces) -> bool:
-        """Tell whether springs pull or slide where contacts could do without."""
-        return springs.missing <= BALANCED and not self.furniture.kernel.inside(case)
+        """Whether springs pull or slide where contacts could do without."""
+        return springs.unbalanced <= BALANCED and not self.furniture.kernel.inside(case)
 
     def _solved(self, case: int, law: int, start: np.ndarray) -> Forces:
         self.case, self.law = case, law

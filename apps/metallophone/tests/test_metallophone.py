@@ -10,8 +10,8 @@ from modal import EDITS, SCENES
 from restshape_apps.metallophone import picture, sound
 
 from restshape.cli.main import main
+from restshape.replay.first_frame import first_frame
 from restshape.replay.recording import Recording
-from restshape.replay.still import still
 
 QUICK = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="8 mm"']
 
@@ -107,7 +107,7 @@ def test_corner_of_a_bar_twists_louder_than_it_bends(tmp_path):
     path, scene = tmp_path / "corner.wav", str(SCENES / "bar_200.toml")
     words = ["--seconds", "1", "--damping", "0", "--at", "0", "0"]
     assert sound.main([scene, *settings(), "--out", str(path), *words]) == 0
-    analysis = still(SCENES / "bar_200.toml", QUICK).analysis
+    analysis = first_frame(SCENES / "bar_200.toml", QUICK).analysis
     bends, twists = float(analysis.frequencies[0]), float(analysis.frequencies[2])
     samples, rate = heard(path)
     ratio = peak(samples, rate, twists) / peak(samples, rate, bends)

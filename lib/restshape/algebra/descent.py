@@ -22,11 +22,11 @@ class Energy(Protocol):
     """An energy of nodal values, its gradient r and a tangent."""
 
     @property
-    def held(self) -> np.ndarray:
+    def constrained(self) -> np.ndarray:
         """Unknowns, of all n f, that are constrained."""
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
-        """Set `out` (n, f) to r; 0 at held unknowns."""
+        """Set `out` (n, f) to r; 0 at constrained unknowns."""
 
     def energy(self, x: np.ndarray) -> float:
         """The energy whose gradient is r."""
@@ -151,7 +151,7 @@ class Descent:
             self.energy.tangent(self.nodal.values(X))
 
     def _shortened(self, X: PETSc.Vec, Y: PETSc.Vec) -> bool:
-        """Make a step shorter that goes too far; tells whether it did."""
+        """Make a step shorter that goes too far; returns whether it did."""
         far = Y.norm(PETSc.NormType.NORM_INFINITY)
         if far <= self.reach:
             return False

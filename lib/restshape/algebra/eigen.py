@@ -59,7 +59,7 @@ class EigenReport:
 
     Args:
         iterations: substitutions with a factor.
-        refreshed: the factor was made anew.
+        refreshed: the factor is rebuilt.
         age: frames since it was made.
         method: "davidson", "krylov-schur" or "inverse iteration".
         inertia_checked: an inertia count has shown in this frame that no mode is missed.
@@ -146,14 +146,14 @@ class EigenSolver:
         Raises:
             ReplayProblem: no convergence, or no factor.
         """
-        self.pencil.take(stiffness, mass, new_system)
+        self.pencil.set_matrices(stiffness, mass, new_system)
         self.floor = 0.0 if new_system else self.floor
         self._deflation = Deflation(rigid, self.pencil)
         substitutions, factorizations = self.pencil.substitutions, self.pencil.factorizations
         # A mode that has just come down among the others may be lost again in the next frame.
         verify = verify or self.doubtful
         if self.method == "direct" or not self.history:
-            found, report = self._anew(count, verify)
+            found, report = self._cold_solve(count, verify)
         elif self.method == "ilu":
             found, report = self._thesis(count)
         else:
@@ -166,7 +166,7 @@ class EigenSolver:
 
     # --- from nothing -------------------------------------------------------------------------------------------------
 
-    def _anew(self, count: int, verify: bool = True) -> tuple[Found, EigenReport]:
+    def _cold_solve(self, count: int, verify: bool = True) -> tuple[Found, EigenReport]:
         """Krylov-Schur about 0 with a new factor; from nothing no better shift is known."""
         if count > self._elastic:
             raise ReplayProblem(f"{count} modes are asked for, and the mesh has {self._elastic} only")
@@ -200,7 +200,7 @@ class EigenSolver:
     @property
     def _elastic(self) -> int:
         """Eigenvalues that are finite, for there is mass, and not of rigid motions."""
-        return self.pencil.massive - self.deflation.count
+        return self.pencil.dofs_with_mass - self.deflation.count
 
     def _start_shift(self) -> float:
         """A shift a little below 0, where K - s M is positive definite, small beside the eigenvalues looked for.
@@ -230,7 +230,7 @@ class EigenSolver:
         """Inverse iteration on K + eps M, factored in each frame."""
         starts = self.history[0][:count]
         if len(starts) < count:
-            return self._anew(count)
+            return self._cold_solve(count)
         guess = _rayleigh(self.pencil, starts[:1])
         self.pencil.factor(-EPSILON * guess)
         with self.stages("krylov"):
@@ -246,8 +246,8 @@ class EigenSolver:
         report = EigenReport(0, False, self.life.age, "davidson")
         price = self.life.price()
         if new_system and self.krylov_cost * (count + SPARE) < self.davidson_cost * count:
-            return self._anew(count)
-        if new_system or not self.pencil.ready or self.life.excess >= price:
+            return self._cold_solve(count)
+        if new_system or not self.pencil.ready or self.life.extra_iterations >= price:
             self._refresh(count)
         fresh = self.life.age == 0
         found = self._iterate(count, self._limit(count, price, fresh))
@@ -257,7 +257,7 @@ class EigenSolver:
             found = self._iterate(count, self._limit(count, price, True))
         if not found.converged:
             self.history = [found.modes]
-            return self._anew(count)
+            return self._cold_solve(count)
         if new_system:
             self.davidson_cost = found.iterations
         self.life.spend(found.iterations, count)
@@ -265,9 +265,9 @@ class EigenSolver:
             found = self._checked(found, count, verify, report)
         except ReplayProblem:
             self.history = []
-            again, anew = self._anew(count)
-            anew.missed_modes += report.missed_modes
-            return again, anew
+            again, cold = self._cold_solve(count)
+            cold.missed_modes += report.missed_modes
+            return again, cold
         report.age = self.life.age
         return found, report
 
@@ -286,7 +286,8 @@ class EigenSolver:
         return max(4, math.ceil(most / count) + (2 if fresh else 0))
 
     def _refresh(self, count: int) -> None:
-        """A new factor, at a shift between the eigenvalues that are wanted and the next as the last modes tell them."""
+        """A new factor, at a shift between the eigenvalues that are wanted and the next as the last modes estimate
+        them."""
         values = ritz_values(self.pencil, self.deflation, self.history[0])
         shift, _ = gap(values, count)
         self.fresh_below = self.pencil.factor(shift)

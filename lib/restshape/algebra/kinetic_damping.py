@@ -30,11 +30,11 @@ class MovingEquations(Protocol):
     """Equations r(x) = 0 with a mass, whose tangent may be made positive semidefinite."""
 
     @property
-    def held(self) -> np.ndarray:
+    def constrained(self) -> np.ndarray:
         """Unknowns, of all n f, that are constrained."""
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
-        """Set `out` (n, f) to r; 0 at held unknowns."""
+        """Set `out` (n, f) to r; 0 at constrained unknowns."""
 
     def energy(self, x: np.ndarray) -> float:
         """The energy whose gradient is r."""
@@ -69,7 +69,7 @@ class Steps:
 
     @property
     def adaptive(self) -> bool:
-        """Tell whether time steps are chosen, and steps that gain energy rejected."""
+        """Whether time steps are chosen, and steps that gain energy rejected."""
         return self.longest > self.time_step
 
 
@@ -101,7 +101,7 @@ class KineticDamping:
     Attributes:
         resets: potential energies [J] at resets; rejected: steps taken back.
         on_step: called with positions (n, f) and the norm of the residual before each step; a true answer ends it.
-        on_move: called with positions (n, f) after each step; tells whether it changed the equations.
+        on_move: called with positions (n, f) after each step; returns whether it changed the equations.
 
     Source: docs/theory.md, section "Cloth"; Baraff and Witkin, SIGGRAPH 1998, 43; Barnes 1999.
     """
@@ -177,7 +177,7 @@ class KineticDamping:
             if reason:
                 break
             try:
-                x, v, potential = self._advance(x, v, force, potential)
+                x, v, potential = self._time_step(x, v, force, potential)
             except ReplayProblem:
                 self.nodal.put(x, X)
                 raise
@@ -200,7 +200,7 @@ class KineticDamping:
             return Reason.CONVERGED_ITS
         return Reason.DIVERGED_MAX_IT if k == self.steps.most else Reason.ITERATING
 
-    def _advance(
+    def _time_step(
         self, x: np.ndarray, v: np.ndarray, force: np.ndarray, potential: float
     ) -> tuple[np.ndarray, np.ndarray, float]:
         """Positions, velocities and potential energy after one step that is accepted."""
@@ -210,7 +210,7 @@ class KineticDamping:
             damped = 1.0 + steps.beta / h
             inertia = (1.0 / h**2 + steps.alpha / h) / damped
             right = (self.mass * v / h - force) / damped
-            right.ravel()[self.motion.held] = 0.0
+            right.ravel()[self.motion.constrained] = 0.0
             # Each iterate, of CG and guesses, goes down in the step's own energy, so that a short enough step does too.
             d = self.linear.solve(self.motion.step_matrix(x, inertia, self.linear.blocks), right)
             if d is not None:

@@ -65,21 +65,23 @@ class Newton:
         """Of what is solved."""
         return made(self._taken)
 
-    def take(self, equations: Equations) -> None:
+    def set_equations(self, equations: Equations) -> None:
         """Solve these equations from now on, whose matrix has the same size."""
         before, self._taken = self._taken, Tangent(equations)
         if before:
             # The two SNES carry it until there is another one.
             self._taken.mat = before.mat
         start, stop = self.nodal.rows.start, self.nodal.rows.stop
-        self._step.constrained = equations.held[(equations.held >= start) & (equations.held < stop)] - start
+        self._step.constrained = (
+            equations.constrained[(equations.constrained >= start) & (equations.constrained < stop)] - start
+        )
 
     def tangent(self, x: np.ndarray) -> PETSc.Mat:
         """The tangent at x (n, f), assembled unless it is there."""
         return self._tangent.at(x)
 
     def definite(self, x: np.ndarray) -> bool:
-        """Whether the tangent at x (n, f) is positive definite, as far as the preconditioner can tell."""
+        """Whether the tangent at x (n, f) is positive definite, as far as the preconditioner can show."""
         return self._step.definite(self._tangent.at(x))
 
     def begin(self, new_system: bool, patched: bool, places: np.ndarray | None) -> None:
@@ -101,7 +103,7 @@ class Newton:
             x: constrained unknowns have their prescribed values.
             goal: norm of the residual at which it ends.
             scale: norm of the load, against which residuals are small or large, however small the goal is.
-            searched: with line search, until the residual is small; an energy cannot tell the last digits.
+            searched: with line search, until the residual is small; an energy cannot resolve the last digits.
             offset: (n, f) added load; None: none.
             rounding: times the largest value, the norm below which a residual that steps do not lower any more is
                 rounding, and the end.
@@ -158,7 +160,7 @@ class Newton:
         return energy if self._offset is None else energy - float(np.vdot(self._offset, x))
 
     def solve_step(self, b: PETSc.Vec, y: PETSc.Vec) -> bool:
-        """Solve for the step y of the residual b; tells whether that went well."""
+        """Solve for the step y of the residual b; returns whether that went well."""
         target = self._forcing.tolerance(self._test.steps, b.norm())
         shifts = self._test.searched and self.equations.potential
         return self._step.solve(self._tangent, b, y, target, shifts)
@@ -215,7 +217,7 @@ class KSPContext:
     """The Krylov solver of the two SNES: hands their linear systems on.
 
     Args:
-        solve_step: solves for the step (second argument) of a residual; tells whether that went well.
+        solve_step: solves for the step (second argument) of a residual; returns whether that went well.
     """
 
     def __init__(self, solve_step: Callable[[PETSc.Vec, PETSc.Vec], bool]) -> None:

@@ -25,7 +25,7 @@ def gap(values: np.ndarray, count: int) -> tuple[float, int]:
 
 
 def apart(found: Found, count: int, shift: float, tolerance: float, distances: np.ndarray | None = None) -> bool:
-    """Tell whether the `count` lowest stay so: none of the others below a shift is still to come down among them.
+    """Whether the `count` lowest stay so: none of the others below a shift is still to come down among them.
 
     As many values below a shift as there are eigenvalues say nothing yet of the lowest, where one of them has not
     converged: it may stand for any.

@@ -70,7 +70,7 @@ class Predictor(Protocol):
         """Take predicted values for those of the mesh as it lies now, without a solve."""
 
     @property
-    def shown(self) -> np.ndarray | None:
+    def prediction(self) -> np.ndarray | None:
         """The prediction that the analysis holds; None where it holds a solution."""
 
     def error(self, predicted: np.ndarray) -> float:
@@ -83,12 +83,12 @@ class Analysis(Protocol):
     Attributes:
         state: frozen; `solve` replaces it, and a failed `solve` leaves it. Versions in it decide what is stale.
         space: of the last solution; None before the first.
-        estimated: what the estimates of `errors` are of.
+        estimated_quantity: what the estimates of `errors` are of.
         why_not: why frames cannot be predicted where there is no predictor, and what to do.
     """
 
     state: Any
-    estimated: str
+    estimated_quantity: str
     why_not: str
 
     @property

@@ -40,18 +40,18 @@ def bound(
         matrices = ModalMatrices(body)
     solver.tolerance = frame.scene.solve.tolerance
     mask = body.boundary.mask
-    carried = np.empty((0, mask.size))
+    interpolated = np.empty((0, mask.size))
     if old is not None and old.body.axes == body.axes:
         with context.stages("map"):
-            carried = _on_new_mesh(old.body, before, frame) if frame.mesh is not state.space else before
-        if carried.shape[1] != mask.size:
-            carried = np.empty((0, mask.size))
-    carried = np.where(mask.ravel() == 0, carried, 0.0)
-    solver.restart(carried if len(carried) and context.policy.transfer else None)
+            interpolated = _on_new_mesh(old.body, before, frame) if frame.mesh is not state.space else before
+        if interpolated.shape[1] != mask.size:
+            interpolated = np.empty((0, mask.size))
+    interpolated = np.where(mask.ravel() == 0, interpolated, 0.0)
+    solver.restart(interpolated if len(interpolated) and context.policy.transfer else None)
     modes = modal_settings(plan).modes
     found = observer(frame.scene.quantities, frame.mesh, modes)
     body_bound = BoundBody(body, matrices, found)
-    return replace(state, plan=plan, bound=body_bound, count=max(state.count, modes)), carried
+    return replace(state, plan=plan, bound=body_bound, count=max(state.count, modes)), interpolated
 
 
 def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stages) -> np.ndarray:

@@ -14,7 +14,7 @@ from restshape.analysis.modal_matrices import products
 from restshape.analysis.modal_state import ModalState, Modes, frequencies
 from restshape.analysis.mode_search import ModeSearch
 from restshape.analysis.settings import modal_settings
-from restshape.sensitivity.modal import SolvedModes, modal_derivative
+from restshape.sensitivity.frequency_derivative import SolvedModes, modal_derivative
 
 
 class ModalPrediction:
@@ -32,7 +32,7 @@ class ModalPrediction:
         self.analysis = analysis
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
-        """Derivatives (2, k, k + n f) of `values`; arguments as in `sensitivity.modal.modal_derivative`."""
+        """Derivatives (2, k, k + n f) of `values`; arguments as in `modal_derivative`."""
         return modal_derivative(self.analysis, motion, tolerance)
 
     def values(self) -> np.ndarray:
@@ -57,7 +57,7 @@ class ModalPrediction:
         self.analysis.state = replace(state, modes=modes, report=report)
 
     @property
-    def shown(self) -> np.ndarray | None:
+    def prediction(self) -> np.ndarray | None:
         """The predicted frequencies; None where there are none."""
         return self.analysis.state.frequencies if self.analysis.state.predicted else None
 
@@ -82,7 +82,7 @@ class ModalPrediction:
 
         stiff, heavy = weighed(vectors)
         values = np.einsum("ki,ki->k", vectors, stiff) / np.einsum("ki,ki->k", vectors, heavy)
-        missing = solver.pencil.solve_aside(np.ascontiguousarray(values[:, None] * heavy - stiff))
+        missing = solver.pencil.auxiliary_solve(np.ascontiguousarray(values[:, None] * heavy - stiff))
         # The rigid motions are those of the last solve: what is left of them is of higher order.
         solver.deflation.clean(missing)
         space = np.concatenate([vectors, missing])

@@ -13,7 +13,7 @@ from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.mode_search import FoundModes
 from restshape.analysis.mode_tracking import ModeIds
 from restshape.fem.eigenproblem import Eigenproblem
-from restshape.fem.quantity import Observer
+from restshape.fem.observer import Observer
 from restshape.fem.space import Space
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 from scipy.sparse.linalg import spsolve
 
 from restshape.algebra.first_use import made
-from restshape.algebra.gather import GatheredSystem, whole_matrix, whole_vector
+from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator
@@ -25,10 +25,10 @@ from restshape.analysis.steady_predictor import SteadyPredictor
 from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.assembled import Assembled
-from restshape.fem.balance import dead_loads, energy, internal_norm, residual_norm
 from restshape.fem.error_estimate import RecoveryEstimate
+from restshape.fem.observer import Observer
 from restshape.fem.problem import INTERNAL, Fields, Problem
-from restshape.fem.quantity import Observer
+from restshape.fem.residuals import dead_loads, energy, internal_norm, residual_norm
 from restshape.fem.space import Space
 from restshape.mesh.transfer import transfer
 from restshape.scene.model import Quantity, Scene
@@ -102,7 +102,7 @@ class SteadyState(Generic[P]):
 class SteadyAnalysis(Generic[P]):
     """The solution of a linear problem, frame after frame; an `analysis.Analysis`.
 
-    What is stale is read from the versions of mesh topology, node places and scene; nobody tells the analysis.
+    What is stale is read from the versions of mesh topology, node places and scene; nobody notifies the analysis.
 
     Args:
         scene: what the user wrote.
@@ -124,7 +124,7 @@ class SteadyAnalysis(Generic[P]):
         self.interrupted = False
         self.guess = Guess(context.policy.extrapolate)
         self.solver = self._make_solver(scene)
-        self.estimated = f"{make.unknowns[0].name} in the energy norm"
+        self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         self._observed: tuple[SteadyState[P] | None, dict[str, float]] = (None, {})
         self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)
 
@@ -344,7 +344,7 @@ class SteadyAnalysis(Generic[P]):
             dead_loads(problem, system.right)
             internal = Assembled(problem.integrals(INTERNAL), system.operator)
             system.mat = internal.system(problem.boundary.values, system.right)
-        # PETSc keeps a vector's norm until it is told that the array behind it has changed.
+        # PETSc keeps a vector's norm until it is notified that the array behind it has changed.
         system.b.stateIncrease()
         guess = self.guess(state.x, frame.hand)
         np.subtract(guess, problem.boundary.values, out=system.full.reshape(guess.shape))
@@ -365,7 +365,7 @@ class SteadyAnalysis(Generic[P]):
         """
         system, boundary, total = self.state.system, self.state.problem.boundary, None
         while True:
-            scale = self._force_scale(self._whole_solution()) if boundary.nonzero else None
+            scale = self._force_scale(self._gathered_solution()) if boundary.nonzero else None
             report = self.solver.solve(
                 system.mat,
                 system.b,
@@ -377,7 +377,7 @@ class SteadyAnalysis(Generic[P]):
                 scale=scale,
             )
             system.gather()
-            x = self._whole_solution()
+            x = self._gathered_solution()
             total = report if total is None else total.followed_by(report)
             if scale is None or scale <= SCALE_SLACK * self._force_scale(x) or not report.iterations:
                 return total, x, scale
@@ -388,11 +388,11 @@ class SteadyAnalysis(Generic[P]):
         return self.state.system.places if self.solver.traits.rigid_motions else None
 
     def _force_scale(self, x: np.ndarray) -> float:
-        """Internal forces at the unknowns x (n, f), but not less than what round-off lets a residual tell."""
+        """Internal forces at the unknowns x (n, f), but not less than what round-off lets a residual resolve."""
         least = ROUND_OFF / self.solver.tolerance * self.state.system.b.norm()
         return max(internal_norm(self.state.problem, x), least)
 
-    def _whole_solution(self) -> np.ndarray:
+    def _gathered_solution(self) -> np.ndarray:
         """The unknowns (n, f), prescribed ones included."""
         values = self.state.problem.boundary.values
         return self.state.system.full.reshape(values.shape) + values
@@ -406,7 +406,7 @@ class SteadyAnalysis(Generic[P]):
     def warm_system(self) -> GatheredSystem:
         """The matrix and the free part of the solution as they stand, whole on every rank."""
         state = self.state
-        matrix = whole_matrix(state.system.mat, self.context.comm)
+        matrix = gather_matrix(state.system.mat, self.context.comm)
         return GatheredSystem(matrix, state.system.full.copy(), energy(state.problem, state.x))
 
     def cold_system(self) -> GatheredSystem:
@@ -419,5 +419,5 @@ class SteadyAnalysis(Generic[P]):
         right = np.zeros(shape)
         dead_loads(problem, right)
         mat = Assembled(problem.integrals(INTERNAL), operator).system(problem.boundary.values, right)
-        matrix = whole_matrix(mat, comm)
-        return GatheredSystem(matrix, spsolve(matrix.tocsc(), whole_vector(right.ravel(), operator.rows, comm)))
+        matrix = gather_matrix(mat, comm)
+        return GatheredSystem(matrix, spsolve(matrix.tocsc(), gather_vector(right.ravel(), operator.rows, comm)))

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
 from restshape.algebra.first_use import made
-from restshape.algebra.gather import GatheredSystem, whole_matrix, whole_vector
+from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.analysis.analysis import Comparison, Context, RowValues
@@ -61,7 +61,7 @@ class TransientAnalysis:
         self.state = TransientState(plan, scene)
         self.interrupted = False
         self.solver = self._make_solver(scene)
-        self.estimated = f"{make.unknowns[0].name} in the energy norm"
+        self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         # The largest unknowns that errors of time steps have been related to.
         self._largest = 0.0
         self._observed: tuple[TransientState | None, dict[str, float]] = (None, {})
@@ -208,16 +208,16 @@ class TransientAnalysis:
         before, now, scheme = state.previous, state.now, state.integration.scheme
         if not before.time < now.time or before.y.shape != now.y.shape or scheme.error_factor is None:
             return float("nan")
-        shaken = self._shaking(before.time), self._shaking(now.time)
+        accelerations = self._base_acceleration(before.time), self._base_acceleration(now.time)
         kept = preconditioner(self.solver, state.system.rows)
-        error = local_error(state.body, scheme, (before, now), shaken, kept)
+        error = local_error(state.body, scheme, (before, now), accelerations, kept)
         self._largest = max(self._largest, float(np.linalg.norm(self.x, axis=1).max()))
         return float(np.linalg.norm(error, axis=1).max()) / self._largest if self._largest else float("nan")
 
     # --- a new frame --------------------------------------------------------------------------------------------------
 
     def _follow(self, frame: Frame) -> tuple[bool, bool]:
-        """Take up the frame's mesh and scene; tells whether the matrix is stale, and the mesh another one."""
+        """Take up the frame's mesh and scene; returns whether the matrix is stale, and the mesh another one."""
         mesh, before = frame.mesh, self.state
         new_mesh = mesh is not before.space
         new_scene = self.interrupted or before.bound is None or frame.scene is not before.scene
@@ -305,8 +305,8 @@ class TransientAnalysis:
     def _enter(self, y: np.ndarray, v: np.ndarray, time: float) -> None:
         """Make y and v the state, at rest where prescribed, with the acceleration that equilibrium asks for."""
         body = self.state.body
-        y, v = (np.where(body.held, 0.0, values) for values in (y, v))
-        a = body.acceleration(y, v, self._shaking(time)) if self.state.integration.scheme.a5 else None
+        y, v = (np.where(body.constrained, 0.0, values) for values in (y, v))
+        a = body.acceleration(y, v, self._base_acceleration(time)) if self.state.integration.scheme.a5 else None
         now = TimeState(y, v, a, time)
         self.state = replace(self.state, now=now, previous=now)
 
@@ -345,8 +345,8 @@ class TransientAnalysis:
         scheme, factored = integration.scheme, self.state.factored
         time = state.time + scheme.dt
         with self.context.stages("values"):
-            shaking = self._shaking(time) + scheme.a3 * self._shaking(state.time)
-            (system.assemble if stale else system.right_side)(state, shaking)
+            base_acceleration = self._base_acceleration(time) + scheme.a3 * self._base_acceleration(state.time)
+            (system.assemble if stale else system.right_side)(state, base_acceleration)
         if stale:
             factored = self.solver.prepare(system.mat, new_system, integration.steps)
             self.state = replace(self.state, factored=factored)
@@ -360,14 +360,14 @@ class TransientAnalysis:
                 system.full += made(self.state.bound).increments(system.force())
                 system.solution.stateIncrease()
             report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale)
-        whole_vector(system.full, system.rows, self.context.comm)
+        gather_vector(system.full, system.rows, self.context.comm)
         y = system.full.reshape(state.y.shape).copy()
         if guessed:
             made(self.state.bound).increments.keep((y - state.y).ravel())
-        self._advance(scheme.after(state, y))
+        self._set_motion(scheme.after(state, y))
         return report
 
-    def _advance(self, now: TimeState) -> None:
+    def _set_motion(self, now: TimeState) -> None:
         """Take in the state after a step."""
         self.state = replace(self.state, previous=self.state.now, now=now, unsolved=False)
         if self.state.observer.watched:
@@ -377,19 +377,19 @@ class TransientAnalysis:
         rows = system.rows
         return IncrementProjection(body.static.size, rows.stop - rows.start, self.context.comm)
 
-    def _shaking(self, time: float) -> np.ndarray:
-        return self.state.integration.shaking(time, self.state.body.static.shape[1])
+    def _base_acceleration(self, time: float) -> np.ndarray:
+        return self.state.integration.base_acceleration(time, self.state.body.static.shape[1])
 
     # --- for comparison with other solves -----------------------------------------------------------------------------
 
     def matrices(self) -> tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]:
         """Stiffness, mass and damping of the free unknowns (ascending; f i + a at node i), whole on each rank."""
         body = self.state.body
-        free, zero, found = np.flatnonzero(~body.held.ravel()), np.zeros_like(body.static), []
+        free, zero, found = np.flatnonzero(~body.constrained.ravel()), np.zeros_like(body.static), []
         for kind in (STIFFNESS, MASS):
             terms = [part.term(zero) for part in body.problem.integrals(kind)]
             matrix = self.state.system.mass.assemble(terms, None)
-            found.append(whole_matrix(matrix, self.context.comm)[free][:, free])
+            found.append(gather_matrix(matrix, self.context.comm)[free][:, free])
         stiffness, mass = found
         return stiffness, mass, body.damping_of.alpha * mass + body.damping_of.beta * stiffness
 
@@ -400,15 +400,15 @@ class TransientAnalysis:
     def warm_system(self) -> GatheredSystem:
         """The matrix and the solution of the last step as they stand, whole on every rank."""
         system = self.state.system
-        return GatheredSystem(whole_matrix(system.mat, self.context.comm), system.full.copy())
+        return GatheredSystem(gather_matrix(system.mat, self.context.comm), system.full.copy())
 
     def cold_system(self) -> GatheredSystem:
         """Matrix and solution of the last step with new pattern, values and factor, and no guess."""
         state, comm, scheme = self.state, self.context.comm, self.state.integration.scheme
         cold = EffectiveSystem(comm, self._cold_body(), scheme, "coo")
         before, now = state.previous, state.now
-        cold.assemble(before, self._shaking(now.time) + scheme.a3 * self._shaking(before.time))
-        matrix, b = whole_matrix(cold.mat, comm), whole_vector(cold.right.ravel(), cold.rows, comm)
+        cold.assemble(before, self._base_acceleration(now.time) + scheme.a3 * self._base_acceleration(before.time))
+        matrix, b = gather_matrix(cold.mat, comm), gather_vector(cold.right.ravel(), cold.rows, comm)
         if state.unsolved:
             return GatheredSystem(matrix, np.zeros_like(b))
         return GatheredSystem(matrix, spsolve(matrix.tocsc(), b))

@@ -7,7 +7,7 @@ import numpy as np
 from restshape.algebra.first_use import made
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.increment_subspace import IncrementProjection
-from restshape.fem.quantity import Observer
+from restshape.fem.observer import Observer
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.space import Space
 from restshape.fem.time_integration import Motion, TimeIntegration, TimeState

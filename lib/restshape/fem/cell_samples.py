@@ -7,9 +7,9 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.fem.entity_sets import cells_on
+from restshape.fem.nodal_values import Nodal, varies
 from restshape.fem.space import Space
-from restshape.fem.values import Nodal, varies
-from restshape.mesh.space import quadratic_basis
+from restshape.mesh.lagrange_space import quadratic_basis
 
 
 class Given(NamedTuple):

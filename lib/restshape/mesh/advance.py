@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace
 from restshape.shape.outline import Outline
 
 NO_CELLS = np.empty(0, dtype=np.int32)
 
 
 @dataclass(slots=True)
-class Advance:
+class MeshUpdate:
     """What a frame did to the mesh.
 
     Args:
@@ -34,7 +34,7 @@ class Advance:
     stages: dict[str, float] = field(default_factory=dict)
 
     @classmethod
-    def nothing(cls, min_quality: float = float("nan")) -> "Advance":
+    def nothing(cls, min_quality: float = float("nan")) -> "MeshUpdate":
         """An idle frame."""
         return cls(0, 0, NO_CELLS, min_quality)
 

@@ -17,7 +17,7 @@ from restshape.policy import policy
 from restshape.replay.columns import columns
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
-from restshape.replay.petsc_words import refusal
+from restshape.replay.petsc_options import refusal
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.summary import summarise
@@ -64,11 +64,13 @@ def run_replay(
                     table(row)
                 on_frame()
         except KeyboardInterrupt:
-            # The other ranks know nothing of it, and one that waits for this one cannot be told.
+            # The other ranks know nothing of it, and one that waits for this one cannot be determined.
             if comm.size > 1 or not rows:
                 raise
             interrupted = True
-    summary = summarise(rows, request.policy.name, comm.size, replay.analysis.estimated) | {"interrupted": interrupted}
+    summary = summarise(rows, request.policy.name, comm.size, replay.analysis.estimated_quantity) | {
+        "interrupted": interrupted
+    }
     if request.application.report:
         summary |= request.application.report.summarised(rows)
     if check:
@@ -122,25 +124,25 @@ def _table(path: Path | None, names: list[str]) -> Iterator[Callable[[RowValues]
     if path is None:
         yield None
         return
-    with _told(path):
+    with _user_errors(path):
         file = path.open("w", newline="", buffering=1)
     writer = csv.DictWriter(file, names, extrasaction="ignore")
 
     def write(row: RowValues) -> None:
-        with _told(path):
+        with _user_errors(path):
             writer.writerow(row)
 
     try:
-        with _told(path):
+        with _user_errors(path):
             writer.writeheader()
         yield write
     finally:
-        with _told(path):
+        with _user_errors(path):
             file.close()
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
+def _user_errors(path: Path) -> Iterator[None]:
     """Turn a failure to write into a user's error."""
     try:
         yield

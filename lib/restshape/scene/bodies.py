@@ -7,10 +7,10 @@ from typing import Annotated, Any, ClassVar, Self, TypeVar
 
 from pydantic import BaseModel, Field, model_validator
 
+from restshape.scene.descriptions import listing
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.units import UnitError
 from restshape.scene.values import InSI, Length, Strict, only_one
-from restshape.scene.words import listing
 
 Size = Annotated[Value, InSI("length", formula=True)]
 Ratio = Annotated[Value, InSI("number", formula=True)]
@@ -84,13 +84,13 @@ class Body(Strict):
         only_one(self, self.kinds)
         return self
 
-    def settled(self, parameters: dict[str, float]) -> Self:
+    def evaluated(self, parameters: dict[str, float]) -> Self:
         """The body with numbers in place of formulas.
 
         Raises:
             UnitError: a size is not positive, a normal has no direction, a formula gives no number.
         """
-        form = settled(self.form, parameters)
+        form = evaluated(self.form, parameters)
         _refuse_flat(self.kind, form)
         friction = number(self.friction, parameters)
         if friction < 0.0:
@@ -131,7 +131,7 @@ def number(value: Value, parameters: dict[str, float]) -> float:
     return found
 
 
-def settled(form: Form, parameters: dict[str, float]) -> Form:
+def evaluated(form: Form, parameters: dict[str, float]) -> Form:
     """A copy of a model, of numbers and tuples of numbers, with numbers in place of formulas.
 
     Raises:

@@ -70,8 +70,8 @@ def written_keys(raw: Mapping[str, Any]) -> Iterator[tuple[str, str, tuple[str, 
 
 def _tables(named: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """The tables of a table of names."""
-    held = named.items() if isinstance(named, dict) else ()
-    yield from ((name, keys) for name, keys in held if isinstance(keys, dict))
+    entries = named.items() if isinstance(named, dict) else ()
+    yield from ((name, keys) for name, keys in entries if isinstance(keys, dict))
 
 
 def _keys(model: type[Strict] | None, core: type[Strict]) -> Meanings:

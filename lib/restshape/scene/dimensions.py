@@ -1,4 +1,4 @@
-"""Dimensions of formulas: what parameters that have units make of them, where that can be told."""
+"""Dimensions of formulas: what parameters that have units make of them, as far as they can be derived."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from restshape.scene.units import (
 )
 
 Known = Powers | None
-"""Powers of a value; None where nothing tells them, and any will do."""
+"""Powers of a value; None where nothing reports them, and any will do."""
 
 
 def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) -> None:

@@ -31,7 +31,7 @@ OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "
 COORDINATES = ("x", "y")
 CONSTANTS = {"pi": np.pi}
 LONGEST = 2000
-DEEPEST = 100
+MAX_DEPTH = 100
 
 
 class ExpressionError(ValueError):
@@ -133,7 +133,7 @@ Value = float | Expression
 
 def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
     """Refuses all that is not arithmetic, and collects the names."""
-    if depth > DEEPEST:
+    if depth > MAX_DEPTH:
         raise ExpressionError(f"{text!r} is nested too deeply")
     match node:
         case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):

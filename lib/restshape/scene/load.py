@@ -15,11 +15,11 @@ from restshape.scene.dimensions import check_units
 from restshape.scene.foreign import refuse_foreign
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
 from restshape.scene.plan import plan
-from restshape.scene.problems import user_error
 from restshape.scene.registered import checked_applications, installed_physics
 from restshape.scene.renamed import other_name
 from restshape.scene.scene_type import joined_sections, scene_type
 from restshape.scene.source import Source, read_text, split_key, suggestion
+from restshape.scene.validation_errors import user_error
 
 NAMED = ("parameters", "material", "supports", "loads", "quantities")
 NAMED_OF_SHAPE = ("vertices", "edges", "holes", "regions", "points", "groups")
@@ -68,7 +68,7 @@ def recorded_scene(raw: dict[str, Any], path: Path) -> Scene:
 
 
 def revise(scene: Scene, key: str, value: Any) -> Scene:
-    """The scene with one key changed, validated anew; it shares all other tables with the one given.
+    """The scene with one key changed, validated again; it shares all other tables with the one given.
 
     Args:
         scene: is left as it is.
@@ -92,7 +92,7 @@ def revise(scene: Scene, key: str, value: Any) -> Scene:
 
 
 def remade(scene: Scene, raw: dict[str, Any]) -> Scene:
-    """The scene of other plain tables in place of its own, validated anew.
+    """The scene of other plain tables in place of its own, validated again.
 
     Raises:
         UserError: they make no scene.

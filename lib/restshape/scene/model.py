@@ -31,11 +31,11 @@ else:
 
 
 def _tag_by_key(keys: tuple[str, ...]) -> Discriminator:
-    """A discriminator that tells models apart by which of the keys is there."""
+    """A discriminator that distinguishes models by which of the keys is there."""
 
     def tag(raw: object) -> str | None:
-        held = [key for key in keys if (key in raw if isinstance(raw, dict) else hasattr(raw, key))]
-        return f"<{held[0]}>" if held else None
+        present = [key for key in keys if (key in raw if isinstance(raw, dict) else hasattr(raw, key))]
+        return f"<{present[0]}>" if present else None
 
     wanted = f"one of {', '.join(keys)} is wanted here"
     context: dict[str, Any] = {"keys": keys}
@@ -226,7 +226,7 @@ class MeshSpec(Strict):
     """``[mesh]``: how fine, of which order (left out, the effects decide), and how it follows the shape.
 
     Solids over the plane outline have ``layers`` of tetrahedra. Of ``levels`` of nested meshes the finest has the sizes
-    given; the coarsest is what moves, flips and is made anew.
+    given; the coarsest is what moves, flips and is rebuilt.
     """
 
     size: Annotated[Length, Field(gt=0)] | None = None

@@ -16,7 +16,7 @@ from restshape.scene.quantity import QuantityKind
 from restshape.scene.values import Name
 
 if TYPE_CHECKING:
-    from restshape.scene.effect import Effect, Implied
+    from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.model import Material, Scene, Support
     from restshape.scene.solver import SolverPlan
     from restshape.scene.source import Source
@@ -62,7 +62,7 @@ class Invariant:
 
     Args:
         of: the value that stays, of a scene and the names of the effects that are on.
-        what: what is told of an edit that changes it.
+        what: what is reported of an edit that changes it.
         do: what to do about it.
     """
 
@@ -104,9 +104,9 @@ class Physics:
         sections: tables by key.
         events: of edit scripts by name, beside those that every session has.
         effects: by name; an application takes all or some.
-        implied: parts that follow from a scene without being named, by name.
+        derived: parts that follow from a scene without being named, by name.
         invariants: what cannot change during an edit.
-        pictured: fields of recordings that pictures show, by name, the most telling first.
+        pictured: fields of recordings that pictures show, by name, the most important first.
         orders: of elements; the usual one first.
         layered: bodies have a thickness of their own with layers of elements over it.
         nested: its fields, of first order, may live on a mesh nested in coarser ones.
@@ -130,7 +130,7 @@ class Physics:
     sections: Mapping[str, Section] = field(default_factory=dict)
     events: Mapping[str, type[EventLine]] = field(default_factory=dict)
     effects: Mapping[str, Effect] = field(default_factory=dict)
-    implied: Mapping[str, Implied] = field(default_factory=dict)
+    derived: Mapping[str, DerivedEffect] = field(default_factory=dict)
     invariants: tuple[Invariant, ...] = ()
     pictured: Mapping[str, PictureField] = field(default_factory=dict)
     orders: tuple[int, ...] = (1,)

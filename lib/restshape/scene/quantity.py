@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast
 from pydantic import Field, ValidationInfo, WithJsonSchema, create_model, field_validator, model_validator
 
 from restshape.scene.expressions import Expression, Value
-from restshape.scene.renamed import by_todays_names
+from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import SYMBOLS, UnitError, article, quantity, reads_as_quantity
 from restshape.scene.values import Strict, only_one
 
@@ -26,6 +26,7 @@ class QuantityKind:
         whole: it belongs to the whole body, not to a place.
         summary: what it is, for people.
         reductions: how values may become one; empty: in any way.
+        renamed: its key in version 0.1; empty: the same.
     """
 
     value: Any
@@ -34,6 +35,7 @@ class QuantityKind:
     whole: bool = False
     summary: str = ""
     reductions: tuple[str, ...] = ()
+    renamed: str = ""
 
     @property
     def meaning(self) -> tuple[Any, ...]:
@@ -70,7 +72,7 @@ class Quantity(Strict):
     """
 
     kinds: ClassVar[Mapping[str, QuantityKind]] = {}
-    renamed = {"max": "limit", "min": "at_least", "reduce": "take", "reference": "exact"}
+    renamed: ClassVar[Mapping[str, str]] = {"max": "limit", "min": "at_least", "reduce": "take", "reference": "exact"}
 
     at: str | None = None
     reduce: Literal["max", "min", "mean", "sum", "absmax", "peak"] | None = None
@@ -138,4 +140,6 @@ def quantity_type(kinds: Mapping[str, QuantityKind]) -> type[Quantity]:
     keys = create_model("Keys", __base__=Strict, **fields)
     made = cast(type[Quantity], create_model("Quantity", __base__=(Quantity, keys), __doc__=Quantity.__doc__))
     made.kinds = kinds
+    made.renamed = Quantity.renamed | {key: kind.renamed for key, kind in kinds.items() if kind.renamed}
+    OLD_NAMES.update(made.renamed)
     return made

@@ -1,4 +1,4 @@
-"""Keys that had another name in version 0.1: both are read, and a note tells the name of today."""
+"""Keys that had another name in version 0.1: both are read, and a note reports the name of today."""
 
 from collections.abc import Mapping
 from typing import Any

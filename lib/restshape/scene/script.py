@@ -13,9 +13,9 @@ from restshape.errors import UserError
 from restshape.scene.bodies import POINTS, Body, bodies_of
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
-from restshape.scene.problems import user_error
 from restshape.scene.source import Source, read_text, suggestion
 from restshape.scene.units import article, length_unit
+from restshape.scene.validation_errors import user_error
 from restshape.scene.values import Angle, Name, Number, Strict, only_one
 
 FORMAT = "restshape-edits"
@@ -192,8 +192,8 @@ EVENTS: dict[str, type[EventLine]] = {
 }
 PLAIN_EVENTS: dict[str, type[EventLine]] = {"idle": Idle, "analyse": Analyse, "undo": Undo, "redo": Redo}
 """Events that every session has."""
-TAKING_HOLD = ("press", "pull")
-HELD = ("drag", "release", "idle", "set", "analyse")
+GRABBING = ("press", "pull")
+WHILE_GRABBED = ("drag", "release", "idle", "set", "analyse")
 """What may happen while the hand holds something."""
 
 
@@ -226,7 +226,7 @@ class Script:
 def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = False) -> Script:
     """The edit script of a JSON Lines file.
 
-    A last line that is torn stops nothing: `Script.torn` tells of it, and the events before it are there.
+    A last line that is torn stops nothing: `Script.torn` reports it, and the events before it are there.
 
     Args:
         path: the file.
@@ -306,7 +306,7 @@ class _Torn(Exception):
 
 @dataclass
 class _Reader:
-    """Reads a script line by line, and knows what is held."""
+    """Reads a script line by line, and knows what is grabbed."""
 
     path: Path
     whole: bool
@@ -316,7 +316,7 @@ class _Reader:
     events: list[EventLine] = field(default_factory=list)
     torn: str | None = None
     error: UserError | None = None
-    held: str | None = None
+    grabbed: str | None = None
     t: float = 0.0
     scale: float = 1.0
 
@@ -354,7 +354,7 @@ class _Reader:
         try:
             header = Header.model_validate(table)
         except ValidationError as error:
-            raise self.told(error, number, Header) from error
+            raise self.reported(error, number, Header) from error
         self.scale = length_unit(header.units, f"{self.path.name}: line {number}: units")
         return header
 
@@ -371,20 +371,20 @@ class _Reader:
         try:
             event = self.known[do].model_validate(table | {"line": number}, context={"scale": self.scale})
         except ValidationError as error:
-            found = self.told(error, number, self.known[do])
+            found = self.reported(error, number, self.known[do])
             if lifted := self.lifts(table, error):
                 found = UserError(found.what, found.where, lifted)
             raise found from error
         self.check_order(event, number)
         self.events.append(event)
 
-    def told(self, error: ValidationError, number: int, model: type[Strict]) -> UserError:
+    def reported(self, error: ValidationError, number: int, model: type[Strict]) -> UserError:
         """The error that names file, line and key."""
         return user_error(error, Source(Path(f"{self.path.name}: line {number}")), model)
 
     def lifts(self, table: dict[str, Any], error: ValidationError) -> str:
         """What to do where an event would take a body to a place in space; empty where it is not that."""
-        name = str(table.get("on", self.held))
+        name = str(table.get("on", self.grabbed))
         body = self.bodies.get(name)
         if body is None or not any(found["type"] == "too_long" for found in error.errors()):
             return ""
@@ -396,14 +396,14 @@ class _Reader:
         if event.t < self.t:
             self.fail(number, f"time runs backwards: t = {event.t:g} after t = {self.t:g}", "let t never decrease")
         self.t, what = event.t, article(event.do)
-        if self.held is None and event.do in ("drag", "release"):
+        if self.grabbed is None and event.do in ("drag", "release"):
             self.fail(number, f"there is {what} before a press or a pull", 'add {"do": "press", "on": ...} before it')
-        if self.held is not None and event.do not in HELD:
-            self.fail(number, f"there is {what} while {self.held!r} is still held", "add a release before it")
-        if event.do in TAKING_HOLD:
-            self.held = getattr(event, "on", None)
+        if self.grabbed is not None and event.do not in WHILE_GRABBED:
+            self.fail(number, f"there is {what} while {self.grabbed!r} is still held", "add a release before it")
+        if event.do in GRABBING:
+            self.grabbed = getattr(event, "on", None)
         elif event.do == "release":
-            self.held = None
+            self.grabbed = None
 
 
 def _refuse_constant(name: str) -> NoReturn:

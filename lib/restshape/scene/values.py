@@ -52,11 +52,11 @@ def only_one(model: Strict, keys: Collection[str]) -> str:
     Raises:
         UnitError: none of them, or more than one.
     """
-    held = [key for key in keys if getattr(model, key) is not None]
-    if len(held) != 1:
-        found = " and ".join(held) if held else "none of them"
+    present = [key for key in keys if getattr(model, key) is not None]
+    if len(present) != 1:
+        found = " and ".join(present) if present else "none of them"
         raise UnitError(f"exactly one of {', '.join(keys)} is wanted here, but there is {found}")
-    return held[0]
+    return present[0]
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from restshape.errors import UserError
 from restshape.shape.geo_model import curves_of, gmsh_model
 from restshape.shape.geo_process import curves_apart
 from restshape.shape.geo_script import draw
-from restshape.shape.geo_words import MOST_BYTES
-from restshape.shape.soup import shape_data
+from restshape.shape.geo_tokens import MOST_BYTES
+from restshape.shape.unordered_curves import shape_data
 
 
 def read_geo(path: Path, trusted: bool = False) -> dict[str, Any]:
@@ -32,8 +32,8 @@ def read_geo(path: Path, trusted: bool = False) -> dict[str, Any]:
     text = _text(path)
     with gmsh_model(path) as gmsh:
         draw(gmsh, text, path.name)
-        soup = curves_of(gmsh.model, path.name)
-    return shape_data(soup, path.name)
+        loose_curves = curves_of(gmsh.model, path.name)
+    return shape_data(loose_curves, path.name)
 
 
 def _text(path: Path) -> str:

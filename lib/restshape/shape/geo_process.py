@@ -13,7 +13,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.shape.geo_model import gmsh_model, opened_by_gmsh
-from restshape.shape.soup import Curve
+from restshape.shape.unordered_curves import Curve
 
 LIMIT = 60.0
 """Seconds that a script may run."""
@@ -37,13 +37,13 @@ def curves_apart(path: Path) -> list[Curve]:
                     raise
                 what, do = f"gmsh has not ended after {LIMIT:g} s", "look for a loop without end"
                 raise UserError(what, path.name, do) from None
-        told = json.loads(out.read_text()) if out.is_file() else {}
-    if "error" in told:
-        raise UserError(*told["error"])
-    if "curves" not in told:
+        result = json.loads(out.read_text()) if out.is_file() else {}
+    if "error" in result:
+        raise UserError(*result["error"])
+    if "curves" not in result:
         what = f"gmsh ended with code {process.returncode} before it was done"
         raise UserError(what, path.name, "take Exit out of it")
-    return [Curve(**{**curve, "points": np.array(curve["points"])}) for curve in told["curves"]]
+    return [Curve(**{**curve, "points": np.array(curve["points"])}) for curve in result["curves"]]
 
 
 def main() -> int:
@@ -53,10 +53,10 @@ def main() -> int:
         with gmsh_model(path) as gmsh:
             curves = opened_by_gmsh(gmsh, path)
     except UserError as error:
-        told: dict[str, object] = {"error": [error.what, error.where, error.do]}
+        result: dict[str, object] = {"error": [error.what, error.where, error.do]}
     else:
-        told = {"curves": [{**dataclasses.asdict(curve), "points": curve.points.tolist()} for curve in curves]}
-    out.write_text(json.dumps(told))
+        result = {"curves": [{**dataclasses.asdict(curve), "points": curve.points.tolist()} for curve in curves]}
+    out.write_text(json.dumps(result))
     return 0
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from called import LARGE, Law
 from called_cloth import ClothLaw
-from counted import begin_log, happened, kernels, tally, watched
+from counted_replays import begin_log, happened, kernels, tally, watched
 from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag, meshed, write_scene, write_script
 
 from restshape import _kernels
@@ -71,7 +71,7 @@ def case(off, more, names=(), events=()):
 
 
 def solid(head):
-    """Cases of plane solids at rest of small strains."""
+    """Cases of plane Static solids of small strains."""
     small = head + PLATE
     second = small.replace(*SECOND)
     pushed = small + LARGE + PULLED
@@ -88,7 +88,7 @@ def solid(head):
 
 
 def sheets(head):
-    """Cases of cloth that comes to rest."""
+    """Cases of cloth that is relaxed to equilibrium."""
     cut = head + block(2.0, 1.0) + HOLE + COTTON + meshed(0.25)
     hung = cut + HAMMOCK + GRAVITY
     tight, laid = cut + GRAVITY + TIGHT, hung + FLOOR
@@ -148,8 +148,8 @@ def test_every_effect_of_every_application_has_a_case():
     # the tests of furniture and of heat look at theirs.
     meshed = [app for app in applications().values() if not app.session and app.name != "thermal"]
     optional = {(app.name, name) for app in meshed for name, e in app.effects.items() if not e.required}
-    implied = {(app.name, name) for app in meshed for name in app.implied}
-    assert set(CASES) == optional | implied
+    derived = {(app.name, name) for app in meshed for name in app.derived}
+    assert set(CASES) == optional | derived
 
 
 def rows_of(folder, app, text):

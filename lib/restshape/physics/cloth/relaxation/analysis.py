@@ -49,7 +49,7 @@ class RelaxationAnalysis:
     Source: docs/theory.md, section "Cloth".
     """
 
-    estimated = "strain of the cloth in the energy norm"
+    estimated_quantity = "strain of the cloth in the energy norm"
     predictor = None
     why_not = "cloth is not predicted yet: all its frames are solved"
 

@@ -93,7 +93,7 @@ class EquilibriumSolver:
     def newton(self) -> Newton | None:
         """Newton's method for the problem as it is now."""
         if self._newton and self._met != self.problem.stiffness_version:
-            self._newton.take(self.equations)
+            self._newton.set_equations(self.equations)
             self._newton.begin(self._met < 0, False, self.places)
             self._met = self.problem.stiffness_version
         return self._newton
@@ -143,7 +143,7 @@ class EquilibriumSolver:
         report.iterations += self._moving.iterations
 
     def descend(self, x: np.ndarray, goal: float, most: int, report: ConvergenceReport) -> bool:
-        """Quasi-Newton steps from x (n, 3), which is changed, on a fresh tangent every few steps; tells of success."""
+        """Quasi-Newton steps from x (n, 3), which is changed, on a fresh tangent every few steps; returns success."""
         equations, failed, taken = self.equations, 0, 0
         least = equations.inertia = equations.supporting_inertia
         report.why = ""
@@ -174,7 +174,7 @@ class EquilibriumSolver:
         return False
 
     def refine(self, x: np.ndarray, report: ConvergenceReport) -> bool:
-        """Newton's method from x (n, 3) near an equilibrium, which it is set to where one is found; tells whether."""
+        """Newton's method from x (n, 3) near an equilibrium, which it is set to where one is found; returns whether."""
         scale, start = self.scale(x), x.copy()
         try:
             outcome = self.newton.solve(x, self.goal * scale, scale, searched=True, rounding=self.rounding)
@@ -242,7 +242,7 @@ class EquilibriumSolver:
         return self.problem.contact.slip if self.problem.contact else np.inf
 
     def note(self, x: np.ndarray, norm: float) -> bool:
-        """Hand on an iterate x (n, 3) and its residual's norm [N]; tells whether the cloth falls without end."""
+        """Hand on an iterate x (n, 3) and its residual's norm [N]; returns whether the cloth falls without end."""
         self.on_iterate(self, x, norm / self.scale(x))
         self._noted += 1
         # Looked at in every step it would cost a twentieth of it.
