@@ -29,9 +29,9 @@ setup:
 	@scripts/setup.sh test
 
 demo: setup
-	$(restshape) replay $(plate) --edits $(plate_edits) --out results/plate.vtkhdf
-	$(restshape) report results/plate.vtkhdf
-	$(restshape) tables
+	@mkdir -p demo
+	$(restshape) replay $(plate) --edits $(plate_edits) --out demo/plate.vtkhdf
+	$(restshape) report demo/plate.vtkhdf
 
 test: setup
 	.venv/bin/python -m pytest -n 2 $(PYTEST_ARGS)
@@ -88,5 +88,5 @@ format:
 	.venv/bin/clang-format -i $(kernels)
 
 clean: # keeps .venv
-	rm -rf build .pytest_cache .ruff_cache .mypy_cache .hypothesis lib/restshape/_kernels.*.so apps/*/_kernels.*.so results/*.vtkhdf
+	rm -rf build .pytest_cache .ruff_cache .mypy_cache .hypothesis lib/restshape/_kernels.*.so apps/*/_kernels.*.so results/*.vtkhdf demo
 	find lib apps studies verification tests -name __pycache__ -type d -exec rm -rf {} +

@@ -13,7 +13,7 @@ import numpy as np
 from called import NEVER, pairs
 
 Row = dict[str, Any]
-HINGE = "hinge4"
+HINGE = "hinge_flap4"
 STABILISED, TRUE, POINT = "membrane_stabilised_tri3", "membrane_tri3", "potential_point1"
 
 

@@ -1,12 +1,12 @@
 """Triangles of first and second order on the same edits, with as many unknowns, in one run."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from math import inf, sqrt
 from statistics import mean, median
 
-from restshape_studies.bench.job import Job, Outcome, Row, run
-from restshape_studies.bench.prediction import Case, checked
+from restshape_studies.bench.job import Job, Row, run
+from restshape_studies.bench.turns import Announce, Play, in_turns, median_ratio
 
 from restshape.application import application
 from restshape.errors import UserError
@@ -27,12 +27,12 @@ def sizes(scene: Scene, factor: float) -> tuple[str, ...]:
     return (f"mesh.size={factor * scene.mesh.size!r}", *near)
 
 
-def equal_size(job: Job, on_run: Callable[[str], None] = lambda words: None) -> float:
+def equal_size(job: Job, announce: Announce = lambda words: None) -> float:
     """How many times as large second-order triangles are for as many unknowns on the first shape.
 
     Args:
         job: of the scene with the sizes of the first order.
-        on_run: called with what is tried.
+        announce: reported what is tried.
 
     Raises:
         UserError: the scene's mesh is not one that restshape makes of plane triangles.
@@ -48,7 +48,7 @@ def equal_size(job: Job, on_run: Callable[[str], None] = lambda words: None) -> 
     for _ in range(TRIES):
         mesh = generate(outline, load_scene(job.scene, (*job.overrides, *sizes(scene, factor))).mesh)
         found = len(mesh.X) + len(mesh.edge_nodes)
-        on_run(f"order 2, {factor:.3f} times the size: {2 * found} unknowns, wanted {2 * wanted}")
+        announce(f"order 2, {factor:.3f} times the size: {2 * found} unknowns, wanted {2 * wanted}")
         best = min(best, (abs(found / wanted - 1.0), factor))
         if best[0] < NEAR:
             break
@@ -56,7 +56,7 @@ def equal_size(job: Job, on_run: Callable[[str], None] = lambda words: None) -> 
     return best[1]
 
 
-def study(case: Case, repeat: int, on_run: Callable[[str], None], play: Callable[[Job], Outcome] = run) -> Row:
+def study(name: str, job: Job, repeat: int, announce: Announce, play: Play = run) -> Row:
     """The record of a scene, as `bench order --json` writes it: factor of the sizes, a record an order, ratios.
 
     The orders take turns, so that a slow spell of the machine meets both; a ratio is the median over the turns of order
@@ -65,24 +65,20 @@ def study(case: Case, repeat: int, on_run: Callable[[str], None], play: Callable
     Raises:
         UserError: the scene or the script cannot be replayed, or not with both orders.
     """
-    factor = equal_size(case.job, on_run)
-    scene, given = load_scene(case.job.scene, case.job.overrides), case.job.overrides
+    factor = equal_size(job, announce)
+    scene, given = load_scene(job.scene, job.overrides), job.overrides
     jobs = {
-        "1": replace(case.job, overrides=(*given, "mesh.order=1")),
-        "2": replace(case.job, overrides=(*given, *sizes(scene, factor), "mesh.order=2")),
+        "order 1": replace(job, overrides=(*given, "mesh.order=1")),
+        "order 2": replace(job, overrides=(*given, *sizes(scene, factor), "mesh.order=2")),
     }
-    runs: dict[str, list[list[Row]]] = {order: [] for order in jobs}
-    for turn in range(repeat):
-        for order, job in jobs.items():
-            on_run(f"{case.name}: order {order}, run {turn + 1} of {repeat}")
-            runs[order].append(checked(play(job), case))
-    turns = list(zip(runs["1"], runs["2"]))
+    turns = in_turns(name, jobs, repeat, announce, play)
+    one, two = ([run.rows for run in turns[key]] for key in jobs)
     return {
         "factor": factor,
-        "orders": {order: record(found) for order, found in runs.items()},
+        "orders": {"1": record(one), "2": record(two)},
         "ratios": {
-            "p50": median(middle(two) / middle(one) for one, two in turns),
-            "all": median(whole(two) / whole(one) for one, two in turns),
+            "p50": median_ratio([middle(rows) for rows in two], [middle(rows) for rows in one]),
+            "all": median_ratio([whole(rows) for rows in two], [whole(rows) for rows in one]),
         },
     }
 

@@ -1,13 +1,14 @@
 """How fast predicted frames are, and how far from the solved answer."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from statistics import median
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.bench.job import Job, Outcome, Row, run
+from restshape_studies.bench.job import Job, Row, run
+from restshape_studies.bench.turns import Announce, Play, found_of, in_turns
 
 from restshape.analysis.analysis import Analysis
 from restshape.errors import UserError
@@ -18,20 +19,7 @@ SHARES = (0.25, 0.5, 0.75, 1.0)
 """Parts of the farthest way of the hand, at which the error is reported."""
 
 
-@dataclass(frozen=True)
-class Case:
-    """One scene with one script under one policy.
-
-    Args:
-        name: of the scene, for people.
-        job: without prediction.
-    """
-
-    name: str
-    job: Job
-
-
-def study(case: Case, repeat: int, on_run: Callable[[str], None], play: Callable[[Job], Outcome] = run) -> Row:
+def study(name: str, job: Job, repeat: int, announce: Announce, play: Play = run) -> Row:
     """The record of a scene, as `bench predict --json` writes it.
 
     The frames are timed in processes of their own, predicted and solved in turns; the errors are found in another one.
@@ -39,31 +27,27 @@ def study(case: Case, repeat: int, on_run: Callable[[str], None], play: Callable
     Raises:
         UserError: the scene or the script cannot be replayed, or no frame is predicted.
     """
-    ahead = replace(case.job, predict="linear")
-    runs: dict[str, list[Row]] = {"predicted": [], "solved": []}
-    rows: dict[str, list[Row]] = {}
-    for turn in range(repeat):
-        for name, job in (("predicted", ahead), ("solved", case.job)):
-            on_run(f"{case.name}: {name}, run {turn + 1} of {repeat}")
-            rows[name] = checked(play(job), case)
-            runs[name].append(rows[name])
+    ahead = replace(job, predict="linear")
+    turns = in_turns(name, {"predicted": ahead, "solved": job}, repeat, announce, play)
+    runs = {key: [run.rows for run in found] for key, found in turns.items()}
+    rows = {key: found[-1] for key, found in runs.items()}
     chosen = [row["index"] for row in rows["predicted"] if row["predicted"] and row["level"]]
     if not chosen:
-        raise UserError("no frame of the script is predicted", case.job.edits, "let it drag, and look at the notes")
-    on_run(f"{case.name}: errors")
-    errors = checked_found(play(replace(ahead, measure="prediction")), case)
+        raise UserError("no frame of the script is predicted", job.edits, "let it drag, and look at the notes")
+    announce(f"{name}: errors")
+    errors = found_of(play(replace(ahead, measure="prediction")), ahead)
     return {
         "elements": rows["predicted"][-1]["elements"],
         "unknowns": rows["predicted"][-1]["unknowns"],
         "frames": len(rows["predicted"]),
         "predicted": len(chosen),
-        "fps": {name: median(pace(found, chosen) for found in runs[name]) for name in runs},
-        "ms": {name: median(spread(found, chosen) for found in runs[name]) for name in runs},
+        "fps": {key: median(pace(found, chosen) for found in runs[key]) for key in runs},
+        "ms": {key: median(spread(found, chosen) for found in runs[key]) for key in runs},
         "stages": {
-            name: median(rows["predicted"][i][f"ms_{name}"] for i in chosen)
-            for name in ("edit", "relocate", "observe", "python")
+            key: median(rows["predicted"][i][f"ms_{key}"] for i in chosen)
+            for key in ("edit", "relocate", "observe", "python")
         },
-        "iterations": {name: sum(row["iterations"] for row in rows[name]) for name in rows},
+        "iterations": {key: sum(row["iterations"] for row in rows[key]) for key in rows},
         "anchors": anchors(rows["predicted"]),
         **errors,
     }
@@ -82,30 +66,6 @@ def spread(rows: Sequence[Row], chosen: Sequence[int]) -> float:
 def anchors(rows: Sequence[Row]) -> int:
     """Frames that others are predicted from: solved, with a predicted one next."""
     return sum(not a["predicted"] and bool(b["predicted"]) for a, b in pairwise(rows))
-
-
-def checked(outcome: Outcome, case: Case) -> list[Row]:
-    """The rows of a run that came to its end.
-
-    Raises:
-        UserError: it did not.
-    """
-    if outcome.problem or not outcome.rows:
-        raise UserError(
-            f"the replay {outcome.problem or 'gave no frames'}", case.job.scene, "see restshape replay on it"
-        )
-    return outcome.rows
-
-
-def checked_found(outcome: Outcome, case: Case) -> Row:
-    """What a run has measured.
-
-    Raises:
-        UserError: nothing.
-    """
-    if outcome.found is None:
-        raise UserError(outcome.problem or "nothing was measured", case.job.scene, "see restshape replay on it")
-    return outcome.found
 
 
 def measure(request: Request) -> Row:

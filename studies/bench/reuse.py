@@ -1,13 +1,12 @@
 """Policies side by side on the same edits, interleaved, each replay in a process of its own."""
 
-import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from statistics import median
 from typing import Any
 
-from restshape_studies.bench.job import Job, Outcome, Row, run
+from restshape_studies.bench.job import Job, Row, run
+from restshape_studies.bench.turns import Announce, Case, Play, in_turns, median_ratio, rows_of
 
 from restshape.errors import UserError
 from restshape.replay.columns import STAGES
@@ -15,21 +14,6 @@ from restshape.replay.summary import summarise
 
 BASES = ("rebuild", "refactor")
 """Policies that the others are compared with."""
-
-
-@dataclass(frozen=True)
-class Case:
-    """One scene with one script.
-
-    Args:
-        name: of the scene, for people.
-        scene: scene file.
-        edits: edit script.
-    """
-
-    name: str
-    scene: Path
-    edits: Path
 
 
 @dataclass(frozen=True)
@@ -53,7 +37,7 @@ class Plan:
     hindsight_cost: bool = False
 
 
-def compare(case: Case, plan: Plan, on_run: Callable[[str], None], play: Callable[[Job], Outcome] = run) -> Row:
+def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row:
     """Policy -> its record, as `bench reuse --json` writes it.
 
     Each policy is replayed once with PETSc's events counted, which also warms the machine's caches, then `repeat` times
@@ -66,26 +50,24 @@ def compare(case: Case, plan: Plan, on_run: Callable[[str], None], play: Callabl
         name: Job(str(case.scene), str(case.edits), name, plan.overrides, plan.petsc, plan.frames)
         for name in plan.policies
     }
-    counted, runs = {}, {name: [] for name in jobs}
+    counted = {}
     for name, job in jobs.items():
-        on_run(f"{case.name}: {name}, counted")
-        counted[name] = _rows(play(replace(job, count=True)), case, name)
-    for turn in range(plan.repeat):
-        for name, job in jobs.items():
-            on_run(f"{case.name}: {name}, run {turn + 1} of {plan.repeat}")
-            load = os.getloadavg()[0]
-            summary = summarise(_rows(play(job), case, name), name, 1)
-            runs[name].append({"load": load, **timed(summary)})
+        announce(f"{case.name}: {name}, counted")
+        counted[name] = rows_of(play(replace(job, count=True)), job)
+    runs = {
+        name: [{"load": run.load, **timed(summarise(run.rows, name, 1))} for run in turns]
+        for name, turns in in_turns(case.name, jobs, plan.repeat, announce, play).items()
+    }
     found = {name: record(counted[name], name, runs[name]) for name in jobs}
     for name, entry in found.items():
         entry["ratios"] = {base: ratios(runs[name], runs[base]) for base in BASES if base in runs and base != name}
     if plan.hindsight_cost and "auto" in jobs:
-        on_run(f"{case.name}: auto, regret")
+        announce(f"{case.name}: auto, regret")
         found["auto"]["regret"] = hindsight(jobs["auto"], play)
     return found
 
 
-def hindsight(job: Job, play: Callable[[Job], Outcome]) -> Row:
+def hindsight(job: Job, play: Play) -> Row:
     """The cost of a schedule over the best in hindsight over the whole script, as `hindsight.measure` reports it; else
     `problem`."""
     try:
@@ -94,18 +76,6 @@ def hindsight(job: Job, play: Callable[[Job], Outcome]) -> Row:
         # Applications that solve several times a frame have no best schedule yet: no reason to lose what was timed.
         return {"problem": error.what}
     return outcome.hindsight_cost or {"problem": outcome.problem}
-
-
-def _rows(outcome: Outcome, case: Case, name: str) -> list[Row]:
-    """The rows of a run that came to its end.
-
-    Raises:
-        UserError: it did not.
-    """
-    if outcome.problem or not outcome.rows:
-        what = f"policy {name}: the replay {outcome.problem or 'gave no frames'}"
-        raise UserError(what, str(case.scene), f"restshape replay {case.scene} --edits {case.edits} --policy {name}")
-    return outcome.rows
 
 
 def frames_a_second(rows: Sequence[Row]) -> float:
@@ -169,13 +139,12 @@ def ratios(runs: Sequence[Row], base: Sequence[Row]) -> dict[str, float | None]:
 
     The runs of one turn are compared, and the median over the turns is taken; None where nothing moved.
     """
-    fps = [mine["fps"] / other["fps"] for mine, other in zip(runs, base, strict=True) if other["fps"]]
-    p50 = [
-        other["ms"]["all"]["p50"] / mine["ms"]["all"]["p50"]
-        for mine, other in zip(runs, base, strict=True)
-        if mine["ms"]["all"]["p50"]
-    ]
-    return {"fps": median(fps) if fps else None, "p50": median(p50) if p50 else None}
+
+    def middle(of: Sequence[Row]) -> list[float]:
+        return [run["ms"]["all"]["p50"] for run in of]
+
+    fps = median_ratio([run["fps"] for run in runs], [run["fps"] for run in base])
+    return {"fps": fps, "p50": median_ratio(middle(base), middle(runs))}
 
 
 def event_totals(rows: Sequence[Row]) -> dict[str, Any]:

@@ -292,23 +292,12 @@ def announce(text: str) -> None:
 
 def tell(study: Any) -> None:
     """Print the table of a study, its front, and what was left out."""
-    from restshape_studies.accuracy.page import (
-        HEADS,
-        left_out,
-        rates_lines,
-        reuse_line,
-        row,
-        slope_line,
-        solver_line,
-        uncertainty_line,
-    )
+    from restshape_studies.accuracy.facts import HEADS, facts, left_out, rows
 
-    records = [record for record in study.records if record["error"] is not None]
-    rows = [row(record) for record in sorted(records, key=lambda r: r["error"])]
     title = f"{study.case.name}: {study.total} frames, errors at frames {', '.join(map(str, study.frames))}"
-    print_table(title, HEADS, rows, right=HEADS[:8])
-    lines = (uncertainty_line(study), slope_line(study), *rates_lines(study), reuse_line(study), solver_line(study))
-    print("\n".join(lines))
+    print_table(title, HEADS, rows(study), right=HEADS[:8])
+    for name, value in facts(study):
+        print(f"{name}: {value}")
     for line in left_out(study):
         print(f"left out: {line}")
 

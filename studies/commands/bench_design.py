@@ -4,55 +4,46 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from restshape_studies.bench.turns import Announce, Case
+from restshape_studies.commands.bench_kind import (
+    Kind,
+    add_frames,
+    add_policy,
+    add_repeat,
+    check_runs,
+    job_of,
+    unchecked,
+)
+
 from restshape.cli.options import print_table
-from restshape.errors import UserError
-from restshape.policy import POLICIES
 
 EXACT = "solve.tolerance=1e-12"
 """Derivatives by differences are only as good as the solves."""
 
 
-def arguments(studies: Any) -> list[argparse.ArgumentParser]:
-    """Declare the studies; returns their parsers."""
-    predict = studies.add_parser(
-        "predict", help="predicted frames: how many a second, and how far from the solved ones"
-    )
-    derivative = studies.add_parser(
-        "derivative", help="the derivative by dual numbers beside differences over their step"
-    )
-    for study in (predict, derivative):
-        study.add_argument("scene", metavar="SCENE", type=Path, help="scene file")
-        study.add_argument(
-            "--edits", type=Path, metavar="FILE", help="edit script (default: the one that names the scene)"
-        )
-    predict.add_argument("--policy", choices=list(POLICIES), default="auto", help="default: %(default)s")
-    predict.add_argument(
-        "--frames",
-        type=int,
-        default=0,
-        metavar="N",
-        help="first N frames of the script, 0 for all (default: %(default)s)",
-    )
-    predict.add_argument("--repeat", type=int, default=3, metavar="R", help="timed runs (default: %(default)s)")
-    return [predict, derivative]
+def declare_prediction(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_policy(parser)
+    add_frames(parser)
+    add_repeat(parser)
 
 
-def predict(args: argparse.Namespace, case: Any, announce: Any) -> dict[str, Any]:
-    """Measure predicted frames, and print what was found."""
-    from restshape_studies.bench.job import Job
-    from restshape_studies.bench.prediction import Case, study
+def measure_prediction(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:
+    """Pace and errors of predicted frames."""
+    from restshape_studies.bench.prediction import study
 
-    if args.repeat < 1 or args.frames < 0:
-        raise UserError(
-            f"{args.repeat} runs of {args.frames} frames measure nothing", "--repeat, --frames", "leave them out"
-        )
-    job = Job(str(case.scene), str(case.edits), args.policy, tuple(args.set), tuple(args.petsc), args.frames or None)
-    found = study(Case(case.name, job), args.repeat, announce)
-    print_prediction(case.name, found)
-    return found
+    return study(case.name, job_of(args, case), args.repeat, announce)
 
 
-def print_prediction(name: str, found: dict[str, Any]) -> None:
+def draw_prediction(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
+    """Draw errors over the way of the hand."""
+    from restshape_studies.pictures import design
+
+    ((name, one),) = found.items()
+    design.draw_prediction(name, one, path)
+
+
+def show_prediction(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     """Print the tables of predicted frames."""
     print(
         f"{name}: {found['elements']} elements, {found['unknowns']} unknowns; "
@@ -76,19 +67,26 @@ def print_prediction(name: str, found: dict[str, Any]) -> None:
     print_table("against the solved answer", heads, rows, right=heads[1:])
 
 
-def derivative(args: argparse.Namespace, case: Any, announce: Any) -> dict[str, Any]:
-    """Measure differences from the derivative, and print them."""
-    from restshape_studies.bench.job import Job, run
-    from restshape_studies.bench.prediction import Case, checked_found
+def measure_derivative(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:
+    """Differences from the derivative."""
+    from restshape_studies.bench.job import run
+    from restshape_studies.bench.turns import found_of
 
     announce(f"{case.name}: derivatives")
-    job = Job(str(case.scene), str(case.edits), "refactor", (*args.set, EXACT), tuple(args.petsc), measure="derivative")
-    found = checked_found(run(job), Case(case.name, job))
-    print_derivative(case.name, found)
-    return found
+    args.set = [*args.set, EXACT]
+    job = job_of(args, case, "refactor", measure="derivative")
+    return found_of(run(job), job)
 
 
-def print_derivative(name: str, found: dict[str, Any]) -> None:
+def draw_derivative(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
+    """Draw the distances over the step of the differences."""
+    from restshape_studies.pictures import design
+
+    ((name, one),) = found.items()
+    design.draw_derivative(name, one, path)
+
+
+def show_derivative(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     """Print the table of a derivative."""
     ways = ("forward", "central", "semi")
     heads = ("step / size", "full solves (5.13)", "full solves, central", "semi-analytic (5.14)")
@@ -100,3 +98,27 @@ def print_derivative(name: str, found: dict[str, Any]) -> None:
     print_table(title, heads, rows, right=heads)
     times = ", ".join(f"{way} {ms:.2f}" for way, ms in found["ms"].items())
     print(f"one derivative takes [ms], with its factor at hand: {times}")
+
+
+KINDS = (
+    Kind(
+        "predict",
+        "predicted frames: how many a second, and how far from the solved ones",
+        declare_prediction,
+        check_runs,
+        measure_prediction,
+        show_prediction,
+        picture="bench-predict.png",
+        draw=draw_prediction,
+    ),
+    Kind(
+        "derivative",
+        "the derivative by dual numbers beside differences over their step",
+        unchecked,
+        unchecked,
+        measure_derivative,
+        show_derivative,
+        picture="sensitivity-epsilon.png",
+        draw=draw_derivative,
+    ),
+)

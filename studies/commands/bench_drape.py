@@ -6,65 +6,59 @@ from pathlib import Path
 from typing import Any
 
 from restshape_studies.bench.cloth_strategies import BENDING, POLICIES, WAYS
+from restshape_studies.bench.turns import Announce, Case
+from restshape_studies.commands.bench_kind import Kind, add_frames, job_of
 
 from restshape.cli.options import check_output, print_table
 from restshape.errors import UserError
 
+KNOWN = {"ways": WAYS, "bending": BENDING, "policies": POLICIES}
 
-def arguments(studies: Any) -> argparse.ArgumentParser:
-    """Declare the study; returns its parser."""
-    study = studies.add_parser("drape", help="ways of cloth to rest, kinds of bending, and policies on a script")
-    study.add_argument("scene", metavar="SCENE", type=Path, help="scene file of cloth")
-    study.add_argument(
-        "--edits", type=Path, metavar="FILE", help="edit script for policies (default: the one that names the scene)"
-    )
+
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     for name, what, default in (
         ("ways", "ways to rest", WAYS),
         ("bending", "kinds of bending", BENDING),
         ("policies", "policies", POLICIES),
     ):
-        study.add_argument(
+        parser.add_argument(
             f"--{name}",
             default=",".join(default),
             metavar="A,B",
             help=f"{what}, or none of them: '' (default: %(default)s)",
         )
-    study.add_argument(
+    parser.add_argument(
         "--seconds", type=float, default=60.0, metavar="S", help="after which a run is given up (default: %(default)g)"
     )
-    study.add_argument(
-        "--frames",
-        type=int,
-        default=0,
-        metavar="N",
-        help="first N frames of the script, 0 for all (default: %(default)s)",
-    )
-    study.add_argument("--picture", type=Path, metavar="FILE", help="residuals against time and steps (.png)")
-    return study
+    add_frames(parser)
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="residuals against time and steps (.png)")
 
 
-def drape(args: argparse.Namespace, scene: Any, edits: Path | None, announce: Any) -> dict[str, Any]:
-    """Let all ways bring the cloth to equilibrium, print and draw what was found."""
-    from restshape_studies.bench.cloth_strategies import Plan, study
-    from restshape_studies.bench.job import Job
-    from restshape_studies.pictures.residuals import draw_residuals
-
+def check(args: argparse.Namespace) -> None:
+    """Refuse what measures nothing, and names that are not known."""
     if args.seconds <= 0 or args.frames < 0 or args.frames == 1:
         what = f"{args.frames} frames, {args.seconds:g} s a run: this measures nothing"
         raise UserError(what, "--frames, --seconds", "at least 2 frames, some seconds")
     check_output(args.picture, "--picture")
-    known = {"ways": WAYS, "bending": BENDING, "policies": POLICIES}
-    plan = Plan(
-        **{name: chosen(getattr(args, name), name, names) for name, names in known.items()}, seconds=args.seconds
-    )
-    job = Job(str(args.scene), str(edits or ""), "auto", tuple(args.set), tuple(args.petsc), args.frames or None)
-    found = study(job, plan, announce)
-    name = scene.title or args.scene.stem
-    print_drape(name, found)
-    if args.picture:
-        draw_residuals(name, found["ways"], args.picture)
-        print(f"wrote {args.picture}")
-    return found
+    for name, names in KNOWN.items():
+        chosen(getattr(args, name), name, names)
+
+
+def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:
+    """A record for each way, kind of bending and policy."""
+    from restshape_studies.bench.cloth_strategies import Plan, study
+
+    names = {name: chosen(getattr(args, name), name, names) for name, names in KNOWN.items()}
+    return study(job_of(args, case, "auto"), Plan(**names, seconds=args.seconds), announce)
+
+
+def draw(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
+    """Draw residuals against time and steps."""
+    from restshape_studies.pictures.residuals import draw_residuals
+
+    ((name, one),) = found.items()
+    draw_residuals(name, one["ways"], path)
 
 
 def chosen(text: str, option: str, names: Sequence[str]) -> tuple[str, ...]:
@@ -80,7 +74,7 @@ def chosen(text: str, option: str, names: Sequence[str]) -> tuple[str, ...]:
     return words
 
 
-def print_drape(name: str, found: Mapping[str, Any]) -> None:
+def show(args: argparse.Namespace, name: str, found: Mapping[str, Any]) -> None:
     """Print the tables of a scene."""
     heads = ("at rest", "residual / weight", "energy [J]", "short of the best [%]", "seconds", "busy [s]", "steps")
     heads += ("factors", "applied", "unknowns", "what is missing")
@@ -117,3 +111,18 @@ def _cells(entry: Mapping[str, Any]) -> list[str]:
 
 def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+KINDS = (
+    Kind(
+        "drape",
+        "ways of cloth to rest, kinds of bending, and policies on a script",
+        declare,
+        check,
+        measure,
+        show,
+        scenes="still",
+        about="ways of cloth to rest are about one",
+        draw=draw,
+    ),
+)

@@ -1,33 +1,25 @@
 """The study `restshape bench eigen`: eigensolvers on the same frames."""
 
 import argparse
-from pathlib import Path
 from typing import Any
+
+from restshape_studies.bench.turns import Announce, Case
+from restshape_studies.commands.bench_kind import Kind, job_of, unchecked
 
 from restshape.cli.options import print_table
 
 
-def arguments(studies: Any) -> argparse.ArgumentParser:
-    """Declare the study; returns its parser."""
-    study = studies.add_parser("eigen", help="our eigensolver beside SLEPc's, on the modes of the same frames")
-    study.add_argument("scene", metavar="SCENE", type=Path, help="scene file of a metallophone")
-    study.add_argument("--edits", type=Path, metavar="FILE", help="edit script (default: the one that names the scene)")
-    return study
-
-
-def eigen(args: argparse.Namespace, case: Any, announce: Any) -> dict[str, Any]:
-    """Let all solvers find the modes of each frame, and print what was found."""
-    from restshape_studies.bench.job import Job, run
-    from restshape_studies.bench.prediction import Case, checked_found
+def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:
+    """A record for each solver."""
+    from restshape_studies.bench.job import run
+    from restshape_studies.bench.turns import found_of
 
     announce(f"{case.name}: eigensolvers")
-    job = Job(str(case.scene), str(case.edits), "auto", tuple(args.set), tuple(args.petsc), measure="eigen")
-    found = checked_found(run(job), Case(case.name, job))
-    print_eigen(case.name, found)
-    return found
+    job = job_of(args, case, "auto", measure="eigen")
+    return found_of(run(job), job)
 
 
-def print_eigen(name: str, found: dict[str, Any]) -> None:
+def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     """Print the table of the solvers."""
     title = (
         f"{name}: {found['modes']} modes, {found['unknowns']} unknowns, {found['frames']} frames, all solvers on each"
@@ -48,3 +40,15 @@ def print_eigen(name: str, found: dict[str, Any]) -> None:
 
 def _number(value: float | None, form: str) -> str:
     return "-" if value is None else format(value, form)
+
+
+KINDS = (
+    Kind(
+        "eigen",
+        "our eigensolver beside SLEPc's, on the modes of the same frames",
+        unchecked,
+        unchecked,
+        measure,
+        show,
+    ),
+)

@@ -7,10 +7,11 @@ from petsc4py import PETSc
 from scipy.linalg import eigh
 
 from restshape.algebra.davidson import SearchSpace, davidson
-from restshape.algebra.eigen import EigenSolver, gap
+from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.inverse_iteration import inverse_iteration
 from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.pencil import Deflation, Pencil
+from restshape.algebra.spectrum import gap
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from cloth_parameters import isotropic_bending, membrane_params
 from element_case import TRI3, ElementCase
 from sample_meshes import unit_box
 from scipy.spatial.transform import Rotation
 
 from restshape import _kernels as k
-from restshape.physics.cloth.parameters import isotropic_bending, membrane_params
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, turned
 
 WOVEN = plane_stress(turned(orthotropic((3.0, 2.0, 1.0), (0.2, 0.3, 0.3), (0.4, 0.9, 0.3)), 0.4))
@@ -196,7 +196,7 @@ class HingeCase(ClothCase):
 
 
 class TestHinge(HingeCase):
-    name, X = "hinge4", QUAD
+    name, X = "hinge_flap4", QUAD
 
     def test_hessian_is_constant_and_of_rank_one_each_component(self, element):
         tangents = [element.tangent_block(self.X, self.sample(element, s), self.p) for s in (1, 2)]
@@ -215,7 +215,7 @@ class TestHinge(HingeCase):
 
 
 class TestNonlinearHinge(HingeCase):
-    name, X = "hinge_nonlinear4", QUAD
+    name, X = "hinge_nonlinear_flap4", QUAD
 
     def sample(self, element, seed):
         return self.folded(0.9) + 0.1 * self.direction((4, 3), seed)
@@ -233,7 +233,7 @@ class TestNonlinearHinge(HingeCase):
 
     def test_tangent_of_the_flat_state_is_that_of_the_quadratic_hinge(self, element):
         """Along the normal; within the plane both give nothing and the quadratic hinge as much as along the normal."""
-        tangents = [e.tangent_block(self.X, flat(QUAD), self.p) for e in (element, k.Element("hinge4"))]
+        tangents = [e.tangent_block(self.X, flat(QUAD), self.p) for e in (element, k.Element("hinge_flap4"))]
         np.testing.assert_allclose(tangents[0][2::3, 2::3], tangents[1][2::3, 2::3], atol=1e-13)
         np.testing.assert_allclose(np.delete(tangents[0], np.s_[2::3], axis=0), 0.0, atol=1e-13)
 
@@ -307,22 +307,3 @@ class TestPointPotential(ElementCase):
         np.testing.assert_array_equal(self.residual(element, self.X, x)[0], [1.0, -2.0, 0.5])
         H = [[3.0, 0.8, 0.7], [0.8, 4.0, 0.6], [0.7, 0.6, 5.0]]
         np.testing.assert_array_equal(element.tangent_block(self.X, x, self.p), H)
-
-
-class TestClothMass(ElementCase):
-    name, params, X = "mass_cloth_tri3", (2.5,), TRI3
-
-    def test_mass_in_closed_form(self, element):
-        """rho A / 12 (1 + delta_ij) for each component."""
-        area = np.linalg.det(np.column_stack([np.ones(3), TRI3])) / 2
-        expected = np.kron(2.5 * area / 12 * (np.ones((3, 3)) + np.eye(3)), np.eye(3))
-        np.testing.assert_allclose(element.tangent_block(self.X, np.zeros((3, 3)), self.p), expected, atol=1e-15)
-
-
-class TestLumpedClothMass(ElementCase):
-    name, params, X = "lumped_mass_cloth_tri3", (2.5,), TRI3
-
-    def test_lumped_mass_is_a_third_each(self, element):
-        area = np.linalg.det(np.column_stack([np.ones(3), TRI3])) / 2
-        tangent = element.tangent_block(self.X, np.zeros((3, 3)), self.p)
-        np.testing.assert_allclose(tangent, 2.5 * area / 3 * np.eye(9), atol=1e-15)

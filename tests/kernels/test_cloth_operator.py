@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cloth_parameters import membrane_params
 from element_case import taylor_slope
 from petsc4py import PETSc
 from sample_meshes import unit_box
@@ -11,7 +12,7 @@ from restshape.algebra.operator import Operator
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import edges_of_cells
 from restshape.physics.cloth.contact import Contact
-from restshape.physics.cloth.parameters import lumped, membrane_params
+from restshape.physics.cloth.parameters import lumped
 from restshape.physics.elasticity.stiffness import isotropic, plane_stress
 
 C = plane_stress(isotropic(2.0, 0.3))
@@ -79,7 +80,7 @@ def times(op: k.Operator, v: np.ndarray) -> np.ndarray:
     return out
 
 
-@pytest.mark.parametrize("bending", ["hinge4", "hinge_nonlinear4", "morley_tri6"])
+@pytest.mark.parametrize("bending", ["hinge_flap4", "hinge_nonlinear_flap4", "morley_tri6"])
 class TestTotal:
     def test_residual_is_the_gradient_of_the_energy(self, bending):
         cloth = Cloth(bending)

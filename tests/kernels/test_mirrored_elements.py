@@ -15,7 +15,7 @@ from restshape.physics.cloth.parameters import HINGE_STIFFNESS, lumped
 
 ALONG = np.array([0.6, -0.5, 0.0])
 T = ALONG / np.linalg.norm(ALONG)
-PAIRS = {"hinge4": "hinge_mirrored3", "hinge_nonlinear4": "hinge_nonlinear_mirrored3"}
+PAIRS = {"hinge_flap4": "hinge_mirrored_flap3", "hinge_nonlinear_flap4": "hinge_nonlinear_mirrored_flap3"}
 
 
 def mirror_of(X: np.ndarray, x: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -62,7 +62,7 @@ class MirroredCase(ElementCase):
 
 
 class TestMirroredHinge(MirroredCase):
-    name, X, whole = "hinge_mirrored3", TRI3, "hinge4"
+    name, X, whole = "hinge_mirrored_flap3", TRI3, "hinge_flap4"
 
     def test_hessian_is_constant_and_semidefinite(self, element):
         tangents = [element.tangent_block(self.X, self.sample(element, s), self.p) for s in (1, 2)]
@@ -72,7 +72,7 @@ class TestMirroredHinge(MirroredCase):
 
 
 class TestMirroredNonlinearHinge(MirroredCase):
-    name, X, whole = "hinge_nonlinear_mirrored3", TRI3, "hinge_nonlinear4"
+    name, X, whole = "hinge_nonlinear_mirrored_flap3", TRI3, "hinge_nonlinear_flap4"
 
 
 @pytest.mark.parametrize("whole", PAIRS)
@@ -146,12 +146,12 @@ def tip_share(columns: int, slenderness: int, wide: bool = False) -> float:
     assert len(clamp) == columns
     D = 2.0
     stiffness = D * HINGE_STIFFNESS["plate" if wide else "strip"]
-    blocks = [("hinge4", hinges(cells, edges_of_cells(cells, len(X))[1]), (stiffness,))]
-    blocks += [("hinge_mirrored3", clamp, (stiffness, 1.0, 0.0, 0.0))]
+    blocks = [("hinge_flap4", hinges(cells, edges_of_cells(cells, len(X))[1]), (stiffness,))]
+    blocks += [("hinge_mirrored_flap3", clamp, (stiffness, 1.0, 0.0, 0.0))]
     if wide:
         for side in (0.0, 1.0):
             group = edges_in_mirror(cells, abs(X[:, 1] - side) < 1e-9)
-            blocks += [("hinge_mirrored3", group, (stiffness, 0.0, 1.0, 0.0))]
+            blocks += [("hinge_mirrored_flap3", group, (stiffness, 0.0, 1.0, 0.0))]
     K = np.zeros((len(X), len(X)))
     for name, group, p in blocks:
         element = k.Element(name)

@@ -8,8 +8,9 @@ from mesh_samples import SQUARE, author_ratios, mesh_of, polygon_outline, qualit
 
 from restshape.errors import ReplayProblem
 from restshape.mesh import moving
+from restshape.mesh.advance import MeshUpdate
 from restshape.mesh.mesh import cells_left_of, edges_of_cells
-from restshape.mesh.moving import MeshUpdate, MovingMesh
+from restshape.mesh.moving import MovingMesh
 from restshape.mesh.quality import areas
 from restshape.mesh.reconnect import edges_between
 from restshape.scene.model import MeshSpec, ShapeSpec

@@ -8,6 +8,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+from cloth_parameters import isotropic_bending, morley_params
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 from scipy.spatial import Delaunay
@@ -17,7 +18,7 @@ from restshape.mesh.generate import generate
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth.parameters import HINGE_STIFFNESS, isotropic_bending, lumped, morley_params
+from restshape.physics.cloth.parameters import HINGE_STIFFNESS, lumped
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
@@ -120,7 +121,7 @@ def lifted(X: np.ndarray, w: np.ndarray) -> np.ndarray:
     return np.column_stack([X, w])
 
 
-def hinge_energy(mesh: Mesh, x: np.ndarray, name: str = "hinge4") -> float:
+def hinge_energy(mesh: Mesh, x: np.ndarray, name: str = "hinge_flap4") -> float:
     """Energy of hinges of stiffness 1 at positions x (n, 3)."""
     return k.Element(name).energy(mesh.X, x, hinges(mesh.cells, mesh.cell_edges), np.ones(1)).sum()
 
@@ -157,7 +158,7 @@ class Plate:
             self.K = stiffness("morley_tri6", space.X, space.cells, params)
             self.edge_number, self.X = space.side_number, space.X
         else:
-            self.K = stiffness("hinge4", mesh.X, hinges(mesh.cells, mesh.cell_edges), np.array([D]))
+            self.K = stiffness("hinge_flap4", mesh.X, hinges(mesh.cells, mesh.cell_edges), np.array([D]))
             self.edge_number, self.X = None, mesh.X
         self.load = lumped(self.X, mesh.cells)
 
@@ -250,7 +251,7 @@ def shares(kind: str) -> dict[str, list[float]]:
         strip, plate = (1 / HINGE_STIFFNESS[use] if model == "hinge" else 1.0 for use in ("strip", "plate"))
         found[f"strip, {model}"] = [strip * strip_share(kind, model.lower(), n) for n in (32, 96)]
         found[f"plate, {model}"] = [plate * plate_share(kind, model.lower(), n) for n in (16, 48)]
-    for head, model in (("rolled: hinge", "hinge4"), ("nonlinear", "hinge_nonlinear4"), ("Morley", "morley")):
+    for head, model in (("rolled: hinge", "hinge_flap4"), ("nonlinear", "hinge_nonlinear_flap4"), ("Morley", "morley")):
         found[head] = [rolled_share(kind, model, 48)]
     return found
 

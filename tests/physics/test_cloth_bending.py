@@ -114,9 +114,9 @@ def test_hinges_do_not_mind_rigid_motions_of_a_sheet(kind):
     flat = np.column_stack([mesh.X, np.zeros(len(mesh.X))])
     turned = flat @ np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0] + 5.0
     assert hinge_energy(mesh, turned) < 1e-24
-    assert hinge_energy(mesh, turned, "hinge_nonlinear4") < 1e-24
+    assert hinge_energy(mesh, turned, "hinge_nonlinear_flap4") < 1e-24
     pull = np.zeros_like(flat)
-    k.Element("hinge4").residual(mesh.X, turned, hinges(mesh.cells, mesh.cell_edges), np.ones(1), pull)
+    k.Element("hinge_flap4").residual(mesh.X, turned, hinges(mesh.cells, mesh.cell_edges), np.ones(1), pull)
     np.testing.assert_allclose(pull, 0.0, atol=1e-11)
 
 
@@ -126,6 +126,6 @@ def test_angles_and_chords_of_hinges_agree_on_fine_meshes():
     for n in (8, 16, 32):
         mesh = sheet("diagonal", n)
         x = rolled(mesh.X, 0.2)
-        apart.append(1 - hinge_energy(mesh, x) / hinge_energy(mesh, x, "hinge_nonlinear4"))
+        apart.append(1 - hinge_energy(mesh, x) / hinge_energy(mesh, x, "hinge_nonlinear_flap4"))
     assert 0 < apart[-1] < 0.01
     np.testing.assert_allclose(np.log2(np.array(apart[:-1]) / apart[1:]), 2.0, atol=0.2)

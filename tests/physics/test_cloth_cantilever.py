@@ -6,6 +6,7 @@ EI theta'' = -w (L - s) cos theta, theta(0) = 0, theta'(L) = 0, by the weight Ga
 import numpy as np
 import pytest
 from bending_kinds import sheet
+from cloth_parameters import isotropic_bending, membrane_params, morley_params
 from petsc4py import PETSc
 from scipy.integrate import solve_bvp
 from scipy.sparse import csr_matrix
@@ -14,7 +15,6 @@ from scipy.sparse.linalg import splu
 from restshape import _kernels as k
 from restshape.algebra.operator import Operator
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth.parameters import isotropic_bending, membrane_params, morley_params
 
 
 def elastica(gamma: float) -> np.ndarray:

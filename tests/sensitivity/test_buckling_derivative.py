@@ -5,7 +5,10 @@ import pytest
 from columns import FOOT, HINGES, PUSHED, TWINS, Column, column
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
-from restshape.sensitivity.load_factor_derivative import load_factor_derivatives
+from restshape.analysis.buckling import BucklingAnalysis
+from restshape.sensitivity.frequency_derivative import parted
+from restshape.sensitivity.load_factor_derivative import load_factor_rates
+from restshape.sensitivity.steady_derivative import design_derivative
 
 TOLERANCE = 1e-11
 HINGED = (HINGES, PUSHED.format(1e3))
@@ -19,6 +22,13 @@ def smooth(X: np.ndarray, seed: int = 3) -> np.ndarray:
     a, b, c = np.random.default_rng(seed).uniform(-1.0, 1.0, (3, 2))
     x, y = X.T[:, :, None]
     return 0.05 * (a * np.sin(2 * x + y) + b * y * np.cos(3 * x) + c * y)
+
+
+def load_factor_derivatives(analysis: BucklingAnalysis, dX: np.ndarray, tolerance: float) -> np.ndarray:
+    """Derivatives (k,) of the load factors where nodes move with dX (n, 2), those of coinciding ones ascending."""
+    s = design_derivative(analysis.rest, np.stack([dX, np.zeros_like(dX)]), tolerance)[0]
+    factors = analysis.state.modes.load_factors
+    return parted(factors, load_factor_rates(analysis.state, dX, s), analysis.solver.reach)
 
 
 @pytest.mark.parametrize("order", [1, 2])

@@ -3,12 +3,12 @@
 import ezdxf
 import numpy as np
 import pytest
+from drawn import write_dxf
 from shape_scenes import plate, shape
 
 from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
 from restshape.shape.build import outline_from_spec
-from restshape.shape.dxf import write_dxf
 from restshape.shape.outline import Outline
 
 GEO = """

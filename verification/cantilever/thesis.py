@@ -2,8 +2,9 @@
 
 from typing import Any
 
-from restshape_studies.bench.reuse import Case, Plan, compare
+from restshape_studies.bench.reuse import Plan, compare
 from restshape_studies.bench.starts import table_rows
+from restshape_studies.bench.turns import Case
 
 from restshape.application import application
 from restshape.replay.first_frame import first_frame

@@ -3,7 +3,8 @@
 from dataclasses import replace
 from typing import Any
 
-from restshape_studies.bench.reuse import Case, Plan, compare
+from restshape_studies.bench.reuse import Plan, compare
+from restshape_studies.bench.turns import Case
 
 from restshape.application import application
 

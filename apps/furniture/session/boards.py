@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 from restshape_apps.furniture.session.plank_frame import PlankFrame
 
-from restshape.mesh.moving import MeshUpdate
+from restshape.mesh.advance import MeshUpdate
 
 CORNERS = np.array([0, 4, 6, 2, 1, 5, 7, 3], dtype=np.int32)
 """Corners of a plank, as `Plank.corners` counts them, in VTK's order of a hexahedron."""

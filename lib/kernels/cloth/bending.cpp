@@ -9,11 +9,10 @@ namespace restshape {
 
 std::vector<Element> bending_elements() {
     return {
-        element_of<HingeElement>("hinge", "flap4", "hinge4"),
-        element_of<NonlinearHingeElement>("hinge_nonlinear", "flap4", "hinge_nonlinear4"),
-        element_of<MirroredElement<HingeElement>>("hinge_mirrored", "flap3", "hinge_mirrored3"),
-        element_of<MirroredElement<NonlinearHingeElement>>("hinge_nonlinear_mirrored", "flap3",
-                                                           "hinge_nonlinear_mirrored3"),
+        element_of<HingeElement>("hinge", "flap4"),
+        element_of<NonlinearHingeElement>("hinge_nonlinear", "flap4"),
+        element_of<MirroredElement<HingeElement>>("hinge_mirrored", "flap3"),
+        element_of<MirroredElement<NonlinearHingeElement>>("hinge_nonlinear_mirrored", "flap3"),
         element_of<MorleyElement>("morley", "tri6"),
     };
 }

@@ -18,8 +18,7 @@ struct CorotatedMembraneElement : MembraneParts {
         deformation(G, x, F);
         const R determinant = stretch(F, U);
         second_piola(U, determinant, p, S);
-        for (int a = 0; a < 3; ++a)
-            for (int k = 0; k < 2; ++k) P[a][k] = F[a][0] * S[k ? 2 : 0] + F[a][1] * S[k ? 1 : 2];
+        first_piola(F, S, P);
         forces(area, G, P, p, r);
     }
 

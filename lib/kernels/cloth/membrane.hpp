@@ -40,6 +40,13 @@ struct MembraneParts {
         }
     }
 
+    // P = F S, of S as xx, yy, xy.
+    template <class R>
+    static void first_piola(const R (&F)[3][2], const R (&S)[3], R (&P)[3][2]) {
+        for (int a = 0; a < 3; ++a)
+            for (int k = 0; k < 2; ++k) P[a][k] = F[a][0] * S[k ? 2 : 0] + F[a][1] * S[k ? 1 : 2];
+    }
+
     // F^T F as xx, yy, xy.
     template <class R>
     static void metric(const R (&F)[3][2], R (&C)[3]) {
@@ -93,8 +100,7 @@ struct MembraneElement : MembraneParts {
         deformation(G, x, F);
         strain(F, E);
         tension(E, p, S);
-        for (int a = 0; a < 3; ++a)
-            for (int k = 0; k < 2; ++k) P[a][k] = F[a][0] * S[k ? 2 : 0] + F[a][1] * S[k ? 1 : 2];
+        first_piola(F, S, P);
         forces(area, G, P, p, r);
     }
 
@@ -118,8 +124,7 @@ struct MembraneElement : MembraneParts {
         deformation(G, x, F);
         strain(F, E);
         tension(E, p, S);
-        for (int a = 0; a < 3; ++a)
-            for (int k = 0; k < 2; ++k) P[a][k] = F[a][0] * S[k ? 2 : 0] + F[a][1] * S[k ? 1 : 2];
+        first_piola(F, S, P);
         forces(area, G, P, p, r);
         if (Stabilised) keep_tension(S);
         for (int i = 0; i < 3; ++i)

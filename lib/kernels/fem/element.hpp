@@ -192,12 +192,12 @@ void set_functions(Element::Functions<W...>& f) {
 // coefficients(), their names, and all of these take them after x: const SX* w (const double* w where X is). With
 // fields on different nodes it has dof_nodes and layout().
 template <class E>
-Element element_of(const std::string& family, const std::string& shape, const std::string& name = "") {
+Element element_of(const std::string& family, const std::string& shape) {
     constexpr int n = detail::Unknowns<E>::nodes * E::fields, coefficients = detail::Coefficients<E>::count;
     static_assert(
         n <= max_unknowns && E::nodes * E::dim <= max_coordinates && E::nodes * coefficients <= max_coefficients,
         "raise the limits of the element loop");
-    Element e{name.empty() ? family + "_" + shape : name,
+    Element e{family + "_" + shape,
               family,
               shape,
               E::nodes,

@@ -1,4 +1,4 @@
-// Inertia of solids and of cloth.
+// Inertia of solids.
 #include "fem/mass.hpp"
 
 #include "fem/element.hpp"
@@ -16,8 +16,6 @@ std::vector<Element> mass_elements() {
         element_of<ScaledMassElement<Tri6Mass, 2>>("lumped_mass", "tri6"),
         element_of<LumpedMassElement<Tet4, 3>>("lumped_mass", "tet4"),
         element_of<ScaledMassElement<Tet10Mass, 3>>("lumped_mass", "tet10"),
-        element_of<SimplexMassElement<Tri3, 3>>("mass_cloth", "tri3"),
-        element_of<LumpedMassElement<Tri3, 3>>("lumped_mass_cloth", "tri3"),
     };
 }
 

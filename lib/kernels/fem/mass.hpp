@@ -19,16 +19,26 @@ Common<SX, Sx> inertial_energy(const SX* X, const Sx* x, const double* p) {
     return total;
 }
 
-// Lumped mass: rows summed onto the diagonal; the basis functions sum to one. Not for second order, where the sums of
-// corners are 0.
-template <class Shape, int Fields>
-struct LumpedMassElement {
-    static constexpr int nodes = Shape::nodes, dim = Shape::dim, fields = Fields;
+// What all elements of inertia have; their tangent is M.
+template <class Element>
+struct Inertial {
     static constexpr bool symmetric = true, has_tangent = true;
     static constexpr int stress_components = 0;
 
     // Mass per volume in 3D, density times thickness in 2D.
     static std::vector<std::string> parameters() { return {"density"}; }
+
+    template <class SX, class Sx>
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        return inertial_energy<Element>(X, x, p);
+    }
+};
+
+// Lumped mass: rows summed onto the diagonal; the basis functions sum to one. Not for second order, where the sums of
+// corners are 0.
+template <class Shape, int Fields>
+struct LumpedMassElement : Inertial<LumpedMassElement<Shape, Fields>> {
+    static constexpr int nodes = Shape::nodes, dim = Shape::dim, fields = Fields;
 
     template <class SX, class Sx, class R>
     static void residual(const SX* X, const Sx* x, const double* p, R* r) {
@@ -41,22 +51,12 @@ struct LumpedMassElement {
                 for (int a = 0; a < fields; ++a) r[i * fields + a] += x[i * fields + a] * (mass * N[i]);
         }
     }
-
-    template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
-        return inertial_energy<LumpedMassElement>(X, x, p);
-    }
 };
 
 // Consistent mass by quadrature.
 template <class Shape, int Fields>
-struct MassElement {
+struct MassElement : Inertial<MassElement<Shape, Fields>> {
     static constexpr int nodes = Shape::nodes, dim = Shape::dim, fields = Fields;
-    static constexpr bool symmetric = true, has_tangent = true;
-    static constexpr int stress_components = 0;
-
-    // Mass per volume in 3D, density times thickness in 2D.
-    static std::vector<std::string> parameters() { return {"density"}; }
 
     template <class SX, class Sx, class R>
     static void residual(const SX* X, const Sx* x, const double* p, R* r) {
@@ -93,23 +93,13 @@ struct MassElement {
                 }
             }
     }
-
-    template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
-        return inertial_energy<MassElement>(X, x, p);
-    }
 };
 
 // Consistent mass of first-order simplices: the integral of N_i N_j is V (1 + [i = j]) / ((d + 1)(d + 2)), exactly.
 template <class Shape, int Fields>
-struct SimplexMassElement {
+struct SimplexMassElement : Inertial<SimplexMassElement<Shape, Fields>> {
     static constexpr int nodes = Shape::nodes, dim = Shape::dim, fields = Fields;
     static_assert(nodes == dim + 1 && Shape::points == 1, "for first-order simplices with one quadrature point");
-    static constexpr bool symmetric = true, has_tangent = true;
-    static constexpr int stress_components = 0;
-
-    // Mass per volume in 3D, density times thickness in 2D.
-    static std::vector<std::string> parameters() { return {"density"}; }
 
     template <class SX, class Sx, class R>
     static void residual(const SX* X, const Sx* x, const double* p, R* r) {
@@ -121,23 +111,13 @@ struct SimplexMassElement {
             for (int i = 0; i < nodes; ++i) r[i * fields + a] = (sum + x[i * fields + a]) * share;
         }
     }
-
-    template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
-        return inertial_energy<SimplexMassElement>(X, x, p);
-    }
 };
 
 // Lumped mass of second order: the diagonal of the consistent one, scaled to the whole mass. All masses are positive.
 // Source: Hinton, Rock and Zienkiewicz, Earthquake Engng Struct. Dyn. 4 (1976) 245.
 template <class Shape, int Fields>
-struct ScaledMassElement {
+struct ScaledMassElement : Inertial<ScaledMassElement<Shape, Fields>> {
     static constexpr int nodes = Shape::nodes, dim = Shape::dim, fields = Fields;
-    static constexpr bool symmetric = true, has_tangent = true;
-    static constexpr int stress_components = 0;
-
-    // Mass per volume in 3D, density times thickness in 2D.
-    static std::vector<std::string> parameters() { return {"density"}; }
 
     template <class SX, class Sx, class R>
     static void residual(const SX* X, const Sx* x, const double* p, R* r) {
@@ -145,11 +125,6 @@ struct ScaledMassElement {
         masses(X, p[0], diagonal);
         for (int i = 0; i < nodes; ++i)
             for (int a = 0; a < fields; ++a) r[i * fields + a] = x[i * fields + a] * diagonal[i];
-    }
-
-    template <class SX, class Sx>
-    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
-        return inertial_energy<ScaledMassElement>(X, x, p);
     }
 
  private:

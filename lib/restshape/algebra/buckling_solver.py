@@ -6,21 +6,11 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.davidson import Found, SearchSpace, davidson, ritz_values
-from restshape.algebra.eigen import (
-    COUNT_EVERY,
-    HISTORY,
-    MOST_SOUGHT,
-    ROOM,
-    ROUNDING,
-    ROUNDS,
-    SPARE,
-    EigenReport,
-    apart,
-    fallen,
-)
+from restshape.algebra.eigen import COUNT_EVERY, HISTORY, MOST_SOUGHT, ROOM, ROUNDING, ROUNDS, SPARE, EigenReport
 from restshape.algebra.factor_life import FactorLife
 from restshape.algebra.load_pencil import UNLOADED, LoadPencil, load_modes
 from restshape.algebra.pencil import Deflation
+from restshape.algebra.spectrum import apart, fallen
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem

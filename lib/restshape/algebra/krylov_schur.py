@@ -1,5 +1,7 @@
 """Eigenpairs from nothing: SLEPc's Krylov-Schur method with shift-and-invert on a factor that the caller keeps."""
 
+from typing import Any
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -70,18 +72,32 @@ def krylov_schur(
     eps.setDimensions(count, count + (max(count, ROOM) if room is None else room))
     # SLEPc measures the residual of the inverted problem.
     eps.setTolerances(0.1 * tolerance, 300)
+    modes = solved_modes(eps, pencil, count, "the eigenproblem did not converge: {} of {} modes")
+    for part in (*vectors, eps):
+        part.destroy()
+    return refine_ritz(pencil, deflation, modes, count, tolerance, pencil.substitutions - before)
+
+
+def solved_modes(eps: Any, pencil: Pencil, count: int, problem: str) -> np.ndarray:
+    """The first modes (count, n) that SLEPc finds; more may converge.
+
+    Args:
+        eps: SLEPc's solver, set up; pencil: its matrices.
+        count: wanted; problem: words with places for how many have converged, and for `count`.
+
+    Raises:
+        ReplayProblem: not all of them converge.
+    """
     eps.solve()
     converged = eps.getConverged()
     if converged < count:
-        raise ReplayProblem(f"the eigenproblem did not converge: {converged} of {count} modes")
+        raise ReplayProblem(problem.format(converged, count))
     modes, vector = np.empty((count, pencil.size)), pencil.stiffness.createVecRight()
-    # The nearest come first; more may have converged.
     for k in range(count):
         eps.getEigenpair(k, vector)
         modes[k] = vector.getArray()
-    for part in (vector, *vectors, eps):
-        part.destroy()
-    return refine_ritz(pencil, deflation, modes, count, tolerance, pencil.substitutions - before)
+    vector.destroy()
+    return modes
 
 
 def refine_ritz(

@@ -3,9 +3,8 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.krylov_schur import KeptFactor
+from restshape.algebra.krylov_schur import KeptFactor, solved_modes
 from restshape.algebra.pencil import Pencil
-from restshape.errors import ReplayProblem
 
 UNLOADED = -np.inf
 """The shift of the unloaded body: the factor is that of K alone."""
@@ -66,14 +65,7 @@ def load_modes(pencil: LoadPencil, start: np.ndarray, count: int, tolerance: flo
     eps.setInitialSpace([first])
     eps.setDimensions(count, max(2 * count, count + 12))
     eps.setTolerances(0.1 * tolerance, 300)
-    eps.solve()
-    converged = eps.getConverged()
-    if converged < count:
-        raise ReplayProblem(f"buckling: {converged} of {count} load factors converged")
-    modes, vector = np.empty((count, pencil.size)), pencil.stiffness.createVecRight()
-    for k in range(count):
-        eps.getEigenpair(k, vector)
-        modes[k] = vector.getArray()
-    for part in (vector, first, eps):
+    modes = solved_modes(eps, pencil, count, "buckling: {} of {} load factors converged")
+    for part in (first, eps):
         part.destroy()
     return modes

@@ -15,7 +15,8 @@ from restshape.analysis.equilibrium_search import least_scale, rounding
 from restshape.analysis.frame import Frame
 from restshape.analysis.motion_equations import MotionSystem
 from restshape.analysis.nonlinear import COLD, rounding_note
-from restshape.analysis.transient import TransientAnalysis, TransientState
+from restshape.analysis.transient import TransientAnalysis
+from restshape.analysis.transient_state import TransientState
 from restshape.errors import ReplayProblem
 from restshape.fem.problem import TransientProblem
 from restshape.fem.semidiscrete import SemiDiscrete

@@ -19,16 +19,3 @@ def note(frequency: float, a4: float = 440.0) -> tuple[str, float]:
     keys = A4_NUMBER + 12.0 * log2(frequency / a4)
     key = round(keys)
     return f"{NAMES[key % 12]}{key // 12 - 1}", 100.0 * (keys - key)
-
-
-def frequency_of(name: str, a4: float = 440.0) -> float:
-    """The frequency [Hz] of a tone by its name, such as "C5" or "F#4".
-
-    Raises:
-        ValueError: no such name.
-    """
-    letters = name.rstrip("-0123456789")
-    if letters not in NAMES or not name[len(letters) :].lstrip("-").isdigit():
-        raise ValueError(f"no tone is named {name!r}")
-    key = 12 * (int(name[len(letters) :]) + 1) + NAMES.index(letters)
-    return a4 * 2.0 ** ((key - A4_NUMBER) / 12.0)

@@ -10,9 +10,9 @@ import numpy as np
 from restshape import _kernels
 from restshape.mesh.lagrange_space import EdgeInterpolation, LagrangeSpace
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.over_mesh import OverMesh
 from restshape.mesh.thickness import Thickness
 from restshape.scene.expressions import Value
-from restshape.shape.outline import Outline
 
 DATUMS = {"bottom": 0.0, "middle": 0.5, "top": 1.0}
 """Share of the thickness that lies below z = 0, by which of the three is flat."""
@@ -20,7 +20,7 @@ DATUMS = {"bottom": 0.0, "middle": 0.5, "top": 1.0}
 _geometries = itertools.count(1)
 
 
-class Extrusion:
+class Extrusion(OverMesh):
     """Tetrahedra over a plane mesh, of its order, with the attributes that analyses use of a `Mesh`.
 
     Over each plane node stands a column of nodes, ``levels`` of them from bottom to top: node k over plane node i is
@@ -56,6 +56,7 @@ class Extrusion:
         parameters: dict[str, float] | None = None,
         flat: Literal["bottom", "middle", "top"] = "middle",
     ) -> None:
+        super().__init__(plane)
         self.plane, self.layers = plane, layers
         self.thickness = Thickness(thickness, parameters or {})
         self.datum = DATUMS[flat]
@@ -70,34 +71,9 @@ class Extrusion:
         self._place()
 
     @property
-    def n_nodes(self) -> int:
-        """Number of nodes."""
-        return len(self.X)
-
-    @property
-    def n_cells(self) -> int:
-        """Number of tetrahedra."""
-        return len(self.cells)
-
-    @property
-    def dofs(self) -> np.ndarray:
-        """Nodes (ne, 4 or 10) whose unknowns a tetrahedron has: its own."""
-        return self.cells
-
-    @property
     def corners(self) -> np.ndarray:
         """Corners (ne, 4) of the tetrahedra."""
         return self.cells[:, :4]
-
-    @property
-    def outline(self) -> Outline:
-        """The outline whose entities the plane mesh resolves."""
-        return self.plane.outline
-
-    @property
-    def dof_X(self) -> np.ndarray:
-        """Material coordinates (n, 3) [m] of the nodes that have unknowns: all of them."""
-        return self.X
 
     @property
     def mesh(self) -> Mesh:
@@ -108,11 +84,6 @@ class Extrusion:
     def interpolations(self) -> tuple[EdgeInterpolation, ...]:
         """What flips did to nodes of the plane mesh since the last solution."""
         return self.plane.interpolations
-
-    @property
-    def topology(self) -> int:
-        """Version of the connectivity: the plane mesh's."""
-        return self.plane.topology
 
     @property
     def cell_region(self) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.over_mesh import OverMesh
 from restshape.mesh.quality import areas
 from restshape.mesh.reconnect import edges_between
 from restshape.shape.outline import Outline
@@ -35,7 +36,7 @@ class EdgeInterpolation(NamedTuple):
     weights: np.ndarray
 
 
-class LagrangeSpace:
+class LagrangeSpace(OverMesh):
     """Nodes and cells of second order, with the attributes that analyses use of a `Mesh`.
 
     Straight sides have their node in the middle of their ends; sides on arcs and splines have it on the curve, at the
@@ -59,6 +60,7 @@ class LagrangeSpace:
     cell_type = "tri6"
 
     def __init__(self, mesh: Mesh) -> None:
+        super().__init__(mesh)
         self.mesh = mesh
         n, ends = len(mesh.X), mesh.edge_nodes[:, 0]
         order = np.argsort(ends, kind="stable")
@@ -85,36 +87,6 @@ class LagrangeSpace:
     # --- as a mesh ------------------------------------------------------------------------------------------------
 
     @property
-    def n_nodes(self) -> int:
-        """Number of nodes, of corners and sides."""
-        return len(self.X)
-
-    @property
-    def n_cells(self) -> int:
-        """Number of triangles."""
-        return len(self.cells)
-
-    @property
-    def outline(self) -> Outline:
-        """The outline whose entities the mesh resolves."""
-        return self.mesh.outline
-
-    @property
-    def dof_X(self) -> np.ndarray:
-        """Material coordinates (n, 2) [m] of the nodes that have unknowns: all of them."""
-        return self.X
-
-    @property
-    def dofs(self) -> np.ndarray:
-        """Nodes (ne, 6) whose unknowns a triangle has: its own."""
-        return self.cells
-
-    @property
-    def topology(self) -> int:
-        """Version of the connectivity."""
-        return self.mesh.topology
-
-    @property
     def geometry(self) -> int:
         """Version of the positions."""
         return self.mesh.geometry
@@ -129,11 +101,6 @@ class LagrangeSpace:
         """The cell (nf,) on the left of each facet."""
         return self.mesh.facet_cell
 
-    @property
-    def cell_region(self) -> np.ndarray:
-        """Region (ne,) of each cell, see `Mesh`."""
-        return self.mesh.cell_region
-
     def nodes_of(self, name: str) -> np.ndarray:
         """Sorted nodes of an entity, those in the middle of its sides too; see `Mesh.nodes_of`.
 
@@ -147,10 +114,6 @@ class LagrangeSpace:
     def facets_of(self, name: str) -> np.ndarray:
         """Rows of ``facets`` on an entity's edges; see `Mesh.facets_of`."""
         return self.mesh.facets_of(name)
-
-    def cells_of(self, name: str) -> np.ndarray:
-        """Triangles inside an entity; see `Mesh.cells_of`."""
-        return self.mesh.cells_of(name)
 
     def on_corners(self, gradient: np.ndarray) -> np.ndarray:
         """The gradient (corners, d) of one (n, d) by all nodes, where middles of sides follow their ends."""

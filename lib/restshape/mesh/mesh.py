@@ -9,6 +9,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from restshape import _kernels
+from restshape.mesh.over_mesh import NodesAndCells
 from restshape.shape.outline import Entity, Outline
 
 _topologies = itertools.count(1)
@@ -28,7 +29,7 @@ class Hierarchy(Protocol):
 
 
 @dataclass(eq=False)
-class Mesh:
+class Mesh(NodesAndCells):
     """First-order triangles, and their ties to an outline.
 
     Args:
@@ -116,28 +117,8 @@ class Mesh:
         )
 
     @property
-    def n_nodes(self) -> int:
-        """Number of nodes."""
-        return len(self.X)
-
-    @property
-    def n_cells(self) -> int:
-        """Number of triangles."""
-        return len(self.cells)
-
-    @property
     def corners(self) -> np.ndarray:
         """Corners (ne, 3) of the triangles: all their nodes."""
-        return self.cells
-
-    @property
-    def dof_X(self) -> np.ndarray:
-        """Material coordinates (n, 2) [m] of the nodes that have unknowns: all of them."""
-        return self.X
-
-    @property
-    def dofs(self) -> np.ndarray:
-        """Nodes (ne, 3) whose unknowns a triangle has: its corners."""
         return self.cells
 
     @property

@@ -8,13 +8,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.shape.outline import Outline
+from restshape.mesh.over_mesh import OverMesh
 
 SIDES = [2, 0, 1]
 """Corner opposite to each side (0, 1), (1, 2), (2, 0)."""
 
 
-class MorleySpace:
+class MorleySpace(OverMesh):
     """Corners first, then edges, rank by rank; on one rank corners keep their numbers, and cells their corners.
 
     The unknown of an edge with the ends a, b, in the order of the mesh's ``edge_nodes``, is the derivative of the
@@ -37,6 +37,7 @@ class MorleySpace:
     cell_type: ClassVar[str] = "tri6"
 
     def __init__(self, mesh: Mesh) -> None:
+        super().__init__(mesh)
         self.mesh = mesh
         offsets, edges = mesh.node_offsets, len(mesh.edge_nodes)
         ranks = len(offsets) - 1
@@ -55,57 +56,18 @@ class MorleySpace:
         self.place()
 
     @property
-    def n_nodes(self) -> int:
-        """Number of nodes, of corners and edges."""
-        return len(self.X)
-
-    @property
-    def n_cells(self) -> int:
-        """Number of triangles."""
-        return len(self.cells)
-
-    @property
-    def dofs(self) -> np.ndarray:
-        """Nodes (ne, 6) whose unknowns an element reads: those of the cells."""
-        return self.cells
-
-    @property
-    def cell_region(self) -> np.ndarray:
-        """The region (ne,) of each cell, as of the mesh."""
-        return self.mesh.cell_region
-
-    @property
-    def dof_X(self) -> np.ndarray:
-        """Material coordinates (n, 2) [m] of the nodes that have unknowns: all of them."""
-        return self.X
-
-    @property
     def interpolations(self) -> tuple[()]:
         """None: flips set no unknown elsewhere."""
         return ()
-
-    @property
-    def topology(self) -> int:
-        """Version of the connectivity, that of the mesh."""
-        return self.mesh.topology
 
     @property
     def geometry(self) -> int:
         """Version of the positions, that of the mesh."""
         return self.mesh.geometry
 
-    @property
-    def outline(self) -> Outline:
-        """Whose entities the mesh resolves."""
-        return self.mesh.outline
-
     def nodes_of(self, name: str) -> np.ndarray:
         """Sorted nodes (k,) int32 of an entity of the outline: its corners, for edges have slopes of their own."""
         return np.sort(self.corner_number[self.mesh.nodes_of(name)])
-
-    def cells_of(self, name: str) -> np.ndarray:
-        """Cells (k,) int32 inside an entity of the outline."""
-        return self.mesh.cells_of(name)
 
     def follow(self, changed: np.ndarray) -> np.ndarray:
         """Take in the triangles (k,) that flips have changed, and go where the corners are; returns these triangles."""

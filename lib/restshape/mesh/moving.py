@@ -3,7 +3,6 @@
 import itertools
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import ReplayProblem, UserError
+from restshape.mesh.advance import CONNECTIVITY, NO_CELLS, Kept, MeshUpdate
 from restshape.mesh.generate import generate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
@@ -39,7 +39,6 @@ remeshed in every frame."""
 FRESH_AREA = 0.01
 """A triangle counts as invalid only below this share of the smallest area when new: sizes may differ by much."""
 
-NO_CELLS = np.empty(0, dtype=np.int32)
 
 REASONS = {
     "start": "the first shape",
@@ -52,53 +51,6 @@ REASONS = {
 
 # Versions after flips count downwards, so that they never meet those of generated meshes.
 _reconnections = itertools.count(-1, -1)
-
-
-@dataclass(slots=True)
-class MeshUpdate:
-    """What a frame did to the mesh.
-
-    Args:
-        level: 0 idle, 1 relocation, 2 reconnection, 3 reconstruction.
-        flips: number of flipped edges.
-        changed_cells: cells (int32, ascending) of the mesh of the fields whose nodes changed by flips.
-        min_quality: smallest quality of a triangle afterwards, 1 for equilateral; of nested meshes in the coarsest.
-        old_mesh: level 3, and level 2 of nested meshes, of which flips make others: the mesh of the fields before,
-            where it could be relocated to the new shape, else as it lay.
-        stages: seconds spent in "relocate", "map", "flip" and "mesh".
-    """
-
-    level: int
-    flips: int
-    changed_cells: np.ndarray
-    min_quality: float
-    old_mesh: Mesh | LagrangeSpace | None = None
-    stages: dict[str, float] = field(default_factory=dict)
-
-    @classmethod
-    def nothing(cls, min_quality: float = float("nan")) -> "MeshUpdate":
-        """An idle frame."""
-        return cls(0, 0, NO_CELLS, min_quality)
-
-
-CONNECTIVITY = ("cells", "cell_edges", "edge_nodes", "facet_cell")
-"""Arrays of a mesh that flips change."""
-
-
-@dataclass(slots=True)
-class Kept:
-    """What a frame may change, as it was before.
-
-    Args:
-        state: attributes of the moving mesh.
-        versions: outline, geometry and topology of the mesh; None before the first one.
-        X: (n, 2) nodes [m], where they were moved; connectivity: copies of its arrays, where edges were flipped.
-    """
-
-    state: dict[str, Any]
-    versions: tuple[Outline, int, int] | None
-    X: np.ndarray | None = None
-    connectivity: dict[str, np.ndarray] | None = None
 
 
 class MovingMesh:

@@ -8,14 +8,14 @@ import numpy as np
 
 from restshape.mesh.lagrange_space import EdgeInterpolation
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.over_mesh import OverMesh
 from restshape.mesh.thickness import Thickness
 from restshape.scene.expressions import Value
-from restshape.shape.outline import Outline
 
 _geometries = itertools.count(1)
 
 
-class PlateMesh:
+class PlateMesh(OverMesh):
     """The nodes of a plane mesh with the plate's thickness, with the attributes that analyses use of a `Mesh`.
 
     Args:
@@ -35,29 +35,15 @@ class PlateMesh:
     cell_type = "tri3"
 
     def __init__(self, plane: Mesh, thickness: Value, parameters: dict[str, float] | None = None) -> None:
+        super().__init__(plane)
         self.plane, self.thickness = plane, Thickness(thickness, parameters or {})
         self.X = np.empty((len(plane.X), 3))
         self.X[:, 2] = self.thickness.at(plane.X)
         self._place()
 
     @property
-    def n_nodes(self) -> int:
-        """Number of nodes."""
-        return len(self.X)
-
-    @property
-    def n_cells(self) -> int:
-        """Number of triangles."""
-        return len(self.cells)
-
-    @property
     def cells(self) -> np.ndarray:
         """Triangles (ne, 3): the plane mesh's."""
-        return self.plane.cells
-
-    @property
-    def dofs(self) -> np.ndarray:
-        """Nodes (ne, 3) whose unknowns a triangle has: its corners."""
         return self.plane.cells
 
     @property
@@ -71,16 +57,6 @@ class PlateMesh:
         return self.plane.node_offsets
 
     @property
-    def outline(self) -> Outline:
-        """The outline whose entities the plane mesh resolves."""
-        return self.plane.outline
-
-    @property
-    def dof_X(self) -> np.ndarray:
-        """Material coordinates (n, 3) [m] of the nodes that have unknowns: all of them."""
-        return self.X
-
-    @property
     def mesh(self) -> Mesh:
         """The plane mesh, of corners alone."""
         return self.plane.mesh
@@ -90,16 +66,6 @@ class PlateMesh:
         """What flips did to nodes of the plane mesh since the last solution."""
         return self.plane.interpolations
 
-    @property
-    def topology(self) -> int:
-        """Version of the connectivity: the plane mesh's."""
-        return self.plane.topology
-
-    @property
-    def cell_region(self) -> np.ndarray:
-        """Region (ne,) of each triangle, see `Mesh`."""
-        return self.plane.cell_region
-
     def nodes_of(self, name: str) -> np.ndarray:
         """Sorted nodes of an entity; see `Mesh.nodes_of`.
 
@@ -107,14 +73,6 @@ class PlateMesh:
             UserError: there is no such entity.
         """
         return self.plane.nodes_of(name)
-
-    def cells_of(self, name: str) -> np.ndarray:
-        """Triangles inside an entity; see `Mesh.cells_of`.
-
-        Raises:
-            UserError: there is no such entity.
-        """
-        return self.plane.cells_of(name)
 
     def rim(self) -> np.ndarray:
         """Whether (ne, 3) the sides (0, 1), (1, 2), (2, 0) of each triangle are the plate's boundary."""

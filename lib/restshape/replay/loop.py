@@ -20,9 +20,10 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.fem.observer import areas
 from restshape.fem.space import Space
 from restshape.findings import encode_findings
+from restshape.mesh.advance import MeshUpdate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.moving import MeshUpdate, MovingMesh
+from restshape.mesh.moving import MovingMesh
 from restshape.policy import Policy
 from restshape.replay.columns import ESTIMATES
 from restshape.replay.constraints import (

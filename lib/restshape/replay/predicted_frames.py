@@ -6,7 +6,8 @@ import numpy as np
 
 from restshape.analysis.analysis import Analysis, Predictor
 from restshape.errors import ReplayProblem, UserError
-from restshape.mesh.moving import MeshUpdate, MovingMesh
+from restshape.mesh.advance import MeshUpdate
+from restshape.mesh.moving import MovingMesh
 from restshape.policy import Policy
 from restshape.sensitivity.linear_prediction import Prediction
 from restshape.shape.protocol import Session

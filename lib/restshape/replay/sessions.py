@@ -3,9 +3,9 @@
 from typing import Protocol, cast
 
 from restshape.application import application as application_named
+from restshape.mesh.advance import MeshUpdate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.moving import MeshUpdate
 from restshape.scene.model import Scene
 from restshape.scene.script import Script
 from restshape.shape.outline import Outline

@@ -9,7 +9,6 @@ import numpy as np
 from restshape.algebra.buckling_solver import BucklingSolver
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import STIFFNESS
-from restshape.sensitivity.frequency_derivative import parted
 from restshape.sensitivity.steady_derivative import SolvedSteady, design_derivative
 
 if TYPE_CHECKING:
@@ -53,21 +52,6 @@ def load_factor_rates(state: BucklingState, dX: np.ndarray, s: np.ndarray) -> np
     middle = 0.5 * (values[:, None] + values[None, :])
     rates = modes @ loaded.T - middle * (modes @ stiff.T)
     return factors[:, None] * factors[None, :] * 0.5 * (rates + rates.T)
-
-
-def load_factor_derivatives(analysis: SolvedBuckling, dX: np.ndarray, tolerance: float) -> np.ndarray:
-    """Derivatives (k,) of the load factors where nodes move with dX (n, 2), those of coinciding ones ascending.
-
-    Args:
-        analysis: solved on the mesh as it lies.
-        tolerance: of the solve for the rate of the displacement.
-
-    Raises:
-        ReplayProblem: that solve does not converge.
-    """
-    s = design_derivative(analysis.prebuckling, np.stack([dX, np.zeros_like(dX)]), tolerance)[0]
-    factors = analysis.state.modes.load_factors
-    return parted(factors, load_factor_rates(analysis.state, dX, s), analysis.solver.reach)
 
 
 def buckling_derivative(analysis: SolvedBuckling, Psi: np.ndarray, tolerance: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Outlines from and to DXF drawings."""
+"""Outlines from DXF drawings."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ import numpy as np
 from ezdxf import units
 
 from restshape.errors import UserError
-from restshape.shape.curves import arc_centre
-from restshape.shape.outline import Outline
 from restshape.shape.unordered_curves import Curve, shape_data
 
 NO_NAME = ("0", "Defpoints")
@@ -116,45 +114,3 @@ def _spline(entity: Any) -> list[tuple[Any, str, float]]:
     # A closed spline becomes two edges, since an edge has two ends.
     half = len(points) // 2
     return [(points[: half + 1], "spline", 0.0), (points[half:], "spline", 0.0)]
-
-
-def write_dxf(outline: Outline, path: Path) -> None:
-    """Writes a shape as a DXF drawing in metres: one layer an edge, for holes and regions one a loop.
-
-    The layer of a region gets ``region_`` before its name, so that it is read back as one.
-
-    Lines, arcs and polylines are exact; splines are written with fit points.
-
-    Raises:
-        UserError: the file cannot be written.
-    """
-    drawing = ezdxf.new("R2010", units=units.M)
-    space = drawing.modelspace()
-    for loop in outline.loops:
-        for e, _ in loop.edges:
-            edge = outline.edges[e]
-            layer = edge.name if loop.kind == "outline" else loop.name
-            if loop.kind == "region" and not layer.lower().startswith("region"):
-                layer = f"region_{layer}"
-            _write_edge(space, outline, e, {"layer": layer})
-    try:
-        drawing.saveas(path)
-    except OSError as error:
-        raise UserError(f"{path} cannot be written: {error.strerror}", "", "name another file") from error
-
-
-def _write_edge(space: Any, outline: Outline, index: int, look: dict[str, str]) -> None:
-    edge = outline.edges[index]
-    points = outline.points[outline.layout.controls[index]]
-    bulge = float(outline.bulges[index])
-    if edge.kind == "polyline":
-        space.add_lwpolyline(points.tolist(), dxfattribs=look)
-    elif edge.kind == "spline":
-        space.add_spline([(x, y, 0.0) for x, y in points], dxfattribs=look)
-    elif abs(bulge) < 1e-12:
-        space.add_line(points[0], points[1], dxfattribs=look)
-    else:
-        center, radius = arc_centre(points[0], points[1], bulge)
-        first, last = (points[0], points[1]) if bulge > 0.0 else (points[1], points[0])
-        angles = [float(np.degrees(np.arctan2(*(p - center)[::-1]))) for p in (first, last)]
-        space.add_arc(center, radius, *angles, dxfattribs=look)

@@ -38,9 +38,16 @@ def test_a_pick_is_written_run_again_and_holds(command, small, tmp_path):
     assert "# held at the left" in written and "# coarse" in written
     held = tomllib.loads(written)
     assert held["mesh"] == {"size": fastest["size"], "order": 1} and held["solve"]["policy"] == "auto"
-    assert "holds: " in told.stdout and "reuse stays below the tolerance at all 2 points" in told.stdout
+    assert "holds: " in told.stdout and "reuse below the tolerance: at 2 of 2 points" in told.stdout
     page = (tmp_path / "found" / "scene.md").read_text()
-    for words in ("## What was varied", "## The front", "## What failed", "reference", "effectivity", "](scene.png)"):
+    for words in (
+        "| mesh size |",
+        "## All points",
+        "## Failed or left out",
+        "| reference |",
+        "effectivity",
+        "](scene.png)",
+    ):
         assert words in page, words
     assert (tmp_path / "found" / "scene.png").read_bytes().startswith(b"\x89PNG")
     for text in (page, json.dumps(records)):

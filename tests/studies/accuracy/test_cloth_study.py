@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from restshape_studies.accuracy import reference
 from restshape_studies.accuracy.distance import Reference
+from restshape_studies.accuracy.facts import compared_values
 from restshape_studies.accuracy.grid import Grid
-from restshape_studies.accuracy.page import values_lines
 from restshape_studies.accuracy.replays import measure
 from restshape_studies.accuracy.setting import Choice
 from restshape_studies.accuracy.state import State
@@ -102,8 +102,9 @@ def test_all_ways_of_bending_are_held_against_morleys_triangles(strip):
     assert by[None, 2.0] / by[None, 3.0] == pytest.approx(2.0 / 3.0, abs=0.2)
     # The clock of a busy machine shows nothing: let a frame take as long as it has triangles.
     timed = replace(strip, records=[r | {"frame_ms": 1e-2 * r["elements"]} for r in strip.records])
-    (line,) = values_lines(timed)
-    assert line.endswith("The most accurate is `morley`.") and "`hinge`" in line and "`nonlinear`" in line
+    (key, finest), *_ = compared_values(timed)
+    assert key == "effects.cloth.bending, finest meshes"
+    assert finest.startswith("morley ") and "hinge " in finest and "nonlinear " in finest
 
 
 def test_reuse_and_the_tolerance_leave_next_to_nothing(strip):

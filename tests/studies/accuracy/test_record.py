@@ -3,8 +3,8 @@
 from types import SimpleNamespace
 
 import pytest
+from restshape_studies.accuracy.facts import left_out, reuse_fact, row, solver_fact
 from restshape_studies.accuracy.front import finite, mark_pareto
-from restshape_studies.accuracy.page import left_out, reuse_line, row, solver_line
 from restshape_studies.accuracy.record import Truth, effectivity, nameless, record
 from restshape_studies.accuracy.setting import Omission, Setting
 from restshape_studies.bench.job import Outcome
@@ -60,15 +60,15 @@ def test_reuse_beyond_the_tolerance_is_a_failure():
     good, bad = (made(told(frame(0, 0.02, reuse, 2.4))) for reuse in (1e-6, 2e-6))
     assert good["reuse_holds"] is True and bad["reuse_holds"] is False
     assert reuse_holds(SimpleNamespace(records=[good])) and not reuse_holds(SimpleNamespace(records=[good, bad]))
-    assert "FAILURE" in reuse_line(SimpleNamespace(records=[good, bad]))
+    assert "FAILURE" in reuse_fact(SimpleNamespace(records=[good, bad]))
 
 
 def test_reuse_that_is_known_nowhere_does_not_hold():
     unknown = SimpleNamespace(records=[made(Outcome([], "stopped"))])
-    assert not reuse_holds(unknown) and "not known at any point" in reuse_line(unknown)
-    assert "not known at any point" in solver_line(unknown)
+    assert not reuse_holds(unknown) and "not known at any point" in reuse_fact(unknown)
+    assert "not known at any point" in solver_fact(unknown)
     unknown.records.append(made(told(frame(0, 0.02, 1e-6, 2.4))))
-    assert reuse_holds(unknown) and "at the 1 points that tell" in reuse_line(unknown)
+    assert reuse_holds(unknown) and "at 1 of 2 points" in reuse_fact(unknown)
 
 
 def test_what_failed_is_told_with_its_reason_and_without_folders():

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from restshape_studies.accuracy import reference as study_reference
+from restshape_studies.accuracy.facts import reuse_fact, solver_fact
 from restshape_studies.accuracy.front import finite, rates
-from restshape_studies.accuracy.page import reuse_line, solver_line
 from restshape_studies.accuracy.replays import measure
 from restshape_studies.accuracy.setting import Choice
 from restshape_studies.accuracy.study import Asked, Case, study
@@ -105,7 +105,7 @@ def test_a_looser_tolerance_shows_in_the_algebraic_part_alone(manufactured):
     assert loose["tolerance"] == 1e-3 and own["tolerance"] == 1e-6
     assert loose["parts"]["algebraic"] > 3.0 * own["parts"]["algebraic"]
     share = max((r["parts"]["algebraic"] + r["parts"]["reuse"]) / r["tolerance"] for r in manufactured.records)
-    assert f"at most {share:.2g} times the tolerance" in solver_line(manufactured)
+    assert solver_fact(manufactured) == f"at most {share:.2g}"
     assert loose["parts"]["discretisation"] == pytest.approx(own["parts"]["discretisation"], rel=1e-9)
 
 
@@ -131,7 +131,7 @@ def test_a_matrix_that_is_kept_though_the_nodes_have_moved_is_a_failure_of_reuse
         assert (record["parts"]["reuse"] > 0.01) == fault
         # The plain discretisation error of these meshes, whatever was kept.
         assert record["parts"]["discretisation"] == pytest.approx(0.149, abs=0.003)
-    assert reuse_line(found).startswith("reuse exceeds" if fault else "reuse stays below the tolerance at all 3 points")
+    assert reuse_fact(found).startswith("FAILURE at " if fault else "at 3 of 3 points")
 
 
 def test_records_have_the_keys_that_programs_want(manufactured):

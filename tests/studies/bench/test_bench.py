@@ -8,10 +8,11 @@ import pytest
 from restshape_studies.bench import reuse
 from restshape_studies.bench.job import Job, Outcome, run
 from restshape_studies.bench.process import pin
-from restshape_studies.bench.reuse import Case, Plan, compare, event_totals, frames_a_second, medians, ratios
+from restshape_studies.bench.reuse import Plan, compare, event_totals, frames_a_second, medians, ratios
 from restshape_studies.bench.size import LARGE, exponents, measure, mesh_size, size_record, sizes
 from restshape_studies.bench.size import drag as plate_drag
-from restshape_studies.commands.bench import hindsight_line
+from restshape_studies.bench.turns import Case
+from restshape_studies.commands.bench_reuse import hindsight_line
 from restshape_studies.pictures.policies import draw_policies
 from restshape_studies.pictures.scaling import draw_scaling
 from small_scenes import across, drag, plate, write_scene, write_script

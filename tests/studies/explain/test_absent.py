@@ -99,7 +99,7 @@ def sheets(head):
         "friction": Case(laid + STRETCH, laid.replace("friction = 0\n", "friction = 0.3\n") + STRETCH),
         "grain": Case(hung + STRETCH, hung.replace('E = "2 MPa"\nnu = 0.3', HEMP) + STRETCH),
         # Morley's triangles hold slopes there, and need nothing more; hinges fold against their mirror images.
-        "symmetry": case(hinged, MIRROR, ["hinge_mirrored3"]),
+        "symmetry": case(hinged, MIRROR, ["hinge_mirrored_flap3"]),
         "moving_supports": Case(tight.replace("X", "0") + STRETCH, tight.replace("X", '"1 cm"') + STRETCH),
         "regions": case(hung, LINEN),
     }

@@ -11,7 +11,10 @@ from restshape.physics.cloth.boundary import ClothSupports
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import UPPER
 
-HINGES = {"hinge": ("hinge4", "hinge_mirrored3"), "nonlinear": ("hinge_nonlinear4", "hinge_nonlinear_mirrored3")}
+HINGES = {
+    "hinge": ("hinge_flap4", "hinge_mirrored_flap3"),
+    "nonlinear": ("hinge_nonlinear_flap4", "hinge_nonlinear_mirrored_flap3"),
+}
 """Elements of inner edges, and of edges whose other triangle is a mirror image."""
 QUADRATIC = ("morley", "hinge")
 """Kinds whose stiffness is the same at all positions."""

@@ -10,32 +10,7 @@ UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))
 """Rows and columns of 11 12 22 16 26 66 in a matrix of xx, yy, xy."""
 
 HINGE_STIFFNESS = {"plate": 1.0 / 3.0, "strip": 3.0 / 8.0}
-"""Stiffness of `hinge4` that acts on equilateral triangles as 1 of a plate, or of a strip with free sides."""
-
-
-def membrane_params(C: np.ndarray, load: np.ndarray | tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:
-    """Parameters (9,) of the elements membrane_tri3, membrane_stabilised_tri3 and membrane_corotated_tri3.
-
-    Args:
-        C: (3, 3) tensions xx, yy, xy [N/m] by strains xx, yy and twice xy: plane stress times thickness.
-        load: (3,) dead force [N/m^2] of material.
-    """
-    return np.concatenate([C[UPPER], load])
-
-
-def morley_params(D: np.ndarray, signs: np.ndarray) -> np.ndarray:
-    """Parameters (ne, 9) of the element morley_tri6.
-
-    Args:
-        D: (3, 3) moments xx, yy, xy [N] by curvatures xx, yy and twice xy: plane stress times thickness^3/12 [N m].
-        signs: (ne, 3) of the sides, see `restshape.mesh.morley.MorleySpace`.
-    """
-    return np.column_stack([np.tile(D[UPPER], (len(signs), 1)), signs])
-
-
-def isotropic_bending(D: float, nu: float) -> np.ndarray:
-    """Bending stiffness (3, 3) [N m] of an isotropic sheet, D = E h^3/(12 (1 - nu^2)) [N m]."""
-    return D * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, (1.0 - nu) / 2.0]])
+"""Stiffness of `hinge_flap4` that acts on equilateral triangles as 1 of a plate, or of a strip with free sides."""
 
 
 def lumped(X: np.ndarray, corners: np.ndarray, density: float | np.ndarray = 1.0) -> np.ndarray:

@@ -1,0 +1,111 @@
+"""What an analysis of motion knows: the state of the last frame, and where its energy has gone."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from restshape.algebra.first_use import made
+from restshape.analysis.effective_system import EffectiveSystem
+from restshape.analysis.increment_subspace import IncrementProjection
+from restshape.fem.observer import Observer
+from restshape.fem.semidiscrete import SemiDiscrete
+from restshape.fem.space import Space
+from restshape.fem.time_integration import Motion, TimeIntegration, TimeState
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+NOTHING = TimeState(np.zeros((0, 2)), np.zeros((0, 2)), None, 0.0)
+
+
+@dataclass(frozen=True)
+class EnergyAccount:
+    """Where the energy of a motion comes from.
+
+    Args:
+        known: whether anybody asks.
+        last: energy after the last step [J].
+        edit, remesh: as in `Motion`.
+    """
+
+    known: bool = False
+    last: float = 0.0
+    edit: float = 0.0
+    remesh: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class BoundMotion:
+    """What is set up for a mesh and the values of a scene.
+
+    Args:
+        body: the scene's problem on its space.
+        system: what outlives frames on the space.
+        observer: of the scene's quantities.
+        increments: what guesses are made of.
+    """
+
+    body: SemiDiscrete
+    system: EffectiveSystem
+    observer: Observer
+    increments: IncrementProjection
+
+
+# All that a step takes and gives, so that a failure takes back the whole of it.
+@dataclass(frozen=True, eq=False)
+class TransientState:
+    """A motion, and what it was found with.
+
+    Args:
+        plan: which effects are on.
+        scene: whose values it is for.
+        in_time: how it is integrated; bound: both None before the first frame.
+        now, previous: after the last step and before it.
+        account: of energies.
+        topology, geometry: versions of the space that it was found at; -1: on none.
+        factored: the solver has a complete factor of this very matrix.
+        unsolved: no step has been taken yet.
+        age: frames since the preconditioner was made.
+    """
+
+    plan: Plan
+    scene: Scene
+    in_time: TimeIntegration | None = None
+    bound: BoundMotion | None = None
+    now: TimeState = NOTHING
+    previous: TimeState = NOTHING
+    account: EnergyAccount = field(default_factory=EnergyAccount)
+    topology: int = -1
+    geometry: int = -1
+    factored: bool = False
+    unsolved: bool = True
+    age: int = 0
+
+    @property
+    def integration(self) -> TimeIntegration:
+        """How it is integrated in time."""
+        return made(self.in_time)
+
+    @property
+    def body(self) -> SemiDiscrete:
+        """The scene's problem on its space."""
+        return made(self.bound).body
+
+    @property
+    def system(self) -> EffectiveSystem:
+        """What outlives frames on the space."""
+        return made(self.bound).system
+
+    @property
+    def observer(self) -> Observer:
+        """Of the scene's quantities."""
+        return made(self.bound).observer
+
+    @property
+    def space(self) -> Space | None:
+        """Where the unknowns live; None before the first frame."""
+        return None if self.bound is None else self.bound.body.problem.space
+
+    @property
+    def motion(self) -> Motion:
+        """What quantities see beside the unknowns."""
+        return Motion(self.now.v, self.account.edit, self.account.remesh)

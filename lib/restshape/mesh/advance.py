@@ -1,0 +1,59 @@
+"""What the advance of a moving mesh by a frame gives, and what is kept to take it back."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from restshape.mesh.lagrange_space import LagrangeSpace
+from restshape.mesh.mesh import Mesh
+from restshape.shape.outline import Outline
+
+NO_CELLS = np.empty(0, dtype=np.int32)
+
+
+@dataclass(slots=True)
+class MeshUpdate:
+    """What a frame did to the mesh.
+
+    Args:
+        level: 0 idle, 1 relocation, 2 reconnection, 3 reconstruction.
+        flips: number of flipped edges.
+        changed_cells: cells (int32, ascending) of the mesh of the fields whose nodes changed by flips.
+        min_quality: smallest quality of a triangle afterwards, 1 for equilateral; of nested meshes in the coarsest.
+        old_mesh: level 3, and level 2 of nested meshes, of which flips make others: the mesh of the fields before,
+            where it could be relocated to the new shape, else as it lay.
+        stages: seconds spent in "relocate", "map", "flip" and "mesh".
+    """
+
+    level: int
+    flips: int
+    changed_cells: np.ndarray
+    min_quality: float
+    old_mesh: Mesh | LagrangeSpace | None = None
+    stages: dict[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def nothing(cls, min_quality: float = float("nan")) -> "MeshUpdate":
+        """An idle frame."""
+        return cls(0, 0, NO_CELLS, min_quality)
+
+
+CONNECTIVITY = ("cells", "cell_edges", "edge_nodes", "facet_cell")
+"""Arrays of a mesh that flips change."""
+
+
+@dataclass(slots=True)
+class Kept:
+    """What a frame may change, as it was before.
+
+    Args:
+        state: attributes of the moving mesh.
+        versions: outline, geometry and topology of the mesh; None before the first one.
+        X: (n, 2) nodes [m], where they were moved; connectivity: copies of its arrays, where edges were flipped.
+    """
+
+    state: dict[str, Any]
+    versions: tuple[Outline, int, int] | None
+    X: np.ndarray | None = None
+    connectivity: dict[str, np.ndarray] | None = None

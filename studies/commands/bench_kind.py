@@ -1,0 +1,77 @@
+"""What a kind of `restshape bench` is: what it varies, what it measures, and how that is shown."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from restshape_studies.bench.job import Job
+from restshape_studies.bench.turns import Announce, Case
+
+from restshape.errors import UserError
+from restshape.policy import POLICIES
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind; the runner reads scenes and scripts, prepares the picture, and writes the JSON.
+
+    Args:
+        name, summary: of the study, as the command line has them.
+        declare: its own arguments.
+        check: refuses arguments that measure nothing.
+        measure: what is found of a scene, as --json writes it; reported the arguments, the scene and who announces.
+        show: prints the tables of a scene; reported the arguments, the scene's name and what was found.
+        scenes: "one", "several" (all installed ones by default), "still" (one, which needs no script), or the name of
+            an installed scene.
+        about: why the scene must have a mesh.
+        picture: file name in the folder after --out; empty: no such picture.
+        draw: draws the picture; reported the scenes' names with what was found, the arguments and the path.
+    """
+
+    name: str
+    summary: str
+    declare: Callable[[argparse.ArgumentParser], None]
+    check: Callable[[argparse.Namespace], None]
+    measure: Callable[[argparse.Namespace, Case, Announce], dict[str, Any]]
+    show: Callable[[argparse.Namespace, str, dict[str, Any]], None]
+    scenes: str = "one"
+    about: str = "policies of reuse are about one"
+    picture: str = ""
+    draw: Callable[[dict[str, Any], argparse.Namespace, Path], None] | None = None
+
+
+def add_policy(parser: argparse.ArgumentParser) -> None:
+    """Declare --policy."""
+    parser.add_argument("--policy", choices=list(POLICIES), default="auto", help="default: %(default)s")
+
+
+def add_frames(parser: argparse.ArgumentParser, default: int = 0) -> None:
+    """Declare --frames."""
+    what = "first N frames of the script, 0 for all (default: %(default)s)"
+    parser.add_argument("--frames", type=int, default=default, metavar="N", help=what)
+
+
+def add_repeat(parser: argparse.ArgumentParser, of: str = "timed runs") -> None:
+    """Declare --repeat."""
+    parser.add_argument("--repeat", type=int, default=3, metavar="R", help=f"{of} (default: %(default)s)")
+
+
+def check_runs(args: argparse.Namespace) -> None:
+    """Refuse --repeat and --frames that measure nothing."""
+    if args.repeat < 1 or args.frames < 0 or args.frames == 1:
+        what = f"{args.repeat} runs of {args.frames} frames measure nothing"
+        raise UserError(what, "--repeat, --frames", "at least 1 run, at least 2 frames")
+
+
+def unchecked(args: argparse.Namespace) -> None:
+    """Nothing about the arguments can be wrong."""
+
+
+def job_of(args: argparse.Namespace, case: Case, policy: str = "", **more: Any) -> Job:
+    """The replay of a scene that the arguments ask for; `more` are other arguments of `Job`."""
+    frames, edits = getattr(args, "frames", 0) or None, str(case.edits or "")
+    return Job(str(case.scene), edits, policy or args.policy, tuple(args.set), tuple(args.petsc), frames, **more)

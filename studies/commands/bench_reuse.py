@@ -1,0 +1,137 @@
+"""The study `restshape bench reuse`: policies side by side on the same edits."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from restshape_studies.bench.turns import Announce, Case
+from restshape_studies.commands.bench_kind import Kind, add_frames, add_repeat, check_runs
+
+from restshape.cli.options import print_table
+from restshape.errors import UserError
+from restshape.policy import POLICIES
+
+EVENTS = (
+    "MatCholFctrSym",
+    "MatCholFctrNum",
+    "KSPSolve",
+    "PCApply",
+    *(f"Restshape{n}" for n in ("Pattern", "Patch", "Values")),
+)
+
+
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--policies", default=",".join(POLICIES), metavar="A,B", help="default: %(default)s")
+    add_frames(parser, 200)
+    add_repeat(parser, "timed runs a policy")
+    parser.add_argument(
+        "--hindsight",
+        "--regret",
+        dest="hindsight_cost",
+        action="store_true",
+        help="measure the regret of auto's refreshes in hindsight",
+    )
+
+
+def policies(args: argparse.Namespace) -> tuple[str, ...]:
+    """The policies that are asked for, each once."""
+    return tuple(dict.fromkeys(name.strip() for name in args.policies.split(",")))
+
+
+def check(args: argparse.Namespace) -> None:
+    """Refuse what measures nothing, and policies that do not exist."""
+    check_runs(args)
+    for name in policies(args):
+        if name not in POLICIES:
+            raise UserError(f"no policy is named {name!r}", "--policies", f"choose from {','.join(POLICIES)}")
+
+
+def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:
+    """A record for each policy."""
+    from restshape_studies.bench.reuse import Plan, compare
+
+    given = tuple(args.set), tuple(args.petsc)
+    return compare(case, Plan(policies(args), args.repeat, args.frames or None, *given, args.hindsight_cost), announce)
+
+
+def draw(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
+    """Draw the frames a second of all policies."""
+    from restshape_studies.pictures.policies import draw_policies
+
+    draw_policies(found, path)
+
+
+def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
+    """Print the tables of one scene."""
+    one = next(iter(found.values()))
+    loads = [run["load"] for entry in found.values() for run in entry["runs"]]
+    title = (
+        f"{name}: {one['frames']} frames, about {one['unknowns']} unknowns, {one['elements']} elements, one core; "
+        f"median of {len(one['runs'])} runs; load of the machine {min(loads):.1f} to {max(loads):.1f}"
+    )
+    heads = ("policy", "frames/s", "p50, ms", "p95, ms", "p99, ms", "x rebuild", "x refactor", "Python, ms")
+    heads += ("iterations", "refreshes", "refused", "preconditioners")
+    print_table(title, heads, [_policy_row(key, entry) for key, entry in found.items()], heads[1:-1])
+    heads = ("frames: p50, ms", "1 relocation", "2 reconnection", "3 reconstruction", "idle")
+    print_table("", heads, [_levels_row(key, entry) for key, entry in found.items()], heads[1:])
+    stages = [stage for stage in one["stages"] if any(entry["stages"][stage] >= 0.05 for entry in found.values())]
+    rows = [[key, *(f"{entry['stages'][stage]:.1f}" for stage in stages)] for key, entry in found.items()]
+    print_table("", ("stages in all, ms", *stages), rows, stages)
+    events = [event for event in one["events"] if event in EVENTS or any(e["events"][event] for e in found.values())]
+    rows = [[event, *(str(entry["events"][event]) for entry in found.values())] for event in events]
+    print_table("", ("PETSc events", *found), rows, list(found))
+    hindsight_cost = found.get("auto", {}).get("regret")
+    if hindsight_cost:
+        print(hindsight_line(hindsight_cost))
+    print()
+
+
+def hindsight_line(hindsight_cost: dict[str, Any]) -> str:
+    """The cost over the best schedule in hindsight, as a line."""
+    if "problem" in hindsight_cost:
+        return f"regret of auto's refreshes: not measured, {hindsight_cost['problem']}"
+    refreshes, iterations = hindsight_cost["refreshes"], hindsight_cost["iterations"]
+    spent = {
+        which: f"{1e3 * hindsight_cost[which]:.4g} ms ({refreshes[which]} refreshes, {iterations[which]} iterations)"
+        for which in ("run", "best")
+    }
+    ratio = f"{hindsight_cost['ratio']:.3f} times the best schedule in hindsight"
+    return f"regret of auto's refreshes: {ratio}; by the calibration {spent['run']} against {spent['best']}"
+
+
+def _policy_row(name: str, entry: dict[str, Any]) -> list[str]:
+    ms, ratios = entry["ms"], entry["ratios"]
+    times = [_ratio(ratios[base]["fps"]) if base in ratios else "" for base in ("rebuild", "refactor")]
+    counts = [str(entry[key]) for key in ("iterations", "refreshes", "refused")]
+    python = f"{entry['python_ms']['p50']:.3f}"
+    used = ", ".join(f"{kind} {frames}" for kind, frames in entry["preconditioners"].items() if kind)
+    middle = [f"{ms[key]:.3f}" for key in ("p50", "p95", "p99")]
+    return [name, f"{entry['fps']:.4g}", *middle, *times, python, *counts, used]
+
+
+def _ratio(value: float | None) -> str:
+    return "" if value is None else f"{value:.2f}"
+
+
+def _levels_row(name: str, entry: dict[str, Any]) -> list[str]:
+    levels = [
+        f"{entry['levels'][k]}: {entry['ms_by_level'][k]['p50']:.3f}" if entry["levels"][k] else "0"
+        for k in ("1", "2", "3")
+    ]
+    return [name, *levels, str(entry["idle"])]
+
+
+KINDS = (
+    Kind(
+        "reuse",
+        "policies side by side on the same edits",
+        declare,
+        check,
+        measure,
+        show,
+        scenes="several",
+        picture="bench-reuse.png",
+        draw=draw,
+    ),
+)
