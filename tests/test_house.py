@@ -16,6 +16,23 @@ def test_the_library_names_no_application_and_no_plank():
             assert not WORDS.search(line), f"{path}:{number}: {line}"
 
 
+def test_the_library_reads_no_settings_but_those_that_its_own_physics_declare():
+    from restshape.scene.registered import checked_applications, installed_physics
+
+    declared = {
+        name
+        for physics in installed_physics(checked_applications().values())
+        for name, effect in physics.effects.items()
+        if effect.model.__module__.startswith("restshape.physics.")
+    }
+    read = {
+        name
+        for path in LIBRARY.rglob("*.py")
+        for name in re.findall(r"""settings\(["'](\w+)["']\)""", path.read_text(encoding="utf-8"))
+    }
+    assert {"solid", "modal", "cloth"} <= read <= declared
+
+
 PACKAGES = ("fem", "analysis", "algebra", "replay")
 MOST = 15
 EXCUSE = re.compile(r"# More than 15 (attributes|modules): \w")

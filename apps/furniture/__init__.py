@@ -5,157 +5,19 @@ how far the parameter under the hand may go, and what would mend a piece that do
 """
 
 from pathlib import Path
-from typing import Annotated, Any
 
-import numpy as np
-from pydantic import Field
-from restshape_apps.furniture.physics.fasteners import fastener, wood
 from restshape_apps.furniture.scene.declaration import PLANKS
-from restshape_apps.furniture.scene.furniture import RANGES_BYTES, SUGGESTIONS_BYTES
 from restshape_apps.furniture.session.grammar import GRAMMAR
 
 from restshape.application import Application, Reporting, ScriptLines
-from restshape.errors import UserError
-from restshape.scene.effect import Decision, Effect, Implied
-from restshape.scene.model import Scene
-from restshape.scene.values import Strict, number_of
-
-OF_EACH_CASE = ("bending", "ranges", "suggestions")
-"""What looks at every case of loads. Without any load a piece is tested all the same: none of them drives it alone."""
-
-MANY = 3
-"""Freedoms of a suggestion from which on the search is announced."""
-
-
-class Nails(Strict):
-    """Keys of ``[effects.nails]``: none; ``[fastener]`` and ``[joints]`` say what joins the planks."""
-
-    def decide(self, scene: Scene) -> Decision:
-        """The same.
-
-        Raises:
-            UserError: a wood or a fastener has a name that nobody knows.
-        """
-        places = [("wood.name", wood, scene.wood.name), ("fastener.name", fastener, scene.fastener.name)]
-        places += [(f"planks.{name}.wood", wood, p.wood) for name, p in scene.planks.items() if p.wood]
-        places += [
-            (f"joints.{name}.fastener", fastener, j.fastener) for name, j in scene.joints.named.items() if j.fastener
-        ]
-        for key, known, name in places:
-            try:
-                known(name)
-            except UserError as error:
-                raise UserError(error.what, key, error.do) from error
-        idle = []
-        if scene.pushes and "push" not in scene.effects:
-            idle.append("pushes are not looked at: there is no [effects.push]")
-        if scene.weights and "gravity" not in scene.effects:
-            idle.append("weights weigh nothing: there is no [effects.gravity]")
-        return Decision(self, "; ".join(idle), warns=bool(idle))
-
-
-class Gravity(Strict):
-    """Keys of ``[effects.gravity]``: the acceleration g [m/s^2] that planks and weights have."""
-
-    g: Annotated[list[number_of("acceleration")], Field(min_length=3, max_length=3)] = [0.0, 0.0, -9.80665]
-
-
-class Push(Strict):
-    """Keys of ``[effects.push]``: none; each of ``[pushes]`` is a case of its own beside the weights."""
-
-    def decide(self, scene: Scene) -> Decision:
-        """The same.
-
-        Raises:
-            UserError: there is no push.
-        """
-        if not scene.pushes:
-            raise UserError("there is no push", "effects.push", "add [pushes.NAME], or leave out [effects.push]")
-        return Decision(self)
-
-
-class Bending(Strict):
-    """Keys of ``[effects.bending]``: none; planks sag as beams under the forces of rigid ones."""
-
-
-class Guide(Strict):
-    """Keys of ``[effects.guidance]``: what is looked for while the piece is edited.
-
-    Args:
-        ranges: where the parameter under the hand may go.
-        suggestions: for a piece that does not hold, at most so many.
-        freedoms: of the design that one of them changes at most.
-    """
-
-    ranges: bool = True
-    suggestions: Annotated[int, Field(ge=0, le=8)] = 8
-    freedoms: Annotated[int, Field(ge=1, le=5)] = MANY
-
-    def decide(self, scene: Scene) -> Decision:
-        """The same keys, with a warning of how many combinations there are of more freedoms than usual."""
-        if self.freedoms <= MANY or not self.suggestions:
-            return Decision(self)
-        # The kernels are not loaded before a scene asks for it.
-        from restshape.guidance.force_space import forecast
-
-        most = forecast(8 * len(scene.planks), self.freedoms)
-        number, seconds = f"{most.combinations:,}", f"{most.seconds:.3g} s"
-        why = f"up to {number} combinations of {self.freedoms} freedoms, nominally {seconds} a search"
-        return Decision(self, why, warns=True)
-
-
-def columns(scene: Scene) -> dict[str, Any]:
-    """The columns that a replay of furniture has besides."""
-    reals = ("utilisation", "stability_margin", "unbalanced_load", "deflection", "bending_utilisation", "at")
-    reals += ("range_low", "range_high")
-    reals += ("ms_equilibrium", "ms_range", "ms_suggestions")
-    integers = ("flaws", "inside", "tried", "tested", "suggested")
-    texts = dict.fromkeys(("note", "violated_constraints"), "S400")
-    texts |= {"parameter": "S96", "ranges": "S240", "valid_ranges": f"S{RANGES_BYTES}"}
-    texts |= {"suggestions": f"S{SUGGESTIONS_BYTES}"}
-    texts["no_suggestions"] = "S240"
-    return dict.fromkeys(integers, np.int64) | dict.fromkeys(reals, np.float64) | texts
-
-
-def _guided(key: str, what: str) -> Implied:
-    """A part of guidance that its key switches off where it is false or 0."""
-
-    def cause(scene: Scene, on: frozenset[str]) -> str:
-        asked = getattr(Guide.model_validate(scene.effects.get("guidance", {})), key)
-        return f"effects.guidance.{key}: {what}" if asked else ""
-
-    def without(raw: dict[str, Any], on: frozenset[str]) -> dict[str, Any]:
-        effects = raw.get("effects", {})
-        return {
-            **raw,
-            "effects": {
-                **effects,
-                "guidance": {**effects.get("guidance", {}), key: type(Guide.model_fields[key].default)()},
-            },
-        }
-
-    return Implied(what, cause, f"the scene has none in effects.guidance.{key}", without)
-
 
 application = Application(
     name="furniture",
     summary="planks and nails: what holds, how far each edit may go, and what would mend it",
-    effects={
-        "nails": Effect(Nails, "joints of planks, and the strength of what holds them", required=True),
-        "gravity": Effect(Gravity, "weight of planks and of what is put on them", carries=("push", *OF_EACH_CASE)),
-        "push": Effect(Push, "sideways forces, a case each", carries=OF_EACH_CASE),
-        "bending": Effect(Bending, "sag of planks by beam theory", quantities=("sag",)),
-        "guidance": Effect(Guide, "valid ranges and suggestions", required=True),
-    },
-    implied={
-        "ranges": _guided("ranges", "valid ranges of what is under the hand"),
-        "suggestions": _guided("suggestions", "suggestions for what does not hold"),
-    },
     folder=Path(__file__).parent,
     physics=(PLANKS,),
     analysis="restshape_apps.furniture.analysis.furnishing:FurnitureAnalysis",
     session="restshape_apps.furniture.session.plank_session:PlankSession",
-    columns="restshape_apps.furniture:columns",
     check="restshape_apps.furniture.cli.check_planks:checked",
     lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.compose_planks:PlankComposer"),
     report=Reporting(

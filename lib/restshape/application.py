@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -82,7 +82,7 @@ class Reporting:
 
 @dataclass(frozen=True)
 class Application:
-    """A kind of object: its effects, its analysis, and the folder of its scenes.
+    """A kind of object: its physics, its analysis, and the folder of its scenes.
 
     Args:
         name: as scenes name it in ``app``.
@@ -97,10 +97,8 @@ class Application:
         lines: what `restshape script` understands; None: what it understands of shapes.
         report: None: nothing but what all have.
         explain: path ``module:attribute`` of what each part of a frame is, by its name, in `restshape explain`.
-        columns: path ``module:attribute`` of the function that names the columns of a replay that only this application
-            has, with their types, for a scene.
-        effects: every effect that its scenes may name; left out, all of its physics.
-        implied: parts of its physics that follow from a scene without being named, by name; left out, all.
+        takes: names of the effects of its physics that its scenes may name; None: all of them.
+        needs: those among them without which it makes no sense, besides those that its physics require.
     """
 
     name: str
@@ -113,15 +111,20 @@ class Application:
     lines: ScriptLines | None = None
     report: Reporting | None = None
     explain: str = ""
-    columns: str = ""
-    effects: Mapping[str, Effect] | None = None
-    implied: Mapping[str, Implied] | None = None
+    takes: tuple[str, ...] | None = None
+    needs: tuple[str, ...] = ()
 
-    def __post_init__(self) -> None:
-        for key in ("effects", "implied"):
-            if getattr(self, key) is None:
-                declared = {name: part for one in self.physics for name, part in getattr(one, key).items()}
-                object.__setattr__(self, key, declared)
+    @cached_property
+    def effects(self) -> dict[str, Effect]:
+        """Every effect that its scenes may name, in its own order."""
+        declared = {name: effect for one in self.physics for name, effect in one.effects.items()}
+        taken = {name: declared[name] for name in (declared if self.takes is None else self.takes)}
+        return taken | {name: replace(taken[name], required=True) for name in self.needs}
+
+    @cached_property
+    def implied(self) -> dict[str, Implied]:
+        """Parts of its physics that follow from a scene without being named, by name."""
+        return {name: part for one in self.physics for name, part in one.implied.items()}
 
     @property
     def orders(self) -> tuple[int, ...]:
@@ -176,9 +179,7 @@ class Application:
     def own_columns(self, scene: Scene) -> dict[str, Any]:
         """Names and types of the columns that only this application has."""
         declared = [one.columns(scene) for one in self.physics if one.columns]
-        return {name: of for columns in declared for name, of in columns.items()} | (
-            _attribute(self.columns)(scene) if self.columns else {}
-        )
+        return {name: of for columns in declared for name, of in columns.items()}
 
     def scenes(self) -> list[Path]:
         """The scene files that ship with this application, sorted by name."""

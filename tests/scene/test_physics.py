@@ -54,11 +54,11 @@ ROPES = Physics(
     sections={"ropes": Section(Rope, "what hangs", named=True, required=True), "air": Section(Air, "around them")},
     events={"sag": Sag},
     quantities={"tension": QuantityKind(Literal[True], "force", "max")},
+    effects={"weight": Effect(Air, "they are heavy", required=True), "wind": Effect(Air, "it blows")},
 )
 HANGING = Application(
     name="hanging",
     summary="ropes",
-    effects={"weight": Effect(Air, "they are heavy", required=True)},
     folder=Path(__file__).parent,
     analysis="",
     physics=(ROPES,),
@@ -159,6 +159,16 @@ def test_two_meanings_of_one_key_are_told_at_start_by_name(install):
         with pytest.raises(UserError) as caught:
             checked_applications()
         assert key in caught.value.what and "'second'" in caught.value.what
+
+
+def test_an_application_takes_some_effects_of_its_physics_and_may_need_more_than_they_do():
+    assert {name: effect.required for name, effect in HANGING.effects.items()} == {"weight": True, "wind": False}
+    still = replace(HANGING, takes=("weight",))
+    assert list(still.effects) == ["weight"]
+    windy = replace(HANGING, takes=("wind", "weight"), needs=("wind",))
+    assert list(windy.effects) == ["wind", "weight"] and all(one.required for one in windy.effects.values())
+    with pytest.raises(KeyError, match="rain"):
+        list(replace(HANGING, takes=("rain",)).effects)
 
 
 def test_a_scene_of_an_application_that_is_not_installed_says_so(tmp_path, install):

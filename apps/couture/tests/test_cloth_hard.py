@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from cloths import BALL, CONTACT, PIN, cloth, write_cloth
 from petsc4py import PETSc
-from restshape_apps.couture.thin_bodies import BORNE, borne
 from restshape_studies.stability.case import Trial
 from restshape_verification.couture.hard_scenes import (
     GRAVITY,
@@ -22,6 +21,7 @@ from restshape.algebra.descent import Descent
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.thin_bodies import BORNE, borne
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
 

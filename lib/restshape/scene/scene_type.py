@@ -31,8 +31,8 @@ def scene_type(physics: tuple[Physics, ...]) -> type[Scene]:
 def any_scene_type(physics: Iterable[Physics]) -> type[Scene]:
     """The model of scenes of any of these physics, in which nothing that one of them adds is required."""
     physics = tuple(physics)
-    materials = [_loosened(Material, one.material) for one in physics if one.material]
-    supports = [_loosened(Support, one.support) for one in physics if one.support]
+    materials = [_loosened(Material, model) for model in dict.fromkeys(one.material for one in physics) if model]
+    supports = [_loosened(Support, model) for model in dict.fromkeys(one.support for one in physics) if model]
     sections = {key: replace(section, required=False) for key, section in joined_sections(physics).items()}
     return _scene_of(physics, _mixed(Material, materials), _mixed(Support, supports), sections)
 

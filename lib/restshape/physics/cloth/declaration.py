@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+from restshape.physics.cloth.effects import EFFECTS, cloth_columns
 from restshape.physics.cloth.implied import CLOTH as IMPLIED
 from restshape.physics.cloth.material_keys import ClothMaterial
 from restshape.physics.cloth.scene_checks import check_cloth
@@ -33,9 +34,11 @@ CLOTH = Physics(
         "bodies": Section(Body, "what cloth comes to lie on", named=True, words=body_words),
         "start": Section(Start, "where the flat cloth lies at first", optional=True, words=start_words),
     },
+    effects=EFFECTS,
     implied=IMPLIED,
     nested=True,
     check=check_cloth,
+    columns=cloth_columns,
     summed=mass_and_weight,
     instead={"loads": "use [effects.gravity] and [bodies.NAME]"},
 )

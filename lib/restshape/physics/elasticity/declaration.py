@@ -1,5 +1,6 @@
 """What scenes of elastic solids may say."""
 
+from dataclasses import replace
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -7,7 +8,10 @@ from pydantic import Field
 from restshape.physics.elasticity.goal import Goal, goal_words
 from restshape.physics.elasticity.implied import GRAIN, LARGE, SOLID
 from restshape.physics.elasticity.material_keys import ElasticMaterial
+from restshape.physics.elasticity.modal_effect import IN_PLANE_MODES, MODAL, modal_columns
+from restshape.physics.elasticity.motion_effects import IN_MOTION
 from restshape.physics.elasticity.scene_checks import check_goals, check_solids
+from restshape.physics.elasticity.solid_effects import AT_REST, buckling_columns
 from restshape.physics.elasticity.solver_plan import solid_plan, vibration_plan
 from restshape.scene.implied import REGIONS
 from restshape.scene.load_kind import AREAS, CURVES, POINTS, LoadKind
@@ -76,13 +80,14 @@ def following_pressures(scene: Scene, on: frozenset[str]) -> dict[str, list[str]
 
 PLANE_SOLIDS = Physics(
     name="plane solids",
-    summary="elastic solids in the plane, at rest and in motion",
+    summary="elastic solids in the plane, at rest",
     solver=solid_plan,
     material=ElasticMaterial,
     boundary={"x": "length", "y": "length"},
     loads=LOADS,
     quantities=QUANTITIES,
     sections=GOALS,
+    effects=AT_REST,
     implied=SOLID,
     invariants=(
         Invariant(
@@ -95,6 +100,15 @@ PLANE_SOLIDS = Physics(
     orders=(1, 2),
     check=check_solids,
     check_shape="restshape.physics.elasticity.outline_checks:check_supports",
+    columns=buckling_columns,
+)
+
+MOVING_SOLIDS = replace(
+    PLANE_SOLIDS,
+    name="moving solids",
+    summary="elastic solids in the plane, in motion",
+    effects=IN_MOTION,
+    columns=None,
 )
 
 FREE_VIBRATIONS = Physics(
@@ -106,9 +120,11 @@ FREE_VIBRATIONS = Physics(
     loads=LOADS,
     quantities=QUANTITIES,
     sections=GOALS,
-    implied={"grain": GRAIN, "regions": REGIONS},
+    effects={"modal": MODAL},
+    implied={"in_plane_modes": IN_PLANE_MODES, "grain": GRAIN, "regions": REGIONS},
     orders=(2, 1),
     layered=True,
     check=check_goals,
     check_shape="restshape.physics.elasticity.outline_checks:check_thickness",
+    columns=modal_columns,
 )

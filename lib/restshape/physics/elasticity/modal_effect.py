@@ -1,0 +1,74 @@
+"""The effect of free vibrations: keys of ``[effects.modal]``, its columns, and whether modes in the plane count."""
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import ConfigDict, Field
+
+from restshape.errors import UserError
+from restshape.scene.effect import Decision, Effect, Implied
+from restshape.scene.model import Scene
+from restshape.scene.values import Strict, number_of
+
+
+class ModalKeys(Strict):
+    """Keys of ``[effects.modal]``: the lowest free vibrations.
+
+    Args:
+        model: "solid", tetrahedra over the outline in ``mesh.layers`` layers; "plate", of triangles with shear, which
+            knows motion out of the plane only; "plane_stress" or "plane_strain", which know motion in the plane only.
+        modes: how many are wanted.
+        in_plane: those whose motion is mostly in the plane count too; a mallet hardly sounds them.
+        a4: frequency of the tone A4 [Hz].
+    """
+
+    model_config = ConfigDict(title="Modal")
+    model: Literal["solid", "plate", "plane_stress", "plane_strain"] = "solid"
+    modes: Annotated[int, Field(ge=1, le=40)] = 5
+    in_plane: bool = False
+    a4: Annotated[number_of("frequency"), Field(gt=0)] = 440.0
+
+    def decide(self, scene: Scene) -> Decision:
+        """The order of the elements: the second, where the scene names none, for the first is far too stiff in bending.
+
+        Raises:
+            UserError: what the keys ask for makes no sense with the scene's mesh.
+        """
+        if self.model == "plate":
+            if scene.mesh.order == 2:
+                raise UserError(
+                    "plates have elements of the first order only", "mesh.order", "set it to 1, or leave it out"
+                )
+            return Decision(self, "plates have no layers: mesh.layers means nothing" if scene.mesh.layers else "", 1)
+        return Decision(self, "" if scene.mesh.order else "second-order elements, for the first bend too stiffly", 2)
+
+
+def modal_columns(scene: Scene) -> dict[str, Any]:
+    """The columns that a replay of modes has besides: frequencies, the tone of the first, numbers of the modes."""
+    modes = ModalKeys.model_validate(scene.effects.get("modal", {})).modes
+    return {
+        **{f"f_{k + 1}": np.float64 for k in range(modes)},
+        "tone": "S8",
+        "cents": np.float64,
+        "mode_ids": "S160",
+        "inertia_checked": np.int64,
+        "missed_modes": np.int64,
+    }
+
+
+def _in_plane(scene: Scene, _: frozenset[str]) -> str:
+    """Why modes in the plane count; empty where they are passed over."""
+    modal = ModalKeys.model_validate(scene.effects.get("modal", {}))
+    if modal.model in ("plane_stress", "plane_strain"):
+        return f'effects.modal.model = "{modal.model}": all modes are in the plane'
+    return "effects.modal.in_plane: modes in the plane count too" if modal.model == "solid" and modal.in_plane else ""
+
+
+def _only_normal(raw: dict[str, Any], _: frozenset[str]) -> dict[str, Any]:
+    """The tables of a scene in which modes in the plane do not count."""
+    modal = {**raw.get("effects", {}).get("modal", {}), "in_plane": False}
+    return {**raw, "effects": {**raw.get("effects", {}), "modal": modal}}
+
+
+MODAL = Effect(ModalKeys, "free vibrations", required=True)
+IN_PLANE_MODES = Implied("modes in the plane", _in_plane, "modes in the plane are passed over", _only_normal)

@@ -1,0 +1,98 @@
+"""Effects of elastic solids that move: keys of ``[effects]`` for motion in time, shaking ground and damping."""
+
+from dataclasses import replace
+from typing import Annotated, Literal, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from restshape.physics.elasticity.solid_effects import ELASTICITY, GRAVITY, LARGE_DEFORMATION
+from restshape.scene.effect import Effect
+from restshape.scene.units import UnitError
+from restshape.scene.values import Length, Strict, number_of
+
+Frequency = Annotated[number_of("frequency"), Field(gt=0)]
+
+
+class DynamicsKeys(Strict):
+    """Keys of ``[effects.dynamics]``: Newmark's method.
+
+    Args:
+        time_step: [s].
+        steps: time steps a frame.
+        beta, gamma: the average acceleration by default; stable for any step where 2 beta >= gamma >= 1/2.
+        mass: consistent, or lumped onto the diagonal.
+    """
+
+    model_config = ConfigDict(title="Dynamics")
+    time_step: Annotated[number_of("time"), Field(gt=0)] = 1e-3
+    steps: Annotated[int, Field(ge=1)] = 20
+    beta: Annotated[float, Field(gt=0, le=0.5)] = 0.25
+    gamma: Annotated[float, Field(ge=0.5, le=1)] = 0.5
+    mass: Literal["consistent", "lumped"] = "consistent"
+
+
+class GroundKeys(Strict):
+    """Keys of ``[effects.ground]``: a harmonic motion, by the amplitude of its displacement or of its acceleration.
+
+    Args:
+        direction: (x, y), of any length.
+        displacement: amplitude [m].
+        acceleration: amplitude [m/s^2].
+        frequency: [Hz].
+    """
+
+    model_config = ConfigDict(title="Ground")
+    direction: tuple[float, float] = (1.0, 0.0)
+    displacement: Length | None = None
+    acceleration: number_of("acceleration") | None = None
+    frequency: Frequency
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        if (self.displacement is None) == (self.acceleration is None):
+            raise UnitError("exactly one of displacement, acceleration is wanted here")
+        if self.direction == (0.0, 0.0):
+            raise UnitError("the direction has no length")
+        return self
+
+
+class DampingKeys(Strict):
+    """Keys of ``[effects.damping]``: Rayleigh's C = alpha M + beta K, by a damping ratio at two frequencies or itself.
+
+    Args:
+        ratio: of critical damping.
+        frequencies: two [Hz] at which the ratio is met.
+        alpha: [1/s].
+        beta: [s].
+    """
+
+    model_config = ConfigDict(title="Damping")
+    ratio: Annotated[number_of("number"), Field(ge=0, lt=1)] | None = None
+    frequencies: tuple[Frequency, Frequency] | None = None
+    alpha: Annotated[number_of("frequency"), Field(ge=0)] | None = None
+    beta: Annotated[number_of("time"), Field(ge=0)] | None = None
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        by_ratio = self.ratio is not None and self.frequencies is not None
+        itself = self.alpha is not None or self.beta is not None
+        if by_ratio == itself or (self.ratio is None) != (self.frequencies is None):
+            raise UnitError("either ratio with two frequencies, or alpha and beta, is wanted here")
+        return self
+
+
+IN_MOTION = {
+    "dynamics": Effect(
+        DynamicsKeys,
+        "motion in time by Newmark's method",
+        required=True,
+        transient=True,
+        kernels=("mass_", "lumped_mass_"),
+    ),
+    "solid": ELASTICITY,
+    "ground": Effect(GroundKeys, "ground that shakes at one frequency", drives=True),
+    "damping": Effect(DampingKeys, "Rayleigh damping"),
+    "gravity": replace(GRAVITY, summary="weight of the body, which acts at once"),
+    "large_deformation": LARGE_DEFORMATION,
+}
+"""Effects of solids that move."""
