@@ -13,6 +13,7 @@ import pytest
 # Before any test imports PETSc or matplotlib, which would obey files of the current folder.
 import restshape.surroundings
 
+ROOT = Path(__file__).parent
 ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
@@ -21,6 +22,8 @@ ENVIRONMENT = {
     "OMPI_MCA_btl": "^openib",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
     "OMPI_MCA_mca_base_component_show_load_errors": "0",
+    # Processes find the applications of the tests, too.
+    "PYTHONPATH": os.pathsep.join(filter(None, [str(ROOT / "tests" / "applications"), os.environ.get("PYTHONPATH")])),
 }
 os.environ.update(ENVIRONMENT)
 # A shell that starts the tests in the background has them ignore Ctrl-C, and their children with them.
@@ -29,7 +32,6 @@ RESTSHAPE = (sys.executable, "-m", "restshape.cli.main")
 Run = Callable[..., subprocess.CompletedProcess]
 PROCESSES = {"restshape", "start_restshape", "outside"}
 """Fixtures of tests that start processes."""
-ROOT = Path(__file__).parent
 
 
 def pytest_ignore_collect(collection_path: Path) -> bool | None:
