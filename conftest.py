@@ -20,6 +20,8 @@ ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_btl": "^openib",
+    # Ranks that wait give way: beside another worker there are more of them than cores.
+    "OMPI_MCA_mpi_yield_when_idle": "1",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
     "OMPI_MCA_mca_base_component_show_load_errors": "0",
     # Processes find the applications of the tests, too.
