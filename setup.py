@@ -174,7 +174,7 @@ def sources_in(folder: Path) -> list[str]:
 
 def note_options(extension: Pybind11Extension) -> Path:
     """Writes down what a module's objects are compiled with; a newer note than an object makes that object stale."""
-    # With -march=native the CPU is one of the options: the compiler tells what it takes it for.
+    # With -march=native the CPU is one of the options: the compiler shows what it takes it for.
     question = [os.environ.get("CXX", "g++"), "--version", "-Q", "--help=target", *extension.extra_compile_args]
     try:
         compiler = subprocess.run(question, capture_output=True, text=True).stdout
@@ -196,7 +196,7 @@ def dependencies(built: Path) -> list[Path]:
 
 
 def stale(built: Path, options: Path) -> bool:
-    """Tell whether an object file is older than anything it was compiled from, or than the compiler's options."""
+    """Whether an object file is older than anything it was compiled from, or than the compiler's options."""
     try:
         return built.stat().st_mtime < max(path.stat().st_mtime for path in [options, *dependencies(built)])
     except FileNotFoundError:
@@ -225,7 +225,9 @@ class BuildKernels(build_ext):
 
     def compile(self, extension: Pybind11Extension, source: str, place: str) -> None:
         """Compiles one file, and has the compiler note what it reads."""
-        print(place, source.partition("kernels" + os.sep)[2], flush=True)
+        # Several files are compiled at once: a line is written whole, its end included.
+        sys.stdout.write(f"{place} {source.partition('kernels' + os.sep)[2]}\n")
+        sys.stdout.flush()
         self.compiler.compile(
             [source],
             output_dir=self.build_temp,

@@ -96,7 +96,7 @@ class Job:
 
     @property
     def name(self) -> str:
-        """What tells it from all others."""
+        """What distinguishes it from all others."""
         kind = " 2-ranks" * (self.ranks > 1) + " linear" * self.predict
         return f"{self.script} {self.policy}{kind}"
 
@@ -228,7 +228,7 @@ def aliases() -> dict[str, str]:
 
 
 def hashes(file: h5py.File) -> Entry:
-    """The hashes of a recording, with what tells frames apart."""
+    """The hashes of a recording, with what distinguishes frames."""
     old = aliases()
     table = file["restshape/table"][:]
     names = [name for name in table.dtype.names if name != "checksum" and name != "ms" and not name.startswith("ms_")]

@@ -10,8 +10,8 @@ from restshape.analysis.modal import ModalAnalysis
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
+from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
-from restshape.replay.still import still
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
 
@@ -30,7 +30,7 @@ SMALL = {
 def solved(model: str, *overrides: str) -> ModalAnalysis:
     """The modes of a small problem, to rounding."""
     scene, own = SMALL[model]
-    return still(SCENES / scene, [*own, "solve.tolerance=1e-9", *overrides]).analysis
+    return first_frame(SCENES / scene, [*own, "solve.tolerance=1e-9", *overrides]).analysis
 
 
 def replay(scene: str, edits: Path, overrides: Sequence[str] = (), name: str = "auto", predict: str = "none") -> Replay:

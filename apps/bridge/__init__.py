@@ -1,6 +1,7 @@
 """Bridges that span a gap and bear a weight, strong enough with little material: after section 4.5 of the thesis.
 
-Quantities of interest: the largest von Mises stress at nodes, whose limit gives the verdict, and the area, the score.
+Quantities of interest: the largest von Mises stress at nodes, whose limit gives the constraint status, and the area,
+the score.
 """
 
 from pathlib import Path

@@ -1,6 +1,6 @@
 """Beams held at one end that deform by their own weight and by wind, to meet a goal: after figure 4.4 of the thesis.
 
-Quantities of interest: the mean distance of the deformed outline from a goal, and those of solids at rest.
+Quantities of interest: the mean distance of the deformed outline from a goal, and those of Static solids.
 """
 
 from pathlib import Path

@@ -1,6 +1,7 @@
-"""Cloth that comes to rest: pieces cut from a flat pattern that hang from supports and lie on bodies.
+"""Cloth that is relaxed to equilibrium: pieces cut from a flat pattern that hang from supports and lie on bodies.
 
-After chapter 5 of the thesis. Quantities of interest: places, reactions, energies and areas of the cloth at rest.
+After chapter 5 of the thesis. Quantities of interest: places, reactions, energies and areas of the cloth in
+equilibrium.
 """
 
 from pathlib import Path

@@ -1,7 +1,7 @@
 """Furniture of planks and nails: valid ranges and suggestions while it is being designed.
 
-After chapter 6 of the thesis. What is told of each frame: whether the piece is connected, stands and bears its loads,
-how far the parameter under the hand may go, and what would mend a piece that does not hold.
+After chapter 6 of the thesis. What is reported of each frame: whether the piece is connected, stands and bears its
+loads, how far the parameter under the hand may go, and what would mend a piece that does not hold.
 """
 
 from pathlib import Path
@@ -19,7 +19,7 @@ application = Application(
     analysis="restshape_apps.furniture.analysis.furnishing:FurnitureAnalysis",
     session="restshape_apps.furniture.session.plank_session:PlankSession",
     check="restshape_apps.furniture.cli.check_planks:checked",
-    lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.compose_planks:PlankComposer"),
+    lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.plank_language:PlankInterpreter"),
     report=Reporting(
         summary="restshape_apps.furniture.report.guided:summary",
         tables="restshape_apps.furniture.cli.guidance:print_guidance",

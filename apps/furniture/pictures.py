@@ -18,12 +18,12 @@ from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import PIECES, scales, table
 from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
 from restshape_apps.furniture.report.force_space import Region, draw_forces, draw_region, region_marks
-from restshape_apps.furniture.report.furniture import Slide, add_use_bar, bounds, draw_piece
+from restshape_apps.furniture.report.furniture import DesignDirectionView, add_use_bar, bounds, draw_piece
 from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import toppling
 
 from restshape.errors import UserError
-from restshape.guidance.combination_search import Limits, Suggestion
+from restshape.guidance.combination_search import Combination, Limits
 from restshape.report.style import INK, LEVELS, REFUSED, new_figure
 
 SHOWN = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")
@@ -48,7 +48,7 @@ def headed(name: str, furniture: Furniture, letters: int) -> str:
     return "\n".join(wrap(f"{name}: {state(furniture)}", letters, max_lines=2, placeholder=" …"))
 
 
-def told(one: Suggestion, furniture: Furniture) -> str:
+def told(one: Combination, furniture: Furniture) -> str:
     """What a suggestion changes, and between which changes it is valid."""
     size, lines = furniture.piece.size, []
     for words, part in zip(one.words, one.parts):
@@ -83,20 +83,22 @@ def pieces(
 def suggestions(path: Path, name: str = "table") -> None:
     """A piece and its first suggestions: arrows, and end states translucent; a support plank where there is one."""
     furniture = model(PIECES[name]())
-    verdict = state(furniture)
+    result = state(furniture)
     found = suggest(furniture).found[:SIDES]
     supports = support_planks(furniture)
     if not (found or supports):
-        raise UserError(f"{name} has no suggestions: it is {verdict}", "--piece", "choose a piece that breaks or falls")
+        raise UserError(f"{name} has no suggestions: it is {result}", "--piece", "choose a piece that breaks or falls")
     every = [furniture.moved(one.gamma) for one in found] + [one.piece for one in supports[:1]]
     furniture.test()
     box = bounds(furniture.piece, *every)
     count = 1 + len(every)
     figure = new_figure(9.6, 3.6 * (-(-count // 2)))
     panels = figure.subplots(-(-count // 2), 2, squeeze=False).ravel()
-    draw_piece(panels[0], furniture, f"{name}: {verdict}", box=box)
+    draw_piece(panels[0], furniture, f"{name}: {result}", box=box)
     for axes, one in zip(panels[1:], found):
-        draw_piece(axes, furniture, told(one, furniture), Slide(one.direction, one.t), numbers=False, box=box)
+        draw_piece(
+            axes, furniture, told(one, furniture), DesignDirectionView(one.direction, one.t), numbers=False, box=box
+        )
     if supports:
         made = model(supports[0].piece)
         words = f"a support plank: {state(made)}\nit relieves {len(supports[0].relieved)} joint(s)"
@@ -112,8 +114,8 @@ def ranges(path: Path) -> None:
     figure = new_figure(9.6, 3.9)
     panels = figure.subplots(1, len(RANGES))
     for axes, (words, make) in zip(panels, RANGES.items()):
-        furniture, slide = make()
-        draw_piece(axes, furniture, headed(words, furniture, 70), slide, numbers=False)
+        furniture, direction_view = make()
+        draw_piece(axes, furniture, headed(words, furniture, 70), direction_view, numbers=False)
     add_use_bar(figure, panels)
     _save(figure, path)
 

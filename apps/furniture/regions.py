@@ -8,7 +8,7 @@ from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture
 from restshape_apps.furniture.pieces import table
 from restshape_apps.furniture.report.force_space import Ray, Region
-from restshape_apps.furniture.report.furniture import Slide
+from restshape_apps.furniture.report.furniture import DesignDirectionView
 from restshape_apps.furniture.shape.design_modes import DesignModes
 
 from restshape.errors import UserError
@@ -37,22 +37,22 @@ def mode(modes: DesignModes, words: str) -> int:
     return names.index(words)
 
 
-def slid(furniture: Furniture, words: str, low: float, high: float) -> Slide:
+def slid(furniture: Furniture, words: str, low: float, high: float) -> DesignDirectionView:
     """A drag of one mode, with the range that is valid."""
     valid = furniture.test().valid
     modes = modes_of(furniture)
     direction = modes.direction(np.array([mode(modes, words)]), np.array([1.0]))
     ranges = valid_ranges(furniture.kernel, direction, low, high, samples=97)
     furniture.test()
-    return Slide(direction, 0.0, ranges, low, high, valid)
+    return DesignDirectionView(direction, 0.0, ranges, low, high, valid)
 
 
-def _ranged(kilograms: float, words: str, low: float, high: float) -> tuple[Furniture, Slide]:
+def _ranged(kilograms: float, words: str, low: float, high: float) -> tuple[Furniture, DesignDirectionView]:
     furniture = Furniture(table(kilograms=kilograms))
     return furniture, slid(furniture, words, low, high)
 
 
-RANGES: dict[str, Callable[[], tuple[Furniture, Slide]]] = {
+RANGES: dict[str, Callable[[], tuple[Furniture, DesignDirectionView]]] = {
     "top: move z, 30 kg": lambda: _ranged(30.0, "top: move z", -0.5, 0.3),
     "top: move z, 50 kg": lambda: _ranged(50.0, "top: move z", -0.5, 0.3),
 }
@@ -122,9 +122,9 @@ def _along(
     """Two forces (k, 2) that the full model finds along a direction, and where it is valid (k,)."""
     true, valid = np.full((len(t), 2), np.nan), np.zeros(len(t), dtype=bool)
     for k, step in enumerate(t):
-        verdict = furniture.test(step * direction)
-        valid[k] = verdict.valid
-        if not verdict.flaws & (LOST | UNBALANCED):
+        result = furniture.test(step * direction)
+        valid[k] = result.valid
+        if not result.flaws & (LOST | UNBALANCED):
             true[k] = forces()
     return true, valid
 

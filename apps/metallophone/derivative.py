@@ -16,9 +16,9 @@ from restshape_apps.metallophone.stage import add_scene, analysed
 from restshape.analysis.modal import ModalAnalysis
 from restshape.cli.options import print_table
 from restshape.errors import UserError
-from restshape.sensitivity.modal import stands_alone
-from restshape.sensitivity.outline import edge_densities, outline_density
-from restshape.sensitivity.parameter import number_at, parameter_derivatives
+from restshape.sensitivity.frequency_derivative import stands_alone
+from restshape.sensitivity.outline_density import edge_densities, outline_density
+from restshape.sensitivity.parameter_derivative import number_at, parameter_derivatives
 
 
 def keys_of(analysis: ModalAnalysis) -> list[str]:

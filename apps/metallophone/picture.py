@@ -9,18 +9,16 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from restshape_apps.metallophone.rasp import draw_outline_density
 from restshape_apps.metallophone.stage import add_scene, analysed
 
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.pitch import note
 from restshape.errors import UserError
-from restshape.mesh.space import LagrangeSpace
-from restshape.report.modes import draw_modes, draw_outline_density
-from restshape.sensitivity.modal import stands_alone
-from restshape.sensitivity.outline import outline_density
-
-QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
-"""Nodes of the four triangles that a second-order one is drawn as."""
+from restshape.mesh.lagrange_space import LagrangeSpace
+from restshape.report.modes import draw_modes
+from restshape.sensitivity.frequency_derivative import stands_alone
+from restshape.sensitivity.outline_density import outline_density
 
 
 def draw(analysis: ModalAnalysis, path: Path) -> None:
@@ -32,16 +30,14 @@ def draw(analysis: ModalAnalysis, path: Path) -> None:
         names.append(f"mode {k}: {f:.1f} Hz, {tone} {cents:+.0f} cents")
     fields, _ = analysis.fields()
     shapes = np.stack(list(fields.values()))
-    cells = analysis.space.cells
-    triangles = cells if cells.shape[1] == 3 else np.concatenate([cells[:, part] for part in QUARTERS])
-    draw_modes(path, analysis.space.X, triangles, shapes, names, analysis.state.scene.title)
+    draw_modes(path, analysis.space.X, analysis.space.cells, shapes, names, analysis.state.scene.title)
 
 
 def draw_rasp(analysis: ModalAnalysis, path: Path) -> None:
     """Draw along the outline what rasping does to the first tone.
 
     Raises:
-        UserError: others lie so close to it that rasping mixes their modes, which no density tells.
+        UserError: others lie so close to it that rasping mixes their modes, which no density shows.
     """
     first = int(analysis.state.modes.chosen[0])
     if not stands_alone(analysis, first):

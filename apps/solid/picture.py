@@ -12,11 +12,9 @@ import numpy as np
 
 from restshape.analysis.buckling import BucklingAnalysis
 from restshape.errors import UserError
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 from restshape.report.modes import draw_modes
 
-QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
-"""Nodes of the four triangles that a second-order one is drawn as."""
 SHOWN = 0.15
 """The largest displacement, as a part of the body's size."""
 
@@ -30,16 +28,15 @@ def draw(analysis: BucklingAnalysis, path: Path) -> None:
     count = len(analysis.load_factors)
     if not count:
         raise UserError(
-            "nothing buckles: there is no mode to draw", str(analysis.state.rest.scene.path), "change the load"
+            "nothing buckles: there is no mode to draw", str(analysis.state.prebuckling.scene.path), "change the load"
         )
-    mesh, cells = analysis.space, analysis.space.cells
-    triangles = cells if cells.shape[1] == 3 else np.concatenate([cells[:, part] for part in QUARTERS])
+    mesh = analysis.space
     shapes = np.zeros((count, len(mesh.X), 3))
     shapes[:, :, :2] = analysis.state.modes.vectors.reshape(count, -1, 2)
     shapes /= np.linalg.norm(shapes, axis=2).max(axis=1)[:, None, None]
     names = [f"load factor {factor:.4g}" for factor in analysis.load_factors]
     size = SHOWN * float(np.ptp(mesh.X, axis=0).max())
-    draw_modes(path, mesh.X, triangles, shapes, names, analysis.state.rest.scene.title, size)
+    draw_modes(path, mesh.X, mesh.cells, shapes, names, analysis.state.prebuckling.scene.title, size)
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -50,7 +47,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", metavar="FILE", type=Path, required=True, help="the picture (.png)")
     args = parser.parse_args(words)
     try:
-        analysis = still(args.scene, args.set).analysis
+        analysis = first_frame(args.scene, args.set).analysis
         if not isinstance(analysis, BucklingAnalysis):
             raise UserError("the scene does not ask for buckling", str(args.scene), "add [effects.buckling]")
         draw(analysis, args.out)

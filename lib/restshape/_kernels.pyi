@@ -1,4 +1,519 @@
-from typing import Any
+from __future__ import annotations
+import collections.abc
+import numpy
+import numpy.typing
+import typing
 
-# The compiled module: what its elements and functions take is written where each is bound.
-def __getattr__(name: str) -> Any: ...
+__all__: list[str] = [
+    "Body",
+    "Element",
+    "HarmonicExtension",
+    "MesherFailure",
+    "Operator",
+    "OutlineCheck",
+    "Triangulation",
+    "add_friction",
+    "build",
+    "calls",
+    "cell_order",
+    "cells_around",
+    "cells_left_of",
+    "cgal_version",
+    "check_cells",
+    "combinations",
+    "curved_jacobian_bound",
+    "distances",
+    "drag_anchors",
+    "edge_parameters",
+    "edges_of_cells",
+    "element_names",
+    "estimate_points",
+    "extrude_nodes",
+    "follow_sides",
+    "grade_sizes",
+    "has_cgal",
+    "hilbert_keys",
+    "inverted_cells",
+    "locate",
+    "locate_quadratic",
+    "matrices",
+    "move_and_check",
+    "narrow_widths",
+    "node_order",
+    "positive_mean_value",
+    "pull_back",
+    "recover",
+    "recover_quadratic",
+    "recover_space",
+    "recovery_energies",
+    "recovery_points",
+    "refine_delaunay",
+    "relax_and_check",
+    "reset_calls",
+    "smooth_fresh",
+    "space_recovery_points",
+    "split_prisms",
+    "thickness_stretch",
+    "total_area",
+]
+
+class Body:
+    @staticmethod
+    def box(
+        centre: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        half: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        rotation: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+        radius: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> Body: ...
+    @staticmethod
+    def capsule(
+        start: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        end: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        radius: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> Body: ...
+    @staticmethod
+    def plane(
+        point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    ) -> Body: ...
+    @staticmethod
+    def sphere(
+        centre: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        radius: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> Body: ...
+    def add_contact(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        area: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        stiffness: typing.SupportsFloat | typing.SupportsIndex,
+        thickness: typing.SupportsFloat | typing.SupportsIndex,
+        potential: numpy.typing.NDArray[numpy.float64],
+        curved: bool = True,
+    ) -> float: ...
+    def distance(self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple: ...
+    def pressing(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        area: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        stiffness: typing.SupportsFloat | typing.SupportsIndex,
+        thickness: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> tuple: ...
+
+class Element:
+    def __init__(self, name: str) -> None: ...
+    def design(
+        self,
+        X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dX: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        params: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        out: numpy.typing.NDArray[numpy.float64],
+        dx: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+        coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+        dw: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+        dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
+    ) -> None: ...
+    def energy(
+        self,
+        X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        params: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+        dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
+    ) -> numpy.typing.NDArray[numpy.float64]: ...
+    def residual(
+        self,
+        X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        params: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        out: numpy.typing.NDArray[numpy.float64],
+        subset: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
+        coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+        dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
+    ) -> None: ...
+    def stress(
+        self,
+        X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        params: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        out: numpy.typing.NDArray[numpy.float64],
+        points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+        coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+        dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
+    ) -> None: ...
+    def tangent_block(
+        self,
+        X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        params: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+    ) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def coefficients(self) -> tuple: ...
+    @property
+    def dim(self) -> int: ...
+    @property
+    def dof_nodes(self) -> int: ...
+    @property
+    def family(self) -> str: ...
+    @property
+    def fields(self) -> int: ...
+    @property
+    def has_tangent(self) -> bool: ...
+    @property
+    def layout(self) -> tuple: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def nodes(self) -> int: ...
+    @property
+    def parameters(self) -> tuple: ...
+    @property
+    def shape(self) -> str: ...
+    @property
+    def stress_components(self) -> int: ...
+    @property
+    def symmetric(self) -> bool: ...
+
+class Operator:
+    def __init__(
+        self,
+        world: bool,
+        fields: typing.SupportsInt | typing.SupportsIndex,
+        node_offsets: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        rank: typing.SupportsInt | typing.SupportsIndex = 0,
+        backend: str = "csr",
+    ) -> None: ...
+    def add(
+        self,
+        block: typing.SupportsInt | typing.SupportsIndex,
+        X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        terms: list,
+        rhs: numpy.typing.NDArray[numpy.float64] | None = None,
+    ) -> None: ...
+    def begin(self, kept: bool = False) -> None: ...
+    def end(self) -> None: ...
+    def keep(self) -> None: ...
+    def patch(
+        self,
+        block: typing.SupportsInt | typing.SupportsIndex,
+        changed_cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    ) -> None: ...
+    def set_constraints(self, mask: typing.Annotated[numpy.typing.ArrayLike, numpy.uint8]) -> None: ...
+    def set_topology(self, blocks: list) -> None: ...
+    @property
+    def generation(self) -> int: ...
+    @property
+    def handle(self) -> int: ...
+    @property
+    def mat(self) -> typing.Any: ...
+    @property
+    def nnz(self) -> int: ...
+
+class HarmonicExtension:
+    def __init__(
+        self,
+        X: numpy.typing.NDArray[numpy.float64],
+        cells: numpy.typing.NDArray[numpy.int32],
+        boundary: numpy.typing.NDArray[numpy.int32],
+    ) -> None: ...
+    def solve(
+        self, values: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"]
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    def stiffen(
+        self, field: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"]
+    ) -> None: ...
+
+class Triangulation:
+    def __init__(
+        self,
+        cells: numpy.typing.NDArray[numpy.int32],
+        cell_edges: numpy.typing.NDArray[numpy.int32],
+        edge_nodes: numpy.typing.NDArray[numpy.int32],
+        fixed: numpy.typing.NDArray[numpy.uint8],
+    ) -> None: ...
+    def flip_delaunay(
+        self,
+        X: numpy.typing.NDArray[numpy.float64],
+        max_passes: typing.SupportsInt | typing.SupportsIndex,
+        quality_floor: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+    ) -> tuple: ...
+    @property
+    def edge_cells(self) -> numpy.typing.NDArray[numpy.int32]: ...
+
+class MesherFailure(Exception):
+    pass
+
+class OutlineCheck:
+    def __init__(
+        self,
+        first: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        ends: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        loops: collections.abc.Sequence[
+            tuple[
+                typing.SupportsInt | typing.SupportsIndex,
+                collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+                collections.abc.Sequence[bool],
+            ]
+        ],
+        gap: typing.SupportsFloat | typing.SupportsIndex,
+        sharpest: typing.SupportsFloat | typing.SupportsIndex,
+        round: collections.abc.Sequence[bool] = [],
+    ) -> None: ...
+    def check(
+        self, c0: typing.SupportsFloat | typing.SupportsIndex, c1: typing.SupportsFloat | typing.SupportsIndex
+    ) -> typing.Any: ...
+    def set_motion(
+        self,
+        p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        p2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        e0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        e1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        e2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        state: typing.Annotated[numpy.typing.ArrayLike, numpy.uint8],
+        rigid: bool,
+    ) -> None: ...
+    def settle(
+        self, c0: typing.SupportsFloat | typing.SupportsIndex, c1: typing.SupportsFloat | typing.SupportsIndex
+    ) -> None: ...
+
+def add_friction(
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    anchor: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    limit: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    slip: typing.SupportsFloat | typing.SupportsIndex,
+    potential: numpy.typing.NDArray[numpy.float64],
+) -> float: ...
+def build() -> dict: ...
+def calls() -> dict: ...
+def cell_order(
+    cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], nodes: typing.SupportsInt | typing.SupportsIndex
+) -> numpy.typing.NDArray[numpy.int32]: ...
+def cells_around(
+    cells: numpy.typing.NDArray[numpy.int32],
+    nodes: numpy.typing.NDArray[numpy.int32],
+    node_count: typing.SupportsInt | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.int32]: ...
+def cells_left_of(
+    facets: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    nodes: typing.SupportsInt | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.int32]: ...
+def check_cells(
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    area_floor: typing.SupportsFloat | typing.SupportsIndex,
+    quality_floor: typing.SupportsFloat | typing.SupportsIndex,
+) -> tuple: ...
+def combinations(
+    K: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    h: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    e: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    low: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    most: typing.SupportsInt | typing.SupportsIndex,
+    least: typing.SupportsInt | typing.SupportsIndex,
+    least_gain: typing.SupportsFloat | typing.SupportsIndex,
+    longest: typing.SupportsFloat | typing.SupportsIndex,
+    barred: collections.abc.Sequence[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]],
+    keep: typing.SupportsInt | typing.SupportsIndex,
+) -> tuple: ...
+def curved_jacobian_bound(
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    subset: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
+) -> numpy.typing.NDArray[numpy.float64]: ...
+def distances(
+    points: numpy.typing.NDArray[numpy.float64],
+    starts: numpy.typing.NDArray[numpy.float64],
+    ends: numpy.typing.NDArray[numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
+def drag_anchors(
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    anchor: numpy.typing.NDArray[numpy.float64],
+    normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    limit: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    slip: typing.SupportsFloat | typing.SupportsIndex,
+) -> float: ...
+def edge_parameters(
+    s: numpy.typing.NDArray[numpy.float64],
+    arc: numpy.typing.NDArray[numpy.float64],
+    size: numpy.typing.NDArray[numpy.float64],
+    stops: numpy.typing.NDArray[numpy.float64],
+    fewest: typing.SupportsInt | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.float64]: ...
+def edges_of_cells(
+    cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], nodes: typing.SupportsInt | typing.SupportsIndex
+) -> tuple: ...
+def element_names() -> list: ...
+def estimate_points(nodes: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]: ...
+def extrude_nodes(
+    plane: numpy.typing.NDArray[numpy.float64],
+    thickness: numpy.typing.NDArray[numpy.float64],
+    levels: typing.SupportsInt | typing.SupportsIndex,
+    datum: typing.SupportsFloat | typing.SupportsIndex,
+    X: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
+def follow_sides(
+    corners: numpy.typing.NDArray[numpy.float64],
+    corner_number: numpy.typing.NDArray[numpy.int32],
+    ends: numpy.typing.NDArray[numpy.int32],
+    side_number: numpy.typing.NDArray[numpy.int32],
+    curved: numpy.typing.NDArray[numpy.int32],
+    reference: numpy.typing.NDArray[numpy.float64],
+    basis: numpy.typing.NDArray[numpy.float64],
+    c0: typing.SupportsFloat | typing.SupportsIndex,
+    c1: typing.SupportsFloat | typing.SupportsIndex,
+    offset: numpy.typing.NDArray[numpy.float64],
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    curved_cells: numpy.typing.NDArray[numpy.int32],
+    floor: typing.SupportsFloat | typing.SupportsIndex,
+) -> int: ...
+def grade_sizes(
+    points: numpy.typing.NDArray[numpy.float64],
+    size: numpy.typing.NDArray[numpy.float64],
+    growth: typing.SupportsFloat | typing.SupportsIndex,
+    coarsest: typing.SupportsFloat | typing.SupportsIndex,
+) -> None: ...
+def hilbert_keys(
+    points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> numpy.typing.NDArray[numpy.int64]: ...
+def inverted_cells(
+    X: numpy.typing.NDArray[numpy.float64],
+    u: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+) -> numpy.typing.NDArray[numpy.int32]: ...
+def locate(
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    points: numpy.typing.NDArray[numpy.float64],
+) -> tuple: ...
+def locate_quadratic(
+    X: numpy.typing.NDArray[numpy.float64],
+    corners: numpy.typing.NDArray[numpy.int32],
+    cells: numpy.typing.NDArray[numpy.int32],
+    points: numpy.typing.NDArray[numpy.float64],
+) -> tuple: ...
+def matrices() -> list: ...
+def move_and_check(
+    X_reference: numpy.typing.NDArray[numpy.float64],
+    Psi: numpy.typing.NDArray[numpy.float64],
+    c0: typing.SupportsFloat | typing.SupportsIndex,
+    c1: typing.SupportsFloat | typing.SupportsIndex,
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    area_floor: typing.SupportsFloat | typing.SupportsIndex,
+    quality_floor: typing.SupportsFloat | typing.SupportsIndex,
+) -> tuple: ...
+def narrow_widths(
+    points: numpy.typing.NDArray[numpy.float64],
+    arc: numpy.typing.NDArray[numpy.float64],
+    first: numpy.typing.NDArray[numpy.int32],
+    ends: numpy.typing.NDArray[numpy.int32],
+    straight: numpy.typing.NDArray[numpy.uint8],
+    side: numpy.typing.NDArray[numpy.float64],
+    reach: typing.SupportsFloat | typing.SupportsIndex,
+    fold: typing.SupportsFloat | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.float64]: ...
+def node_order(
+    X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    owner: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+) -> numpy.typing.NDArray[numpy.int32]: ...
+def positive_mean_value(
+    points: numpy.typing.NDArray[numpy.float64],
+    vertices: numpy.typing.NDArray[numpy.float64],
+    segments: numpy.typing.NDArray[numpy.int32],
+    values: numpy.typing.NDArray[numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
+def pull_back(
+    X: numpy.typing.NDArray[numpy.float64],
+    x: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    points: numpy.typing.NDArray[numpy.float64],
+    stress: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
+def recover(
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    stress: numpy.typing.NDArray[numpy.float64],
+    out: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
+def recover_quadratic(
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    stress: numpy.typing.NDArray[numpy.float64],
+    out: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
+def recover_space(
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    stress: numpy.typing.NDArray[numpy.float64],
+    out: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
+def recovery_energies(
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    rows: numpy.typing.NDArray[numpy.int32],
+    nodal: numpy.typing.NDArray[numpy.float64],
+    samples: numpy.typing.NDArray[numpy.float64],
+    compliance: numpy.typing.NDArray[numpy.float64],
+    kinds: numpy.typing.NDArray[numpy.int32],
+) -> tuple[float, float]: ...
+def recovery_points() -> numpy.typing.NDArray[numpy.float64]: ...
+def refine_delaunay(
+    points: numpy.typing.NDArray[numpy.float64],
+    segments: numpy.typing.NDArray[numpy.int32],
+    border: numpy.typing.NDArray[numpy.uint8],
+    size: typing.SupportsFloat | typing.SupportsIndex,
+    growth: typing.SupportsFloat | typing.SupportsIndex,
+    sources: numpy.typing.NDArray[numpy.float64],
+    stretch: typing.SupportsFloat | typing.SupportsIndex,
+    sine_bound: typing.SupportsFloat | typing.SupportsIndex,
+    patience: typing.SupportsInt | typing.SupportsIndex,
+) -> tuple: ...
+def relax_and_check(
+    X_reference: numpy.typing.NDArray[numpy.float64],
+    Psi: numpy.typing.NDArray[numpy.float64],
+    c0: typing.SupportsFloat | typing.SupportsIndex,
+    c1: typing.SupportsFloat | typing.SupportsIndex,
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    edge_nodes: numpy.typing.NDArray[numpy.int32],
+    fixed: numpy.typing.NDArray[numpy.uint8],
+    sweeps: typing.SupportsInt | typing.SupportsIndex,
+    area_floor: typing.SupportsFloat | typing.SupportsIndex,
+    quality_floor: typing.SupportsFloat | typing.SupportsIndex,
+) -> tuple: ...
+def reset_calls() -> None: ...
+def smooth_fresh(
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    fixed: typing.SupportsInt | typing.SupportsIndex,
+    sweeps: typing.SupportsInt | typing.SupportsIndex,
+) -> float: ...
+def space_recovery_points() -> numpy.typing.NDArray[numpy.float64]: ...
+def split_prisms(
+    plane_cells: numpy.typing.NDArray[numpy.int32],
+    places: numpy.typing.NDArray[numpy.int32],
+    layers: typing.SupportsInt | typing.SupportsIndex,
+    cells: numpy.typing.NDArray[numpy.int32],
+    changed: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
+) -> None: ...
+def thickness_stretch(
+    X: numpy.typing.NDArray[numpy.float64],
+    u: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    ratio: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
+def total_area(X: numpy.typing.NDArray[numpy.float64], cells: numpy.typing.NDArray[numpy.int32]) -> float: ...
+
+cgal_version: str = "5.5.1"
+has_cgal: bool = True

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
-    from restshape.scene.effect import Effect, Implied
+    from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.event_line import EventLine
     from restshape.scene.model import Scene
     from restshape.scene.physics import Physics
@@ -29,11 +29,11 @@ class ScriptLines:
 
     Args:
         grammar: what lines may be, for people.
-        composer: path ``module:attribute`` of the `shape.compose.Composer` of a scene.
+        interpreter: path ``module:attribute`` of the `shape.script_language.LineInterpreter` of a scene.
     """
 
     grammar: str
-    composer: str
+    interpreter: str
 
 
 @dataclass(frozen=True)
@@ -122,9 +122,9 @@ class Application:
         return taken | {name: replace(taken[name], required=True) for name in self.needs}
 
     @cached_property
-    def implied(self) -> dict[str, Implied]:
+    def derived(self) -> dict[str, DerivedEffect]:
         """Parts of its physics that follow from a scene without being named, by name."""
-        return {name: part for one in self.physics for name, part in one.implied.items()}
+        return {name: part for one in self.physics for name, part in one.derived.items()}
 
     @property
     def orders(self) -> tuple[int, ...]:
@@ -164,9 +164,9 @@ class Application:
         """What a scene with a session of its own holds: for programs, and as rows for people."""
         return _attribute(self.check)(scene, effects)
 
-    def composer(self) -> Callable[..., Any]:
+    def interpreter(self) -> Callable[..., Any]:
         """The composer of its edit scripts, imported now."""
-        return _attribute(self.lines.composer)
+        return _attribute(self.lines.interpreter)
 
     def frame_parts(self, usual: Mapping[str, str]) -> Mapping[str, str]:
         """What each part of a frame is, by its name."""

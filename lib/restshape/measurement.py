@@ -117,7 +117,8 @@ def measure_factor(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec, kind: str) -> tup
 
 
 def measure_gamg(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> tuple[float, dict[str, float]]:
-    """Nonzeros of all grids of algebraic multigrid; seconds anew, with the interpolation kept, and of a cycle."""
+    """Nonzeros of all grids of algebraic multigrid; seconds of a rebuild, with the interpolation kept, and of a
+    cycle."""
     made: list[PETSc.KSP] = []
 
     def make() -> None:

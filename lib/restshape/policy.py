@@ -14,12 +14,12 @@ class Policy:
         summary: one line for people.
         regenerate: a new mesh in every frame that moves.
         solver: method of `algebra.linear.LinearSolver`.
-        transfer: carry the solution to a new mesh as a guess.
+        transfer: transfer the solution to a new mesh as a guess.
         extrapolate: guess along the last two solutions of a drag.
         directions: last increments of the solution along which guesses are improved (`algebra.projection`).
         relocation: relocation of nodes in place of the scene's.
         criterion: distortion criterion in place of the scene's.
-        flip_everywhere: level 2 makes the whole mesh Delaunay, not only around distorted triangles.
+        flip_everywhere: level 2 makes the whole mesh Delaunay, not only around low-quality triangles.
         backend: assembly backend, None for the default.
         lumped_mass: modes are those of a mass on the diagonal.
     """

@@ -96,7 +96,7 @@ def rerun(
         picked: its record.
         path: of the scene with it.
         within: median time of a frame [ms]; error: relative; None where not asked for.
-        on_run: told what is run.
+        on_run: called with what is run.
         play: runs jobs.
     """
     case, asked = replace(study.case, scene=path, overrides=()), replace(study.asked, frames=0)
@@ -146,6 +146,6 @@ def chosen_line(chosen: dict[str, Any]) -> str:
 
 
 def hopeless(chosen: dict[str, Any]) -> bool:
-    """Tell whether no faster setting can hold either: the time was kept and the error not."""
+    """Whether no faster setting can hold either: the time was kept and the error not."""
     ms, within, below = chosen["frame_ms"], chosen["within"], chosen["below"]
     return None not in (ms, within, below) and ms <= within and not chosen["holds"]

@@ -1,4 +1,4 @@
-"""How far solutions are from each other: the norms in which errors are told."""
+"""How far solutions are from each other: the norms in which errors are reported."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Reference:
         return Sampled.of(state, state.grid.locate(self.points))
 
     def same_shape(self, state: State) -> bool:
-        """Tell whether another solution is one of the same shape."""
+        """Whether another solution is one of the same shape."""
         mine, other = self.outline, state.outline
         return mine.shape == other.shape and bool(np.allclose(mine, other, rtol=0.0, atol=1e-9 * np.ptp(mine)))
 

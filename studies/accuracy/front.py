@@ -11,11 +11,11 @@ from restshape.errors import UserError
 Row = dict[str, Any]
 
 CLEAR = 10.0
-"""How many times as large as what the solver leaves an error is that tells of the mesh."""
+"""How many times as large as what the solver leaves an error is that reports the mesh."""
 
 
 def pareto(pairs: Sequence[tuple[float, float]]) -> list[bool]:
-    """Tell of each pair of costs whether no other pair is at least as small in both and smaller in one."""
+    """For each pair of costs whether no other pair is at least as small in both and smaller in one."""
     order = sorted(range(len(pairs)), key=lambda i: pairs[i])
     best, front = np.inf, [False] * len(pairs)
     last: tuple[float, float] | None = None
@@ -55,7 +55,7 @@ def exponent(x: Sequence[float], y: Sequence[float]) -> float | None:
 
 
 def slope(records: Sequence[Row]) -> float | None:
-    """The p of error ~ time^p along the front, without points that the reference cannot tell apart from itself."""
+    """The p of error ~ time^p along the front, without points that the reference cannot distinguish from itself."""
     known = [record for record in front_of(records) if not record["below_reference"]]
     return exponent([r["frame_ms"] for r in known], [r["error"] for r in known]) if len(known) > 2 else None
 
@@ -133,7 +133,7 @@ def _at(line: list[tuple[float, float]], ms: float) -> float:
 
 
 def known_error(record: Row) -> float:
-    """The error that a record is known to be below: its own, but none that the reference cannot tell."""
+    """The error that a record is known to be below: its own, but none that the reference cannot report."""
     return max(record["error"], record["uncertainty"] or 0.0)
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape import _kernels
+from restshape.mesh.lagrange_space import LagrangeSpace, quadratic_basis
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace, quadratic_basis
 
 SLOPES = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
 """Of the three basis functions of a first-order triangle, with respect to reference coordinates."""
@@ -32,7 +32,7 @@ class Grid:
         return cls(mesh.X.copy(), mesh.cells.copy())
 
     def same(self, other: "Grid") -> bool:
-        """Tell whether another grid has the same cells at the same places, down to rounding."""
+        """Whether another grid has the same cells at the same places, down to rounding."""
         if self.X.shape != other.X.shape or not np.array_equal(self.cells, other.cells):
             return False
         return bool(np.allclose(self.X, other.X, rtol=0.0, atol=1e-12 * np.ptp(self.X)))

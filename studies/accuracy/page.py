@@ -152,7 +152,7 @@ def write_page(study: Study, folder: Path, command: str, chosen: Chosen = None) 
     """Writes ``NAME.md`` and ``NAME.png`` of a study.
 
     Args:
-        study: to be told.
+        study: to be reported.
         folder: for both.
         command: that made it.
         chosen: what was picked, if anything was.

@@ -1,4 +1,4 @@
-"""What a study says of each of its points, from what the point's process told."""
+"""What a study says of each of its points, from what the point's process reported."""
 
 import re
 from collections.abc import Mapping
@@ -57,7 +57,7 @@ class Truth:
 
 
 def truth_of(scene: Scene, fine: Row, coarse: Row) -> Truth:
-    """The truth from what the processes of both references told."""
+    """The truth from what the processes of both references reported."""
     uncertainty: dict[str, float] = {}
     for distances in fine["distances"].values():
         for measure, value in distances.items():

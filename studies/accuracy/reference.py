@@ -30,7 +30,7 @@ Row = dict[str, Any]
 FINER = 4.0
 """How many times as fine as the finest point the reference is, where so many unknowns are affordable."""
 COARSER = 1.5
-"""How many times as coarse as the reference the second one is, from which its own error is told."""
+"""How many times as coarse as the reference the second one is, from which its own error is reported."""
 COARSE_FACTOR = 2.0
 """The same for time steps and other factors, which must leave whole numbers whole."""
 MOST_UNKNOWNS = {"plane": 1.3e5, "motion": 2.5e4, "space": 2.2e4, "cloth": 4e4}

@@ -16,7 +16,7 @@ from restshape_studies.accuracy.distance import Reference
 from restshape_studies.accuracy.sampling import SparseSession, changing, spread
 from restshape_studies.accuracy.state import Sampled, State, state_of
 
-from restshape.algebra.gather import bury
+from restshape.algebra.gathering import clean_up
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
@@ -47,7 +47,7 @@ HASTE = 0.02
 
 
 def measure(request: Request, kind: str, frames: Sequence[int], **details: Any) -> Row:
-    """What a process tells: "reference" writes files, "point" tells times and errors.
+    """What a process reports: "reference" writes files, "point" reports times and errors.
 
     Args:
         request: scene, script, policy.
@@ -62,13 +62,13 @@ def measure(request: Request, kind: str, frames: Sequence[int], **details: Any) 
 
 
 def reference(request: Request, frames: list[int], folder: str, coarser: str = "") -> Row:
-    """Writes a reference for each frame into a folder; tells what it took, and its distance from a coarser one.
+    """Writes a reference for each frame into a folder; returns what it took, and its distance from a coarser one.
 
     Args:
         request: of the fine scene.
         frames: wanted.
         folder: for the files, ``FRAME.npz``.
-        coarser: folder of another reference, of which the distances are told.
+        coarser: folder of another reference, of which the distances are reported.
     """
     start = perf_counter()
     transient = request.application.transient(request.scene)
@@ -99,7 +99,7 @@ def point(request: Request, frames: list[int], folder: str, total: int, whole: b
 
     Three solutions on the same meshes: that of the setting's own replay, which is timed; that of the same replay at a
     tolerance near rounding; and one from nothing, by a new analysis on the mesh of each sampled frame. Motion, where
-    all that came before counts, has for the last a whole replay with a complete factor made anew in each solve.
+    all that came before counts, has for the last a whole replay with a complete factor rebuilt in each solve.
 
     Args:
         request: of the setting.
@@ -179,7 +179,7 @@ def _timed(request: Request, frames: list[int], total: int, whole: bool) -> tupl
 
     def solved(index: int) -> bool:
         if index == 1:
-            # Its frames are all alike, for it keeps nothing: some of them tell the time of all.
+            # Its frames are all alike, for it keeps nothing: some of them show the time of all.
             sparse.append(alike and replay.row["ms"] > 1e3 * HASTE and not replay.row["newton"])
             replay.session.leap = sparse[0] and request.policy.regenerate
         return not (index and sparse[0]) or index in some
@@ -270,7 +270,7 @@ class Afresh:
         if folded:
             analysis.start_from(kept)
         none = np.empty(0, dtype=np.int32)
-        analysis.solve(Frame(replay.moving.field_mesh, none, None, scene, (None, (0.0, 0.0)), settled=True))
+        analysis.solve(Frame(replay.moving.field_mesh, none, None, scene, (None, (0.0, 0.0)), edit_ended=True))
         row = {f"q_{name}": value for name, value in analysis.observe().items()}
         for name, quantity in scene.quantities.items():
             if quantity.kind == "mode":
@@ -279,7 +279,7 @@ class Afresh:
                 row[f"q_{name}"] = analysis.frequencies[place[0]] if len(place) else np.nan
         self.states[replay.row["index"]] = state_of(analysis, replay.session.outline.points, row)
         del analysis
-        bury(replay.comm)
+        clean_up(replay.comm)
 
 
 def _sparse(request: Request, frames: list[int], leap: bool, every: bool) -> Replay:

@@ -78,9 +78,9 @@ class SparseSession:
 
     Args:
         session: as the replay made it.
-        wanted: tells by its index whether a frame is solved for.
+        wanted: reports by its index whether a frame is solved for.
         last: index of the last frame that is wanted.
-        leap: frames that are not solved for are left out, and the next one starts anew: for replays that keep nothing.
+        leap: frames that are not solved for are left out, and the next one restarts: for replays that keep nothing.
 
     Attributes:
         refused: indices of the frames whose edits the session itself refused.

@@ -84,7 +84,7 @@ class Study:
         case: scene and script; title: of the scene.
         asked: by the user.
         frames: at which errors were taken; total: number of frames replayed.
-        plan: of the reference; reference, coarser: what its processes told, without the quantities.
+        plan: of the reference; reference, coarser: what its processes reported, without the quantities.
         truth: that errors are counted from.
         records: of the points; omissions: what never ran.
         seconds: that the study took.
@@ -105,7 +105,7 @@ class Study:
 
     @property
     def transient(self) -> bool:
-        """Tell whether it is of motion."""
+        """Whether it is of motion."""
         return application(self.scene.app).transient(self.scene)
 
     @property

@@ -12,10 +12,10 @@ from restshape import _kernels
 from restshape.analysis.frame import Frame
 from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
-from restshape.fem.balance import unconstrained_residual
+from restshape.fem.residuals import unconstrained_residual
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
-from restshape.sensitivity.static import design_derivative
+from restshape.sensitivity.steady_derivative import design_derivative
 from restshape.shape.session import EditSession
 
 STEPS = tuple(10.0 ** (-0.5 * k) for k in range(3, 29))
@@ -25,11 +25,11 @@ EXACT = 1e-12
 NO_CELLS = np.empty(0, dtype=np.int32)
 
 
-class Held:
-    """A replay that has stopped where a hand takes hold of the shape, and lays its nodes where it is told to.
+class LinearisedScene:
+    """A replay that has stopped where a hand takes hold of the shape, and lays its nodes where it is reported to.
 
     Args:
-        request: of a body at rest, with a script that drags.
+        request: of a static problem, with a script that drags.
 
     Raises:
         UserError: cloth; nothing is dragged, or what is dragged does not move the mesh linearly.
@@ -58,7 +58,7 @@ class Held:
         return np.array(max(places, key=lambda c: c[0] ** 2 + c[1] ** 2))
 
     def lay(self, dX: np.ndarray) -> bool:
-        """Lay the nodes dX (n, 2) [m] from where they were held; tells whether no triangle is inverted."""
+        """Lay the nodes dX (n, 2) [m] from where they were held; returns whether no triangle is inverted."""
         self.mesh.X[...] = self.X + dX
         corners = np.ascontiguousarray(self.mesh.cells[:, :3])
         return _kernels.check_cells(self.mesh.X, corners, 0.0, 0.0)[1] == 0
@@ -80,19 +80,19 @@ def measure(request: Request) -> dict[str, Any]:
     """Differences from the derivative by dual numbers, relative to it, a step each; and what each way costs.
 
     Args:
-        request: as for `Held`, with `solve.tolerance` at `EXACT`.
+        request: as for `LinearisedScene`, with `solve.tolerance` at `EXACT`.
 
     Raises:
-        UserError: as `Held`; a derivative cannot be had.
+        UserError: as `LinearisedScene`; a derivative cannot be had.
 
     Returns: steps (of the size of the shape), forward, central (5.13 of the thesis) and semi (5.14): None where
         there is no answer; ms of one derivative each way; triangles, unknowns.
     """
-    held = Held(request)
-    both = held.derivative(held.Psi)
+    linearised = LinearisedScene(request)
+    both = linearised.derivative(linearised.Psi)
     direction = int(np.linalg.norm(both[1]) > np.linalg.norm(both[0]))
-    dX, s = held.Psi[direction], both[direction]
-    scale, size = np.linalg.norm(s), held.replay.session.outline.size
+    dX, s = linearised.Psi[direction], both[direction]
+    scale, size = np.linalg.norm(s), linearised.replay.session.outline.size
     if not scale > 0.0:
         raise UserError("the drag does not change the answer", str(request.scene.path), "load the body")
     ways = {"forward": _forward, "central": _central, "semi": _semi}
@@ -100,52 +100,52 @@ def measure(request: Request) -> dict[str, Any]:
     for name, way in ways.items():
         for step in STEPS:
             try:
-                found[name].append(float(np.linalg.norm(way(held, dX, step * size) - s) / scale))
+                found[name].append(float(np.linalg.norm(way(linearised, dX, step * size) - s) / scale))
             except ReplayProblem:
                 found[name].append(None)
-    times = {name: _milliseconds(lambda way=way: way(held, dX, 1e-6 * size)) for name, way in ways.items()}
+    times = {name: _milliseconds(lambda way=way: way(linearised, dX, 1e-6 * size)) for name, way in ways.items()}
     one = np.stack([dX, np.zeros_like(dX)])
-    held.derivative(one)
-    times["dual"] = _milliseconds(lambda: design_derivative(held.analysis, one, EXACT))
+    linearised.derivative(one)
+    times["dual"] = _milliseconds(lambda: design_derivative(linearised.analysis, one, EXACT))
     return {
         "steps": list(STEPS),
         **found,
         "ms": times,
-        "elements": len(held.mesh.cells),
-        "unknowns": int(held.x.size),
+        "elements": len(linearised.mesh.cells),
+        "unknowns": int(linearised.x.size),
     }
 
 
-def _answer(held: Held, dX: np.ndarray) -> np.ndarray:
+def _answer(linearised: LinearisedScene, dX: np.ndarray) -> np.ndarray:
     """The displacement (n, 2) [m] with the nodes moved by dX (n, 2) [m], from the one before."""
-    if not held.lay(dX):
+    if not linearised.lay(dX):
         raise ReplayProblem("a triangle is inverted")
-    held.solve(held.x)
-    return held.analysis.x.copy()
+    linearised.solve(linearised.x)
+    return linearised.analysis.x.copy()
 
 
-def _forward(held: Held, dX: np.ndarray, h: float) -> np.ndarray:
-    return (_answer(held, h * dX) - held.x) / h
+def _forward(linearised: LinearisedScene, dX: np.ndarray, h: float) -> np.ndarray:
+    return (_answer(linearised, h * dX) - linearised.x) / h
 
 
-def _central(held: Held, dX: np.ndarray, h: float) -> np.ndarray:
-    return (_answer(held, 0.5 * h * dX) - _answer(held, -0.5 * h * dX)) / h
+def _central(linearised: LinearisedScene, dX: np.ndarray, h: float) -> np.ndarray:
+    return (_answer(linearised, 0.5 * h * dX) - _answer(linearised, -0.5 * h * dX)) / h
 
 
-def _semi(held: Held, dX: np.ndarray, h: float) -> np.ndarray:
+def _semi(linearised: LinearisedScene, dX: np.ndarray, h: float) -> np.ndarray:
     """Forces by differences at constant displacement, then one solve with the tangent."""
-    physics = held.analysis.problem
+    physics = linearised.analysis.problem
     forces, places = [], []
     for part in (h, 0.0):
-        if not held.lay(part * dX):
+        if not linearised.lay(part * dX):
             raise ReplayProblem("a triangle is inverted")
         physics.update()
-        x = held.x.copy()
+        x = linearised.x.copy()
         physics.boundary.apply(x)
         forces.append(unconstrained_residual(physics, x))
         places.append(physics.boundary.values.copy())
-    held.solve(held.x)
-    return held.analysis.linear_solve((forces[1] - forces[0]) / h, EXACT) + (places[0] - places[1]) / h
+    linearised.solve(linearised.x)
+    return linearised.analysis.linear_solve((forces[1] - forces[0]) / h, EXACT) + (places[0] - places[1]) / h
 
 
 def _milliseconds(run: Callable[[], Any], times: int = 5) -> float:

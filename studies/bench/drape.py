@@ -1,4 +1,4 @@
-"""One way of cloth to rest, iterate by iterate: residual and energy over steps and seconds."""
+"""One solution strategy of cloth, iterate by iterate: residual and energy over steps and seconds."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Trace:
 
 
 def measure(request: Request, seconds: float) -> dict[str, Any]:
-    """How a scene's cloth comes to rest from where it is laid, by the way that the scene names.
+    """How a scene's cloth comes to equilibrium from its initial placement, by the strategy that the scene names.
 
     Args:
         request: of a scene of cloth; its script is left out.

@@ -6,7 +6,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.davidson import Found
-from restshape.algebra.krylov_schur import KeptFactor, krylov_schur, polished
+from restshape.algebra.krylov_schur import KeptFactor, krylov_schur, refine_ritz
 from restshape.algebra.pencil import Deflation, Pencil
 from restshape.errors import ReplayProblem
 
@@ -111,7 +111,7 @@ class Rival:
             part.destroy()
         if taken < frame.count:
             raise ReplayProblem(f"{taken} of {frame.count} modes in {self.iterations} iterations")
-        return polished(pencil, frame.deflation, modes, frame.count, frame.tolerance, self.iterations)
+        return refine_ritz(pencil, frame.deflation, modes, frame.count, frame.tolerance, self.iterations)
 
 
 class KrylovSchur(Rival):
@@ -148,9 +148,9 @@ def _vectors(rows: np.ndarray | list[np.ndarray]) -> list[PETSc.Vec]:
     return [PETSc.Vec().createWithArray(np.array(row), comm=PETSc.COMM_SELF) for row in rows]
 
 
-def _weight(pencil: Pencil, modes: np.ndarray, massive: bool) -> float:
-    """The least |M phi| of modes (k, n), or where these are not `massive`, |M phi| / |phi|."""
+def _weight(pencil: Pencil, modes: np.ndarray, dofs_with_mass: bool) -> float:
+    """The least |M phi| of modes (k, n), or where these are not `dofs_with_mass`, |M phi| / |phi|."""
     heavy = np.empty_like(modes)
     pencil.apply(pencil.mass, np.ascontiguousarray(modes), heavy)
     sizes = np.linalg.norm(heavy, axis=1)
-    return float((sizes if massive else sizes / np.linalg.norm(modes, axis=1)).min())
+    return float((sizes if dofs_with_mass else sizes / np.linalg.norm(modes, axis=1)).min())

@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from restshape.cli.verbosity import relay
 from restshape.errors import UserError
 
 Row = dict[str, Any]
@@ -32,11 +33,12 @@ class Job:
         frames: number of frames to compute, the first included; None for all of them.
         count: count PETSc's events a frame, which costs time.
         enough: stop after so many frames of a level, by level.
-        regret: measure the regret of the schedule of refreshes, in place of the frames' times.
+        hindsight_cost: measure the cost of the schedule of refreshes over the best in hindsight, in place of the
+            frames' times.
         predict: "none" or "linear", as after --predict.
         measure: "prediction", "derivative" or "starts", or a module's full name: what is measured in place of the
             frames' times.
-        details: what that module is told besides.
+        details: what that module is reported besides.
     """
 
     scene: str
@@ -47,7 +49,7 @@ class Job:
     frames: int | None = None
     count: bool = False
     enough: dict[str, int] = field(default_factory=dict)
-    regret: bool = False
+    hindsight_cost: bool = False
     predict: str = "none"
     measure: str = ""
     details: dict[str, Any] = field(default_factory=dict)
@@ -65,18 +67,18 @@ class Job:
 
 @dataclass
 class Outcome:
-    """What a process told: a row a frame, and how it ended.
+    """What a process reported: a row a frame, and how it ended.
 
     Args:
         rows: in order; as many as were computed before the end.
         problem: why it ended early; empty when it did not.
-        regret: of the schedule of refreshes, where asked for.
+        hindsight_cost: of the schedule of refreshes, where asked for.
         found: what was measured in place of the frames' times.
     """
 
     rows: list[Row]
     problem: str = ""
-    regret: Row | None = None
+    hindsight_cost: Row | None = None
     found: Row | None = None
 
 
@@ -104,6 +106,7 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
         )
         try:
             _, stderr = process.communicate(job.dumps(), timeout=seconds)
+            relay(stderr)
             problem = ending(process.returncode, stderr)
         except subprocess.TimeoutExpired:
             problem = f"{STOPPED} after {seconds:.0f} s"
@@ -115,12 +118,12 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
 
 
 def ending(code: int, stderr: str) -> str:
-    """What the end of a process means; nothing where all went well, or where the process itself told why."""
+    """What the end of a process means; nothing where all went well, or where the process itself reported why."""
     if code == 0:
         return ""
     if code == -signal.SIGKILL:
         return "killed by the system, as when memory runs out"
-    # A crash of Python's ends with a list of everything imported, which tells nothing.
+    # A crash of Python's ends with a list of everything imported, which shows nothing.
     lines = [line for line in stderr.splitlines() if line.strip() and not line.startswith("Extension modules:")]
     return f"ended with code {code}: {lines[-1] if lines else 'no message'}"
 
@@ -133,7 +136,7 @@ def _read(told: Path, problem: str) -> Outcome:
         if kind == "error":
             raise UserError(**content)
         if kind == "regret":
-            outcome.regret = content
+            outcome.hindsight_cost = content
         elif kind == "found":
             outcome.found = content
         else:

@@ -32,7 +32,7 @@ def equal_size(job: Job, on_run: Callable[[str], None] = lambda words: None) -> 
 
     Args:
         job: of the scene with the sizes of the first order.
-        on_run: told what is tried.
+        on_run: called with what is tried.
 
     Raises:
         UserError: the scene's mesh is not one that restshape makes of plane triangles.

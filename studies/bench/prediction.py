@@ -16,7 +16,7 @@ from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 
 SHARES = (0.25, 0.5, 0.75, 1.0)
-"""Parts of the farthest way of the hand, at which the error is told."""
+"""Parts of the farthest way of the hand, at which the error is reported."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ def measure(request: Request) -> Row:
 
 
 def modal(analysis: Any) -> bool:
-    """Tell whether what is solved for are modes."""
+    """Whether what is solved for are modes."""
     return isinstance(analysis, ModalAnalysis)
 
 

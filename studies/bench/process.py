@@ -11,6 +11,7 @@ from typing import Any
 
 from restshape_studies.bench.job import Job
 
+from restshape.cli.verbosity import inherit_verbosity
 from restshape.errors import ReplayProblem, UserError
 from restshape.surroundings import start_petsc
 
@@ -41,7 +42,7 @@ def request(job: Job) -> Any:
 
 
 def play(job: Job, tell: Any) -> None:
-    """Tell a row for each frame, as soon as it is computed."""
+    """Report a row for each frame, as soon as it is computed."""
     from petsc4py import PETSc
     from restshape_studies.bench.events import EventCounts
 
@@ -66,15 +67,15 @@ def play(job: Job, tell: Any) -> None:
                 return
 
 
-def regret(job: Job, tell: Any) -> None:
-    """Tell the regret of the schedule of refreshes."""
-    from restshape_studies.bench.regret import measure
+def hindsight_cost(job: Job, tell: Any) -> None:
+    """Report the cost of the schedule of refreshes over the best in hindsight."""
+    from restshape_studies.bench.hindsight import measure
 
     tell("regret", measure(request(job)))
 
 
 def measured(job: Job, tell: Any) -> None:
-    """Tell what a module measures, one of this package where its name is not a full one."""
+    """Report what a module measures, one of this package where its name is not a full one."""
     name = job.measure if "." in job.measure else f"restshape_studies.bench.{job.measure}"
     tell("found", import_module(name).measure(request(job), **job.details))
 
@@ -82,6 +83,7 @@ def measured(job: Job, tell: Any) -> None:
 def main() -> int:
     """Run the job on stdin; 0 when it is done, 2 when it cannot be."""
     pin()
+    inherit_verbosity()
     job = Job.loads(sys.stdin.read())
     with Path(sys.argv[1]).open("w", buffering=1) as file:
 
@@ -90,7 +92,7 @@ def main() -> int:
 
         start_petsc(job.petsc)
         try:
-            (measured if job.measure else regret if job.regret else play)(job, tell)
+            (measured if job.measure else hindsight_cost if job.hindsight_cost else play)(job, tell)
         except UserError as error:
             tell("error", {"what": error.what, "where": error.where, "do": error.do})
             return 2

@@ -42,7 +42,7 @@ class Plan:
         frames: of each script, the first included; None for all.
         overrides: ``key=value`` as after --set.
         petsc: words for PETSc's options database.
-        regret: measure that of policy `auto`.
+        hindsight_cost: measure that of policy `auto`.
     """
 
     policies: tuple[str, ...]
@@ -50,7 +50,7 @@ class Plan:
     frames: int | None = None
     overrides: tuple[str, ...] = ()
     petsc: tuple[str, ...] = ()
-    regret: bool = False
+    hindsight_cost: bool = False
 
 
 def compare(case: Case, plan: Plan, on_run: Callable[[str], None], play: Callable[[Job], Outcome] = run) -> Row:
@@ -79,20 +79,21 @@ def compare(case: Case, plan: Plan, on_run: Callable[[str], None], play: Callabl
     found = {name: record(counted[name], name, runs[name]) for name in jobs}
     for name, entry in found.items():
         entry["ratios"] = {base: ratios(runs[name], runs[base]) for base in BASES if base in runs and base != name}
-    if plan.regret and "auto" in jobs:
+    if plan.hindsight_cost and "auto" in jobs:
         on_run(f"{case.name}: auto, regret")
         found["auto"]["regret"] = hindsight(jobs["auto"], play)
     return found
 
 
 def hindsight(job: Job, play: Callable[[Job], Outcome]) -> Row:
-    """The regret of a schedule over the whole script, as `replay.regret.measure` tells it; else `problem`."""
+    """The cost of a schedule over the best in hindsight over the whole script, as `hindsight.measure` reports it; else
+    `problem`."""
     try:
-        outcome = play(replace(job, regret=True))
+        outcome = play(replace(job, hindsight_cost=True))
     except UserError as error:
-        # Applications that solve several times a frame have no regret yet: no reason to lose what was timed.
+        # Applications that solve several times a frame have no best schedule yet: no reason to lose what was timed.
         return {"problem": error.what}
-    return outcome.regret or {"problem": outcome.problem}
+    return outcome.hindsight_cost or {"problem": outcome.problem}
 
 
 def _rows(outcome: Outcome, case: Case, name: str) -> list[Row]:
@@ -114,7 +115,7 @@ def frames_a_second(rows: Sequence[Row]) -> float:
 
 
 def timed(summary: Row) -> Row:
-    """What the clock told of one run."""
+    """What the clock reported of one run."""
     keys = ("ms", "python_ms", "stages")
     by_level = {str(level): stage_medians(summary["rows"], level) for level in (1, 2, 3)}
     fps = frames_a_second(summary["rows"])
@@ -128,7 +129,7 @@ def stage_medians(rows: Sequence[Row], level: int) -> dict[str, float]:
 
 
 def record(counted: list[Row], policy: str, runs: Sequence[Row]) -> Row:
-    """The record of a policy: medians over its runs of what the clock told, and what was counted."""
+    """The record of a policy: medians over its runs of what the clock reported, and what was counted."""
     summary = summarise(counted, policy, 1)
     middle = {
         "fps": median(run["fps"] for run in runs),

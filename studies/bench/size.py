@@ -18,7 +18,7 @@ HOLE, START = "window", (0.4, 0.5)
 LARGE = 2e5
 """Unknowns above which the first frame serves as the level-3 frame and fewer frames are measured."""
 SMALL_STEP, APPROACH_STEP, FLIP_STEP = 0.002, 0.03, 0.004
-"""Steps of the hole [m]: of level 1, on the way to where triangles are distorted, and there."""
+"""Steps of the hole [m]: of level 1, on the way to where triangles are of low quality, and there."""
 APPROACH_FRAMES, FLIP_FRAMES = 9, 60
 JUMP = 0.8
 """Steps of level 3 [m]: 40 % of the domain, so that triangles are inverted."""
@@ -38,7 +38,7 @@ def drag(unknowns: float) -> tuple[list[dict[str, Any]], list[str]]:
     """Events of an edit script, and the phase of each frame, the first shape's included.
 
     Small steps give level 1; jumps give level 3, where the size is not too large; then the hole is brought to where
-    triangles are about to be distorted, and in small steps from there on some frames are of level 2.
+    triangles are about to be of low quality, and in small steps from there on some frames are of level 2.
     """
     small, jumps = (20, 4 if unknowns < LARGE / 5 else 2) if unknowns < LARGE else (6, 0)
     x, y = START
@@ -78,11 +78,11 @@ def measure(
         scene: the plate.
         unknowns: about how many, one size each, ascending.
         folder: for the scripts.
-        seconds: for all sizes together; what has no time any more is told in the record's `problem`.
+        seconds: for all sizes together; what has no time any more is reported in the record's `problem`.
         policy: of reuse.
         overrides: ``key=value`` as after --set.
         petsc: words for PETSc's options database.
-        on_run: told what comes next.
+        on_run: called with what comes next.
         play: runs a job for at most so many seconds.
     """
     end, found = time.monotonic() + seconds, []

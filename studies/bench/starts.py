@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from restshape_studies.bench.derivative import Held
+from restshape_studies.bench.derivative import LinearisedScene
 
 from restshape.application import application
 from restshape.calibration import Calibration
@@ -31,27 +31,27 @@ def measure(request: Request) -> dict[str, Any]:
 
     Returns: parts (of the drag), way [m], and for each start iterations; error of the prediction, relative.
     """
-    held = Held(request)
-    goal = held.farthest()
-    s = held.derivative(held.Psi)
+    linearised = LinearisedScene(request)
+    goal = linearised.farthest()
+    s = linearised.derivative(linearised.Psi)
     found: dict[str, Any] = {"parts": [], "way": [], "error": [], **{name: [] for name in STARTS}}
     for part in PARTS:
         c = part * goal
-        if not held.lay(np.tensordot(c, held.Psi, 1)):
+        if not linearised.lay(np.tensordot(c, linearised.Psi, 1)):
             continue
-        predicted = held.x + np.tensordot(c, s, 1)
+        predicted = linearised.x + np.tensordot(c, s, 1)
         found["parts"].append(part)
         found["way"].append(float(np.linalg.norm(c)))
-        for name, start in zip(STARTS, (np.zeros_like(held.x), held.x, predicted)):
-            found[name].append(_iterations(held, start))
-        exact = held.analysis.x
+        for name, start in zip(STARTS, (np.zeros_like(linearised.x), linearised.x, predicted)):
+            found[name].append(_iterations(linearised, start))
+        exact = linearised.analysis.x
         found["error"].append(float(np.linalg.norm(predicted - exact) / np.linalg.norm(exact)))
     return found
 
 
-def _iterations(held: Held, start: np.ndarray) -> int | None:
+def _iterations(linearised: LinearisedScene, start: np.ndarray) -> int | None:
     try:
-        return int(held.solve(start.copy()).newton)
+        return int(linearised.solve(start.copy()).newton)
     except ReplayProblem:
         return None
 

@@ -10,6 +10,7 @@ from restshape_studies.verification import verification
 from restshape.cli.options import add_json, add_set, check_output, open_json, print_table, require_mesh, write_json
 from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
+from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 
@@ -25,6 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_set(parser)
     add_json(parser)
+    add_verbose(parser)
     parser.add_argument(
         "--out", type=Path, metavar="DIR", default=Path("accuracy"), help="of the pages (default: %(default)s)"
     )
@@ -280,11 +282,11 @@ def command_of(args: argparse.Namespace) -> str:
     return " ".join(["restshape", *(plain(word) for word in args.words)])
 
 
-# --- what is told -----------------------------------------------------------------------------------------------------
+# --- what is reported -------------------------------------------------------------------------------------------------
 
 
 def announce(text: str) -> None:
-    """Tells what comes next, where it does not mix with tables."""
+    """Reports what comes next, where it does not mix with tables."""
     print(text, file=sys.stderr, flush=True)
 
 
@@ -312,7 +314,7 @@ def tell(study: Any) -> None:
 
 
 def reuse_holds(study: Any) -> bool:
-    """Tell whether reuse stays below the tolerance at every point where it is known, and is known at one at least."""
+    """Whether reuse stays below the tolerance at every point where it is known, and is known at one at least."""
     known = [record["reuse_holds"] for record in study.records if record["reuse_holds"] is not None]
     return bool(known) and all(known)
 

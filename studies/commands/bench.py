@@ -13,6 +13,7 @@ from restshape_studies.commands import bench_design, bench_drape, bench_eigen, b
 from restshape.application import applications
 from restshape.cli.options import add_json, add_set, open_json, print_table, require_mesh, write_json
 from restshape.cli.shipped import script_of
+from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 
@@ -44,7 +45,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="first N frames of a script, 0 for all (default: %(default)s)",
     )
     reuse.add_argument("--repeat", type=int, default=3, metavar="R", help="timed runs a policy (default: %(default)s)")
-    reuse.add_argument("--regret", action="store_true", help="measure the regret of auto's refreshes in hindsight")
+    reuse.add_argument(
+        "--hindsight",
+        "--regret",
+        dest="hindsight_cost",
+        action="store_true",
+        help="measure the regret of auto's refreshes in hindsight",
+    )
     size = studies.add_parser("size", help="time of a frame of each level against the number of unknowns")
     size.add_argument("--from", dest="least", type=float, default=1e3, metavar="N", help="unknowns (default: 1e3)")
     size.add_argument("--to", dest="most", type=float, default=1e6, metavar="N", help="unknowns (default: 1e6)")
@@ -57,6 +64,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     for study in (*plain, *(drawing := (reuse, size, *bench_design.arguments(studies)))):
         add_set(study)
         add_json(study)
+        add_verbose(study)
     for study in drawing:
         study.add_argument(
             "--out", type=Path, default=PICTURES, metavar="DIR", help="of the picture (default: %(default)s)"
@@ -72,7 +80,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _reuse(args: argparse.Namespace) -> int:
-    """Compare policies, and tell of each scene as soon as it is done."""
+    """Compare policies, and report each scene as soon as it is done."""
     from restshape_studies.bench.reuse import Plan, compare
     from restshape_studies.pictures.policies import draw_policies
 
@@ -85,7 +93,7 @@ def _reuse(args: argparse.Namespace) -> int:
             raise UserError(f"no policy is named {name!r}", "--policies", f"choose from {','.join(POLICIES)}")
     cases = _cases(args)
     picture = _picture(args.out, "bench-reuse.png")
-    plan = Plan(names, args.repeat, args.frames or None, tuple(args.set), tuple(args.petsc), args.regret)
+    plan = Plan(names, args.repeat, args.frames or None, tuple(args.set), tuple(args.petsc), args.hindsight_cost)
     found = {}
     for case in cases:
         found[case.name] = compare(case, plan, announce)
@@ -126,7 +134,7 @@ def _eigen(args: argparse.Namespace) -> int:
 
 
 def _drape(args: argparse.Namespace) -> int:
-    """Compare ways of cloth to rest."""
+    """Compare Solution strategies of cloth."""
     from restshape.scene.load import load_scene
     from restshape.scene.script import load_script
 
@@ -201,22 +209,22 @@ def print_reuse(name: str, found: dict[str, dict[str, Any]]) -> None:
     events = [event for event in one["events"] if event in EVENTS or any(e["events"][event] for e in found.values())]
     rows = [[event, *(str(entry["events"][event]) for entry in found.values())] for event in events]
     print_table("", ("PETSc events", *found), rows, list(found))
-    regret = found.get("auto", {}).get("regret")
-    if regret:
-        print(regret_line(regret))
+    hindsight_cost = found.get("auto", {}).get("regret")
+    if hindsight_cost:
+        print(hindsight_line(hindsight_cost))
     print()
 
 
-def regret_line(regret: dict[str, Any]) -> str:
-    """The regret in words."""
-    if "problem" in regret:
-        return f"regret of auto's refreshes: not measured, {regret['problem']}"
-    refreshes, iterations = regret["refreshes"], regret["iterations"]
+def hindsight_line(hindsight_cost: dict[str, Any]) -> str:
+    """The cost over the best schedule in hindsight, as a line."""
+    if "problem" in hindsight_cost:
+        return f"regret of auto's refreshes: not measured, {hindsight_cost['problem']}"
+    refreshes, iterations = hindsight_cost["refreshes"], hindsight_cost["iterations"]
     spent = {
-        which: f"{1e3 * regret[which]:.4g} ms ({refreshes[which]} refreshes, {iterations[which]} iterations)"
+        which: f"{1e3 * hindsight_cost[which]:.4g} ms ({refreshes[which]} refreshes, {iterations[which]} iterations)"
         for which in ("run", "best")
     }
-    ratio = f"{regret['ratio']:.3f} times the best schedule in hindsight"
+    ratio = f"{hindsight_cost['ratio']:.3f} times the best schedule in hindsight"
     return f"regret of auto's refreshes: {ratio}; by the calibration {spent['run']} against {spent['best']}"
 
 
@@ -243,7 +251,7 @@ def _levels_row(name: str, entry: dict[str, Any]) -> list[str]:
 
 
 def _size(args: argparse.Namespace) -> int:
-    """Measure growing sizes, and tell what was not reached."""
+    """Measure growing sizes, and show what was not reached."""
     from restshape_studies.bench.size import exponents, measure, sizes
     from restshape_studies.pictures.scaling import draw_scaling
 
@@ -343,12 +351,12 @@ def _picture(folder: Path, name: str) -> Path:
 
 
 def announce(words: str) -> None:
-    """Tells what comes next, where it does not mix with tables."""
+    """Reports what comes next, where it does not mix with tables."""
     print(words, file=sys.stderr, flush=True)
 
 
 def _draw(path: Path, draw: Any) -> None:
-    """Draw, and tell where."""
+    """Draw, and show where."""
     try:
         draw()
     except OSError as error:

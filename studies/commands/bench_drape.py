@@ -1,11 +1,11 @@
-"""The study `restshape bench drape`: ways of cloth to rest."""
+"""The study `restshape bench drape`: Solution strategies of cloth."""
 
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from restshape_studies.bench.ways import BENDING, POLICIES, WAYS
+from restshape_studies.bench.cloth_strategies import BENDING, POLICIES, WAYS
 
 from restshape.cli.options import check_output, print_table
 from restshape.errors import UserError
@@ -44,9 +44,9 @@ def arguments(studies: Any) -> argparse.ArgumentParser:
 
 
 def drape(args: argparse.Namespace, scene: Any, edits: Path | None, announce: Any) -> dict[str, Any]:
-    """Let all ways bring the cloth to rest, print and draw what was found."""
+    """Let all ways bring the cloth to equilibrium, print and draw what was found."""
+    from restshape_studies.bench.cloth_strategies import Plan, study
     from restshape_studies.bench.job import Job
-    from restshape_studies.bench.ways import Plan, study
     from restshape_studies.pictures.residuals import draw_residuals
 
     if args.seconds <= 0 or args.frames < 0 or args.frames == 1:

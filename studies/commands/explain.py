@@ -10,6 +10,7 @@ from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
 from restshape.cli.shipped import script_of
+from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 
 PLACE = 1
@@ -21,6 +22,7 @@ COUNTED = ("unknowns", "elements", "entries", "calls")
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
     add_scene(parser)
+    add_verbose(parser)
     parser.add_argument(
         "--edits", metavar="FILE", type=Path, help="edit script (default: the one that names the scene)"
     )

@@ -9,6 +9,7 @@ from typing import Any
 
 from restshape.cli.options import add_json, open_json, print_table, write_json
 from restshape.cli.ranks import first_rank, launched
+from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.policy import POLICIES
 from restshape.surroundings import start_petsc
@@ -40,6 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep the files of what breaks in the fuzz there")
     parser.add_argument("--seconds", type=float, default=math.inf, metavar="LIMIT", help="begin nothing after so long")
     add_json(parser)
+    add_verbose(parser)
 
 
 def _share(text: str) -> float:

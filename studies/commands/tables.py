@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from restshape.cli.options import add_json, check_output, open_json, print_table, write_json
+from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.surroundings import start_petsc
 
@@ -25,6 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--check", action="store_true", help="compare the counts with the file and write nothing")
     add_json(parser)
+    add_verbose(parser)
 
 
 def run(args: argparse.Namespace) -> int:

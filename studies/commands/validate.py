@@ -3,6 +3,7 @@
 import argparse
 
 from restshape.cli.options import add_json, open_json, print_table, write_json
+from restshape.cli.verbosity import add_verbose
 from restshape.surroundings import start_petsc
 
 PLACE = 2
@@ -14,6 +15,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--case", action="append", metavar="NAME", help="only this case (may be given several times)")
     parser.add_argument("--list", action="store_true", help="name the cases and stop")
     add_json(parser)
+    add_verbose(parser)
 
 
 def run(args: argparse.Namespace) -> int:

@@ -54,5 +54,5 @@ def reach(frames: Iterable[Calls]) -> dict[tuple[str, str], int]:
 
 
 def moved(row: Row) -> bool:
-    """Tell whether something was solved or searched for in a frame, or would have been if there were a load."""
+    """Whether something was solved or searched for in a frame, or would have been if there were a load."""
     return row["level"] > 0 or row["iterations"] > 0 or row.get("tried", 0) > 0

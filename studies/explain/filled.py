@@ -1,4 +1,4 @@
-"""Which kernels fill each matrix: told by watching the operators that element loops fill."""
+"""Which kernels fill each matrix: reported by watching the operators that element loops fill."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator

@@ -122,7 +122,7 @@ def models(planned: Plan) -> dict[str, str]:
 
 
 def _chooses(planned: Plan, scene: Scene) -> bool:
-    """Tell whether the preconditioner is chosen by what counted work costs."""
+    """Whether the preconditioner is chosen by what counted work costs."""
     return scene.solve.policy == "auto" and planned.solver.systems[0].krylov == "cg"
 
 
@@ -162,7 +162,7 @@ class Report:
 
     def rows(self) -> list[Row]:
         """All effects, named ones first, then the parts of a frame that belong to none."""
-        effects = [*self.plan.effects, *self.plan.implied]
+        effects = [*self.plan.effects, *self.plan.derived]
         core = next((name for name in self.kept if not self._own(name)), next(iter(self.kept)))
         rows = [self._row(effect, core) for effect in effects]
         measured, why = self.prices, self.application.frame_parts(PART_WHY)
@@ -175,7 +175,7 @@ class Report:
         return rows
 
     def _row(self, effect: PlannedEffect, core: str) -> Row:
-        name, known = effect.name, {**self.application.effects, **self.application.implied}
+        name, known = effect.name, {**self.application.effects, **self.application.derived}
         head = {
             "effect": name,
             "kind": effect.cause,

@@ -1,4 +1,4 @@
-"""Which scenes are replayed to tell what each effect of a scene costs."""
+"""Which scenes are replayed to show what each effect of a scene costs."""
 
 from dataclasses import dataclass
 
@@ -31,9 +31,9 @@ class Variants:
     Args:
         sets: of effects that are left out, none of them first.
         differences: by effect, for those that are on and can be left out.
-        alone: by effect, for one that drives the body alone, whose time cannot be told.
+        alone: by effect, for one that drives the body alone, whose time cannot be determined.
         drivers: effects that drive the body.
-        kept: by effect, why its time cannot be told, for those that are on and in no difference.
+        kept: by effect, why its time cannot be determined, for those that are on and in no difference.
     """
 
     sets: tuple[Names, ...]
@@ -50,15 +50,15 @@ def variants(plan: Plan, application: Application) -> Variants:
     difference is then taken between two scenes without the latter. The last effect that drives the body stays, for a
     body that nothing loads costs nothing.
     """
-    on = [effect.name for effect in (*plan.effects, *plan.implied) if effect.on]
-    known = {**application.effects, **application.implied}
+    on = [effect.name for effect in (*plan.effects, *plan.derived) if effect.on]
+    known = {**application.effects, **application.derived}
     drivers = frozenset(name for name in on if known[name].drives)
     differences, alone, kept = {}, {}, {}
     for name in on:
         if name in application.effects:
             lasting = application.effects[name].required and REQUIRED
         else:
-            lasting = application.implied[name].without is None and PART
+            lasting = application.derived[name].without is None and PART
         if lasting:
             kept[name] = lasting
             continue
@@ -78,6 +78,6 @@ def variants(plan: Plan, application: Application) -> Variants:
 
 def _hanging_on(name: str, on: list[str], application: Application) -> Names:
     """The effects that are on and cannot be without one, or do their work again for what it adds."""
-    carried = application.effects[name].carries if name in application.effects else ()
-    implied = application.implied
-    return frozenset(other for other in on if other in carried or (other in implied and implied[other].needs == name))
+    carried = application.effects[name].repeats if name in application.effects else ()
+    derived = application.derived
+    return frozenset(other for other in on if other in carried or (other in derived and derived[other].needs == name))

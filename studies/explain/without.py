@@ -23,13 +23,13 @@ def without(scene: Scene, application: Application, names: Iterable[str]) -> Sce
     on = frozenset(effect.name for effect in plan(scene, application).effects if effect.on)
     raw = scene.raw
     for name in names:
-        effect, implied = application.effects.get(name), application.implied.get(name)
-        if effect is None and implied is None:
+        effect, derived = application.effects.get(name), application.derived.get(name)
+        if effect is None and derived is None:
             raise UserError(f"{application.name!r} has no effect {name!r}", str(scene.path), "name one that it has")
-        if implied is not None:
-            if implied.without is None:
+        if derived is not None:
+            if derived.without is None:
                 raise UserError(f"{name!r} cannot be left out", str(scene.path), "leave it on")
-            raw = implied.without(raw, on)
+            raw = derived.without(raw, on)
             continue
         if effect.required:
             raise UserError(f"{application.name!r} always has {name!r}", str(scene.path), "leave it on")

@@ -17,7 +17,7 @@ def draw_cycles(path: Path, courses: Mapping[str, Any], goal: float) -> None:
     Args:
         path: of the picture.
         courses: by name, each with residuals, speeds and at_rest: the "start", and those that go on from its end.
-        goal: residual at rest.
+        goal: residual at equilibrium.
     """
     figure = new_figure(10.5, 7.0)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))

@@ -1,4 +1,4 @@
-"""Pictures of the design derivative: how exact it is, and how far it foretells."""
+"""Pictures of the design derivative: how exact it is, and how far it predicts."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Residuals on the way to rest, against time and against steps."""
+"""Residuals on the solution strategy, against time and against steps."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -41,7 +41,7 @@ def draw_residuals(name: str, runs: Mapping[str, Mapping[str, Any]], path: Path,
         name: of the scene.
         runs: by name what `restshape_studies.bench.drape` measures.
         path: of the picture.
-        goal: residual at rest.
+        goal: residual at equilibrium.
     """
     figure = new_figure(11.0, 5.4)
     left, right = figure.subplots(1, 2, sharey=True)

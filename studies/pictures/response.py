@@ -11,7 +11,7 @@ from restshape.report.style import FAINT, INK, LEVELS, REFUSED, new_figure, scal
 class Response(Protocol):
     """What is drawn: places (m,), path (n,), amplitudes, peaks and crossing [m], frequencies (m,) [Hz]."""
 
-    shaking: float
+    excitation_frequency: float
     path: np.ndarray
     amplitude: np.ndarray
     places: np.ndarray
@@ -48,7 +48,13 @@ def draw_response(path: Path, found: Response, what: str = "window") -> None:
     top.set_ylabel(f"amplitude at the roof [{unit}]")
     top.set_ylim(0, 1.3 * factor * float(max(found.amplitude.max(), found.harmonic.max())))
     bottom.plot(found.places, found.frequency, ".-", color=INK, ms=4, lw=1, label="lowest eigenfrequency (SLEPc)")
-    bottom.axhline(found.shaking, color=REFUSED, lw=1, ls="--", label=f"the ground's, {found.shaking:g} Hz")
+    bottom.axhline(
+        found.excitation_frequency,
+        color=REFUSED,
+        lw=1,
+        ls="--",
+        label=f"the ground's, {found.excitation_frequency:g} Hz",
+    )
     bottom.set_ylabel("frequency [Hz]")
     bottom.set_xlabel(f"way of the {what} down [m]")
     # Only as high as the curves reach: text lies above.

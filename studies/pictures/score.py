@@ -1,4 +1,4 @@
-"""The picture of a design session: score and verdict against edit time, for two ways of running the analysis."""
+"""The picture of a design session: score and status against edit time, for two ways of running the analysis."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,8 +13,9 @@ COLOURS = (LEVELS[1], LEVELS[2])
 PLAIN = ("every frame", "on demand")
 
 
-class Way(Protocol):
-    """What one way tells, by frames (n,): edit time [s], area [m^2], stress [Pa], verdicts, best area so far [m^2]."""
+class SessionCourse(Protocol):
+    """What one way reports, by frames (n,): edit time [s], area [m^2], stress [Pa], statuses, best area so far
+    [m^2]."""
 
     t: np.ndarray
     score: np.ndarray
@@ -24,7 +25,7 @@ class Way(Protocol):
     best: np.ndarray
 
 
-def draw_score(path: Path, ways: Mapping[str, Way], limit: float) -> None:
+def draw_score(path: Path, ways: Mapping[str, SessionCourse], limit: float) -> None:
     """Draw the area above, and the stress against its limit below, both against edit time.
 
     Args:
@@ -53,7 +54,7 @@ def draw_score(path: Path, ways: Mapping[str, Way], limit: float) -> None:
     figure.savefig(path)
 
 
-def _draw_areas(axes: Axes, always: Way, asked: Way, moments: np.ndarray) -> None:
+def _draw_areas(axes: Axes, always: SessionCourse, asked: SessionCourse, moments: np.ndarray) -> None:
     """The area of the design, where it fails, and the smallest area that each way knows to hold."""
     axes.plot(always.t, always.score, color=FAINT, lw=1, label="area of the design")
     failing = np.where(always.fails, always.score, np.nan)
@@ -67,8 +68,8 @@ def _draw_areas(axes: Axes, always: Way, asked: Way, moments: np.ndarray) -> Non
     axes.legend(loc="upper right")
 
 
-def _moments(asked: Way) -> np.ndarray:
-    """Frames in which a verdict appears: the analyses."""
+def _moments(asked: SessionCourse) -> np.ndarray:
+    """Frames in which a status appears: the analyses."""
     known = asked.holds | asked.fails
     return np.flatnonzero(known & ~np.concatenate([[False], known[:-1]]))
 

@@ -7,11 +7,13 @@ from pathlib import Path
 
 from restshape_studies.stability.watched import READY, Telling
 
+from restshape.cli.verbosity import inherit_verbosity
 from restshape.surroundings import start_petsc
 
 
 def main() -> int:
-    """Run the cases named on stdin, and tell a row for each."""
+    """Run the cases named on stdin, and report a row for each."""
+    inherit_verbosity()
     asked = json.loads(sys.stdin.read())
     folder = Path(sys.argv[1])
     start_petsc(sys.argv[2:])

@@ -36,7 +36,7 @@ class Found:
     Args:
         seed: of the batch.
         kind: "crash", "hang", or "fault": a traceback, or a number that is none.
-        signature: what tells it from others.
+        signature: what distinguishes it from others.
         what: its message.
         folder: scene, edits and `example.json`; empty where nobody asked to keep them.
         command: which replays them in that folder.
@@ -111,7 +111,7 @@ def fuzz(
         each: seconds after which an example counts as hung.
         seconds: no batch begins after so long.
         shrink: look for smaller examples of faults.
-        told: called after each batch.
+        reported: called after each batch.
 
     Raises:
         UserError: hypothesis, which draws the examples, is not installed; no example could be played.
@@ -134,7 +134,7 @@ def fuzz(
 
 
 def _play(batch: Batch, tried: Tried, keep: Path | None, each: float) -> None:
-    """Play a batch in a process, and count what it tells."""
+    """Play a batch in a process, and count what it reports."""
     with tempfile.TemporaryDirectory(prefix="restshape-fuzz-") as name:
         folder, lines = Path(name), []
         end = watch(PROCESS, folder, asdict(batch), each, lambda *line: lines.append(line))
@@ -142,7 +142,7 @@ def _play(batch: Batch, tried: Tried, keep: Path | None, each: float) -> None:
 
 
 def _count(batch: Batch, tried: Tried, lines: list[tuple[str, Any]], folder: Path, end: End, keep: Path | None) -> None:
-    """Count what a process told, and note faults."""
+    """Count what a process reported, and note faults."""
     new: dict[str, Found] = {}
     for what, content in lines:
         # After the first fault that nobody knows come smaller examples of it.

@@ -1,6 +1,6 @@
 """A batch of random examples: ``python -m restshape_studies.stability.fuzz_process FOLDER`` reads it from stdin.
 
-It tells the folder's file of each example before it plays it, so that whoever watches knows which one it was
+It reports the folder's file of each example before it plays it, so that whoever watches knows which one it was
 that ended or hung the process.
 """
 
@@ -28,7 +28,7 @@ SHRINKING = 20.0
 
 @dataclass
 class Watched:
-    """Tells of whatever ends a replay, and keeps its files; lets what is known pass."""
+    """Reports whatever ends a replay, and keeps its files; lets what is known pass."""
 
     known: tuple[str, ...]
     folder: Path
@@ -44,7 +44,7 @@ class Watched:
         """Begin to watch."""
 
     def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> bool:
-        """Tell of the error, if there is one; it goes no further if it is known."""
+        """Report the error, if there is one; it goes no further if it is known."""
         if error is None or isinstance(error, KeyboardInterrupt):
             return False
         from restshape_studies.stability.player import signature
@@ -62,9 +62,9 @@ def run(batch: Batch, folder: Path, tell: Callable[[str, Any], None]) -> None:
     """Play the batch; of a fault the smallest example that was found stays in the folder for it.
 
     Raises:
-        BaseException: the fault, after it was told.
+        BaseException: the fault, after it was reported.
     """
-    # A crash tells its line of Python, which PETSc's own handler would not.
+    # A crash reports its line of Python, which PETSc's own handler would not.
     start_petsc(["-no_signal_handler"])
     faulthandler.enable()
     from restshape_studies.stability.player import play

@@ -60,7 +60,7 @@ def play(folder: Path, example: Example) -> Played:
     """How the replay of an example's files ended.
 
     Raises:
-        Fault: a shown number is not finite, a refusal has no message, or the command tells or writes something else.
+        Fault: a shown number is not finite, a refusal has no message, or the command reports or writes something else.
         BaseException: whatever a user would see a traceback of.
     """
     played = Played()
@@ -136,7 +136,7 @@ def _check_numbers(replay: Replay, row: dict[str, Any]) -> None:
 
 
 def signature(error: BaseException) -> str:
-    """What tells one fault from another: its kind and the innermost line of restshape's own code."""
+    """What distinguishes one fault from another: its kind and the innermost line of restshape's own code."""
     if isinstance(error, Fault):
         return str(error).partition(": ")[2].partition(" = ")[0]
     frames = [f for f in traceback.extract_tb(error.__traceback__) if set(Path(f.filename).parts) & OWN]

@@ -1,4 +1,4 @@
-"""A process that tells what it does line by line, and may crash or hang while it does."""
+"""A process that shows what it does line by line, and may crash or hang while it does."""
 
 import json
 import os
@@ -12,12 +12,14 @@ from typing import Any
 
 from restshape_studies.bench.job import ending
 
+from restshape.cli.verbosity import relay
+
 TOLD = "told.jsonl"
 LOOK = 0.05
 """Seconds between two looks at a process."""
 
 READY = "ready"
-"""What a process tells first that works on one thing for long before it has another line to tell."""
+"""What a process reports first that works on one thing for long before it has another line to report."""
 
 START = 60.0
 """Seconds that a process may take besides to come to its first line: a busy machine imports slowly."""
@@ -29,7 +31,7 @@ class End:
 
     Args:
         problem: empty where all went well.
-        hung: it was ended because it had told nothing for too long.
+        hung: it was ended because it had reported nothing for too long.
         last_words: the last lines of its messages.
     """
 
@@ -39,7 +41,7 @@ class End:
 
 
 class Telling:
-    """The file that a process tells its lines to; ``tell(kind, content)``."""
+    """The file that a process reports its lines to; ``report(kind, content)``."""
 
     def __init__(self, folder: Path) -> None:
         self.file = (folder / TOLD).open("w", buffering=1)
@@ -54,7 +56,7 @@ def watch(
     """How a process ended that runs a module with a folder as its argument.
 
     Args:
-        module: is given `job` as JSON on stdin, and tells its lines to the folder's file.
+        module: is given `job` as JSON on stdin, and reports its lines to the folder's file.
         folder: for files of the process.
         job: what it shall do.
         silence: seconds without a line after which it is ended; `START` more before the first one.
@@ -79,6 +81,7 @@ def watch(
                 process.kill()
             process.wait()
     messages = (folder / "stderr").read_text(errors="replace")
+    relay(messages)
     problem = f"told nothing for {silence:g} s" if hung else ending(process.returncode, messages)
     lines = [line for line in messages.splitlines() if line.strip()]
     return End(problem, hung, " | ".join(lines[-8:]))

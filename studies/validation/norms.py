@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from restshape.mesh.lagrange_space import LagrangeSpace, quadratic_basis
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.quadrature import DEGREE_4, collapsed
-from restshape.mesh.space import LagrangeSpace, quadratic_basis
 
 Field = Callable[[np.ndarray], np.ndarray]
 POINTS, WEIGHTS = DEGREE_4

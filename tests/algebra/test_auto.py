@@ -216,7 +216,7 @@ def test_level_2_factors_only_when_the_iteration_was_given_up(tmp_path):
         relocation="laplacian",
         criterion="author",
     )
-    before, level2, excess = factorizations(), 0, 0
+    before, level2, extra_iterations = factorizations(), 0, 0
     for row in made.frames():
         now = factorizations()
         assert now - before == row["pc_rebuilt"]
@@ -224,7 +224,7 @@ def test_level_2_factors_only_when_the_iteration_was_given_up(tmp_path):
             level2 += 1
             # A fresh factor needs 1 iteration: more means that the old one was tried.
             assert not row["pc_rebuilt"] or row["iterations"] > 2
-            excess = max(excess, made.analysis.solver.refresh.excess)
+            extra_iterations = max(extra_iterations, made.analysis.solver.refresh.extra_iterations)
         before = now
     assert level2 >= 3
 
@@ -244,13 +244,13 @@ def test_after_a_patch_a_refresh_is_dearer(tmp_path):
             size, filled = own.kept.size, own.kept.filled
             price = NOMINAL.factor_seconds(size.unknowns, size.nonzeros, filled)
             one = NOMINAL.iteration_seconds(size.unknowns, size.nonzeros, filled)
-            assert own.refresh.budget == pytest.approx(price / one, abs=1.0)
+            assert own.refresh.break_even == pytest.approx(price / one, abs=1.0)
             seen.add("patched")
     assert seen
 
 
 def test_a_thousand_frames_without_a_refresh(tmp_path):
-    """The factor of the first frame serves for good, unless the mesh is made anew; each frame is solved or says why."""
+    """The factor of the first frame serves for good, unless the mesh is rebuilt; each frame is solved or says why."""
     path = [(0.5 + 0.45 * np.sin(0.05 * k), 0.5 + 0.1 * np.sin(0.13 * k)) for k in range(1, 1001)]
     script = write_script(tmp_path, drag("window", (0.5, 0.5), path))
     made = make_replay(

@@ -10,7 +10,6 @@ from restshape.algebra.davidson import SearchSpace, davidson
 from restshape.algebra.eigen import EigenSolver, gap
 from restshape.algebra.inverse_iteration import inverse_iteration
 from restshape.algebra.krylov_schur import krylov_schur
-from restshape.algebra.minimal_residual import minimal_residual
 from restshape.algebra.pencil import Deflation, Pencil
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
@@ -38,7 +37,7 @@ def chain_values(n: int, count: int) -> np.ndarray:
 
 def pencil_of(K: PETSc.Mat, M: PETSc.Mat) -> Pencil:
     pencil = Pencil(Stages())
-    pencil.take(K, M, True)
+    pencil.set_matrices(K, M, True)
     return pencil
 
 
@@ -180,10 +179,3 @@ def test_gap_is_no_trap_of_values_that_have_not_converged():
     assert below == 3 and 2.5 < shift < 3.1
     shift, below = gap(np.array([1.0, 2.0, 400.0, 900.0]), 2)
     assert below == 2 and 2.0 < shift < 2.5
-
-
-def test_minimal_residual_solves_what_lapack_solves():
-    rng = np.random.default_rng(3)
-    A, b = rng.standard_normal((20, 20)), rng.standard_normal(20)
-    assert minimal_residual(lambda x: A @ x, b, 1e-12, 30) == pytest.approx(np.linalg.solve(A, b), rel=1e-8)
-    assert not np.any(minimal_residual(lambda x: A @ x, 0 * b, 1e-12, 30))

@@ -15,7 +15,7 @@ class Chain:
     """Masses in a row, held at the left, each pulled by 1 N to the right; springs of 100 N/m harden with stretch."""
 
     def __init__(self, hard: float = 0.0) -> None:
-        self.hard, self.held = hard, np.array([0])
+        self.hard, self.constrained = hard, np.array([0])
         self.matrix = PETSc.Mat().createAIJ((N, N), nnz=3, comm=PETSc.COMM_SELF)
         self.load = np.ones((N, 1))
 
@@ -32,7 +32,7 @@ class Chain:
         out[:] = -self.load
         out[1:, 0] += pull
         out[:-1, 0] -= pull
-        out[self.held] = 0.0
+        out[self.constrained] = 0.0
 
     def step_matrix(self, x, inertia, blocks):
         k = 100.0 + 3.0 * self.hard * self.stretches(x) ** 2

@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from scipy.sparse.linalg import spilu, splu
 from small_scenes import across, drag, make_replay, plate, write_scene, write_script
 
-from restshape.algebra.gather import GatheredSystem
+from restshape.algebra.gathering import GatheredSystem
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import true_residual
 from restshape.algebra.stages import Stages
@@ -41,7 +41,7 @@ def systems(tmp_path_factory):
     """Matrix and right side of each frame of a drag that goes one way, on one mesh."""
     folder = tmp_path_factory.mktemp("drag")
     script = write_script(folder, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.8, 0.5), FRAMES)))
-    # Nothing counts as distorted, so that the mesh stays the same.
+    # Nothing counts as of low quality, so that the mesh stays the same.
     made = make_replay(write_scene(folder, plate()), script, "refactor", ["mesh.min_quality=0.01"])
     found = []
     for row in made.frames():
@@ -123,7 +123,7 @@ def best_schedule(table, refresh):
 @pytest.mark.parametrize("dearer", [0.3, 1.0, 3.0, 10.0])
 def test_never_worse_than_twice_the_best_schedule(systems, table, dearer):
     reports, made = run(systems, dearer=dearer)
-    refresh = made.refresh.budget
+    refresh = made.refresh.break_even
     spent = sum(report.iterations + refresh * report.refreshed for report in reports)
     best = best_schedule(table, refresh)
     always, never = (FRAMES + 1) * (refresh + 1), refresh + table[0].sum()
@@ -140,15 +140,15 @@ def test_the_budget_is_the_price_of_a_refresh(systems):
     assert splu(A.tocsc(), permc_spec="MMD_AT_PLUS_A").L.nnz / 3 < filled < 3 * A.nnz
     known = made.kept.choice.calibration
     price = known.refresh_seconds(A.shape[0], A.nnz, filled) / known.iteration_seconds(A.shape[0], A.nnz, filled)
-    assert price <= made.refresh.budget < price + 1
+    assert price <= made.refresh.break_even < price + 1
 
 
 def test_a_jump_is_noticed_in_mid_solve(systems, table):
     reports, made = run([systems[0], systems[-1], systems[-1], systems[-2]])
-    assert made.refresh.budget < table[0, -1]
+    assert made.refresh.break_even < table[0, -1]
     jump, same, near = reports[1:]
     assert jump.refreshed and jump.age == 0
-    assert made.refresh.budget <= jump.iterations <= made.refresh.budget + 3
+    assert made.refresh.break_even <= jump.iterations <= made.refresh.break_even + 3
     # The factor is that of the jump's own matrix now, and it is kept.
     assert not same.refreshed and same.age == 1 and same.iterations == 1
     assert not near.refreshed and near.age == 2 and near.iterations <= 4

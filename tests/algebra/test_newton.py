@@ -20,7 +20,7 @@ class System:
 
     def __init__(self, r, jacobian, energy=None):
         self.r, self.jacobian, self.of = r, jacobian, energy
-        self.potential, self.held = energy is not None, np.empty(0, dtype=np.int64)
+        self.potential, self.constrained = energy is not None, np.empty(0, dtype=np.int64)
         self.mat: PETSc.Mat | None = None
         self.tangents = self.residuals = self.version = 0
 
@@ -53,7 +53,7 @@ def newton_of(system, n, method="direct", tolerance=1e-10):
         PETSc.COMM_SELF, "newton_test_", method, tolerance, calibration, Stages(), traits=Traits(system.potential)
     )
     newton = Newton(PETSc.COMM_SELF, "newton_test_", linear, (n, 1), slice(0, n))
-    newton.take(system)
+    newton.set_equations(system)
     return newton
 
 
@@ -162,7 +162,7 @@ class TestRounding:
     def test_a_goal_below_rounding_is_not_met_but_the_root_is_found(self):
         x, outcome = run(self.squares(), [3.0], goal=1e-12, rounding=1e-13 * self.STIFF)
         assert outcome.converged and x[0] == pytest.approx(np.sqrt(2.0), rel=1e-15)
-        # It is told, so that nobody takes the goal for met.
+        # It is reported, so that nobody takes the goal for met.
         assert 1e-12 < outcome.norm == self.STIFF * abs(x[0] ** 2 - 2.0) < 1e-13 * self.STIFF * x[0]
 
     def test_without_the_rule_the_run_does_not_end(self):
@@ -200,7 +200,7 @@ def test_a_tangent_is_kept_for_a_last_small_step(method):
         _, K = cubes(np.zeros(3))
         system, _ = cubes(K @ x + 0.1 * x**3)
         newton = newton or newton_of(system, 3, method, 1e-10)
-        newton.take(system)
+        newton.set_equations(system)
         found, outcome = run(system, x + 0.1, goal, newton=newton)
         assert outcome.converged
         np.testing.assert_allclose(found, x, atol=2 * goal)

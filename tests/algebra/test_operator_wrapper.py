@@ -5,7 +5,7 @@ import pytest
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.gather import whole_matrix
+from restshape.algebra.gathering import gather_matrix
 from restshape.algebra.operator import Operator
 
 X = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.4, 0.45]], dtype=float)
@@ -20,7 +20,7 @@ def assembled(backend, mask, prescribed):
     rhs = np.zeros((5, 2))
     element = _kernels.Element("linear_elastic_tri3")
     mat = operator.assemble([(0, element, X, prescribed, PARAMS, 1.0)], rhs.ravel())
-    return whole_matrix(mat, PETSc.COMM_SELF).toarray(), rhs.ravel()
+    return gather_matrix(mat, PETSc.COMM_SELF).toarray(), rhs.ravel()
 
 
 @pytest.mark.parametrize("backend", ["csr", "coo"])

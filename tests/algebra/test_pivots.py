@@ -1,4 +1,4 @@
-"""Pivots of complete factors tell how many eigenvalues are negative: against eigenvalues and determinants."""
+"""Pivots of complete factors show how many eigenvalues are negative: against eigenvalues and determinants."""
 
 import numpy as np
 import pytest

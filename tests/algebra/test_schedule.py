@@ -1,11 +1,11 @@
-"""The best schedule of refreshes against all schedules, and the regret of a replay."""
+"""The best schedule of refreshes against all schedules, and the cost of a replay over the best schedule."""
 
 from itertools import combinations
 
 import numpy as np
 import pytest
 from petsc4py import PETSc
-from restshape_studies.bench.regret import measure
+from restshape_studies.bench.hindsight import measure
 from small_scenes import across, drag, plate, write_scene, write_script
 
 from restshape.algebra.schedule import best_schedule

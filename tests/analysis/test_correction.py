@@ -19,7 +19,7 @@ MOVED = [{"do": "idle", "frames": 3}, *drag("right_top", (5.7, 16.6), across((5.
 def directly(analysis, rest):
     """The solution of the step's own equations by a complete factor, as `conjugate_steps` is asked for it."""
     stiffness, mass, damping = analysis.matrices()
-    newmark, free = analysis.state.integration.scheme, ~analysis.body.held.ravel()
+    newmark, free = analysis.state.integration.scheme, ~analysis.body.constrained.ravel()
     found = np.zeros_like(rest)
     found[free] = splu((stiffness + newmark.a0 * mass + newmark.a1 * damping).tocsc()).solve(rest[free])
     return found
@@ -116,7 +116,7 @@ tolerance = 1e-3
 
 
 def test_a_new_mesh_on_which_nothing_had_to_be_solved_for(tmp_path, monkeypatch):
-    """The kept preconditioner is that of the mesh before, of another size: the error is told all the same."""
+    """The kept preconditioner is that of the mesh before, of another size: the error is reported all the same."""
     script = write_script(tmp_path, drag("p1", (0.5, 0.0), [(0.5, 0.008)])[:2])
     replay = make_replay(write_scene(tmp_path, STIFF_INSIDE), script, "rebuild")
     unsolved = 0

@@ -1,4 +1,5 @@
-"""Cloth at rest: against closed forms, against other ways to the same rest, and what is kept between frames."""
+"""Cloth in equilibrium: against closed forms, against other strategies for the same equilibrium, and what is kept
+between frames."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -51,7 +52,7 @@ def solved(scene, name="auto", mesh=None):
 
 
 def independent_residual(found):
-    """The residual at rest from differences of the energy, over the weight."""
+    """The residual at equilibrium from differences of the energy, over the weight."""
     rng, x, h = np.random.default_rng(3), found.x, 1e-8
     out = np.zeros_like(x)
     found.problem.residual(x, out)
@@ -85,8 +86,8 @@ def test_pinned_cloth_comes_to_rest(tmp_path, bending):
     weight = found.problem.lumped.density.mean() * 9.81
     out = np.zeros_like(found.x)
     found.problem.unconstrained_residual(found.x, out)
-    held = found.problem.boundary.mask.any(axis=1)
-    assert out[held, 2].sum() == pytest.approx(weight, rel=1e-3)
+    constrained = found.problem.boundary.mask.any(axis=1)
+    assert out[constrained, 2].sum() == pytest.approx(weight, rel=1e-3)
 
 
 def test_cloth_lies_on_the_ball_and_not_in_it(tmp_path):
@@ -189,7 +190,7 @@ def test_frames_after_an_error_go_on_from_the_last_rest(tmp_path):
 
 @pytest.mark.parametrize("bending", ["morley", "hinge", "none"])
 def test_moved_material_takes_its_place_on_the_cloth(tmp_path, bending):
-    """Flat cloth keeps its place while its nodes move in it; nothing has to be found anew."""
+    """Flat cloth keeps its place while its nodes move in it; nothing has to be found again."""
     scene = cloth(
         tmp_path,
         '[supports.flat]\non = "all"\nfix = ["z"]\n[supports.a]\non = "a"\nfix = ["x", "y"]\n'

@@ -8,7 +8,7 @@ from small_scenes import make_replay, rows_of
 from vibrating import dynamics, idle, tower
 
 from restshape.analysis.frequencies import lowest_modes
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 TIGHT = "solve.tolerance=1e-7"
 PUSHED = [
@@ -24,7 +24,7 @@ BAR = 2089.35
 
 
 def modes_of(scene, *overrides):
-    return still(SCENES / scene, [TIGHT, *overrides]).analysis
+    return first_frame(SCENES / scene, [TIGHT, *overrides]).analysis
 
 
 @pytest.mark.parametrize(("order", "size", "slack"), [(1, 0.1, 0.06), (1, 0.04, 0.03), (2, 0.1, 0.06)])
@@ -62,7 +62,7 @@ def test_a_grain_without_direction_changes_nothing(tmp_path, model):
         scene = tmp_path / f"{name}.toml"
         scene.write_text(text.replace(STEEL, material))
         found.append(
-            still(scene, [f"effects.modal.model={model}", "mesh.size=0.1", TIGHT]).analysis.errors()["estimate"]
+            first_frame(scene, [f"effects.modal.model={model}", "mesh.size=0.1", TIGHT]).analysis.errors()["estimate"]
         )
     assert found[1] == pytest.approx(found[0], rel=1e-5) and found[0] > 0.0
 
@@ -77,7 +77,7 @@ def test_a_region_of_the_same_material_changes_little(tmp_path, model):
         scene = tmp_path / f"{name}.toml"
         scene.write_text(text + more)
         overrides = [f"effects.modal.model={model}", "effects.modal.modes=1", "mesh.size=0.04", TIGHT]
-        found.append(still(scene, overrides).analysis.errors()["estimate"])
+        found.append(first_frame(scene, overrides).analysis.errors()["estimate"])
     assert 0.5 < found[1] / found[0] < 1.5
 
 
@@ -89,7 +89,7 @@ def test_second_order_tetrahedra(layers, size):
 
 
 def test_first_order_tetrahedra_that_lock_are_told_too_little_of_their_error():
-    """Far from any asymptotics: 68 % too high, of which the estimate tells more than a half."""
+    """Far from any asymptotics: 68 % too high, of which the estimate reports more than a half."""
     bar = modes_of("bar_100.toml")
     error = bar.frequencies[0] / BAR - 1.0
     assert error > 0.5
@@ -110,8 +110,8 @@ def test_plate():
 @pytest.mark.parametrize(("order", "size", "least"), [(1, 0.015, 0.8), (2, 0.03, 0.95)])
 def test_load_factors(order, size, least):
     """Of a column, against a mesh of elements whose error is a hundredth."""
-    fine = still(SCENES / "column.toml", ["mesh.order=2", "mesh.size=0.01", TIGHT]).analysis
-    column = still(SCENES / "column.toml", [f"mesh.order={order}", f"mesh.size={size}", TIGHT]).analysis
+    fine = first_frame(SCENES / "column.toml", ["mesh.order=2", "mesh.size=0.01", TIGHT]).analysis
+    column = first_frame(SCENES / "column.toml", [f"mesh.order={order}", f"mesh.size={size}", TIGHT]).analysis
     error = (column.load_factors / fine.load_factors - 1.0).max()
     assert least < column.errors()["estimate"] / error < 1.12
     assert column.estimated == "load factors"
@@ -126,7 +126,7 @@ def test_error_of_one_time_step(tmp_path, beta):
     stiffness, mass, _ = analysis.matrices()
     (omega,), modes = lowest_modes(stiffness, mass, 1)
     shape = np.zeros(analysis.x.size)
-    shape[~analysis.body.held.ravel()] = modes[:, 0]
+    shape[~analysis.body.constrained.ravel()] = modes[:, 0]
     shape = shape.reshape(-1, 2) / np.abs(modes).max()
     start, dt = 1.2, 5e-3
     assert np.isnan(analysis.errors()["estimate_time"])
@@ -146,7 +146,7 @@ def test_steps_too_long_for_what_swings_are_not_told_more_than_what_swings(tmp_p
     stiffness, mass, _ = analysis.matrices()
     highest = eigsh(stiffness, 1, mass, return_eigenvectors=False)[0]
     assert np.sqrt(highest) * 0.05 > 5
-    shape = np.where(analysis.body.held, 0.0, np.random.default_rng(3).standard_normal(analysis.x.shape))
+    shape = np.where(analysis.body.constrained, 0.0, np.random.default_rng(3).standard_normal(analysis.x.shape))
     analysis.begin(shape, np.zeros_like(shape))
     idle(replay)
     assert 0.05 < analysis.errors()["estimate_time"] < 2.0

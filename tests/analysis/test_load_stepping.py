@@ -13,7 +13,7 @@ from small_scenes import make_replay, rows_of, write_scene
 from restshape.algebra.newton_convergence import Outcome
 from restshape.analysis.load_stepping import SEARCHED, SHORTEST, step_load
 from restshape.errors import UserError
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 ELASTICA = pathlib.Path(__file__).parents[1] / "scenes" / "elastica.toml"
 DONE = Outcome(True, 0, 0, False, True)
@@ -80,12 +80,12 @@ def test_short_steps_are_searched():
 @pytest.mark.parametrize("steps", [1, 2, 3, 4, 8])
 def test_too_few_load_steps_are_refused(steps):
     with pytest.raises(UserError, match=f"more than {steps} load steps would be needed"):
-        still(ELASTICA, [f"effects.large_deformation.load_steps={steps}"], PETSc.COMM_WORLD)
+        first_frame(ELASTICA, [f"effects.large_deformation.load_steps={steps}"], PETSc.COMM_WORLD)
 
 
 def test_enough_load_steps_bear_the_whole_load():
     # K. Mattiasson, Int. J. Numer. Meth. Engng 17 (1981) 145.
-    row = still(ELASTICA, ["effects.large_deformation.load_steps=12"], PETSc.COMM_WORLD).row
+    row = first_frame(ELASTICA, ["effects.large_deformation.load_steps=12"], PETSc.COMM_WORLD).row
     assert (-row["q_down"], -row["q_back"]) == pytest.approx((0.493457, 0.160642), rel=2e-4)
 
 
@@ -96,7 +96,7 @@ def test_the_other_reference_agrees_with_elliptic_integrals():
 @pytest.mark.parametrize("load", [100, 1000])
 def test_a_strip_far_softer_in_bending_than_in_tension(load):
     # The goal is far below the forces of stretching that steps along the bent strip bring up.
-    row = still(ELASTICA, [f"parameters.load={load}"], PETSc.COMM_WORLD).row
+    row = first_frame(ELASTICA, [f"parameters.load={load}"], PETSc.COMM_WORLD).row
     assert (-row["q_down"], -row["q_back"]) == pytest.approx(stretched_elastica(load), rel=2e-3)
 
 

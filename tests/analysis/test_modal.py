@@ -5,8 +5,8 @@ import pytest
 from modal import EDITS, SCENES, replay, solved
 
 from restshape.errors import UserError
+from restshape.replay.first_frame import first_frame
 from restshape.replay.parity import Parity
-from restshape.replay.still import still
 
 WILD = """{"format": "restshape-edits", "version": 1, "scene": "bar_100.toml", "units": "m"}
 {"t": 0.0, "do": "press", "on": "c", "at": [0.1, 0.03]}
@@ -75,7 +75,7 @@ def test_predicted_frames_follow_the_solved_ones_to_first_order():
 def test_modes_in_the_plane_are_left_out_unless_asked_for():
     overrides = ["effects.modal.modes=5", "mesh.order=2", "mesh.layers=1", 'mesh.size="15 mm"']
     out, all_modes = (
-        still(SCENES / "bar_200.toml", [*overrides, f"effects.modal.in_plane={flag}"]).analysis
+        first_frame(SCENES / "bar_200.toml", [*overrides, f"effects.modal.in_plane={flag}"]).analysis
         for flag in ("false", "true")
     )
     assert np.all(out.state.modes.participation[out.state.modes.chosen] > 0.95)
@@ -96,8 +96,8 @@ def test_undercut_lowers_a_bar_and_ends_made_thin_raise_it():
 def test_thickness_of_a_formula_means_the_same_for_plates_and_solids():
     thickness = "material.aluminium.thickness='0.004*(1 - 0.4*exp(-((x - 0.05)/0.02)^2))'"
     fine = ['mesh.size="5 mm"', "effects.modal.modes=1", thickness]
-    plate = still(SCENES / "bar_100.toml", [*fine, "effects.modal.model=plate"]).analysis
-    solid = still(SCENES / "bar_100.toml", [*fine, "mesh.order=2", "mesh.layers=1"]).analysis
+    plate = first_frame(SCENES / "bar_100.toml", [*fine, "effects.modal.model=plate"]).analysis
+    solid = first_frame(SCENES / "bar_100.toml", [*fine, "mesh.order=2", "mesh.layers=1"]).analysis
     assert plate.frequencies[0] == pytest.approx(solid.frequencies[0], rel=5e-3)
 
 
@@ -105,7 +105,7 @@ def test_thin_plate_does_not_lock():
     lambdas = []
     for h in (1e-2, 1e-4):
         overrides = [f"material.steel.thickness={10 * h}", "effects.modal.modes=1", "mesh.size=0.8"]
-        lambdas.append(still(SCENES / "square.toml", overrides).analysis.frequencies[0] / h)
+        lambdas.append(first_frame(SCENES / "square.toml", overrides).analysis.frequencies[0] / h)
     assert lambdas[0] == pytest.approx(lambdas[1], rel=5e-3)
 
 
@@ -128,9 +128,9 @@ def test_supports_leave_the_rigid_motions_that_they_do():
 )
 def test_scenes_that_make_no_sense_are_refused(scene, overrides, told):
     with pytest.raises(UserError, match=told):
-        still(SCENES / scene, overrides)
+        first_frame(SCENES / scene, overrides)
 
 
 def test_thickness_that_vanishes_is_refused():
     with pytest.raises(UserError, match="thickness is"):
-        still(SCENES / "bar_100.toml", ["material.aluminium.thickness='0.004 - 0.1*x'"])
+        first_frame(SCENES / "bar_100.toml", ["material.aluminium.thickness='0.004 - 0.1*x'"])

@@ -1,4 +1,4 @@
-"""Large deformation at rest: exact states on moving meshes, what is reused, and derivatives by the kept factor."""
+"""Large deformation, static: exact states on moving meshes, what is reused, and derivatives by the kept factor."""
 
 import numpy as np
 import pytest
@@ -57,8 +57,8 @@ def test_the_residual_that_is_told_is_that_of_the_displacement(tmp_path, predict
     made = bent(tmp_path, predict=predict)
     for row in made.frames():
         analysis = made.analysis
-        lacking = np.linalg.norm(analysis.state.equations.whole_residual(analysis.x))
-        # Predicted frames are held against the load of the last solved one.
+        lacking = np.linalg.norm(analysis.state.equations.full_residual(analysis.x))
+        # Predicted frames are compared with the load of the last solved one.
         load = analysis.state.scale if row["predicted"] else np.linalg.norm(analysis.state.equations.load())
         assert row["residual"] == pytest.approx(lacking / load, rel=1e-6)
 
@@ -123,7 +123,7 @@ def test_linear_solve_is_the_derivative_of_the_answer(tmp_path, wind):
     analysis, h = at(-10.0), 1e-3
     assert isinstance(analysis, NonlinearSteadyAnalysis)
     rest = np.zeros_like(analysis.x)
-    per_g = at(-11.0).state.equations.whole_residual(rest) - analysis.state.equations.whole_residual(rest)
+    per_g = at(-11.0).state.equations.full_residual(rest) - analysis.state.equations.full_residual(rest)
     found = analysis.linear_solve(per_g, 1e-10)
     wanted = (at(-10.0 + h).x - at(-10.0 - h).x) / (2 * h)
     np.testing.assert_allclose(found, wanted, atol=1e-6 * np.abs(wanted).max())

@@ -1,4 +1,4 @@
-"""Residuals that rounding keeps above the tolerance are told, and measured against the load all the same."""
+"""Residuals that rounding keeps above the tolerance are reported, and measured against the load all the same."""
 
 from pathlib import Path
 
@@ -7,20 +7,20 @@ import pytest
 from large import beam
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 
 @pytest.mark.parametrize(("tolerance", "reached"), [(1e-6, True), (1e-10, False)])
 def test_a_tolerance_below_rounding_is_told(tolerance, reached):
     # Forces along a strip of 1:100 are 10^4 times those that bend it, and so is their rounding.
     scene = Path(__file__).parents[1] / "scenes" / "elastica.toml"
-    made = still(scene, ["parameters.load=10", f"solve.tolerance={tolerance}"])
+    made = first_frame(scene, ["parameters.load=10", f"solve.tolerance={tolerance}"])
     row, equations = made.row, made.analysis.state.equations
     assert ("out of reach" in row["note"]) == (not reached)
-    # What the row tells is the residual over the load itself, whatever could be reached.
-    left, load = (np.linalg.norm(equations.whole_residual(x)) for x in (made.analysis.x, 0 * made.analysis.x))
+    # What the row reports is the residual over the load itself, whatever could be reached.
+    left, load = (np.linalg.norm(equations.full_residual(x)) for x in (made.analysis.x, 0 * made.analysis.x))
     force = 10 * 12e6 * 0.01**3 / 12
-    assert equations.whole_residual(0 * made.analysis.x)[:, 1].sum() == pytest.approx(force)
+    assert equations.full_residual(0 * made.analysis.x)[:, 1].sum() == pytest.approx(force)
     assert row["residual"] == pytest.approx(left / load) and (row["residual"] <= tolerance) == reached
     # K. Mattiasson, Int. J. Numer. Meth. Engng 17 (1981) 145.
     assert (-row["q_down"], -row["q_back"]) == pytest.approx((0.810609, 0.554996), rel=3e-4)

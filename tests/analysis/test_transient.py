@@ -9,8 +9,8 @@ from vibrating import DAMPED, SHAKEN, dynamics, idle, textbook_newmark, tower
 from restshape.analysis.frequencies import lowest_modes
 from restshape.analysis.velocity_projection import project_velocity
 from restshape.fem.assembled import Assembled
-from restshape.fem.balance import dead_loads
 from restshape.fem.problem import INTERNAL
+from restshape.fem.residuals import dead_loads
 from restshape.replay.parity import Parity
 
 PULLED = "\n[loads.pull]\non = 'right'\ntraction = ['300 Pa', '-100 Pa']\n"
@@ -29,7 +29,7 @@ def test_steps_are_those_of_the_textbook(tmp_path, mass, beta, gamma, steps):
     for _ in range(12 // steps):
         idle(replay)
     analysis, body = replay.analysis, replay.analysis.body
-    free = ~body.held.ravel()
+    free = ~body.constrained.ravel()
     direction = np.array([2.0, 1.0]) / np.sqrt(5)
     uniform = body.mass.apply(np.tile(direction, (len(free) // 2, 1))).ravel()[free]
     static = np.zeros_like(body.static)
@@ -55,7 +55,7 @@ def test_steady_motion_is_the_discrete_harmonic_response(tmp_path):
         idle(replay)
     analysis, body = replay.analysis, replay.analysis.body
     analysis.set_integration(steps=1)
-    free = ~body.held.ravel()
+    free = ~body.constrained.ravel()
     stiffness, mass, damping = analysis.matrices()
     s = 2 / dt * np.tan(0.5 * omega * dt)
     uniform = body.mass.apply(np.tile(np.array([2.0, 1.0]) / np.sqrt(5), (len(free) // 2, 1))).ravel()[free]
@@ -73,7 +73,7 @@ def test_energy_changes_by_the_work_of_edits_alone(tmp_path):
     work, energies, last = 0.0, [], None
     for row in replay.frames():
         analysis = replay.analysis
-        free = ~analysis.body.held.ravel()
+        free = ~analysis.body.constrained.ravel()
         if row["index"] == 0:
             X = replay.moving.mesh.X
             analysis.begin(0.02 * X * X[:, 1:], 0.3 * X[:, ::-1] * X[:, 1:])
@@ -122,14 +122,14 @@ def test_velocities_keep_their_momentum_on_a_new_mesh(tmp_path):
     Y = mesh.X
     exact = np.column_stack([np.sin(Y[:, 1]), Y[:, 0] * Y[:, 1] ** 2]) * Y[:, 1:]
     assert np.abs(carried - exact).max() < 0.03 * np.abs(exact).max()
-    assert np.all(carried[fine.analysis.body.held] == 0)
+    assert np.all(carried[fine.analysis.body.constrained] == 0)
 
 
 def test_velocities_stay_on_the_same_mesh(tmp_path):
     replay = make_replay(tower(tmp_path, dynamics()))
     rows_of(replay)
     inertia, X = replay.analysis.body.mass, replay.moving.mesh.X
-    v = np.where(replay.analysis.body.held, 0.0, np.sin(5 * X) + X[:, ::-1])
+    v = np.where(replay.analysis.body.constrained, 0.0, np.sin(5 * X) + X[:, ::-1])
     assert np.abs(project_velocity(inertia, inertia, v) - v).max() < 1e-12
 
 

@@ -1,4 +1,4 @@
-"""Vibrating solids of second order: steps against a textbook's, motion carried through flips and to new meshes."""
+"""Vibrating solids of second order: steps against a textbook's, motion through flips and onto new meshes."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from vibrating import DAMPED, SHAKEN, dynamics, textbook_newmark, tower
 
 from restshape.analysis.frame import Frame
 from restshape.analysis.velocity_projection import project_velocity
-from restshape.fem.balance import unconstrained_residual
+from restshape.fem.residuals import unconstrained_residual
 from restshape.mesh.reconnect import Reconnection
 from restshape.replay.parity import Parity
 
@@ -27,7 +27,7 @@ def test_steps_are_those_of_the_textbook(tmp_path, mass, beta, gamma):
     rows_of(replay)
     idle_of(replay, 2)
     analysis, body = replay.analysis, replay.analysis.body
-    free = ~body.held.ravel()
+    free = ~body.constrained.ravel()
     direction = np.array([2.0, 1.0]) / np.sqrt(5)
     uniform = body.mass.apply(np.tile(direction, (len(free) // 2, 1))).ravel()[free]
     static = -unconstrained_residual(body.problem, np.zeros_like(body.static))
@@ -104,7 +104,7 @@ def test_flips_leave_linear_motions_as_they_are(tmp_path):
 
 @pytest.mark.parametrize("mass", ["consistent", "lumped"])
 def test_velocities_on_a_new_mesh(tmp_path, mass):
-    """Momentum is kept; quadratic velocities are carried exactly between meshes with straight sides."""
+    """Momentum is kept; quadratic velocities are projected exactly between meshes with straight sides."""
     bodies = []
     for size in (0.3, 0.17):
         replay = make_replay(tower(tmp_path, dynamics(mass=mass), size=size), overrides=ORDER)
@@ -120,6 +120,6 @@ def test_velocities_on_a_new_mesh(tmp_path, mass):
     np.testing.assert_allclose(new.mass.momentum(carried), old.mass.momentum(velocity(old.problem.space.X)), rtol=1e-10)
     if mass == "consistent":
         np.testing.assert_allclose(carried, velocity(new.problem.space.X), atol=1e-9)
-    rough = np.where(old.held, 0.0, np.random.default_rng(0).normal(size=old.problem.space.X.shape))
+    rough = np.where(old.constrained, 0.0, np.random.default_rng(0).normal(size=old.problem.space.X.shape))
     carried = project_velocity(old.mass, new.mass, rough)
     np.testing.assert_allclose(new.mass.momentum(carried), old.mass.momentum(rough), rtol=1e-9)

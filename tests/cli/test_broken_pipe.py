@@ -26,7 +26,7 @@ def test_a_reader_that_has_gone_ends_a_command_quietly(tmp_path, start_restshape
     process = start_restshape(*COMMANDS[name])
     process.stdout.close()
     said = [line for line in process.stderr if not line.startswith("note: ")]
-    # A shell tells 128 and the number of the signal of a program that a broken pipe ended, which is 13.
+    # A shell reports 128 and the number of the signal of a program that a broken pipe ended, which is 13.
     assert process.wait() == 141
     assert said == []
 

@@ -163,20 +163,26 @@ def test_files_that_scenes_name_lie_beside_them(command, restshape, tmp_path):
     assert ended.returncode == 2 and "there is no such folder" in ended.stderr
 
 
-def test_an_edit_names_no_file_outside(command, tmp_path):
+def test_an_edit_names_no_file_outside(restshape, tmp_path):
     scene = write_scene(tmp_path / "scene")
     (tmp_path / "scene" / "x.geo").write_text(SQUARE)
     (tmp_path / "secret.geo").write_text(SQUARE)
     edits = tmp_path / "edits.jsonl"
-    lines = [
-        {"format": "restshape-edits", "version": 1, "units": "m"},
-        {"t": 0.1, "do": "set", "key": "shape.file", "value": "../secret.geo"},
-        {"t": 0.2, "do": "set", "key": "mesh.file", "value": "../secret.geo"},
-    ]
-    edits.write_text("".join(json.dumps(line) + "\n" for line in lines))
-    ended = command("check", scene, edits)
-    assert ended.returncode == 1 and "shape.file cannot be set" in ended.stdout
-    assert "mesh.file: the file '../secret.geo' lies outside of the scene's folder" in ended.stdout
+    head = {"format": "restshape-edits", "version": 1, "units": "m"}
+    ways = {
+        "shape.file": {"key": "shape.file", "value": "../secret.geo"},
+        "mesh.file": {"key": "mesh", "value": {"file": "../secret.geo"}},
+    }
+    for key, way in ways.items():
+        edits.write_text("".join(json.dumps(line) + "\n" for line in (head, {"t": 0.2, "do": "set", **way})))
+        for words in (["check", scene, edits], ["replay", scene, "--edits", edits]):
+            ended = restshape(*words)
+            assert ended.returncode == 2 and f"edits.jsonl: line 2: {key}" in ended.stderr
+            assert "the file '../secret.geo' lies outside of the scene's folder" in ended.stderr
+            assert f"--allow-path {tmp_path}" in ended.stderr
+    edits.write_text(edits.read_text().replace("../secret.geo", "x.geo"))
+    ended = restshape("check", scene, edits)
+    assert ended.returncode == 1 and "refused" in ended.stdout
 
 
 def test_a_mesh_file_reads_no_other(command, tmp_path):

@@ -96,5 +96,5 @@ def test_bodies_and_values_over_frames(tmp_path):
     frames = list(EditSession(found, load_script(out, found)).frames())
     assert len(frames) == 1 + 10 + 4 + 1 and not any(frame.refused for frame in frames)
     assert [frame.scene.bodies["ball"].friction for frame in frames[-5:-1]] == pytest.approx([0.25, 0.2, 0.15, 0.1])
-    ball = frames[-1].scene.bodies["ball"].settled(found.parameters).form
+    ball = frames[-1].scene.bodies["ball"].evaluated(found.parameters).form
     np.testing.assert_allclose([*ball.center, ball.radius], [0.6, 0.5, -0.3, 0.3], atol=1e-15)

@@ -1,4 +1,4 @@
-"""What is odd about a script is told before it is replayed under many settings."""
+"""What is odd about a script is reported before it is replayed under many settings."""
 
 from small_scenes import across, drag, plate, write_scene, write_script
 

@@ -1,4 +1,4 @@
-"""Mistakes of people at the command line: each is told in words, and what they asked for is not lost."""
+"""Mistakes of people at the command line: each is reported in words, and what they asked for is not lost."""
 
 import json
 import os

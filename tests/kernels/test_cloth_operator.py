@@ -108,7 +108,7 @@ class TestTotal:
 
 @pytest.mark.parametrize("backend", ["csr", "coo"])
 class TestKept:
-    """Bending assembled once, against all of it anew."""
+    """Bending assembled once, against all of it assembled again."""
 
     def both(self, backend, mask):
         cloth = Cloth("morley_tri6")

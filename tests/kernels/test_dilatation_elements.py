@@ -69,7 +69,7 @@ def stiffness(name: str, X: np.ndarray, cells: np.ndarray, p: np.ndarray):
 
 
 def inf_sup(per_side: int) -> float:
-    """The smallest inf-sup constant of the held unit square's displacements and one pressure an element.
+    """The smallest inf-sup constant of the constrained unit square's displacements and one pressure an element.
 
     It is the root of the smallest eigenvalue above 0 of B A^-1 B^T against the areas, A the vector Laplacian's
     equal 2 mu eps:eps (Korn), B the integrals of the divergence, read from the part of the tangent that lambda scales.
@@ -90,7 +90,7 @@ def inf_sup(per_side: int) -> float:
         B[e] *= np.sign(B[e, dofs] @ X[cell].ravel())  # a growing cell has a positive divergence
     S = B[:, free] @ np.linalg.solve(A[np.ix_(free, free)], B[:, free].T)
     values = eigh(S, np.diag(areas), eigvals_only=True)
-    assert abs(values[0]) < 1e-12  # the constant pressure, which a held body does not feel
+    assert abs(values[0]) < 1e-12  # the constant pressure, which a constrained body does not feel
     return float(np.sqrt(values[1]))
 
 

@@ -120,7 +120,7 @@ def test_backends_agree_and_repeat_bit_for_bit():
 
 
 def test_relaxation_in_blocks_takes_in_new_values():
-    """PETSc keeps the inverses of diagonal blocks, and must be told that they are of another matrix."""
+    """PETSc keeps the inverses of diagonal blocks, and must be notified that they are of another matrix."""
     X, cells, _ = unit_box(2, 6)
     x = np.zeros_like(X)
     op = operator(len(X), 2, "bcsr")

@@ -108,8 +108,8 @@ def test_tangent_is_symmetric_but_for_free_ends(order):
     X, cells, u = chain(order, closed=False)
     K = assembled(element, X, cells, u, p)
     assert np.abs(K - K.T).max() > 0.1
-    held = np.r_[0:2, 20:22]
-    K[held], K[:, held] = 0, 0
+    constrained = np.r_[0:2, 20:22]
+    K[constrained], K[:, constrained] = 0, 0
     np.testing.assert_allclose(K, K.T, atol=1e-15)
 
 

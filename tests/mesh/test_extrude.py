@@ -10,9 +10,9 @@ from restshape import _kernels
 from restshape.errors import ReplayProblem
 from restshape.mesh.extrude import Extrusion
 from restshape.mesh.generate import generate
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.plate import PlateMesh
 from restshape.mesh.reconnect import Reconnection
-from restshape.mesh.space import LagrangeSpace
 from restshape.scene.expressions import Expression
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.shape.build import outline_from_spec
@@ -49,7 +49,7 @@ def volumes(body: Extrusion) -> np.ndarray:
 
 
 def faces(body: Extrusion) -> dict[frozenset, int]:
-    """How many tetrahedra each face belongs to; faces are told apart by all their nodes."""
+    """How many tetrahedra each face belongs to; faces are distinguished by all their nodes."""
     sides = {frozenset((0, 1)): 4, frozenset((1, 2)): 5, frozenset((0, 2)): 6}
     sides |= {frozenset((0, 3)): 7, frozenset((1, 3)): 8, frozenset((2, 3)): 9}
     count: dict[frozenset, int] = {}

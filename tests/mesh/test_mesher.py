@@ -99,7 +99,7 @@ def lengths(mesh: Mesh) -> np.ndarray:
 
 
 def fault(mesh: Mesh) -> str | None:
-    """What is wrong with a mesh, told from its arrays and its outline alone; None if it is valid."""
+    """What is wrong with a mesh, reported from its arrays and its outline alone; None if it is valid."""
     outline = mesh.outline
     holes = sum(loop.kind == "hole" for loop in outline.loops)
     if doubled_areas(mesh).min() <= 0.0:

@@ -9,7 +9,7 @@ from mesh_samples import SQUARE, author_ratios, mesh_of, polygon_outline, qualit
 from restshape.errors import ReplayProblem
 from restshape.mesh import moving
 from restshape.mesh.mesh import cells_left_of, edges_of_cells
-from restshape.mesh.moving import Advance, MovingMesh
+from restshape.mesh.moving import MeshUpdate, MovingMesh
 from restshape.mesh.quality import areas
 from restshape.mesh.reconnect import edges_between
 from restshape.scene.model import MeshSpec, ShapeSpec
@@ -55,9 +55,9 @@ def begin(kind: str, size: float = 0.1, **options) -> tuple[MovingMesh, Hand, Ge
     outline = plate()
     mesh = MovingMesh(outline, MeshSpec(size=size, relocation=kind), **options)
     hand = Hand(outline, mesh.spec)
-    assert mesh.advance(hand.frame("start", "start")).level == 3
+    assert mesh.update(hand.frame("start", "start")).level == 3
     gesture = gestures.drag(outline, outline.entity("window"))
-    press = mesh.advance(hand.frame("press", "none", gesture))
+    press = mesh.update(hand.frame("press", "none", gesture))
     assert press.level == 0
     return mesh, hand, gesture
 
@@ -85,7 +85,7 @@ def test_a_hole_dragged_there_and_back(kind, criterion):
     levels = set()
     for x in steps:
         frame = hand.frame("drag", "move", gesture, (float(x), float(0.2 * np.sin(3 * x))))
-        advance = mesh.advance(frame)
+        advance = mesh.update(frame)
         levels.add(advance.level)
         check(mesh, frame.outline)
         X, cells = mesh.mesh.X, mesh.mesh.cells
@@ -104,9 +104,9 @@ def test_nodes_move_by_the_linear_map_and_come_back(kind):
     mesh, hand, gesture = begin(kind)
     start, Psi = mesh.mesh.X.copy(), mesh.Psi
     for c in [(0.01, 0.0), (0.02, -0.01), (0.015, 0.01)]:
-        assert mesh.advance(hand.frame("drag", "move", gesture, c)).level == 1
+        assert mesh.update(hand.frame("drag", "move", gesture, c)).level == 1
         assert np.allclose(mesh.mesh.X, start + c[0] * Psi[0] + c[1] * Psi[1], rtol=0, atol=1e-15)
-    mesh.advance(hand.frame("drag", "move", gesture, (0.0, 0.0)))
+    mesh.update(hand.frame("drag", "move", gesture, (0.0, 0.0)))
     assert np.array_equal(mesh.mesh.X, start)
 
 
@@ -115,7 +115,7 @@ def test_versions_tell_what_changed():
     for x in np.linspace(0, 0.6, 40)[1:]:
         first, topology, geometry = mesh.mesh, mesh.mesh.topology, mesh.mesh.geometry
         cells = first.cells.copy()
-        advance = mesh.advance(hand.frame("drag", "move", gesture, (float(x), 0.0)))
+        advance = mesh.update(hand.frame("drag", "move", gesture, (float(x), 0.0)))
         if advance.level == 3:
             assert mesh.mesh is not first and mesh.mesh.topology != topology
             continue
@@ -132,10 +132,10 @@ def test_a_jump_over_forty_percent_of_the_plate_does_not_tunnel(kind):
     mesh, hand, gesture = begin(kind)
     for c in [(0.8, 0.1), (0.0, 0.0), (1.4, -0.2)]:
         frame = hand.frame("drag", "move", gesture, c)
-        assert mesh.advance(frame).level == 3
+        assert mesh.update(frame).level == 3
         check(mesh, frame.outline)
     nudged = hand.frame("drag", "move", gesture, (1.39, -0.2))
-    assert mesh.advance(nudged).level == 1
+    assert mesh.update(nudged).level == 1
     check(mesh, nudged.outline)
 
 
@@ -145,13 +145,13 @@ def test_flips_alone_can_save_a_sheared_plate():
     outline = polygon_outline(SQUARE)
     mesh = MovingMesh(outline, MeshSpec(size=0.5), imported=mesh_of(outline, X, cells))
     hand = Hand(outline, mesh.spec)
-    mesh.advance(hand.frame("start", "start"))
+    mesh.update(hand.frame("start", "start"))
     before = mesh.mesh
     gesture = gestures.drag(outline, outline.entity("e2"))
     levels = []
     for c in np.linspace(0, 1.6, 17)[1:]:
         frame = hand.frame("drag", "move", gesture, (float(c), 0.0))
-        levels.append(mesh.advance(frame).level)
+        levels.append(mesh.update(frame).level)
         check(mesh, frame.outline)
         if levels[-1] == 2:
             break
@@ -160,7 +160,7 @@ def test_flips_alone_can_save_a_sheared_plate():
 
 def test_idle_refused_and_still_frames_change_nothing():
     mesh, hand, gesture = begin("harmonic")
-    mesh.advance(hand.frame("drag", "move", gesture, (0.05, 0.0)))
+    mesh.update(hand.frame("drag", "move", gesture, (0.05, 0.0)))
     first, version, X = mesh.mesh, mesh.mesh.geometry, mesh.mesh.X.copy()
     for frame in (
         hand.frame("drag", "move", gesture, (0.05, 0.0)),
@@ -169,19 +169,19 @@ def test_idle_refused_and_still_frames_change_nothing():
         hand.frame("drag", "none", gesture, (0.05, 0.0), refused="the hole would leave the plate"),
         hand.frame("release", "none"),
     ):
-        assert mesh.advance(frame).level == 0
+        assert mesh.update(frame).level == 0
     assert mesh.mesh is first and first.geometry == version and np.array_equal(first.X, X)
 
 
 def test_a_second_gesture_starts_where_the_first_ended():
     mesh, hand, gesture = begin("harmonic")
-    mesh.advance(hand.frame("drag", "move", gesture, (0.06, 0.02)))
+    mesh.update(hand.frame("drag", "move", gesture, (0.06, 0.02)))
     hand.outline = hand.outline.moved(gesture.points((0.06, 0.02)))
     entity = hand.outline.entity("window")
     turn = gestures.rotate(hand.outline, entity, hand.outline.centroid(entity))
     for angle in (0.1, 0.2, 0.3):
         frame = hand.frame("rotate", "move", turn, (float(np.cos(angle) - 1), float(np.sin(angle))))
-        advance = mesh.advance(frame)
+        advance = mesh.update(frame)
         assert advance.level == 1 and ("map" in advance.stages) == (angle == 0.1)
         check(mesh, frame.outline)
 
@@ -195,7 +195,7 @@ def test_bulging_an_arc_is_followed_without_a_linear_basis():
         bulges = hand.outline.bulges.copy()
         bulges[hand.outline.entity("window.1").edges[0]] *= share
         frame.outline = hand.outline.moved(bulges=bulges)
-        levels.append(mesh.advance(frame).level)
+        levels.append(mesh.update(frame).level)
         check(mesh, frame.outline)
     assert levels.count(1) >= 4
 
@@ -208,12 +208,12 @@ def test_the_shape_changes_its_layout_and_the_mesh_its_size():
         "outline": ["e", "f", "g"],
     }))  # fmt: skip
     hand.outline = other
-    advance = mesh.advance(hand.frame("insert", "shape"))
+    advance = mesh.update(hand.frame("insert", "shape"))
     assert advance.level == 3 and advance.old_mesh is not None
     assert areas(mesh.mesh.X, mesh.mesh.cells).sum() == pytest.approx(0.5)
     coarse = len(mesh.mesh.cells)
     finer = SimpleNamespace(mesh=MeshSpec(size=0.05))
-    assert mesh.advance(hand.frame("set", "mesh", scene=finer)).level == 3
+    assert mesh.update(hand.frame("set", "mesh", scene=finer)).level == 3
     assert len(mesh.mesh.cells) > 3 * coarse
 
 
@@ -223,17 +223,17 @@ def test_rebuild_meshes_each_frame_that_moves():
     keep = [mesh.mesh]
     for x in (0.01, 0.02, 0.03):
         frame = hand.frame("drag", "move", gesture, (x, 0.0))
-        assert mesh.advance(frame).level == 3
+        assert mesh.update(frame).level == 3
         keep.append(mesh.mesh)
         seen.add(id(mesh.mesh))
         check(mesh, frame.outline)
     assert len(seen) == 4
-    assert mesh.advance(hand.frame("idle", "none")).level == 0
+    assert mesh.update(hand.frame("idle", "none")).level == 0
 
 
 def test_a_frame_without_a_mesh_keeps_the_one_before_and_the_next_recovers(monkeypatch):
     mesh, hand, gesture = begin("harmonic")
-    mesh.advance(hand.frame("drag", "move", gesture, (0.02, 0.0)))
+    mesh.update(hand.frame("drag", "move", gesture, (0.02, 0.0)))
     kept, X, good = mesh.mesh, mesh.mesh.X.copy(), moving.generate
 
     def fail(*_):
@@ -241,23 +241,23 @@ def test_a_frame_without_a_mesh_keeps_the_one_before_and_the_next_recovers(monke
 
     monkeypatch.setattr(moving, "generate", fail)
     with pytest.raises(ReplayProblem, match="no mesh today"):
-        mesh.advance(hand.frame("drag", "move", gesture, (1.2, 0.0)))
+        mesh.update(hand.frame("drag", "move", gesture, (1.2, 0.0)))
     assert mesh.mesh is kept and np.array_equal(kept.X, X)
     monkeypatch.setattr(moving, "generate", good)
     frame = hand.frame("drag", "move", gesture, (1.21, 0.0))
-    assert mesh.advance(frame).level == 3
+    assert mesh.update(frame).level == 3
     check(mesh, frame.outline)
 
 
 def state_of(mesh):
-    """Bytes and objects that tell how a mesh lies."""
+    """Bytes and objects that report how a mesh lies."""
     held = mesh.mesh
     arrays = (held.X, held.cells, held.cell_edges, held.edge_nodes, held.facet_cell)
     return id(held), held.outline, held.geometry, mesh.min_quality, *(array.tobytes() for array in arrays)
 
 
 def test_a_frame_whose_relocated_mesh_is_poor_and_has_no_other_is_undone(monkeypatch):
-    # Triangles are distorted, not inverted: the mesh before has already followed when the mesher fails.
+    # Triangles are of low quality, not inverted: the mesh before has already followed when the mesher fails.
     mesh, hand, gesture = begin("harmonic", 0.08)
     good, calls, tried = moving.generate, [], 0
 
@@ -272,11 +272,11 @@ def test_a_frame_whose_relocated_mesh_is_poor_and_has_no_other_is_undone(monkeyp
         frame = hand.frame("drag", "move", gesture, (float(x), 0.0))
         before = state_of(mesh)
         try:
-            mesh.advance(frame)
+            mesh.update(frame)
         except ReplayProblem:
             tried += 1
             assert state_of(mesh) == before
-            assert mesh.advance(frame).level == 3
+            assert mesh.update(frame).level == 3
         check(mesh, frame.outline)
     assert tried == 1 and len(calls) > 1
 
@@ -289,13 +289,13 @@ def test_every_frame_can_be_taken_back_and_done_again(kind):
     for x in np.linspace(0, 0.9, 46)[1:]:
         frame = hand.frame("drag", "move", gesture, (float(x), 0.1 * float(x)))
         before = state_of(mesh)
-        levels.add(mesh.advance(frame).level)
-        mesh.take_back()
+        levels.add(mesh.update(frame).level)
+        mesh.rollback()
         assert state_of(mesh) == before
-        mesh.advance(frame)
+        mesh.update(frame)
         check(mesh, frame.outline)
         frame.gesture = other_gesture
-        other.advance(frame)
+        other.update(frame)
         assert np.array_equal(mesh.mesh.X, other.mesh.X) and np.array_equal(mesh.mesh.cells, other.mesh.cells)
     assert {1, 3} <= levels and (kind != "laplacian" or 2 in levels)
 
@@ -309,7 +309,7 @@ def test_the_first_rank_alone_generates():
 
     mesh, hand, gesture = begin("harmonic", ranks=2, broadcast=broadcast)
     assert made == [mesh.mesh] and len(mesh.mesh.node_offsets) == 3
-    mesh.advance(hand.frame("drag", "move", gesture, (0.9, 0.0)))
+    mesh.update(hand.frame("drag", "move", gesture, (0.9, 0.0)))
     assert made[1] is mesh.mesh
 
 
@@ -319,7 +319,7 @@ def test_a_drag_repeats_bit_for_bit():
         mesh, hand, gesture = begin("harmonic", 0.07)
         log = []
         for x in np.linspace(0, 0.9, 31)[1:]:
-            advance = mesh.advance(hand.frame("drag", "move", gesture, (float(x), 0.1 * float(x))))
+            advance = mesh.update(hand.frame("drag", "move", gesture, (float(x), 0.1 * float(x))))
             log.append(
                 (advance.level, advance.flips, advance.min_quality, mesh.mesh.X.tobytes(), mesh.mesh.cells.tobytes())
             )
@@ -330,10 +330,10 @@ def test_a_drag_repeats_bit_for_bit():
 def test_outline_edges_never_flip():
     mesh, hand, gesture = begin("laplacian", 0.08)
     for x in np.linspace(0, 0.6, 40)[1:]:
-        mesh.advance(hand.frame("drag", "move", gesture, (float(x), 0.0)))
+        mesh.update(hand.frame("drag", "move", gesture, (float(x), 0.0)))
         ends = mesh.mesh.edge_nodes[edges_between(mesh.mesh.edge_nodes, mesh.mesh.facets)]
         assert np.array_equal(np.sort(ends, axis=1), np.sort(mesh.mesh.facets, axis=1))
 
 
 def test_nothing_is_an_idle_frame():
-    assert Advance.nothing().level == 0 and not len(Advance.nothing().changed_cells)
+    assert MeshUpdate.nothing().level == 0 and not len(MeshUpdate.nothing().changed_cells)

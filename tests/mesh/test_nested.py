@@ -38,7 +38,7 @@ def curved_outline() -> Outline:
 
 
 def fault(mesh: Mesh) -> str:
-    """What is wrong with the ties of a mesh, told from its cells, its nodes and its outline alone."""
+    """What is wrong with the ties of a mesh, reported from its cells, its nodes and its outline alone."""
     nodes, _ = edges_of_cells(mesh.cells, len(mesh.X))
     if areas(mesh.X, mesh.cells).min() <= 0:
         return "inverted"
@@ -146,9 +146,9 @@ def begin(kind: str = "harmonic", size: float = 0.06, levels: int = 2, radius: f
     outline = plate(radius)
     mesh = MovingMesh(outline, MeshSpec(size=size, relocation=kind, levels=levels), **options)
     hand = Hand(outline, mesh.spec)
-    assert mesh.advance(hand.frame("start", "start")).level == 3
+    assert mesh.update(hand.frame("start", "start")).level == 3
     gesture = gestures.drag(outline, outline.entity("window"))
-    mesh.advance(hand.frame("press", "none", gesture))
+    mesh.update(hand.frame("press", "none", gesture))
     return mesh, hand, gesture
 
 
@@ -171,7 +171,7 @@ def test_a_hole_dragged_there_and_back(kind, levels):
         field, topology, geometry = mesh.field_mesh, mesh.field_mesh.topology, mesh.field_mesh.geometry
         old = field.X.copy(), field.cells
         frame = hand.frame("drag", "move", gesture, (float(x), float(0.2 * np.sin(3 * x))))
-        advance = mesh.advance(frame)
+        advance = mesh.update(frame)
         seen[advance.level] += 1
         check(mesh, frame.outline)
         now = mesh.field_mesh
@@ -195,13 +195,13 @@ def test_the_finest_mesh_has_the_size_that_is_asked_for():
     counts = [len(begin(size=0.03, levels=levels)[0].field_mesh.cells) for levels in (1, 2, 3)]
     assert counts[1] == pytest.approx(counts[0], rel=0.1) and counts[2] == pytest.approx(counts[0], rel=0.2)
     near = MovingMesh(plate(), MeshSpec(size=0.1, near={"window": 0.02}, levels=2))
-    near.advance(Hand(plate(), near.spec).frame("start", "start"))
+    near.update(Hand(plate(), near.spec).frame("start", "start"))
     rim = near.field_mesh.facets[near.field_mesh.facets_of("window")]
     lengths = np.linalg.norm(np.diff(near.field_mesh.X[rim], axis=1)[:, 0], axis=1)
     assert lengths.mean() == pytest.approx(0.02, rel=0.1)
     with pytest.raises(UserError, match="triangles"):
         endless = MovingMesh(plate(), MeshSpec(size=4e-4, levels=4))
-        endless.advance(Hand(plate(), endless.spec).frame("start", "start"))
+        endless.update(Hand(plate(), endless.spec).frame("start", "start"))
 
 
 def test_an_imported_mesh_is_the_coarsest_also_where_no_size_is_given():
@@ -209,9 +209,9 @@ def test_an_imported_mesh_is_the_coarsest_also_where_no_size_is_given():
     given = generate(outline, MeshSpec(size=0.2))
     mesh = MovingMesh(outline, MeshSpec(levels=2), imported=given)
     hand = Hand(outline, mesh.spec)
-    mesh.advance(hand.frame("start", "start"))
+    mesh.update(hand.frame("start", "start"))
     assert mesh.mesh is given and len(mesh.field_mesh.cells) == 4 * len(given.cells)
-    assert mesh.advance(hand.frame("hole", "shape")).level == 3
+    assert mesh.update(hand.frame("hole", "shape")).level == 3
     assert len(mesh.mesh.cells) == pytest.approx(2000, rel=0.15)
     assert len(mesh.field_mesh.cells) == 4 * len(mesh.mesh.cells)
 
@@ -220,9 +220,9 @@ def test_all_nodes_follow_the_linear_map():
     mesh, hand, gesture = begin(levels=3)
     start, motion = mesh.field_mesh.X.copy(), mesh.field_motion
     for c in [(0.02, 0.0), (0.03, -0.02)]:
-        assert mesh.advance(hand.frame("drag", "move", gesture, c)).level == 1
+        assert mesh.update(hand.frame("drag", "move", gesture, c)).level == 1
         np.testing.assert_allclose(mesh.field_mesh.X, start + np.tensordot(c, motion, 1), atol=1e-14)
-    mesh.advance(hand.frame("drag", "move", gesture, (0.0, 0.0)))
+    mesh.update(hand.frame("drag", "move", gesture, (0.0, 0.0)))
     assert np.array_equal(mesh.field_mesh.X, start)
 
 
@@ -230,7 +230,7 @@ def test_an_arc_that_grows_carries_all_levels():
     outline = curved_outline()
     mesh = MovingMesh(outline, MeshSpec(size=0.08, levels=3))
     hand = Hand(outline, mesh.spec)
-    mesh.advance(hand.frame("start", "start"))
+    mesh.update(hand.frame("start", "start"))
     edge = next(i for i, edge in enumerate(outline.edges) if edge.name == "right")
     bent = gestures.Gesture("arc", None, False, outline.points, np.zeros(len(outline.points), dtype=bool))
     for bulge in (0.42, 0.45, 0.3, 0.1):
@@ -238,7 +238,7 @@ def test_an_arc_that_grows_carries_all_levels():
         bulges = outline.bulges.copy()
         bulges[edge] = bulge
         frame.change, frame.outline = "move", outline.moved(bulges=bulges)
-        mesh.advance(frame)
+        mesh.update(frame)
         assert fault(mesh.field_mesh) == "" and mesh.field_mesh.outline is frame.outline
 
 
@@ -251,19 +251,19 @@ def test_a_frame_is_taken_back_whatever_its_level(kind):
         kept = {name: getattr(field, name) for name in ("topology", "geometry", "outline")}
         X, cells = field.X.copy(), field.cells.copy()
         frame = hand.frame("drag", "move", gesture, (float(x), 0.0))
-        levels.add(mesh.advance(frame).level)
-        mesh.take_back()
+        levels.add(mesh.update(frame).level)
+        mesh.rollback()
         assert mesh.field_mesh is field and kept == {name: getattr(field, name) for name in kept}
         assert np.array_equal(field.X, X) and np.array_equal(field.cells, cells)
         same(mesh.nested, mesh.mesh)
-        mesh.advance(frame)
+        mesh.update(frame)
         same(mesh.nested, mesh.mesh)
     assert levels >= ({1, 2, 3} if kind == "harmonic" else {1, 2})
 
 
 def test_a_frame_without_a_mesh_leaves_all_levels_as_they_were(monkeypatch):
     mesh, hand, gesture = begin(levels=3)
-    mesh.advance(hand.frame("drag", "move", gesture, (0.1, 0.0)))
+    mesh.update(hand.frame("drag", "move", gesture, (0.1, 0.0)))
     field, X = mesh.field_mesh, mesh.field_mesh.X.copy()
 
     def refuse(*arguments):
@@ -271,7 +271,7 @@ def test_a_frame_without_a_mesh_leaves_all_levels_as_they_were(monkeypatch):
 
     monkeypatch.setattr(moving, "generate", refuse)
     with pytest.raises(ReplayProblem):
-        mesh.advance(hand.frame("drag", "move", gesture, (1.2, 0.3)))
+        mesh.update(hand.frame("drag", "move", gesture, (1.2, 0.3)))
     assert mesh.field_mesh is field and np.array_equal(field.X, X) and fault(field) == ""
 
 
@@ -279,10 +279,10 @@ def test_levels_may_change_between_frames():
     mesh, hand, _ = begin(levels=2)
     finer = type(hand.scene)(mesh=mesh.spec.model_copy(update={"levels": 3}))
     field = mesh.field_mesh
-    advance = mesh.advance(hand.frame("set", "mesh", scene=finer))
+    advance = mesh.update(hand.frame("set", "mesh", scene=finer))
     assert advance.level == 3 and advance.old_mesh is field and len(mesh.nested.meshes) == 3
     plain = type(hand.scene)(mesh=mesh.spec.model_copy(update={"levels": 1}))
-    mesh.advance(hand.frame("set", "mesh", scene=plain))
+    mesh.update(hand.frame("set", "mesh", scene=plain))
     assert mesh.nested is None and mesh.field_mesh is mesh.mesh and mesh.mesh.hierarchy is None
 
 

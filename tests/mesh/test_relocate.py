@@ -27,8 +27,8 @@ def test_the_map_is_linear_in_the_boundary(kind):
     nodes = BoundaryNodes(mesh).nodes
     rng = np.random.default_rng(3)
     u, v = rng.normal(size=(2, len(nodes), 2))
-    carry = extension(mesh, nodes, kind)
-    assert np.allclose(carry(2.0 * u - 3.0 * v), 2.0 * carry(u) - 3.0 * carry(v), rtol=0, atol=1e-12)
+    extend = extension(mesh, nodes, kind)
+    assert np.allclose(extend(2.0 * u - 3.0 * v), 2.0 * extend(u) - 3.0 * extend(v), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("make", [l_mesh, holed_mesh])

@@ -8,11 +8,11 @@ from restshape import _kernels
 from restshape.fem.space import Space
 from restshape.mesh.extrude import Extrusion
 from restshape.mesh.generate import generate
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
 from restshape.mesh.plate import PlateMesh
 from restshape.mesh.reconnect import Reconnection
-from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import MeshSpec
 
 SPACES = {

@@ -163,24 +163,24 @@ class Plate:
 
     def deflection(self, supported, clamped=None) -> np.ndarray:
         """Deflections (nodes,) where corners with supported(X) are held, and slopes of edges with clamped(X) too."""
-        held = np.zeros(len(self.X), dtype=bool)
-        held[: len(self.mesh.X)] = supported(self.mesh.X)
+        constrained = np.zeros(len(self.X), dtype=bool)
+        constrained[: len(self.mesh.X)] = supported(self.mesh.X)
         if clamped is not None:
-            held[self.edge_number] = clamped(self.X[self.edge_number])
-        free = np.flatnonzero(~held)
+            constrained[self.edge_number] = clamped(self.X[self.edge_number])
+        free = np.flatnonzero(~constrained)
         w = np.zeros(len(self.X))
         w[free] = spsolve(self.K[free][:, free].tocsc(), self.load[free])
         return w[: len(self.mesh.X)]
 
 
 def rim(mesh: Mesh):
-    """Tells which places lie on the rim of a sheet."""
+    """Which places lie on the rim of a sheet."""
     low, high = mesh.X.min(axis=0) + 1e-9, mesh.X.max(axis=0) - 1e-9
     return lambda X: ((low > X) | (high < X)).any(axis=1)
 
 
 def ends(mesh: Mesh):
-    """Tells which places lie at the left or right end of a sheet."""
+    """Which places lie at the left or right end of a sheet."""
     high = mesh.X[:, 0].max() - 1e-9
     return lambda X: (X[:, 0] < 1e-9) | (X[:, 0] > high)
 
@@ -243,7 +243,7 @@ def rolled_share(kind: str, model: str, columns: int) -> float:
 
 
 def shares(kind: str) -> dict[str, list[float]]:
-    """What the table tells of a kind of mesh, by the heads of its columns; of strips and plates by two sizes."""
+    """What the table reports a kind of mesh, by the heads of its columns; of strips and plates by two sizes."""
     found = {surface: [hinge_share(kind, surface)] for surface in SURFACES}
     for model in ("hinge", "Morley"):
         # Hinges of k = 1 act as 8/3 and as 3 on equilateral triangles.

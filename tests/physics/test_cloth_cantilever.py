@@ -45,9 +45,9 @@ class Strip:
         self.x = space.placed(
             lambda X: np.column_stack([X, 0 * X[:, 0]]), lambda X: np.broadcast_to(np.eye(3)[:, :2], (len(X), 3, 2))
         )
-        self.held = np.repeat(self.X[:, 0] < 1e-9, 3)
+        self.constrained = np.repeat(self.X[:, 0] < 1e-9, 3)
         self.operator = Operator(PETSc.COMM_SELF, 3, np.array([0, len(self.X)], dtype=np.int32))
-        self.operator.set_topology(self.cells, self.held)
+        self.operator.set_topology(self.cells, self.constrained)
         self.operator.keep([(1, self.bending, self.X, self.x, self.params, 1.0)])
 
     def energy(self, x: np.ndarray, load: np.ndarray) -> float:
@@ -58,13 +58,13 @@ class Strip:
         """Tangent, and the forces that are not in equilibrium."""
         forces = np.zeros(self.x.shape)
         self.bending.residual(self.X, self.x, self.cells[1], self.params, forces)
-        rhs = np.where(self.held, 0.0, -forces.ravel())
+        rhs = np.where(self.constrained, 0.0, -forces.ravel())
         A = self.operator.assemble([(0, membrane, self.X, self.x, load, 1.0)], rhs, kept=True)
         start, columns, values = A.getValuesCSR()
         return csr_matrix((values, columns, start)).tocsc(), rhs
 
     def hang(self, gamma: float) -> float:
-        """Comes to rest under this weight by Newton's method; returns the residual over the weight's norm."""
+        """Converges under this weight by Newton's method; returns the residual over the weight's norm."""
         load = membrane_params(isotropic_bending(1e6, 0.0), (0.0, 0.0, -gamma))
         weight, residual = gamma / 8 / np.sqrt(len(self.mesh.X)), np.inf
         for _ in range(200):

@@ -61,7 +61,7 @@ def settled(name, mesh, overrides):
     mesh = mesh or generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
     planned, none = plan(scene, application("cloth")), np.empty(0, dtype=np.int32)
     found = RelaxationAnalysis(scene, planned, context())
-    found.solve(Frame(mesh, none, None, scene, (None, (0.0, 0.0)), settled=True))
+    found.solve(Frame(mesh, none, None, scene, (None, (0.0, 0.0)), edit_ended=True))
     assert found.state.report.converged
     return found
 
@@ -80,7 +80,7 @@ def settled_from(name, mesh, overrides, corners):
     scene = load_scene(SCENES / f"{name}.toml", overrides)
     found = RelaxationAnalysis(scene, plan(scene, application("cloth")), context())
     none = np.empty(0, dtype=np.int32)
-    frame = Frame(mesh, none, None, scene, (None, (0.0, 0.0)), settled=True)
+    frame = Frame(mesh, none, None, scene, (None, (0.0, 0.0)), edit_ended=True)
     bound, _ = bind(found.state, frame, True, found._options(scene, True), None)
     x = bound.problem.flat(corners)
     assert bound.solver.converge(x, 3000, ConvergenceReport()).converged
@@ -166,7 +166,7 @@ def test_nodes_that_move_are_followed():
     ("name", "size", "levels", "more", "bounds"),
     [
         ("cloth_strip", 3.125e-3, 2, (), {"morley": (0.9, 1.1), "hinge": (0.6, 1.2)}),
-        # Tensions at pins are singular, and cells as wide as folds tell less than their error.
+        # Tensions at pins are singular, and cells as wide as folds show less than their error.
         ("pins", 0.07, 1, ("supports.right.fix.x=-0.1",), {"morley": (0.5, 1.2), "hinge": (0.4, 1.2)}),
     ],
 )

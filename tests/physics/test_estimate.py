@@ -1,4 +1,4 @@
-"""The error estimate of solids at rest: against exact solutions, where it must vanish, at materials that meet."""
+"""The error estimate of Static solids: against exact solutions, where it must vanish, at materials that meet."""
 
 import numpy as np
 import pytest
@@ -6,10 +6,10 @@ from manufactured import SCENES, displacement, gradient
 from small_scenes import HEAD, block, write_scene
 
 from restshape import _kernels
+from restshape.mesh.lagrange_space import quadratic_basis
 from restshape.mesh.quadrature import collapsed
-from restshape.mesh.space import quadratic_basis
 from restshape.mesh.transfer import transfer
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 LINEAR = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
 
@@ -60,7 +60,7 @@ def true_error(mesh, x, slope, moduli):
 def test_effectivity_tends_to_1(scene, order, near):
     found = []
     for size in (0.24, 0.12, 0.06):
-        analysis = still(SCENES / scene, [f"mesh.size={size}", f"mesh.order={order}"]).analysis
+        analysis = first_frame(SCENES / scene, [f"mesh.size={size}", f"mesh.order={order}"]).analysis
         found.append(analysis.errors()["estimate"] / true_error(analysis.space, analysis.x, gradient, (1.0, 1.0)))
     assert all(0.9 < ratio < 1.15 for ratio in found), found
     assert abs(found[-1] - 1.0) < near
@@ -68,7 +68,7 @@ def test_effectivity_tends_to_1(scene, order, near):
 
 def test_estimate_is_of_the_displacement_that_is_shown():
     """The exact displacement at the nodes is nearer, or as near; twice the displacement has the same relative error."""
-    analysis = still(SCENES / "manufactured.toml", ["mesh.size=0.12"]).analysis
+    analysis = first_frame(SCENES / "manufactured.toml", ["mesh.size=0.12"]).analysis
     estimate = analysis.problem.error_estimate()
     assert estimate.relative(2.0 * analysis.x) == pytest.approx(estimate.relative(analysis.x), rel=1e-12)
     assert estimate.distance(1.01 * analysis.x, analysis.x) == pytest.approx(0.01, rel=1e-9)
@@ -79,12 +79,12 @@ def test_estimate_is_of_the_displacement_that_is_shown():
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_patch_test_has_no_error(order):
-    assert still(SCENES / "patch.toml", [f"mesh.order={order}"]).analysis.errors()["estimate"] < 1e-12
+    assert first_frame(SCENES / "patch.toml", [f"mesh.order={order}"]).analysis.errors()["estimate"] < 1e-12
 
 
 @pytest.mark.parametrize("overrides", [[], ["mesh.order=2"], ["effects.solid.model=plane_strain"]])
 def test_jump_of_stress_between_materials_is_no_error(tmp_path, overrides):
-    analysis = still(write_scene(tmp_path, TWO), overrides).analysis
+    analysis = first_frame(write_scene(tmp_path, TWO), overrides).analysis
     stress = analysis.problem.stresses.cauchy(analysis.x)[:, 0]
     assert stress.max() > 20 * stress.min()
     assert analysis.errors()["estimate"] < 1e-12
@@ -100,7 +100,7 @@ def test_jump_of_stress_between_materials_is_no_error(tmp_path, overrides):
 
 def test_stress_is_nothing_to_relate_to(tmp_path):
     carried = write_scene(tmp_path, TWO.replace('{ x = "1e-3*x + 2e-4*y", y = "-3e-4*y" }', "{ x = 0.3, y = 0.1 }"))
-    assert np.isnan(still(carried).analysis.errors()["estimate"])
+    assert np.isnan(first_frame(carried).analysis.errors()["estimate"])
 
 
 @pytest.mark.parametrize(
@@ -108,8 +108,8 @@ def test_stress_is_nothing_to_relate_to(tmp_path):
 )
 def test_large_strains_against_a_fine_mesh(overrides, least):
     """Green's strain of Turek and Hron's beam, which bends far; the fine mesh has a fifth of the error or less."""
-    fine = still(SCENES / "csm1.toml", ["mesh.size=0.004", "mesh.near.a=1e-3", "mesh.near.d=1e-3"]).analysis
-    coarse = still(SCENES / "csm1.toml", overrides).analysis
+    fine = first_frame(SCENES / "csm1.toml", ["mesh.size=0.004", "mesh.near.a=1e-3", "mesh.near.d=1e-3"]).analysis
+    coarse = first_frame(SCENES / "csm1.toml", overrides).analysis
     there = transfer(coarse.space, fine.space, coarse.x)
     ratio = coarse.errors()["estimate"] / fine.error_estimate.distance(there, fine.x)
     assert least < ratio < 1.3
@@ -118,8 +118,8 @@ def test_large_strains_against_a_fine_mesh(overrides, least):
 def test_mean_dilatation_against_a_fine_mesh():
     """The stress of a nearly incompressible membrane, against nodal stresses of a fine mesh."""
     rubber = ["material.unit.nu=0.4999", "effects.solid.model=plane_strain"]
-    fine = still(SCENES / "cook.toml", [*rubber, "mesh.size=1.5"]).analysis
-    coarse = still(SCENES / "cook.toml", [*rubber, "mesh.size=6"]).analysis
+    fine = first_frame(SCENES / "cook.toml", [*rubber, "mesh.size=1.5"]).analysis
+    coarse = first_frame(SCENES / "cook.toml", [*rubber, "mesh.size=6"]).analysis
     assert coarse.problem.element.name == "linear_elastic_dilatation_tri6"
     of, at = fine.error_estimate, coarse.error_estimate
     nodal = transfer(fine.space, coarse.space, of.recovery(of.flux(fine.x, of.recovery.points)))

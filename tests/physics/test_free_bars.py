@@ -5,7 +5,7 @@ import pytest
 from vibrating_bodies import lowest, matrix, rectangle
 
 from restshape.mesh.extrude import Extrusion
-from restshape.mesh.space import LagrangeSpace
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, solid_params, turned
 
 E, NU, RHO = 70e9, 0.33, 2700.0

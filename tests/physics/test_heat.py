@@ -10,8 +10,8 @@ from thermal_scenes import ANNULUS, COOLING, HEAD, MANUFACTURED, SQUARE, solved,
 
 from restshape.analysis.frame import Frame
 from restshape.errors import UserError
-from restshape.fem.balance import design_rates, unconstrained_residual
 from restshape.fem.problem import INTERNAL
+from restshape.fem.residuals import design_rates, unconstrained_residual
 from restshape.policy import POLICIES
 
 

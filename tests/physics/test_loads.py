@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from small_scenes import CLAMPED, HEAD, HOLE, STEEL, block, make_replay, meshed, rows_of, write_scene
 
-from restshape.replay.run import replay_files
+from restshape.replay.replayed_files import replay_files
 
 WIDTH, HEIGHT, THICKNESS, RHO = 1.0, 1.0, 0.01, 8000.0
 BODY = HEAD + block() + STEEL + CLAMPED + meshed(0.13)

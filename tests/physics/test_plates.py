@@ -41,29 +41,29 @@ class Plate:
         self.params[:, FREE_SIDES[0]] = free and self.body.rim()
         self.K = matrix("plate_tri3", self.X, self.cells, self.params)
         self.M = matrix("mass_plate_tri3", self.X, self.cells, self.params)
-        self.held = np.zeros((len(self.X), 3), dtype=bool)
+        self.constrained = np.zeros((len(self.X), 3), dtype=bool)
 
     def supported(self, *edges, clamped=False, hard=True):
         """Holds the deflection on edges; hard supports hold the rotation about their normal as well."""
         for edge in edges:
             nodes = self.body.nodes_of(edge)
-            self.held[nodes, 0] = True
+            self.constrained[nodes, 0] = True
             if clamped:
-                self.held[nodes] = True
+                self.constrained[nodes] = True
             elif hard:
                 # Along an edge of constant y the normal turns about y alone, along one of constant x about x.
-                self.held[nodes, 2 if edge in ("bottom", "top") else 1] = True
+                self.constrained[nodes, 2 if edge in ("bottom", "top") else 1] = True
         return self
 
     def frequencies(self, count):
         """Lowest angular frequencies [rad/s] above the rigid modes, if there are any."""
-        return lowest(self.K, self.M, count, 0 if self.held.any() else 3, self.held)[0]
+        return lowest(self.K, self.M, count, 0 if self.constrained.any() else 3, self.constrained)[0]
 
     def deflection(self):
         """Unknowns (n, 3) under the load."""
         force = np.zeros_like(self.X)
         _kernels.Element("plate_tri3").residual(self.X, np.zeros_like(self.X), self.cells, self.params, force)
-        free = ~self.held.ravel()
+        free = ~self.constrained.ravel()
         u = np.zeros(self.X.size)
         u[free] = spsolve(self.K[free][:, free].tocsc(), -force.ravel()[free])
         return u.reshape(-1, 3)

@@ -5,7 +5,7 @@ import pytest
 from small_scenes import HEAD, block
 
 from restshape import _kernels
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 TWO_MATERIALS = """
 [shape.regions]
@@ -36,7 +36,7 @@ PARALLEL = HEAD + block(1.0, 0.5) + TWO_MATERIALS
 def test_each_material_has_its_own_stress_at_their_border(tmp_path):
     # A uniform strain of 1e-3 is imposed on every node: the stress is E times it on either side.
     (tmp_path / "parallel.toml").write_text(PARALLEL)
-    row = still(tmp_path / "parallel.toml").row
+    row = first_frame(tmp_path / "parallel.toml").row
     assert row["q_soft_most"] == pytest.approx(1e6, rel=1e-9)
     assert row["q_soft_least"] == pytest.approx(1e6, rel=1e-9)
     assert row["q_most"] == pytest.approx(1e8, rel=1e-9)

@@ -5,7 +5,7 @@ import pytest
 from modal import SCENES
 
 from restshape import _kernels
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 FISH = np.array([614.35, 1154.05, 1676.04, 2382.29, 3191.95])
 """Frequencies [Hz] of mesh.order=2, mesh.layers=2, mesh.size="2.5 mm"."""
@@ -21,7 +21,7 @@ MOST = 16.0
 def body_of(scene: str, order: int, size: float, layers: int = 1):
     """Modes of a scene whose mesh has cells of that size [mm]."""
     overrides = [f"mesh.order={order}", f'mesh.size="{size} mm"', f"mesh.layers={layers}", "effects.modal.modes=5"]
-    return still(SCENES / scene, [*overrides, "solve.tolerance=1e-4"]).analysis
+    return first_frame(SCENES / scene, [*overrides, "solve.tolerance=1e-4"]).analysis
 
 
 def recovered(mesh, samples: np.ndarray) -> np.ndarray:
@@ -96,7 +96,7 @@ SWEEPS = {
 
 @pytest.mark.parametrize("name", SWEEPS)
 def test_effectivity_does_not_jump_with_the_mesh(name):
-    """Of each of five modes: neighbours differ by less than a factor 1.6, and none is told twice its error."""
+    """Of each of five modes: neighbours differ by less than a factor 1.6, and none is reported twice its error."""
     scene, order, layers, sizes, exact = SWEEPS[name]
     found = []
     for size in sizes:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 LENGTH, WIDTH, THICKNESS = 0.4, 0.02, 0.004
 MODULUS, DENSITY = {0: 14.3e9, 90: 1.53e9}, 825.0
@@ -42,7 +42,7 @@ def first(folder: Path, model: str, grain: float) -> float:
     """The lowest frequency [Hz] of the bar."""
     path = folder / "bar.toml"
     path.write_text(SCENE.format(model=model, grain=grain, order=1 if model == "plate" else 2))
-    return float(still(path).row["f_1"])
+    return float(first_frame(path).row["f_1"])
 
 
 @pytest.mark.parametrize("model", ["solid", "plate", "plane_stress"])
@@ -69,7 +69,7 @@ def test_sides_twist_where_no_support_holds_their_rotation(tmp_path, fix, twists
     path = tmp_path / "held.toml"
     held = f'[supports.ground]\non = "bottom"\nfix = {fix}\n[effects.modal]'
     path.write_text(SCENE.format(model="plate", grain=0, order=1).replace("[effects.modal]", held))
-    body = still(path).analysis.state.body
+    body = first_frame(path).analysis.state.body
     rim, mesh = body.space.rim(), body.space
     bottom = rim & (np.abs(mesh.X[mesh.cells, 1]) + np.abs(mesh.X[np.roll(mesh.cells, -1, axis=1), 1]) < 1e-12)
     assert bottom.any() and np.all(body.stiffness.parameters[:, 11:][bottom] == twists)

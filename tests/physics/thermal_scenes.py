@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from restshape_studies.stability.scenery import write_scene
 
+from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
-from restshape.replay.still import still
 
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "conduction"\n'
 SQUARE = """
@@ -71,4 +71,4 @@ def steady(X: np.ndarray) -> np.ndarray:
 
 def solved(folder: Path, text: str, *overrides: str) -> Replay:
     """The replay of a scene's first shape."""
-    return still(write_scene(folder, text), list(overrides))
+    return first_frame(write_scene(folder, text), list(overrides))

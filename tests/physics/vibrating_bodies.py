@@ -45,15 +45,15 @@ def matrix(name: str, X: np.ndarray, cells: np.ndarray, params: np.ndarray) -> s
     return sp.csr_matrix((value, column, start))
 
 
-def lowest(K: sp.csr_matrix, M: sp.csr_matrix, count: int, rigid: int, held: np.ndarray | None = None):
+def lowest(K: sp.csr_matrix, M: sp.csr_matrix, count: int, rigid: int, constrained: np.ndarray | None = None):
     """Angular frequencies (count,) [rad/s] above the rigid modes, and the modes (n, count).
 
     Args:
         K, M: stiffness and mass.
         rigid: how many modes have no stiffness.
-        held: (n,) bool, unknowns that stay 0.
+        constrained: (n,) bool, unknowns that stay 0.
     """
-    free = np.ones(K.shape[0], dtype=bool) if held is None else ~held.ravel()
+    free = np.ones(K.shape[0], dtype=bool) if constrained is None else ~constrained.ravel()
     K, M = K[free][:, free].tocsc(), M[free][:, free].tocsc()
     # A shift well below the first mode and well above rounding: the scale is that of the diagonals.
     shift = 0.0 if rigid == 0 else -1e-9 * np.median(K.diagonal() / M.diagonal())

@@ -1,4 +1,4 @@
-"""Load factors along edits: reuse equals rebuild on all levels, ranks agree, recordings and verdicts hold them."""
+"""Load factors along edits: reuse equals rebuild on all levels, ranks agree, recordings and statuses hold them."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Error estimates beside the frames of a replay: what is told when, at no cost to the answer."""
+"""Error estimates beside the frames of a replay: what is reported when, at no cost to the answer."""
 
 import json
 
@@ -38,7 +38,7 @@ def test_prediction_is_told_how_far_it_is_from_the_solution(tmp_path, kind, poli
     assert [row["predicted"] for row in rows] == [0, 0, *[1] * 8, 0]
     assert np.isnan([row["prediction_error"] for row in rows[:-1]]).all()
     assert rows[-1]["prediction_error"] == pytest.approx(rows[-2]["estimate"], rel=0.05)
-    # The way squared; and what the mesh does is told where there is a solution.
+    # The way squared; and what the mesh does is reported where there is a solution.
     assert rows[9]["estimate"] / rows[5]["estimate"] == pytest.approx(4.0, rel=0.2)
     assert rows[-1]["estimate"] == pytest.approx(rows[0]["estimate"], rel=0.2)
 

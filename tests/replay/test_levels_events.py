@@ -1,4 +1,4 @@
-"""Table 4.1 of the thesis: what a frame of each level computes anew, counted by PETSc's own events."""
+"""Table 4.1 of the thesis: what a frame of each level recomputes, counted by PETSc's own events."""
 
 import pytest
 from petsc4py import PETSc
@@ -100,7 +100,7 @@ def test_level_1_brings_new_values_only(rows):
     if name == "thesis":
         assert kept == level
     assert happened(level, *NUMERIC) == len(level) - len(kept)
-    # A refresh analyses the pattern anew only where flips have changed it since the last one.
+    # A refresh analyses the pattern again only where flips have changed it since the last one.
     flipped = 0
     for row in found:
         flipped += row["level"] == 2
@@ -149,6 +149,6 @@ def test_rebuild_makes_everything_in_each_frame_that_moves(tmp_path):
 def test_coo_sets_values_without_a_new_preallocation(tmp_path):
     _, relocated, flipped, new = by_level(counted(tmp_path, "thesis", backend="coo"))
     assert happened(relocated, "MatSetValuesCOO") == len(relocated) and happened(relocated, "MatSetPreallCOO") == 0
-    # PETSc cannot patch such a pattern: it is made anew, and its event is counted at all.
+    # PETSc cannot patch such a pattern: it is rebuilt, and its event is counted at all.
     for level in (flipped, new):
         assert happened(level, "MatSetPreallCOO") == len(level) > 0

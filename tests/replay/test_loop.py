@@ -137,13 +137,13 @@ def test_flips_of_frames_without_solution_are_taken_back(tmp_path):
     scene, script = write_scene(tmp_path, text), write_script(tmp_path, drag("window", (0.5, 0.5), path))
     seen, refused = [], []
     made = make_replay(scene, script, "thesis")
-    check, take_back = Parity(made), made.moving.take_back
+    check, rollback = Parity(made), made.moving.rollback
 
     def watched():
         seen.append(made.moving.mesh.cells.tobytes())
-        take_back()
+        rollback()
 
-    made.moving.take_back = watched
+    made.moving.rollback = watched
     for row in made.frames():
         check()
         cells = made.moving.mesh.cells.tobytes()

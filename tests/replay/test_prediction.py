@@ -146,8 +146,8 @@ def test_a_load_that_ends_within_a_drag(tmp_path):
 
 def test_a_load_without_derivative_is_solved_and_says_so(tmp_path):
     # sqrt(x) at x = 0, where the hand pulls.
-    held = CLAMPED.replace("left", "right")
-    text = plate().replace(PULLED, '[loads.a]\non = "top"\ntraction = ["1e6*sqrt(x)", 0]\n').replace(CLAMPED, held)
+    grabbed = CLAMPED.replace("left", "right")
+    text = plate().replace(PULLED, '[loads.a]\non = "top"\ntraction = ["1e6*sqrt(x)", 0]\n').replace(CLAMPED, grabbed)
     (rows, shown), (_, exact) = both(tmp_path, drag("d", (0.0, 1.0), [(0.01, 1.0), (0.02, 1.0)]), text)
     assert "no derivative" in rows[1]["note"] and rows[1]["predicted"] == rows[2]["predicted"] == 0
     assert distance(shown[2], exact[2]) < 1e-8
@@ -210,8 +210,8 @@ def test_two_ranks_predict_the_same(tmp_path, on_ranks, kind):
 
 
 def test_supports_that_move_with_their_place_hold_in_predicted_frames(tmp_path):
-    held = '[supports.end]\non = "right"\nfix = { x = 0, y = "0.001*x^2" }\n'
-    text = plate().replace(PULLED, held)
+    grabbed = '[supports.end]\non = "right"\nfix = { x = 0, y = "0.001*x^2" }\n'
+    text = plate().replace(PULLED, grabbed)
     scene = write_scene(tmp_path, text)
     script = write_script(tmp_path, drag("right", (2.0, 0.5), across((2.0, 0.5), (2.3, 0.5), 5)))
     for name in ("scene.toml", "large.toml"):

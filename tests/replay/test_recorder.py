@@ -1,4 +1,4 @@
-"""The recorder's promises: nothing is lost, nothing is changed, mistakes are told before the run."""
+"""The recorder's promises: nothing is lost, nothing is changed, mistakes are reported before the run."""
 
 import os
 import resource

@@ -1,4 +1,5 @@
-"""Second-order triangles through a replay: reuse equals rebuild, levels, solutions carried, recordings, two ranks."""
+"""Second-order triangles through a replay: reuse equals rebuild, levels, solutions transferred, recordings, two
+ranks."""
 
 import json
 from pathlib import Path
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from small_scenes import PATCH, PATCH_GRADIENT, across, drag, make_replay, plate, rows_of, write_scene, write_script
 
-from restshape.mesh.space import LagrangeSpace
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.replay.columns import columns
 from restshape.replay.parity import ENTRIES, Parity
 from restshape.replay.recorder import Recorder

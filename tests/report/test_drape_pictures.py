@@ -19,7 +19,7 @@ from restshape.report import space_scene
 from restshape.report.body_surfaces import body_surface
 from restshape.report.camera import Camera
 from restshape.report.drape import drape_scenery, places, shows_cloth
-from restshape.report.drape_frames import draw_drape_frames, rest_words
+from restshape.report.drape_frames import convergence_words, draw_drape_frames
 from restshape.report.drape_image import BODY, DrapeImage
 from restshape.report.space_axes import marks
 from restshape.report.space_scene import Scene, SpaceImage
@@ -191,7 +191,7 @@ def test_cloth_from_above_covers_its_area_and_hides_the_ball(recording):
     pixels = drawn(recording(0.0), ABOVE, (-0.5, 1.5, -0.5, 1.5), 200, 200)
     assert pixels.shape == (200, 200, 3)
     assert (pixels < 1.0).any(axis=2).mean() * 4.0 == pytest.approx(1.0, abs=0.03)
-    # Nothing but dashes at 0.3 m from its centre tells of the ball.
+    # Nothing but dashes at 0.3 m from its centre reports the ball.
     away = np.hypot(*(np.indices((200, 200)) + 0.5 - 100)) / 100
     others = (np.abs(away - 0.3) > 0.02) & (away < 0.45)
     assert np.ptp(pixels[others], axis=0).max() < 0.01
@@ -233,9 +233,9 @@ def test_everything_at_rest_lies_within_the_box(recording):
 def test_captions_tell_of_rest(recording):
     cloth = recording(0.0, 0.0, 0.0, rests=(1, 0, 1))
     cloth.table["tangent_positive_definite"][2] = 0
-    assert rest_words(cloth, 0) == ("at rest and stable, residual 5e-05", True)
-    assert rest_words(cloth, 1) == ("NOT AT REST, residual 5e-05", False)
-    assert rest_words(cloth, 2) == ("at rest, but not stable, residual 5e-05", False)
+    assert convergence_words(cloth, 0) == ("at rest and stable, residual 5e-05", True)
+    assert convergence_words(cloth, 1) == ("NOT AT REST, residual 5e-05", False)
+    assert convergence_words(cloth, 2) == ("at rest, but not stable, residual 5e-05", False)
 
 
 def test_the_command_draws_cloth_in_space(recording, tmp_path, capsys):

@@ -18,24 +18,24 @@ from restshape.scene.scene_type import support_type
 COUTURE = application("cloth")
 
 
-def settled(**keys):
-    return Body.model_validate(keys).settled({"k": 2.0})
+def evaluated(**keys):
+    return Body.model_validate(keys).evaluated({"k": 2.0})
 
 
 def test_bodies_take_units_and_formulas_of_the_parameters(tmp_path):
     scene = cloth(tmp_path, BALL, CONTACT)
-    ball = scene.bodies["ball"].settled(scene.parameters)
+    ball = scene.bodies["ball"].evaluated(scene.parameters)
     assert ball.kind == "sphere" and ball.friction == 0.3
     assert ball.form.center == (0.5, 0.5, -0.3) and ball.form.radius == 0.25
     moved = revise(scene, "parameters.half", 0.75)
-    assert moved.bodies["ball"].settled(moved.parameters).form.center == (0.5, 0.75, -0.3)
+    assert moved.bodies["ball"].evaluated(moved.parameters).form.center == (0.5, 0.75, -0.3)
 
 
 def test_each_kind_of_body():
-    assert settled(sphere={"center": [0, 0, "k"], "radius": "k/4"}).form.radius == 0.5
-    assert settled(plane={"point": [0, 0, "1 cm"], "normal": [0, 0, 2]}).form.point[2] == 0.01
-    assert settled(box={"center": [0, 0, 0], "half": [1, 1, 1]}).form.rotate == (0.0, 0.0, 0.0)
-    assert settled(capsule={"start": [0, 0, 0], "end": [0, 1, 0], "radius": 1}, friction="k").friction == 2.0
+    assert evaluated(sphere={"center": [0, 0, "k"], "radius": "k/4"}).form.radius == 0.5
+    assert evaluated(plane={"point": [0, 0, "1 cm"], "normal": [0, 0, 2]}).form.point[2] == 0.01
+    assert evaluated(box={"center": [0, 0, 0], "half": [1, 1, 1]}).form.rotate == (0.0, 0.0, 0.0)
+    assert evaluated(capsule={"start": [0, 0, 0], "end": [0, 1, 0], "radius": 1}, friction="k").friction == 2.0
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_each_kind_of_body():
 )
 def test_bodies_without_a_size_or_a_direction_are_refused(keys, what):
     with pytest.raises(ValueError, match=what):
-        settled(**keys)
+        evaluated(**keys)
 
 
 @pytest.mark.parametrize("keys", [{}, {"sphere": {"center": [0, 0, 0], "radius": 1}, "plane": {}}])
@@ -147,10 +147,10 @@ def test_the_stiffness_of_contact_comes_from_the_weight(tmp_path):
 
 def test_what_follows_from_a_scene_of_cloth(tmp_path):
     bare = plan(cloth(tmp_path, PIN), COUTURE)
-    assert [effect.name for effect in bare.implied if effect.on] == []
+    assert [effect.name for effect in bare.derived if effect.on] == []
     mirror = '[supports.mirror]\non = "left"\nsymmetry = "x"\n'
     full = cloth(tmp_path, BALL, CONTACT, mirror, "[supports.up]\non = 'c'\nfix = { z = 0.1 }")
-    assert {effect.name for effect in plan(full, COUTURE).implied if effect.on} == {
+    assert {effect.name for effect in plan(full, COUTURE).derived if effect.on} == {
         "friction",
         "symmetry",
         "moving_supports",

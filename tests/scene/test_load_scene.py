@@ -1,4 +1,4 @@
-"""Scenes: what a file says is what the models hold, in SI; what is wrong is told with key, line and suggestion."""
+"""Scenes: what a file says is what the models hold, in SI; what is wrong is reported with key, line and suggestion."""
 
 import math
 

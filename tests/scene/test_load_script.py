@@ -1,4 +1,5 @@
-"""Edit scripts: what stands on each line is what the events hold, in metres; bad lines are told with their number."""
+"""Edit scripts: what stands on each line is what the events hold, in metres; bad lines are reported with their
+number."""
 
 import json
 import math

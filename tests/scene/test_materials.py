@@ -11,14 +11,14 @@ from restshape.physics.elasticity.material_keys import ElasticMaterial
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, stiffness_of, turned
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene
-from restshape.scene.materials import MATERIALS, NAMES
+from restshape.scene.materials import MATERIALS
 
 
 def material(**keys) -> ElasticMaterial:
     return ElasticMaterial.model_validate(keys)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", MATERIALS)
 def test_a_name_is_enough(name):
     found = material(name=name)
     assert 500 < found.rho < 20000

@@ -5,7 +5,7 @@ import pytest
 from columns import FOOT, HINGES, PUSHED, TWINS, Column, column
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
-from restshape.sensitivity.buckling import load_factor_derivatives
+from restshape.sensitivity.load_factor_derivative import load_factor_derivatives
 
 TOLERANCE = 1e-11
 HINGED = (HINGES, PUSHED.format(1e3))

@@ -1,11 +1,11 @@
-"""Design derivatives of answers at rest: Taylor remainders, differences of full solves, invariances."""
+"""Design derivatives of static answers: Taylor remainders, differences of full solves, invariances."""
 
 import numpy as np
 import pytest
 from designs import LOADS, Design
 
-from restshape.fem.balance import design_rates, tangent_product, unconstrained_residual
-from restshape.sensitivity.static import design_derivative
+from restshape.fem.residuals import design_rates, tangent_product, unconstrained_residual
+from restshape.sensitivity.steady_derivative import design_derivative
 
 TOLERANCE = 1e-12
 

@@ -6,8 +6,8 @@ from modal import SCENES, SMALL, solved
 
 from restshape.algebra.clusters import CLUSTER
 from restshape.analysis.frame import Frame
-from restshape.replay.still import still
-from restshape.sensitivity.modal import (
+from restshape.replay.first_frame import first_frame
+from restshape.sensitivity.frequency_derivative import (
     clusters,
     design_products,
     frequency_derivatives,
@@ -18,7 +18,7 @@ from restshape.sensitivity.modal import (
     parted,
     stands_alone,
 )
-from restshape.sensitivity.outline import outline_density, plane_gradient
+from restshape.sensitivity.outline_density import outline_density, plane_gradient
 
 NO_CELLS = np.empty(0, dtype=np.int32)
 
@@ -95,7 +95,7 @@ def test_predicted_pair_opens_as_the_full_solve_does():
 
 def solved_square(*overrides):
     settings = ["mesh.size=0.8", "effects.modal.modes=3", "solve.tolerance=1e-9"]
-    return still(SCENES / "supported.toml", [*settings, *overrides]).analysis
+    return first_frame(SCENES / "supported.toml", [*settings, *overrides]).analysis
 
 
 class Stretched(Moved):
@@ -125,17 +125,17 @@ def test_rates_of_eigenvalues_that_coincide_do_not_hang_on_the_basis():
     rates = np.array([[1.0, 2.0, 9.0], [2.0, 1.0, 9.0], [9.0, 9.0, 5.0]])
     assert parted(np.array([1.0, 1.0 + 1e-12, 1.1]), rates, 1e-9) == pytest.approx([-1.0, 3.0, 5.0])
     assert parted(np.array([1.0, 1.0001, 1.1]), rates, 1e-9) == pytest.approx([1.0, 1.0, 5.0])
-    # What is solved for to 1e-2 only does not tell them apart.
+    # What is solved for to 1e-2 only does not distinguish them.
     assert parted(np.array([1.0, 1.0001, 1.1]), rates, 1e-2) == pytest.approx([-1.0, 3.0, 5.0])
 
 
 @pytest.mark.parametrize("size", [0.5, 0.33])
 def test_a_pair_is_not_cut(size):
-    """Modes 4 and 5 of a free square plate are one pair: with either asked for, both are solved for and foretold."""
+    """Modes 4 and 5 of a free square plate are one pair: with either asked for, both are solved for and predicted."""
     plates = []
     for modes in (4, 5):
         overrides = [f"effects.modal.modes={modes}", f"mesh.size={size}", "solve.tolerance=1e-9"]
-        plates.append(Stretched(still(SCENES / "square.toml", overrides).analysis))
+        plates.append(Stretched(first_frame(SCENES / "square.toml", overrides).analysis))
     four, five = plates
     assert len(four.analysis.frequencies) == 4 and list(known_modes(four.analysis)) == [0, 1, 2, 3, 4]
     assert not stands_alone(four.analysis, 3) and stands_alone(four.analysis, 0)

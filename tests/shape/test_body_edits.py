@@ -33,7 +33,7 @@ def frames_of(folder, *events):
 
 
 def form(frame, name):
-    return frame.scene.bodies[name].settled(frame.scene.parameters).form
+    return frame.scene.bodies[name].edit_ended(frame.scene.parameters).form
 
 
 def test_a_drag_moves_a_body_by_the_way_of_the_hand(tmp_path):
@@ -44,7 +44,7 @@ def test_a_drag_moves_a_body_by_the_way_of_the_hand(tmp_path):
     np.testing.assert_allclose(form(frames[-1], "ball").center, [0.8, 0.4, -0.3], atol=1e-15)
     assert form(frames[-1], "ball").radius == 0.25
     assert all(f.gesture is None and f.refused is None and f.outline is frames[0].outline for f in frames)
-    assert [f.settled for f in frames] == [False, True, False, False, False, False, True]
+    assert [f.edit_ended for f in frames] == [False, True, False, False, False, False, True]
 
 
 def test_a_hand_without_a_point_takes_the_body_at_its_own_place(tmp_path):
@@ -171,8 +171,8 @@ def test_a_frame_without_a_solution_is_taken_back(tmp_path):
     centres = []
     for frame in session.frames():
         if frame.index == 3:
-            session.take_back()
-        centres.append(session.scene.bodies["ball"].settled(session.scene.parameters).form.center[0])
+            session.rollback()
+        centres.append(session.scene.bodies["ball"].edit_ended(session.scene.parameters).form.center[0])
     np.testing.assert_allclose(centres, [0.5, 0.5, 0.6, 0.6, 0.8, 0.8], atol=1e-15)
 
 

@@ -1,9 +1,12 @@
 """.geo files read statement by statement: the same outline as gmsh reads, and bounds on what a file asks for."""
 
+import time
+
 import numpy as np
 import pytest
 
 from restshape.errors import UserError
+from restshape.shape import geo_process
 from restshape.shape.geo import read_geo
 
 HOLES = """
@@ -98,3 +101,18 @@ def test_a_script_without_end_is_stopped(tmp_path, monkeypatch):
     path.write_text('SystemCall "sleep 100";')
     with pytest.raises(UserError, match="has not ended after 3 s"):
         read_geo(path, trusted=True)
+
+
+def test_a_boolean_without_end_is_ended(tmp_path, monkeypatch):
+    path = tmp_path / "hard.geo"
+    path.write_text(
+        'SetFactory("OpenCASCADE");\n'
+        "For i In {1:500}\n  Disk(i) = {Cos(i), Sin(2*i), 0, 0.6 + 0.1*Cos(3*i), 0.3 + 0.1*Sin(i)};\nEndFor\n"
+        "BooleanFragments{ Surface{1:250}; Delete; }{ Surface{251:500}; Delete; }\n"
+    )
+    monkeypatch.setattr(geo_process, "LIMIT", 4.0)
+    start = time.monotonic()
+    with pytest.raises(UserError, match="has not ended after 4 s") as found:
+        read_geo(path)
+    assert time.monotonic() - start < 30
+    assert found.value.where == "hard.geo" and "simpler Booleans" in found.value.do

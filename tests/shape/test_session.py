@@ -153,7 +153,7 @@ def test_an_edit_taken_back_leaves_no_trace(tmp_path, event):
     outline, scene = session.outline, session.scene
     for _ in steps_of(session, event):
         assert (session.outline, session.scene) != (outline, scene)
-        session.take_back()
+        session.rollback()
     assert session.outline is outline and session.scene is scene
     assert [step.refused for step in steps_of(session, {"do": "redo"})] == [None]
     assert "p2" in session.outline.vertex_names and "p1" in session.outline.vertex_names
@@ -167,7 +167,7 @@ def test_a_drag_moves_on_from_the_cursor_after_a_frame_taken_back(tmp_path):
     path, seen = [[0.6, 0.5], [0.7, 0.5], [0.7, 0.5], [0.8, 0.5]], []
     for i, step in enumerate(steps_of(session, {"do": "drag", "path": path})):
         if i in (1, 2):
-            session.take_back()
+            session.rollback()
         seen.append((step.change, *session.outline.centroid(session.outline.entity("window")).tolist()))
     assert [change for change, *_ in seen] == ["move"] * 4
     np.testing.assert_allclose([x for _, x, _ in seen], [0.6, 0.6, 0.6, 0.8], atol=1e-15)
@@ -183,7 +183,7 @@ def test_frames_of_a_turn_taken_back(tmp_path, event, lost):
     shapes = [first]
     for i, _ in enumerate(steps_of(session, {**event, "frames": 4})):
         if i in lost:
-            session.take_back()
+            session.rollback()
         assert (session.outline is shapes[-1]) == (i in lost)
         shapes.append(session.outline)
     assert [step.refused for step in steps_of(session, {"do": "undo"})] == [None]

@@ -21,7 +21,7 @@ def carried(rows: list, weight: float = WEIGHT) -> Statement:
 
 
 def nearly_cut(trial: Trial) -> Iterator[Statement]:
-    """A hole is dragged from below up to 5 cm from the deck: it bears less and less, and the verdict says so."""
+    """A hole is dragged from below up to 5 cm from the deck: it bears less and less, and the status says so."""
     hole = {"do": "hole", "name": "h", "center": [10, 2.3], "radius": 0.3}
     path = [*across((10, 2.3), (10, 2.6), 6), (10, 2.64), (10, 2.65)]
     rows = trial.rows(SCENE, [hole, *drag("h", (10, 2.3), path)], overrides=COARSE)

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from restshape.application import application
-from restshape.replay.run import replay_files
+from restshape.replay.replayed_files import replay_files
 from restshape.scene.load import load_scene
 
 FOLDER = application("bridge").folder
@@ -22,8 +22,8 @@ WAYS = {"every frame": FOLDER / "edits" / "bridge.jsonl", "on demand": FOLDER / 
 
 
 @dataclass
-class Way:
-    """What one way of analysing tells, by frames.
+class SessionCourse:
+    """What one way of analysing reports, by frames.
 
     Args:
         t: (n,) edit time [s].
@@ -49,18 +49,18 @@ class Way:
         return np.minimum.accumulate(np.where(self.holds, self.score, np.inf))
 
 
-def study() -> dict[str, Way]:
+def study() -> dict[str, SessionCourse]:
     """Both ways by name."""
     return {name: followed(replay_files(SCENE, edits, "auto")["rows"]) for name, edits in WAYS.items()}
 
 
-def followed(rows: list[dict]) -> Way:
-    """What the rows of a replay tell."""
+def followed(rows: list[dict]) -> SessionCourse:
+    """What the rows of a replay report."""
     t, score, stress = (np.array([row[key] for row in rows]) for key in ("t", "q_score", "q_strength"))
     verdicts = np.array([row["constraint_status"] for row in rows])
     solved = sum(row["iterations"] > 0 for row in rows)
     taken = float(sum(row["ms"] for row in rows[1:]))
-    return Way(t, score, stress, verdicts == "holds", verdicts == "fails", solved, taken)
+    return SessionCourse(t, score, stress, verdicts == "holds", verdicts == "fails", solved, taken)
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Validation cases of bridges: the verdict on every design that the script analyses, on three meshes."""
+"""Validation cases of bridges: the constraint status of every design that the script analyses, on three meshes."""
 
 from collections.abc import Iterator
 
@@ -38,7 +38,7 @@ def solved(scene: Scene, outline: Outline, comm: PETSc.Comm) -> dict[str, float]
     """The quantities of a scene with another outline, on a mesh of its own."""
     app = application(scene.app)
     moving = MovingMesh(outline, scene.mesh, ranks=comm.size)
-    moving.advance(EditFrame(0, 0.0, 0, "start", "start", None, (0.0, 0.0), scene, None, outline))
+    moving.update(EditFrame(0, 0.0, 0, "start", "start", None, (0.0, 0.0), scene, None, outline))
     context = Context(comm, policy("auto"), Calibration.load(), Stages())
     analysis = app.make_analysis()(scene, plan(scene, app), context)
     mesh = moving.field_mesh
@@ -54,7 +54,7 @@ def refined(comm: PETSc.Comm, scene: Scene, outline: Outline) -> list[dict[str, 
 
 
 def verdicts(comm: PETSc.Comm) -> list[Check]:
-    """Each analysed design gets the same verdict on three meshes; the stress of those that hold converges."""
+    """Each analysed design gets the same constraint status on three meshes; the stress of those that hold converges."""
     checks, holding = [], 0
     for number, (scene, outline) in enumerate(designs(), start=1):
         limits = limits_of(scene.quantities)

@@ -50,7 +50,7 @@ def pulled_out(trial: Trial) -> Iterator[Statement]:
 
 
 def long_replay(trial: Trial) -> Iterator[Statement]:
-    """10,000 frames of a tip that goes round: solved anew in each, the same after each turn."""
+    """10,000 frames of a tip that goes round: solved again in each, the same after each turn."""
     frames = trial.count(10_000, 100)
     turn = 2 * np.pi / 100
     path = [(2.0 + 0.1 * np.sin(k * turn), 0.125 + 0.05 * (1 - np.cos(k * turn))) for k in range(1, frames + 1)]

@@ -6,7 +6,7 @@ from restshape_studies.bench.reuse import Case, Plan, compare
 from restshape_studies.bench.starts import table_rows
 
 from restshape.application import application
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 FOLDER = application("cantilever").folder
 CASE = Case("cantilever", FOLDER / "scenes/cantilever.toml", FOLDER / "edits/cantilever.jsonl")
@@ -18,7 +18,7 @@ REUSE, REBUILD = 37.6, 7.1
 def rows(timed: bool = True) -> list[dict[str, Any]]:
     """Rows of `restshape tables`; `timing` marks those that a clock decides, which need not be `timed`."""
     common = {"table": "4.3", "row": "cantilever"}
-    count = still(CASE.scene).row["elements"]
+    count = first_frame(CASE.scene).row["elements"]
     counted = {**common, "quantity": "triangles", "thesis": 990, "ours": count, "unit": "triangles", "timing": False}
     return [counted, *(speeds(common) if timed else ()), *table_rows(CASE.scene, CASE.edits)]
 

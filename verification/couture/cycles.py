@@ -162,7 +162,7 @@ def settle(sheet: ClothProblem, x: np.ndarray) -> Course:
     traits = Traits(fields=3, dimension=3)
     linear = LinearSolver(PETSc.COMM_SELF, "cycles_linear_", "auto", REST, Calibration.load(), stages, traits=traits)
     rest = EquilibriumSolver(sheet, PETSc.COMM_SELF, stages, linear, REST, prefix="cycles_")
-    rest.on_iterate = lambda _, residual: course.residuals.append(residual)
+    rest.on_iterate = lambda _solver, _x, residual: course.residuals.append(residual)
     course.at_rest = rest.converge(x, 3 * AFTER, ConvergenceReport()).converged
     rest.destroy()
     return course

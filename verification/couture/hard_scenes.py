@@ -93,7 +93,7 @@ def played(trial: Trial, text: str, events: Sequence[dict[str, Any]] = (), **mor
 
 
 def differenced(made: Replay, most: int = 600, way: float = WAY) -> float:
-    """The forces out of balance over the weight, by central differences of the energy at the present positions.
+    """The residual forces over the weight, by central differences of the energy at the present positions.
 
     Args:
         made: a replay.
@@ -115,7 +115,8 @@ def differenced(made: Replay, most: int = 600, way: float = WAY) -> float:
 
 
 def resting(made: Replay, rows: Sequence[Row], bound: float = REST, way: float = WAY) -> Iterator[Statement]:
-    """The statements that every frame is at rest, and the last one by differences of the energy over a way [m], too."""
+    """The statements that every frame is converged, and the last one by differences of the energy over a way [m],
+    too."""
     yield from sound(rows, residual=bound)
     moving = [row for row in rows if not row["converged"]]
     yield true(f"{len(rows)} frames at rest", not moving, moving[0]["note"] if moving else "yes")

@@ -63,7 +63,7 @@ def supports(draw: st.DrawFn, shape: Table, some: bool) -> Table:
 
 @st.composite
 def effects(draw: st.DrawFn, touched: bool) -> Table:
-    """The [effects] of cloth at rest, of few steps."""
+    """The [effects] of cloth in equilibrium, of few steps."""
     bending = ["morley", "hinge", "nonlinear", "none"]
     found: Table = {"cloth": {"bending": draw(st.sampled_from(bending))}}
     if draw(st.integers(0, 2)) == 0:

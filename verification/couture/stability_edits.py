@@ -42,7 +42,7 @@ def remeshed(trial: Trial) -> Iterator[Statement]:
 
 
 def outline(trial: Trial) -> Iterator[Statement]:
-    """A corner of cloth on a ball is dragged in, far out, and back: triangles flip, and meshes are made anew."""
+    """A corner of cloth on a ball is dragged in, far out, and back: triangles flip, and meshes is rebuilt."""
     places, frames = ((0.3, 0.3), (0.1, 0.15), (0.5, 0.5), (0.3, 0.3)), trial.count(8, 4)
     path = [place for k in range(3) for place in across(*places[k : k + 2], frames)]
     made, rows = played(trial, square(0.03, STICKY, CONTACT, floor(-0.4)), drag("c", places[0], path))

@@ -16,7 +16,7 @@ from restshape.algebra.stages import Stages
 from restshape.application import application
 from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.equations import ClothEquations
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 SCENES = application("couture").folder / "scenes"
 FIGURE, TABLE, BALL = "figure 5.16", "5.1", "figure 5.21"
@@ -24,12 +24,12 @@ HINGE, MORLEY = "effects.cloth.bending=hinge", "effects.cloth.bending=morley"
 TURNS = 3
 """Runs of which the median is taken."""
 LENGTHS, WARM, STEPS = {"1/60": 1.0 / 60.0, "1/200": 1.0 / 200.0}, 20, 100
-"""Implicit steps: their lengths [s], for the thesis does not tell its own; how many go before, how many are timed."""
+"""Implicit steps: their lengths [s], for the thesis does not report its own; how many go before, how many are timed."""
 
 
 @dataclass(frozen=True)
 class Benchmark:
-    """Cloth that comes to rest from random positions.
+    """Cloth that is relaxed to equilibrium from random positions.
 
     Args:
         row: in the table.
@@ -80,7 +80,7 @@ def ball_rows() -> list[dict[str, Any]]:
 
 def rested(scene: str, overrides: Sequence[str], timed: bool) -> tuple[list[float], dict[str, Any]]:
     """Seconds of the first frame of a scene, mesh and all, run by run, and its row."""
-    found = [still(SCENES / f"{scene}.toml", overrides).row for _ in range(TURNS if timed else 1)]
+    found = [first_frame(SCENES / f"{scene}.toml", overrides).row for _ in range(TURNS if timed else 1)]
     return [row["ms"] / 1e3 for row in found] if timed else [], found[-1]
 
 
@@ -106,7 +106,7 @@ def stepped(size: str, length: float, steps: int = STEPS) -> tuple[int, float]:
     """
     # One step of the scene's way: what is wanted is the cloth, with all that its steps need.
     first = (HINGE, DRESS, f'mesh.size="{size}"', "effects.drape.strategy=kinetic", "effects.drape.steps=1")
-    analysis: RelaxationAnalysis = still(SCENES / "sphere.toml", first).analysis
+    analysis: RelaxationAnalysis = first_frame(SCENES / "sphere.toml", first).analysis
     sheet = analysis.problem
     equations = ClothEquations(sheet, PETSc.COMM_SELF, Stages())
     even = Steps(length, longest=length, most=WARM + steps)

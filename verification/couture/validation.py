@@ -1,4 +1,5 @@
-"""Validation cases of cloth at rest: what hangs, bends, buckles, sticks and slips, and the ways to rest."""
+"""Validation cases of cloth in equilibrium: what hangs, bends, buckles, sticks and slips, and the solution
+strategies."""
 
 from restshape_studies.validation.case import Case
 from restshape_verification.couture.validation_buckling import blade
@@ -6,7 +7,7 @@ from restshape_verification.couture.validation_cantilever import cantilever, hin
 from restshape_verification.couture.validation_friction import capstan, incline
 from restshape_verification.couture.validation_hanging import catenary, hanging
 from restshape_verification.couture.validation_plates import plates
-from restshape_verification.couture.validation_ways import meshes, repeated, resets
+from restshape_verification.couture.validation_strategies import meshes, repeated, resets
 
 CASES: dict[str, Case] = {
     "catenary": catenary,

@@ -7,7 +7,7 @@ from restshape_studies.validation.case import Check
 from restshape.application import application
 from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.report import ConvergenceReport
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 BLADE = application("couture").folder / "scenes" / "blade.toml"
 D, NU, DENSITY, STRETCH = 1e-3, 0.3, 0.1, 1e4
@@ -46,7 +46,7 @@ def critical(width: float, comm: PETSc.Comm, across: int = 4) -> float:
     """The acceleration [m/s^2] at which the lowest eigenvalue of the true tangent is zero, on the path in the plane."""
     guess = lightest(width)
     overrides = [*of_width(width, 0.5 * guess, across), "effects.drape.strategy=newton"]
-    analysis = still(BLADE, overrides, comm).analysis
+    analysis = first_frame(BLADE, overrides, comm).analysis
     x = analysis.x.copy()
     loads = [0.9 * guess, 0.97 * guess]
     values = [lowest(analysis, g, x) for g in loads]
@@ -58,7 +58,7 @@ def critical(width: float, comm: PETSc.Comm, across: int = 4) -> float:
 
 
 def lowest(analysis: RelaxationAnalysis, g: float, x: np.ndarray) -> float:
-    """The eigenvalue [1/s^2] nearest to zero of the true tangent in the mass, after coming to rest in x (n, 3)."""
+    """The eigenvalue [1/s^2] nearest to zero of the true tangent in the mass, at the equilibrium in x (n, 3)."""
     from slepc4py import SLEPc
 
     sheet, rest = analysis.problem, analysis.state.solver
@@ -100,7 +100,7 @@ def blade(_comm: PETSc.Comm) -> list[Check]:
         Check("limit of two widths", 2 * ratios[1] - ratios[0], SLENDER, 0.01, SOURCE),
     ]
     load = critical(0.04, comm, 2)
-    rows = {part: still(BLADE, of_width(0.04, part * load, 2), comm).row for part in (0.97, 1.03, 1.06)}
+    rows = {part: first_frame(BLADE, of_width(0.04, part * load, 2), comm).row for part in (0.97, 1.03, 1.06)}
     checks.append(
         Check(
             "at 0.97 of the critical load: tip aside [L]", rows[0.97]["q_aside"], 0.0, 1e-6, "upright is stable below"

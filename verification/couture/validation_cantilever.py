@@ -10,8 +10,8 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 
 from restshape.application import application
+from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
-from restshape.replay.still import still
 
 STRIP = application("couture").folder / "scenes" / "strip.toml"
 LENGTH, WIDTH = 0.05, 0.0125
@@ -62,12 +62,12 @@ def angle(replay: Replay) -> float:
 
 
 def bent(gamma: float, overrides: Sequence[str], comm: PETSc.Comm, path: Path = STRIP) -> Replay:
-    """The strip at rest under a weight Gamma, for D."""
-    return still(path, [f"material.canvas.bending={LOAD / gamma!r}", *overrides], comm)
+    """The strip in equilibrium under a weight Gamma, for D."""
+    return first_frame(path, [f"material.canvas.bending={LOAD / gamma!r}", *overrides], comm)
 
 
 def rows(what: str, gamma: float, found: tuple[float, float, float]) -> list[Check]:
-    """A tip's place, each coordinate within a part of the length, and its angle while that tells something."""
+    """A tip's place, each coordinate within a part of the length, and its angle while that reports something."""
     exact = ELASTICA[gamma]
     checks = [
         Check(f"{what}Gamma = {gamma}: {name}", value, ref, min(0.1, NEAR / ref), SOURCE)

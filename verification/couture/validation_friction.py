@@ -11,14 +11,14 @@ from restshape.application import application
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.report import ConvergenceReport
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 SCENES = application("couture").folder / "scenes"
 THIN = 0.5e-3
 """Distance [m] at which contact with the bar begins: what tension presses in is little beside the bar's radius."""
 AXIS = -0.05 - THIN
 MOST = 400
-"""Steps after which cloth that is not at rest slides."""
+"""Steps after which cloth that is not in equilibrium slides."""
 
 
 def incline(comm: PETSc.Comm) -> list[Check]:
@@ -28,7 +28,7 @@ def incline(comm: PETSc.Comm) -> list[Check]:
         for part, rests in ((0.99, 1), (1.01, 0)):
             slope = float(np.arctan(part * mu))
             settings = [f"parameters.slope={slope!r}", f"bodies.ground.friction={mu}", f"effects.drape.steps={MOST}"]
-            row = still(SCENES / "incline.toml", settings, comm).row
+            row = first_frame(SCENES / "incline.toml", settings, comm).row
             source = "Coulomb: it stays where tan(slope) < mu"
             checks.append(Check(f"mu = {mu:g}, tan(slope) = {part:g} mu: rests", row["converged"], rests, 0, source))
     return checks
@@ -71,7 +71,7 @@ def hung(analysis: RelaxationAnalysis) -> Hung:
 
 
 def rests(analysis: RelaxationAnalysis, mu: float, x: np.ndarray, history: FrictionHistory) -> bool:
-    """Tell whether the strip stays with another coefficient of friction, from where it lay with a larger one."""
+    """Whether the strip stays with another coefficient of friction, from where it lay with a larger one."""
     analysis.x[:] = x
     analysis.problem.contact.history = history
     analysis.problem.contact.friction = np.array([mu])
@@ -104,9 +104,10 @@ def capstan(comm: PETSc.Comm) -> list[Check]:
 
 
 def laid(shift: float, comm: PETSc.Comm) -> RelaxationAnalysis:
-    """A strip without bending at rest over a rough bar, its middle off by some length [m] more than in the scene."""
+    """A strip without bending in equilibrium over a rough bar, its middle off by some length [m] more than in the
+    scene."""
     vertices = [f"shape.vertices.{v}=[{x + shift},{y}]" for v, x, y in (("a", -0.18, 0), ("b", 0.28, 0))]
     vertices += [f"shape.vertices.{v}=[{x + shift},{y}]" for v, x, y in (("c", 0.28, 0.02), ("d", -0.18, 0.02))]
     bar = [f"bodies.bar.capsule.{end}=[0,{y},{AXIS}]" for end, y in (("start", -0.2), ("end", 0.22))]
     settings = ["bodies.bar.friction=3", f"effects.contact.thickness={THIN}", "effects.cloth.bending=none"]
-    return still(SCENES / "cylinder.toml", [*vertices, *bar, *settings], comm).analysis
+    return first_frame(SCENES / "cylinder.toml", [*vertices, *bar, *settings], comm).analysis

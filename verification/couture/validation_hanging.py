@@ -6,8 +6,8 @@ from restshape_studies.validation.case import Check
 from scipy.optimize import brentq
 
 from restshape.application import application
-from restshape.replay.run import replay_files
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
+from restshape.replay.replayed_files import replay_files
 
 FOLDER = application("couture").folder
 SCENES, EDITS = FOLDER / "scenes", FOLDER / "edits"
@@ -53,8 +53,8 @@ def hanging(comm: PETSc.Comm) -> list[Check]:
     """How far the foot of a strip sinks that stretches under its own weight, by both laws of the membrane."""
     path, checks = SCENES / "hanging.toml", []
     for W in (0.1, 0.5, 1.0):
-        row = still(path, [f"effects.gravity.g=[0,{-10 * W},0]"], comm).row
+        row = first_frame(path, [f"effects.gravity.g=[0,{-10 * W},0]"], comm).row
         source = "F S = tension, S = E (l^2 - 1)/2, integrated"
         checks.append(Check(f"StVK, rho g L/E = {W:g}: sinking [L]", -row["q_foot"], stretched(W), 2e-4, source))
-    row = still(path, ["effects.cloth.membrane=corotated"], comm).row
+    row = first_frame(path, ["effects.cloth.membrane=corotated"], comm).row
     return [*checks, Check("Hooke, rho g L/E = 0.5: sinking [L]", -row["q_foot"], 0.25, 2e-4, "W L/2")]

@@ -5,7 +5,7 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 
 from restshape.application import application
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 SCENES = application("couture").folder / "scenes"
 LOAD = 0.25
@@ -25,7 +25,7 @@ def plates(comm: PETSc.Comm) -> list[Check]:
         found = []
         for level in (1, 2):
             mesh = [f"mesh.size={0.1 / level}", f"mesh.levels={level}"]
-            row = still(SCENES / "square_plate.toml", [f"supports.sides.fix={fix}", *mesh], comm).row
+            row = first_frame(SCENES / "square_plate.toml", [f"supports.sides.fix={fix}", *mesh], comm).row
             found.append(-row["q_middle"] / LOAD)
         slope = float(np.log2((found[0] - exact) / (found[1] - exact)))
         # What is left of an error that goes with the square of the size.

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.analysis.furnishing import FurnitureAnalysis
-from restshape_apps.furniture.guidance.design import Idea, Way
+from restshape_apps.furniture.guidance.design import DesignDirection, Suggestion
 from restshape_apps.furniture.physics.furniture import LOST, UNBALANCED, UNSTABLE, Furniture
 
 SHOWN = ("utilisation", "stability_margin", "unbalanced_load", "deflection", "bending_utilisation")
@@ -29,8 +29,8 @@ def plank_problem(analysis: FurnitureAnalysis, row: dict[str, Any]) -> str:
         return wrong
     if analysis.way is not None and analysis.design.guidance.ranges and (wrong := _off_range(analysis.way, row)):
         return wrong
-    fresh = [_holds(analysis, idea) for idea in analysis.ideas.found]
-    told = [idea.valid for idea in analysis.ideas.found]
+    fresh = [_holds(analysis, suggestion) for suggestion in analysis.suggestion_list.found]
+    told = [suggestion.valid for suggestion in analysis.suggestion_list.found]
     return "" if fresh == told else f"suggestions are valid {told}, and in tests of their own {fresh}"
 
 
@@ -47,7 +47,7 @@ def _unbalanced(analysis: FurnitureAnalysis) -> str:
     return ""
 
 
-def _off_range(way: Way, row: dict[str, Any]) -> str:
+def _off_range(way: DesignDirection, row: dict[str, Any]) -> str:
     """What a range says otherwise than the frame; narrow pieces of it may hide between two samples."""
     at, holds, found = row["at"], row["flaws"] == 0, way.ranges
     if not way.low <= at <= way.high or found.holds(at) == holds:
@@ -63,8 +63,8 @@ def _off_range(way: Way, row: dict[str, Any]) -> str:
     return "" if hidden else f"at {at} the piece {row['constraint_status']}, and its range is {row['ranges']}"
 
 
-def _holds(analysis: FurnitureAnalysis, idea: Idea) -> bool:
-    """Tell whether a suggestion is valid in a model made from its piece alone."""
+def _holds(analysis: FurnitureAnalysis, suggestion: Suggestion) -> bool:
+    """Whether a suggestion is valid in a model made from its piece alone."""
     old = analysis.design.furniture
-    piece = idea.piece if idea.piece is not None else old.moved(idea.t * idea.direction)
+    piece = suggestion.piece if suggestion.piece is not None else old.moved(suggestion.t * suggestion.direction)
     return Furniture(piece, old.compliance).test().valid

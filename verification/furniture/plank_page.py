@@ -17,7 +17,7 @@ Lines = list[list[str]]
 
 
 def range_rows(study: PlankStudy) -> Lines:
-    """Lines of samples: what is wrongly told, intervals that are unseen, time."""
+    """Lines of samples: what is wrongly reported, intervals that are unseen, time."""
     return [
         [
             str(row["samples"]) + (" (as it is)" if row["samples"] == SAMPLES and row["hints"] else ""),

@@ -40,7 +40,7 @@ def draw_plank_precision(
 
 
 def _ranges(axes: Any, rows: Rows, usual: int) -> None:
-    """The part of a range that is told wrongly, over its time; a point a number of samples."""
+    """The part of a range that is reported wrongly, over its time; a point a number of samples."""
     axes.set_title("samples of a range (their number beside each point)")
     if not any(row["worst"] for row in rows):
         _nothing(axes, "nothing is told wrongly")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
-from restshape_apps.furniture.guidance.design import Design, Way
+from restshape_apps.furniture.guidance.design import Design, DesignDirection
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.physics.furniture import APART, LOST, OVERLAPPING, Compliance, Furniture
 from restshape_apps.furniture.session.plank_session import PlankSession
@@ -105,7 +105,7 @@ def study_planks(case: Case, announce: Callable[[str], None] = lambda text: None
     return PlankStudy(case, scene, len(design.piece.planks), len(ways), found, ranges, ends, searches, newton, ratios)
 
 
-def _range(way: Way, samples: int, hints: bool, tolerance: float) -> tuple[Ranges, float]:
+def _range(way: DesignDirection, samples: int, hints: bool, tolerance: float) -> tuple[Ranges, float]:
     """The range along a way, and the least time that it took [s]."""
     design, times = way.design, []
     for _ in range(1 if samples == DENSE else REPEATS):
@@ -138,7 +138,7 @@ def unseen(found: np.ndarray, truth: np.ndarray) -> int:
     return sum(not ((found[:, 0] <= high) & (low <= found[:, 1])).any() for low, high in truth)
 
 
-def sampled(ways: Sequence[Way], truths: Sequence[Ranges], samples: int, hints: bool) -> Row:
+def sampled(ways: Sequence[DesignDirection], truths: Sequence[Ranges], samples: int, hints: bool) -> Row:
     """What so many samples of each range miss, and cost."""
     parts, missed, times = [], 0, []
     for way, truth in zip(ways, truths):
@@ -150,7 +150,7 @@ def sampled(ways: Sequence[Way], truths: Sequence[Ranges], samples: int, hints: 
     return row | {"worst": max(parts), "mean": float(np.mean(parts))}
 
 
-def ended(ways: Sequence[Way], truths: Sequence[Ranges], tolerance: float) -> Row:
+def ended(ways: Sequence[DesignDirection], truths: Sequence[Ranges], tolerance: float) -> Row:
     """How far ends are from the true ones, where they were seen, in parts of the way; and what they cost."""
     errors, times = [], []
     for way, truth in zip(ways, truths):
@@ -166,7 +166,7 @@ def ended(ways: Sequence[Way], truths: Sequence[Ranges], tolerance: float) -> Ro
 def first_asking(session: PlankSession) -> Design | None:
     """The first piece of a session at rest that falls or breaks, and can be mended by moving its planks."""
     for frame in session.frames():
-        if not frame.settled or frame.gamma.any():
+        if not frame.edit_ended or frame.gamma.any():
             continue
         flaws = frame.design.furniture.test().flaws
         if flaws and not flaws & (LOST | OVERLAPPING | APART):
@@ -222,10 +222,10 @@ def proportioned(piece: Any) -> tuple[Row, ...]:
     usual, rows, first = Compliance(), [], None
     for ratio in (1.0, *(ratio for ratio in RATIOS if ratio != 1.0)):
         furniture = Furniture(piece, Compliance(joint_t=usual.joint_t, joint_r=ratio * usual.joint_r))
-        verdict = furniture.test()
+        result = furniture.test()
         cases = [furniture.forces(case) for case in range(len(furniture.cases))]
         use = np.max([np.maximum(one.pull_use, one.shear_use) for one in cases], axis=0)
         first = use if first is None else first
         change = np.abs(use - first)
-        rows.append({"ratio": ratio, "use": float(use.max()), "worst": float(change.max()), "flaws": verdict.flaws})
+        rows.append({"ratio": ratio, "use": float(use.max()), "worst": float(change.max()), "flaws": result.flaws})
     return tuple(sorted(rows, key=lambda row: row["ratio"]))

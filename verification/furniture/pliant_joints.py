@@ -32,7 +32,7 @@ BENCHES = {
 RAIL = 3
 """The plank that is the stretcher."""
 NAILS = 5
-"""Of the joint whose slip is told."""
+"""Of the joint whose slip is reported."""
 
 
 @dataclass(frozen=True)

@@ -184,8 +184,8 @@ def plank_edits(names: list[str]) -> st.SearchStrategy[list[Table]]:
 
 def choices() -> st.SearchStrategy[list[Table]]:
     """A suggestion taken, and followed at times."""
-    slides = st.sampled_from([[], [{"do": "slide", "to": 0.3, "frames": 3}], [{"do": "slide", "to": 1}]])
-    return st.builds(lambda n, more: [{"do": "choose", "number": n}, *more], st.integers(1, 4), slides)
+    direction_views = st.sampled_from([[], [{"do": "slide", "to": 0.3, "frames": 3}], [{"do": "slide", "to": 1}]])
+    return st.builds(lambda n, more: [{"do": "choose", "number": n}, *more], st.integers(1, 4), direction_views)
 
 
 def plank_sets(scene: Table) -> st.SearchStrategy[list[Table]]:

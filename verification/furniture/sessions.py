@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from restshape_apps.furniture.guidance.suggestions import suggest
-from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture, Verdict
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNSTABLE, Furniture, TestResult
 from restshape_apps.furniture.pieces import scales, shelf_1, shelf_2, table
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
@@ -81,7 +81,7 @@ def distance(piece: Piece, other: Piece) -> float:
 
 
 def blindly(wanted: Piece, seed: int) -> tuple[int, bool, Piece]:
-    """Edits at random, of modes that keep joints closed; a simulation now and then tells whether it holds yet.
+    """Edits at random, of modes that keep joints closed; a simulation now and then shows whether it holds yet.
 
     What overlaps or comes apart is seen and not done. After each simulation but the last the last edits are kept.
     """
@@ -122,15 +122,15 @@ def _better(furniture: Furniture, direction: np.ndarray) -> float:
     """The step of a few at which the piece is nearest to holding; 0 where none is nearer than it is."""
     best, least = 0.0, 0.97 * _lack(furniture.test())
     for step in (-0.1, -0.05, 0.05, 0.1):
-        verdict = furniture.test(step * direction)
-        if not verdict.flaws & (LOST | OVERLAPPING) and _lack(verdict) < least:
-            best, least = step, _lack(verdict)
+        result = furniture.test(step * direction)
+        if not result.flaws & (LOST | OVERLAPPING) and _lack(result) < least:
+            best, least = step, _lack(result)
     return best
 
 
-def _lack(verdict: Verdict) -> float:
+def _lack(result: TestResult) -> float:
     """How far a piece is from holding: what contacts leave of the loads, then the largest use of a joint."""
-    return verdict.pull + (100.0 * verdict.missing if verdict.flaws & UNSTABLE else 0.0)
+    return result.pull + (100.0 * result.unbalanced if result.flaws & UNSTABLE else 0.0)
 
 
 def with_suggestions(wanted: Piece) -> tuple[int, bool, Piece]:

@@ -19,7 +19,7 @@ FINE = Compliance(least_overlap=1e-6)
 
 
 def falls(piece: Piece, compliance: Compliance | None = None) -> bool:
-    """Tell whether the full test finds a piece unstable."""
+    """Whether the full test finds a piece unstable."""
     return bool(Furniture(piece, compliance).test().flaws & UNSTABLE)
 
 
@@ -95,8 +95,8 @@ def carpeted(newtons: float) -> Furniture:
 
 
 def falls_under(furniture: Furniture) -> bool:
-    """Tell whether contacts fail to balance the last case of the last test."""
-    return furniture.forces(len(furniture.cases) - 1).missing > 1e-7
+    """Whether contacts fail to balance the last case of the last test."""
+    return furniture.forces(len(furniture.cases) - 1).unbalanced > 1e-7
 
 
 def sliding_feet(trial: Trial) -> Iterator[Statement]:
@@ -155,8 +155,8 @@ def hardly_parallel(trial: Trial) -> Iterator[Statement]:
             lower = Plank.between("lower", (-0.5, 0, t / 2), (0.5, 0, t / 2), (0, 0.3, 0), t)
             c, s, middle = 0.5 * np.cos(angle), 0.5 * np.sin(angle), 1.5 * t + gap
             upper = Plank.between("upper", (-c, 0, middle - s), (c, 0, middle + s), (0, 0.3, 0), t)
-            verdict = Furniture(Piece((lower, upper), (), (Foot(0, 4, 0),))).test()
-            seen = bool(verdict.flaws & OVERLAPPING)
+            result = Furniture(Piece((lower, upper), (), (Foot(0, 4, 0),))).test()
+            seen = bool(result.flaws & OVERLAPPING)
             wrong += [] if seen is overlap else [f"{gap:g} m apart, turned by {angle:g}: {seen}"]
     yield true("36 pairs of boards overlap where they are more than 0.1 mm in each other", not wrong, "; ".join(wrong))
     # An end that meets its face at less than a quarter of a right angle's sine has no place on it.
@@ -164,7 +164,7 @@ def hardly_parallel(trial: Trial) -> Iterator[Statement]:
     for angle, lost in ((1.30, False), (1.317, False), (1.32, True), (1.5, True), (np.pi / 2, True)):
         gamma = np.zeros((3, 8))
         gamma[2, 4] = angle
-        verdict = Furniture(piece).test(gamma)
-        flat = any(one.detail == FAULTS[SLANT] for one in verdict.findings)
+        result = Furniture(piece).test(gamma)
+        flat = any(one.detail == FAULTS[SLANT] for one in result.findings)
         yield true(f"turned by {angle:g} it is {'too flat' if lost else 'not'}", flat is lost)
-        yield true("and lost with it", bool(verdict.flaws & LOST) or not lost)
+        yield true("and lost with it", bool(result.flaws & LOST) or not lost)

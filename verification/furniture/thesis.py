@@ -16,7 +16,7 @@ from restshape_verification.furniture.times import (
     large,
     timed,
 )
-from restshape_verification.furniture.validation_statics import gives_way, settled
+from restshape_verification.furniture.validation_statics import gives_way, in_equilibrium
 
 TABLE, FIGURE = "6.1", "figure 6.22"
 
@@ -88,7 +88,7 @@ def nail_rows() -> list[dict[str, Any]]:
     rows = []
     for name in ("nail-thesis", "nail-experiment"):
         most = gives_way(lambda kilograms, name=name: cantilever(kilograms=kilograms, fastener=name), 0.1, 20.0, WEAK)
-        furniture = settled(cantilever(kilograms=most, fastener=name))
+        furniture = in_equilibrium(cantilever(kilograms=most, fastener=name))
         common = {"table": FIGURE, "row": f"nail cantilever with 3 nails, {name}"}
         bears = round(abs(float(furniture.forces().bending[1])), 6)
         rows += [

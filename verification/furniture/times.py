@@ -8,7 +8,7 @@ from statistics import median
 import numpy as np
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape_apps.furniture.guidance.force_space import durability_space, stability_space
-from restshape_apps.furniture.guidance.suggestions import Suggestions, suggest
+from restshape_apps.furniture.guidance.suggestions import Combinations, suggest
 from restshape_apps.furniture.guidance.support_planks import support_planks
 from restshape_apps.furniture.physics.furniture import UNSTABLE, Furniture
 from restshape_apps.furniture.pieces import bookshelf, bookshelf_20, piece_28, shelf_1, shelf_2
@@ -78,7 +78,7 @@ def timed(work: Callable[[], object], times: int = 9) -> Time:
     return Time(median(wall), min(own))
 
 
-def all_suggestions(piece: Piece) -> tuple[Suggestions, int]:
+def all_suggestions(piece: Piece) -> tuple[Combinations, int]:
     """Suggestions and the number of support planks of a piece, from its data on."""
     furniture = Furniture(piece)
     found = suggest(furniture)
@@ -110,7 +110,7 @@ def renewed(piece: Piece) -> None:
     solver.destroy()
 
 
-def dragged(piece: Piece, found: Suggestions) -> Time:
+def dragged(piece: Piece, found: Combinations) -> Time:
     """The time of a range in a drag: derivative, prediction, samples and bisection."""
     direction = found.found[0].direction if found.found else found.modes.direction(np.array([0]), np.array([1.0]))
     part = np.zeros(len(found.modes))

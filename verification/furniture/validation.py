@@ -1,7 +1,7 @@
-"""Validation cases of furniture: statics and sag by hand, redundant joints, derivatives, ranges, suggestions."""
+"""Validation cases of furniture: statics and deflection by hand, redundant joints, derivatives, ranges, suggestions."""
 
 from restshape_studies.validation.case import Case
-from restshape_verification.furniture.validation_bending import lifted_foot, sag
+from restshape_verification.furniture.validation_bending import lifted_foot, max_deflection
 from restshape_verification.furniture.validation_guidance import enumerated, missed, range_ends, taylor
 from restshape_verification.furniture.validation_loops import compliance, indeterminate
 from restshape_verification.furniture.validation_statics import (
@@ -22,7 +22,7 @@ CASES: dict[str, Case] = {
     "tipping": tipping,
     "incline": incline,
     "nail_cantilever": nail_cantilever,
-    "sag": sag,
+    "sag": max_deflection,
     "lifted_foot": lifted_foot,
     "indeterminate": indeterminate,
     "compliance": compliance,

@@ -1,4 +1,4 @@
-"""Validation of furniture against beams in closed form: how far planks sag, and where a floor lets go of them."""
+"""Validation of furniture against beams in closed form: how far planks deflect, and where a floor lets go of them."""
 
 import numpy as np
 from petsc4py import PETSc
@@ -6,28 +6,28 @@ from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.pieces import cantilever
 from restshape_apps.furniture.small_pieces import bench, laid, nailed_along
 from restshape_studies.validation.case import Check
-from restshape_verification.furniture.validation_statics import FINE, G, settled
+from restshape_verification.furniture.validation_statics import FINE, G, in_equilibrium
 
 MDF, PINE = (2.5e9, 700.0), (11e9, 420.0)
 """E [Pa] and density [kg/m^3] of planks here, as EN 622-5 and EN 338 have them."""
 
 
-def sag(comm: PETSc.Comm) -> list[Check]:
+def max_deflection(comm: PETSc.Comm) -> list[Check]:
     """A cantilever, a board on two supports, one on the floor, and a shelf that is nailed along its long side."""
     arm, load = 0.4, 0.3 * G
     stiff, own = MDF[0] * 0.06 * 0.012**3 / 12, MDF[1] * 0.06 * 0.012 * G
-    hung = plank_bending(settled(cantilever(arm=arm, kilograms=0.3)), 2)
+    hung = plank_bending(in_equilibrium(cantilever(arm=arm, kilograms=0.3)), 2)
     checks = [
         Check(
             "sag of a cantilever [m]",
-            hung.sag,
+            hung.max_deflection,
             load * arm**3 / (3 * stiff) + own * arm**4 / (8 * stiff),
             1e-4,
             "P l^3 / 3EI + w l^4 / 8EI",
         )
     ]
     stiff, own, over, load = PINE[0] * 0.3 * 0.02**3 / 12, PINE[1] * 0.3 * 0.02 * G, 0.1, 20.0 * G
-    found = plank_bending(settled(bench(0.0, mu=0.0), FINE), 0)
+    found = plank_bending(in_equilibrium(bench(0.0, mu=0.0), FINE), 0)
     middle = 5 * own / 384 + load / 48 - own * over**2 / 16
     checks.append(
         Check(
@@ -42,7 +42,7 @@ def sag(comm: PETSc.Comm) -> list[Check]:
     checks += [
         Check(
             f"sag of a board on the floor with a mass {place:g} m aside, over that on its ends",
-            plank_bending(settled(laid(place)), 0).sag / between,
+            plank_bending(in_equilibrium(laid(place)), 0).max_deflection / between,
             0.0,
             1e-6,
             "a rigid floor bears what lies on it",
@@ -50,17 +50,23 @@ def sag(comm: PETSc.Comm) -> list[Check]:
         for place in (0.0, 0.3, 0.6)
     ]
     load, stiff = 5.0 * G, MDF[0] * 0.2 * 0.012**3 / 12
-    borne = plank_bending(settled(nailed_along(5.0)), 1)
+    borne = plank_bending(in_equilibrium(nailed_along(5.0)), 1)
     return [
         *checks,
-        Check("sag of a shelf nailed along its side [m]", borne.sag, load / (128 * stiff), 1e-3, "P L^3 / 128EI"),
+        Check(
+            "sag of a shelf nailed along its side [m]",
+            borne.max_deflection,
+            load / (128 * stiff),
+            1e-3,
+            "P L^3 / 128EI",
+        ),
     ]
 
 
 def lifted_foot(comm: PETSc.Comm) -> list[Check]:
     """The foot of a cantilever's post: it lifts behind, and lies on the floor from where loads have no moment on."""
     arm, kilograms, half, t = 0.19, 2.0, 0.3, 0.012
-    furniture = settled(cantilever(arm=arm, kilograms=kilograms, fastener="nail-thesis"))
+    furniture = in_equilibrium(cantilever(arm=arm, kilograms=kilograms, fastener="nail-thesis"))
     found = plank_bending(furniture, 1)
     stiff, own = MDF[0] * 0.2 * t**3 / 12, MDF[1] * 0.2 * t * G
     beam, post = MDF[1] * 0.06 * t * arm * G, own * float(furniture.piece.planks[0].size[0])
@@ -70,7 +76,7 @@ def lifted_foot(comm: PETSc.Comm) -> list[Check]:
     lift = couple * flat * (2 * far - flat) / 2 - down * flat**2 * (3 * far - flat) / 6 - own * far**4 / 8
     source = "a cantilever from where the moment of all loads behind is nothing"
     return [
-        Check("how far it lifts [m]", found.sag, float(lift / stiff), 0.01, source),
+        Check("how far it lifts [m]", found.max_deflection, float(lift / stiff), 0.01, source),
         Check(
             "largest moment [N m]", float(np.abs(found.moment).max()), couple - own * half**2 / 2, 1e-3, "M - w b^2 / 2"
         ),

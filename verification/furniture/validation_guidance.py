@@ -3,7 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 from restshape_apps.furniture.guidance.force_space import durability_space, stability_space, whole_space
-from restshape_apps.furniture.guidance.searched_piece import SearchedPiece
+from restshape_apps.furniture.guidance.searchable_piece import SearchablePiece
 from restshape_apps.furniture.physics.derivatives import force_derivative
 from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, Furniture
 from restshape_apps.furniture.pieces import cantilever, chair, scales, shelf_1, shelf_2, stool_chair, table
@@ -12,7 +12,7 @@ from restshape_apps.furniture.shape.planks import FREEDOMS
 from restshape_studies.validation.case import Check
 from restshape_verification.furniture.enumeration import alone, apart, confirmed, distinct, rays
 from restshape_verification.furniture.misses import FIRST_ONLY, MANY, SMALL, UNLIMITED, Grid
-from restshape_verification.furniture.validation_statics import G, settled
+from restshape_verification.furniture.validation_statics import G, in_equilibrium
 
 from restshape.guidance.combination_search import Search
 from restshape.guidance.ranges import valid_ranges
@@ -31,7 +31,7 @@ def taylor(comm: PETSc.Comm) -> list[Check]:
     """What the derivatives of forces leave over as a design step is halved."""
     checks = []
     for piece in (table(), table(push=30.0), shelf_1()):
-        furniture = settled(piece)
+        furniture = in_equilibrium(piece)
         modes, case = modes_of(furniture), len(furniture.cases) - 1
         weights = np.random.default_rng(7).normal(size=len(modes))
         weights /= np.linalg.norm(weights)
@@ -53,7 +53,7 @@ def taylor(comm: PETSc.Comm) -> list[Check]:
 
 def range_ends(comm: PETSc.Comm) -> list[Check]:
     """Ends of valid ranges: of a cantilever's length by hand, and of single modes by dense sampling."""
-    furniture = settled(cantilever(kilograms=0.9))
+    furniture = in_equilibrium(cantilever(kilograms=0.9))
     modes = modes_of(furniture)
     number = next(k for k, (p, f) in enumerate(modes.freedoms) if p == 2 and FREEDOMS[f] == "length x")
     ranges = valid_ranges(furniture.kernel, modes.direction(np.array([number]), np.array([1.0])), -0.3, 0.5)
@@ -64,7 +64,7 @@ def range_ends(comm: PETSc.Comm) -> list[Check]:
     checks = [Check("longest arm of a nail cantilever [m]", by_hand, float(longest), 1e-5, source)]
     for piece in (table(kilograms=20.0), chair(), stool_chair()):
         worst, seen, met = 0.0, 0, 0
-        furniture = settled(piece)
+        furniture = in_equilibrium(piece)
         modes = modes_of(furniture)
         for number in np.random.default_rng(5).choice(len(modes), 5, replace=False):
             direction = modes.direction(np.array([number]), np.array([1.0]))
@@ -110,13 +110,13 @@ def enumerated(comm: PETSc.Comm) -> list[Check]:
     """Suggestions beside those of every combination of modes, tried one by one with nothing left out."""
     checks = []
     for piece in (scales(), table(), shelf_1(), shelf_2(), SMALL["cantilever that falls"]()):
-        furniture = settled(piece)
+        furniture = in_equilibrium(piece)
         modes, unstable = modes_of(furniture), furniture.test().flaws & UNSTABLE
         for forces in (stability_space, whole_space) if unstable else (durability_space,):
             furniture.test()
             rest = confirmed(furniture, modes, rays(forces(furniture, modes), 3))
             expected = distinct(alone(furniture, modes) | rest)
-            search = Search(SearchedPiece(furniture, modes, forces), ALL, FIRST_ONLY)
+            search = Search(SearchablePiece(furniture, modes, forces), ALL, FIRST_ONLY)
             found = {one.modes for one in search.run(3, MANY)}
             what = f"{piece.name}, {'stability and joints' if forces is whole_space else 'one of both'}"
             source = "401 places of each mode, least squares of each combination of at most 3"

@@ -1,4 +1,4 @@
-"""Validation of furniture whose forces equilibrium alone does not tell: least energy, and small compliances."""
+"""Validation of furniture whose forces equilibrium alone does not report: least energy, and small compliances."""
 
 import numpy as np
 from petsc4py import PETSc
@@ -7,7 +7,7 @@ from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.pieces import chair, shelf_1, stool_chair, table
 from restshape_studies.validation.case import Check
 from restshape_verification.furniture.least_energy import least_energy
-from restshape_verification.furniture.validation_statics import settled
+from restshape_verification.furniture.validation_statics import in_equilibrium
 
 STIFF = 1e-12
 """Compliance at which displacements change no arm."""
@@ -40,7 +40,7 @@ def compliance(comm: PETSc.Comm) -> list[Check]:
     for piece in (table(), stool_chair(), shelf_1()):
         found = []
         for scale in 10.0 ** np.arange(-12, -7):
-            forces = settled(piece, Compliance(scale, 0.5 * scale, 2.0 * scale)).forces()
+            forces = in_equilibrium(piece, Compliance(scale, 0.5 * scale, 2.0 * scale)).forces()
             found.append(np.concatenate([forces.bending, forces.tension]))
         change = max(float(np.abs(other - found[0]).max()) for other in found[1:]) / float(np.abs(found[0]).max())
         source = "rigid planks: forces hang on ratios of compliances alone"

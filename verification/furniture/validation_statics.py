@@ -16,7 +16,7 @@ FINE = Compliance(least_overlap=1e-6)
 """For legs that stand on lines and points."""
 
 
-def settled(piece: Piece, compliance: Compliance | None = None) -> Furniture:
+def in_equilibrium(piece: Piece, compliance: Compliance | None = None) -> Furniture:
     """The model of a piece after its test."""
     furniture = Furniture(piece, compliance)
     furniture.test()
@@ -42,7 +42,7 @@ def gives_way(make: Callable[[float], Piece], good: float, bad: float, flaw: int
 def two_supports(comm: PETSc.Comm) -> list[Check]:
     """A board on two upright ones with a mass aside of the middle: reactions of the lever."""
     place, load = 0.1, 20.0 * G
-    furniture = settled(bench(place, mu=0.0), FINE)
+    furniture = in_equilibrium(bench(place, mu=0.0), FINE)
     own = furniture.geometry().mass * G
     wanted = np.array([0.5 - place, 0.5 + place]) * load + 0.5 * own[0] + own[1:]
     found = reactions(furniture)
@@ -56,7 +56,7 @@ def two_supports(comm: PETSc.Comm) -> list[Check]:
 def cantilever_moment(comm: PETSc.Comm) -> list[Check]:
     """A board nailed end-on to an upright one with a mass at its tip: moment and shear of the joint."""
     arm, kilograms = 0.19, 0.8
-    furniture = settled(cantilever(arm=arm, kilograms=kilograms))
+    furniture = in_equilibrium(cantilever(arm=arm, kilograms=kilograms))
     own = float(furniture.geometry().mass[2]) * G
     forces = furniture.forces()
     moment, shear = abs(float(forces.bending[1])), float(np.hypot(*forces.shear[1]))
@@ -69,7 +69,7 @@ def cantilever_moment(comm: PETSc.Comm) -> list[Check]:
 def tripod(comm: PETSc.Comm) -> list[Check]:
     """A stool on three points with a mass aside of the middle: barycentric reactions."""
     feet, at, load = [(-0.4, -0.3), (0.45, -0.2), (0.0, 0.4)], (0.1, 0.05), 30.0 * G
-    furniture = settled(stool(feet, at, 30.0, mu=0.0), FINE)
+    furniture = in_equilibrium(stool(feet, at, 30.0, mu=0.0), FINE)
     corners, own = np.vstack([np.array(feet).T, np.ones(3)]), furniture.geometry().mass * G
     wanted = load * np.linalg.solve(corners, [*at, 1.0]) + own[0] * np.linalg.solve(corners, [0, 0, 1.0]) + own[1:]
     return [
@@ -140,7 +140,7 @@ def nail_cantilever(comm: PETSc.Comm) -> list[Check]:
             return cantilever(kilograms=kilograms, fastener=name)
 
         most = gives_way(loaded, 0.1, 20.0, WEAK)
-        furniture = settled(loaded(most))
+        furniture = in_equilibrium(loaded(most))
         bears = abs(float(furniture.forces().bending[1]))
         own = float(furniture.geometry().mass[2]) * G * 0.095
         checks += [

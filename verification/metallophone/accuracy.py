@@ -70,7 +70,7 @@ def study(
 
     Args:
         frames: of the edit that each point is timed on.
-        on_run: told what is run.
+        on_run: called with what is run.
         play: runs jobs.
 
     Raises:

@@ -12,7 +12,7 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.modal_matrices import products
 from restshape.calibration import Calibration
-from restshape.replay.run import replay_files
+from restshape.replay.replayed_files import replay_files
 
 CELLS = 60
 """Of the one-dimensional bar whose discrete eigenvalues are known."""
@@ -77,7 +77,7 @@ def rates(comm: PETSc.Comm) -> list[Check]:
 
 
 def slope(found: Sequence[ModalAnalysis], exact: float) -> float:
-    """The power of the elements' size, as their number tells it, that the error of the first frequency follows."""
+    """The power of the elements' size, as their number reports it, that the error of the first frequency follows."""
     coarse, fine = (abs(float(analysis.frequencies[0]) - exact) for analysis in found)
     cells = [len(analysis.space.cells) for analysis in found]
     return float(np.log(coarse / fine) / (0.5 * np.log(cells[1] / cells[0])))

@@ -7,7 +7,7 @@ from petsc4py import PETSc
 
 from restshape.analysis.modal import ModalAnalysis
 from restshape.application import application
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 FOLDER = application("metallophone").folder
 SCENES, EDITS = FOLDER / "scenes", FOLDER / "edits"
@@ -16,7 +16,7 @@ SHEAR = 5 / 6
 
 def solved(scene: str, comm: PETSc.Comm, overrides: Sequence[str] = ()) -> ModalAnalysis:
     """The modes of a scene's first shape."""
-    return still(SCENES / scene, overrides, comm).analysis
+    return first_frame(SCENES / scene, overrides, comm).analysis
 
 
 def timoshenko(k: int, length: float, height: float, E: float, nu: float, rho: float) -> float:

@@ -5,7 +5,7 @@ from typing import Any
 from restshape_studies.bench.reuse import Case, Plan, compare
 
 from restshape.application import application
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 FOLDER = application("metallophone").folder
 PLAN = Plan(("auto", "thesis"), overrides=("effects.modal.modes=1",))
@@ -23,7 +23,7 @@ def bar_rows(length: int, timed: bool) -> list[dict[str, Any]]:
     case = Case(f"bar_{length}", FOLDER / "scenes" / f"bar_{length}.toml", FOLDER / "edits" / f"bar_{length}.jsonl")
     count, speed = BARS[length]
     common = {"table": "4.4", "row": f"bar of {length} x 30 mm, one mode"}
-    elements = still(case.scene, PLAN.overrides).row["elements"]
+    elements = first_frame(case.scene, PLAN.overrides).row["elements"]
     counted = {**common, "quantity": "tetrahedra", "thesis": count, "ours": elements, "unit": "tetrahedra"}
     speeds = [
         {

@@ -10,8 +10,8 @@ from restshape_verification.metallophone.reference import EDITS, SCENES, solved,
 
 from restshape.algebra.clusters import CLUSTER
 from restshape.analysis.modal import ModalAnalysis
-from restshape.replay.run import replay_files
-from restshape.sensitivity.modal import frequency_derivatives, material_derivatives
+from restshape.replay.replayed_files import replay_files
+from restshape.sensitivity.frequency_derivative import frequency_derivatives, material_derivatives
 
 CANTILEVER = (8.35516595, 52.36093119, 146.61212348)
 """Euler and Bernoulli's frequencies [Hz] of 1 m x 10 mm of steel; they grow with the height."""

@@ -1,4 +1,4 @@
-"""What verifies solids at rest."""
+"""What verifies Static solids."""
 
 from restshape_studies.verification import Verification
 

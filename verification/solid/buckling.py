@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 
 from restshape.application import application
 from restshape.errors import UserError
+from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
-from restshape.replay.still import still
 
 SCENES = application("solid").folder / "scenes"
 E, THICKNESS, LOAD, LENGTH, PRESSED = 210e9, 0.02, 40e3, 1.0, 1e-4
@@ -52,7 +52,7 @@ ROOTS = {
 def column(height: float, size: float, overrides: Sequence[str] = (), comm: PETSc.Comm = PETSc.COMM_WORLD) -> Replay:
     """The column of a height h of its section [m] on a mesh of that size [m]."""
     shape = [f"shape.vertices.b=[{height},0]", f"shape.vertices.c=[{height},{LENGTH}]", f"mesh.size={size}"]
-    return still(SCENES / "euler.toml", [*shape, "solve.tolerance=1e-8", *overrides], comm)
+    return first_frame(SCENES / "euler.toml", [*shape, "solve.tolerance=1e-8", *overrides], comm)
 
 
 def shearing_column(height: float, condition: Callable[[float, float], float], z: float) -> float:
@@ -139,7 +139,7 @@ def ring(comm: PETSc.Comm) -> list[Check]:
             f"shape.vertices.c=[0,{inner}]",
             f"mesh.size={height}",
         ]
-        analysis = still(SCENES / "ring.toml", shape, comm).analysis
+        analysis = first_frame(SCENES / "ring.toml", shape, comm).analysis
         found.append(analysis.load_factors[0] * 1e6 / (E * height**3 / 12))
     limit = 2.0 * found[1] - found[0]
     source = "Bodner 1958; 3 where the pressure stays normal to the ring"
@@ -148,14 +148,14 @@ def ring(comm: PETSc.Comm) -> list[Check]:
 
 def large(comm: PETSc.Comm) -> list[Check]:
     """The load at which the tangent of the straight column of large deformation ceases to be positive definite."""
-    critical = LOAD * float(still(SCENES / "euler.toml", comm=comm).analysis.load_factors[0])
+    critical = LOAD * float(first_frame(SCENES / "euler.toml", comm=comm).analysis.load_factors[0])
     text = (SCENES / "euler.toml").read_text()
     text = text.replace("[effects.buckling]\nmodes = 3", "[effects.large_deformation]").partition("[quantities]")[0]
     text = text.replace("[mesh]", "[mesh]\norder = 2")
 
     def stands(path: Path, force: float) -> bool:
         try:
-            still(path, [f"loads.head.force=[0,{-force}]", f"loads.foot.force=[0,{force}]"], comm)
+            first_frame(path, [f"loads.head.force=[0,{-force}]", f"loads.foot.force=[0,{force}]"], comm)
         except UserError:
             return False
         return True
@@ -178,7 +178,7 @@ def homogeneity(comm: PETSc.Comm) -> list[Check]:
     loads = [f"loads.{name}.force=[0,{force}]" for name, force in (("head", -8e4), ("foot", 8e4))]
     loaded = column(0.05, 0.02, loads, comm).analysis.load_factors
     half = {"b": [0.025, 0], "c": [0.025, 0.5], "d": [0, 0.5]}
-    smaller = still(
+    smaller = first_frame(
         SCENES / "euler.toml",
         [*(f"shape.vertices.{name}={at}" for name, at in half.items()), "mesh.size=0.01", "solve.tolerance=1e-8"],
         comm,

@@ -4,7 +4,7 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 
 from restshape.application import application
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 SCENE = application("solid").folder / "scenes" / "cook.toml"
 RUBBER = ("material.unit.nu=0.4999", "effects.solid.model=plane_strain")
@@ -24,7 +24,7 @@ def table(sizes: tuple[float, ...], comm: PETSc.Comm) -> list[dict[str, float | 
     rows = []
     for element, overrides in ELEMENTS.items():
         for size in sizes:
-            row = still(SCENE, [*RUBBER, *overrides, f"mesh.size={size}"], comm).row
+            row = first_frame(SCENE, [*RUBBER, *overrides, f"mesh.size={size}"], comm).row
             v = row["q_v_middle"]
             found = {"element": element, "size": size, "unknowns": row["unknowns"], "v": v, "error": v / V_MIDDLE - 1}
             rows.append(found)

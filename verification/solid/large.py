@@ -6,7 +6,7 @@ from restshape_studies.validation.case import Check
 
 from restshape.application import application
 from restshape.errors import UserError
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 SCENES = application("solid").folder / "scenes"
 LIMIT = 1.0 / (3.0 * np.sqrt(3.0))
@@ -19,7 +19,7 @@ def uniaxial(comm: PETSc.Comm) -> list[Check]:
     checks = []
     for stretch in (1.25, 1.1, 0.9, 0.8):
         load = stretch * (stretch**2 - 1) / 2
-        row = still(SCENES / "uniaxial.toml", [f"parameters.P={load!r}", "solve.tolerance=1e-10"], comm).row
+        row = first_frame(SCENES / "uniaxial.toml", [f"parameters.P={load!r}", "solve.tolerance=1e-10"], comm).row
         checks.append(Check(f"stretch at P / E = {load:.4f}", 1.0 + row["q_longer"], stretch, 1e-8, source))
         section = 1.0 - 0.3 * (stretch**2 - 1)
         checks.append(Check("Cauchy's stress over E there", row["q_stress"], load / section, 1e-8, source))
@@ -32,10 +32,10 @@ def uniaxial(comm: PETSc.Comm) -> list[Check]:
 
 
 def bears(pressure: float, comm: PETSc.Comm) -> bool:
-    """Tell whether an equilibrium is found under a pressure [over E] on a block that cannot swerve."""
+    """Whether an equilibrium is found under a pressure [over E] on a block that cannot swerve."""
     straight = ['supports.bottom.on="all"', "material.block.nu=0", f"parameters.P={-pressure!r}"]
     try:
-        still(SCENES / "uniaxial.toml", straight, comm)
+        first_frame(SCENES / "uniaxial.toml", straight, comm)
     except UserError:
         return False
     return True
@@ -45,7 +45,7 @@ def strip(comm: PETSc.Comm) -> list[Check]:
     """How far the foot of a hanging strip sinks under its own weight."""
     source = "l (l^2 - 1) / 2 = (rho g / E)(L - X), integrated"
     table = {0.1: 0.045797685, 0.5: 0.182257884, 1.0: 0.305359307}
-    rows = {w: still(SCENES / "strip.toml", [f"effects.gravity.g=[0, {-1000 * w}]"], comm).row for w in table}
+    rows = {w: first_frame(SCENES / "strip.toml", [f"effects.gravity.g=[0, {-1000 * w}]"], comm).row for w in table}
     return [
         Check(f"sinking at rho g L / E = {w:g} [L]", -rows[w]["q_foot"], wanted, 1e-4, source)
         for w, wanted in table.items()
@@ -57,7 +57,7 @@ def elastica(comm: PETSc.Comm) -> list[Check]:
     table = {1: (0.301721, 0.056433), 2: (0.493457, 0.160642), 4: (0.669964, 0.328941), 10: (0.810609, 0.554996)}
     checks = []
     for load, (down, back) in table.items():
-        row = still(SCENES / "elastica.toml", [f"parameters.load={load}"], comm).row
+        row = first_frame(SCENES / "elastica.toml", [f"parameters.load={load}"], comm).row
         for name, wanted in (("down", down), ("back", back)):
             checks.append(
                 Check(f"tip {name} at P L^2 / (E I) = {load} [L]", -row[f"q_{name}"], wanted, 1e-3, "Mattiasson 1981")
@@ -67,7 +67,7 @@ def elastica(comm: PETSc.Comm) -> list[Check]:
 
 def csm1(comm: PETSc.Comm) -> list[Check]:
     """Turek and Hron's beam at rest under gravity, of second order."""
-    row = still(SCENES / "csm1.toml", ["mesh.size=0.005", "mesh.near.a=5e-4", "mesh.near.d=5e-4"], comm).row
+    row = first_frame(SCENES / "csm1.toml", ["mesh.size=0.005", "mesh.near.a=5e-4", "mesh.near.d=5e-4"], comm).row
     source = "Turek and Hron 2006, CSM1"
     return [
         Check("x of the tip [m]", row["q_x"], -7.187e-3, 1e-3, source),

@@ -6,7 +6,7 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 
 from restshape.application import application
-from restshape.replay.run import replay_files
+from restshape.replay.replayed_files import replay_files
 
 HERE = application("solid").folder
 GROWTH = 0.1
@@ -14,7 +14,7 @@ GROWTH = 0.1
 
 
 def slender(comm: PETSc.Comm) -> list[Check]:
-    """The deflection that is foretold for a longer and a higher beam, the solved one, and the error between them."""
+    """The deflection that is predicted for a longer and a higher beam, the solved one, and the error between them."""
     rows = replay_files(HERE / "scenes/slender.toml", HERE / "edits/slender.jsonl", "auto", predict="linear")["rows"]
     ends = [(before, after) for before, after in pairwise(rows) if after["event"] == "release"]
     source = "Euler and Bernoulli's beam; shear adds 0.15 %"

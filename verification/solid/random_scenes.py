@@ -1,4 +1,4 @@
-"""Solids at rest at random, some of which buckle."""
+"""Static solids at random, some of which buckle."""
 
 from hypothesis import strategies as st
 from restshape_studies.stability.plane_strategies import solid_effects, solid_scenes
@@ -8,7 +8,7 @@ from restshape_studies.stability.shape_strategies import Table
 
 @st.composite
 def effects(draw: st.DrawFn) -> Table:
-    """The [effects] of solids at rest."""
+    """The [effects] of Static solids."""
     found = draw(solid_effects())
     if "large_deformation" not in found and draw(st.booleans()):
         found["buckling"] = {

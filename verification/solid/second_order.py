@@ -6,7 +6,7 @@ from restshape_studies.validation.case import Check
 from restshape_studies.validation.norms import errors
 
 from restshape.application import application
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 SCENES = application("solid").folder / "scenes"
 SIZES = (0.12, 0.06, 0.03)
@@ -30,7 +30,7 @@ def rates(name: str, order: int, comm: PETSc.Comm) -> tuple[float, float]:
     """Slopes of the L2 and the H1 error over the size of triangles, in a scene of the manufactured solution."""
     found = []
     for size in SIZES:
-        analysis = still(SCENES / name, [f"mesh.size={size}", f"mesh.order={order}"], comm).analysis
+        analysis = first_frame(SCENES / name, [f"mesh.size={size}", f"mesh.order={order}"], comm).analysis
         mesh = analysis.space
         found.append((np.sqrt(1.0 / len(mesh.cells)), *errors(mesh, analysis.x, displacement, gradient)))
     h, l2, h1 = np.log(np.array(found)).T
@@ -49,7 +49,7 @@ def quadratic_rates(comm: PETSc.Comm) -> list[Check]:
 
 def cook_quadratic(comm: PETSc.Comm) -> list[Check]:
     """Cook's membrane in plane stress, nu = 1/3, with second-order triangles."""
-    row = still(SCENES / "cook.toml", ["mesh.size=1", "mesh.order=2"], comm).row
+    row = first_frame(SCENES / "cook.toml", ["mesh.size=1", "mesh.order=2"], comm).row
     source = "converged p-FEM, plane stress, E = 1, nu = 1/3"
     return [
         Check("v at (48, 52), the middle of the edge [m]", row["q_v_middle"], 23.96775, 0.005, source),
@@ -61,7 +61,7 @@ def le1(comm: PETSc.Comm) -> list[Check]:
     """NAFEMS LE1, the elliptic membrane: the stress at D on a coarse and on a converged mesh."""
     checks = []
     for size, near in ((0.2, 0.05), (0.1, 0.025), (0.05, 0.0125)):
-        row = still(SCENES / "le1.toml", [f"mesh.size={size}", f"mesh.near.D={near}"], comm).row
+        row = first_frame(SCENES / "le1.toml", [f"mesh.size={size}", f"mesh.near.D={near}"], comm).row
         what = f"stress yy at D, {row['unknowns']} unknowns [Pa]"
         checks.append(Check(what, row["q_stress_at_D"], 92.7e6, 0.005, "NAFEMS, 1990, LE1"))
     source = "converged p-FEM of the same membrane"

@@ -66,7 +66,7 @@ def wholly_following(trial: Trial) -> Iterator[Statement]:
 
 
 def dragged_beyond(trial: Trial) -> Iterator[Statement]:
-    """A column under 0.8 of its limit is dragged longer than it can stand, slowly and fast: told in time."""
+    """A column under 0.8 of its limit is dragged longer than it can stand, slowly and fast: reported in time."""
     for frames in (5, 40):
         path = across((DEPTH / 2, 1.0), (DEPTH / 2, 1.4), frames)
         rows = trial.rows(column(0.8 * EULER), drag("top", (DEPTH / 2, 1.0), path))

@@ -1,4 +1,4 @@
-"""Hard cases of linear solids at rest: jumps, thin parts, stiff and soft, nearly incompressible, old factors."""
+"""Hard cases of linear Static solids: jumps, thin parts, stiff and soft, nearly incompressible, old factors."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -165,7 +165,7 @@ def rubber_on_steel_large(trial: Trial) -> Iterator[Statement]:
 
 
 def old_factor(trial: Trial) -> Iterator[Statement]:
-    """A factor that is never made anew while the hole goes round and round, far past all use."""
+    """A factor that is never rebuilt while the hole goes round and round, far past all use."""
     frames = trial.count(2000, 400)
     turn = 2 * np.pi
     path = [(0.5 + 0.25 * np.sin(turn * k / 200), 0.5 + 0.1 * np.sin(turn * k / 160)) for k in range(1, frames + 1)]

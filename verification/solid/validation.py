@@ -15,12 +15,12 @@ from restshape_verification.solid.second_order import (
     rates,
 )
 
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 
 def patch(comm: PETSc.Comm) -> list[Check]:
     """A linear displacement on the boundary of a distorted mesh is met exactly inside."""
-    replay = still(SCENES / "patch.toml", comm=comm)
+    replay = first_frame(SCENES / "patch.toml", comm=comm)
     X, p = replay.moving.mesh.X, replay.session.scene.parameters
     exact = np.column_stack([p["a"] * X[:, 0] + p["b"] * X[:, 1], p["c"] * X[:, 0] + p["d"] * X[:, 1]])
     difference = float(np.abs(replay.analysis.x - exact).max() / np.abs(exact).max())
@@ -36,7 +36,7 @@ def manufactured(comm: PETSc.Comm) -> list[Check]:
 
 def kirsch(comm: PETSc.Comm) -> list[Check]:
     """Stress concentration at a round hole under tension, on a finite plate with the exact tractions."""
-    replay = still(SCENES / "kirsch.toml", comm=comm)
+    replay = first_frame(SCENES / "kirsch.toml", comm=comm)
     far = replay.session.scene.parameters["S"]
     source = "Kirsch 1898: 3 and -1 times the stress at infinity"
     return [
@@ -47,7 +47,7 @@ def kirsch(comm: PETSc.Comm) -> list[Check]:
 
 def cook(comm: PETSc.Comm) -> list[Check]:
     """Cook's membrane in plane stress, nu = 1/3."""
-    row = still(SCENES / "cook.toml", ["mesh.size=0.4"], comm).row
+    row = first_frame(SCENES / "cook.toml", ["mesh.size=0.4"], comm).row
     source = "converged p-FEM, plane stress, E = 1, nu = 1/3"
     return [
         Check("v at (48, 52), the middle of the edge [m]", row["q_v_middle"], 23.96775, 0.01, source),
@@ -57,7 +57,7 @@ def cook(comm: PETSc.Comm) -> list[Check]:
 
 def timoshenko(comm: PETSc.Comm) -> list[Check]:
     """A cantilever with parabolic end shear and the exact displacements at its root: the tip's deflection."""
-    row = still(SCENES / "timoshenko.toml", ["mesh.size=0.5"], comm).row
+    row = first_frame(SCENES / "timoshenko.toml", ["mesh.size=0.5"], comm).row
     source = "Timoshenko and Goodier, Theory of Elasticity"
     return [Check("|v| at the tip [m]", abs(row["q_tip"]), 0.0089, 0.01, source)]
 

@@ -6,7 +6,7 @@ from restshape_studies.validation.case import Check
 
 from restshape.analysis.frame import Frame
 from restshape.application import application
-from restshape.replay.still import still
+from restshape.replay.first_frame import first_frame
 
 SCENES = application("vibration").folder / "scenes"
 STEP = 0.005
@@ -18,14 +18,14 @@ FIRST, LAST = (0.0, 0.93), (9.08, 10.0)
 
 def csm3(comm: PETSc.Comm) -> list[Check]:
     """The first and the last cycle of Turek and Hron's beam; they differ, for the motion is not periodic."""
-    replay = still(SCENES / "csm3.toml", ["effects.dynamics.steps=1"], comm)
+    replay = first_frame(SCENES / "csm3.toml", ["effects.dynamics.steps=1"], comm)
     analysis = replay.analysis
     unedited = Frame(analysis.space, np.empty(0, dtype=np.int32), None, analysis.state.scene, (None, (0.0, 0.0)))
     tip, energies = [[0.0, 0.0]], [0.0]
     for _ in range(round(END / STEP)):
         analysis.solve(unedited)
         tip.append([analysis.observe()[axis] for axis in "xy"])
-        energies.append(analysis.whole_energy())
+        energies.append(analysis.total_energy())
     times, tip = STEP * np.arange(len(tip)), np.array(tip)
     published = "Turek and Hron 2006, CSM3: the cycle before t = 10 s"
     first = "converged solution on spectral elements, trapezoidal rule, dt = 0.005 s"

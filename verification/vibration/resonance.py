@@ -31,7 +31,7 @@ class Resonance:
     """What the drag of the window gives, by frames.
 
     Args:
-        shaking: of the ground [Hz].
+        excitation_frequency: of the ground [Hz].
         path: (n,) how far down the window is [m], at each frame of the drag.
         amplitude: (n,) peak of the motion in the frame's period [m].
         places: (m,) how far down the window is [m], where the next two were computed on the frame's own mesh.
@@ -39,7 +39,7 @@ class Resonance:
         frequency: (m,) lowest eigenfrequency [Hz].
     """
 
-    shaking: float
+    excitation_frequency: float
     path: np.ndarray
     amplitude: np.ndarray
     places: np.ndarray
@@ -49,7 +49,7 @@ class Resonance:
     @property
     def crossing(self) -> float:
         """Where the eigenfrequency meets the shaking's [m]."""
-        return float(np.interp(-self.shaking, -self.frequency, self.places))
+        return float(np.interp(-self.excitation_frequency, -self.frequency, self.places))
 
     @property
     def moving_peak(self) -> float:
@@ -101,10 +101,14 @@ def study(comm: PETSc.Comm = PETSc.COMM_WORLD, overrides: Sequence[str] = (), na
 def steady(analysis: TransientAnalysis, outline: object) -> tuple[float, float]:
     """The amplitude [m] of the steady motion where `amplitude` is observed, and the lowest eigenfrequency [Hz]."""
     stiffness, mass, damping = analysis.matrices()
-    inertia, ground, held = analysis.body.mass, analysis.state.integration.excitation, analysis.body.held.ravel()
-    load = -inertia.apply(np.broadcast_to(ground.amplitude, (len(held) // 2, 2)).copy()).ravel()[~held]
-    motion = np.zeros(held.size, dtype=complex)
-    motion[~held] = harmonic_response(stiffness, mass, damping, ground.omega, load)
+    inertia, ground, constrained = (
+        analysis.body.mass,
+        analysis.state.integration.excitation,
+        analysis.body.constrained.ravel(),
+    )
+    load = -inertia.apply(np.broadcast_to(ground.amplitude, (len(constrained) // 2, 2)).copy()).ravel()[~constrained]
+    motion = np.zeros(constrained.size, dtype=complex)
+    motion[~constrained] = harmonic_response(stiffness, mass, damping, ground.omega, load)
     node = analysis.space.nodes_of(analysis.state.scene.quantities["amplitude"].at)[0]
     return float(abs(motion[2 * node])), float(lowest_modes(stiffness, mass, 1)[0][0] / (2 * np.pi))
 
@@ -116,7 +120,7 @@ def main() -> None:
     parser.add_argument("--csv", type=Path, metavar="FILE", help="place [m], amplitude [m] of each frame of the drag")
     args = parser.parse_args()
     found = study()
-    print(f"eigenfrequency meets {found.shaking:g} Hz with the window {found.crossing:.3f} m down")
+    print(f"eigenfrequency meets {found.excitation_frequency:g} Hz with the window {found.crossing:.3f} m down")
     print(f"peak of the motion {found.moving_peak:.3f} m, of the harmonic response {found.harmonic_peak:.3f} m down")
     if args.csv:
         table = np.column_stack([found.path, found.amplitude])

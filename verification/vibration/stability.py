@@ -25,7 +25,7 @@ def shake(made: Replay, dt: float) -> tuple[float, np.ndarray, float, float]:
     Returns: first mode's w, its weights M phi over free unknowns, its load, and the angle of a step at its resonance.
     """
     analysis = made.analysis
-    free = ~analysis.body.held.ravel()
+    free = ~analysis.body.constrained.ravel()
     stiffness, mass, _ = analysis.matrices()
     (omega,), phi = lowest_modes(stiffness, mass, 1)
     angle = 2 * np.arctan(0.5 * omega * dt)
@@ -50,7 +50,7 @@ def undamped_resonance(trial: Trial) -> Iterator[Statement]:
     next(frames)
     omega, weight, load, angle = shake(made, dt)
     analysis, s = made.analysis, 0.5 * omega * dt
-    free = ~analysis.body.held.ravel()
+    free = ~analysis.body.constrained.ravel()
     rate = load / (2 * omega * (1 + s**2))
     first = -(dt**2) / 4 * load * np.sin(angle) / (1 + s**2)
     phase = (first - rate * dt * np.cos(angle)) / np.sin(angle)
@@ -80,7 +80,7 @@ def damped_resonance(trial: Trial) -> Iterator[Statement]:
         excitation=SimpleNamespace(acceleration=lambda t: np.array([0.7 * np.sin(omega * t), 0.0]))
     )
     peaks = [next(frames)["q_amplitude"] for _ in range(int(10 / (0.02 * omega) / (25 * dt)))]
-    free = ~analysis.body.held.ravel()
+    free = ~analysis.body.constrained.ravel()
     uniform = analysis.body.mass.apply(np.tile([1.0, 0.0], (len(free) // 2, 1))).ravel()[free]
     response = np.zeros(free.size, dtype=complex)
     response[free] = harmonic_response(*analysis.matrices(), omega, -0.7 * uniform)

@@ -15,8 +15,8 @@ from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import lowest_modes
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application
+from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
-from restshape.replay.still import still
 
 SCENES = application("vibration").folder / "scenes"
 STILL_GROUND = "effects.ground.displacement=0"
@@ -35,15 +35,15 @@ def first_mode(analysis: TransientAnalysis) -> tuple[float, np.ndarray, np.ndarr
     """Angular frequency [rad/s], mode phi (n, 2) and M phi (n, 2) of the lowest eigenvalue, with phi^T M phi = 1."""
     stiffness, mass, _ = analysis.matrices()
     omega, modes = lowest_modes(stiffness, mass, 1)
-    phi = np.zeros(analysis.body.held.shape)
-    phi[~analysis.body.held] = modes[:, 0]
-    weight = np.where(analysis.body.held, 0.0, analysis.body.mass.apply(phi))
+    phi = np.zeros(analysis.body.constrained.shape)
+    phi[~analysis.body.constrained] = modes[:, 0]
+    weight = np.where(analysis.body.constrained, 0.0, analysis.body.mass.apply(phi))
     return float(omega[0]), phi, weight
 
 
 def column(comm: PETSc.Comm, overrides: Sequence[str] = ()) -> Replay:
     """The clamped column at rest, a time step a frame."""
-    return still(SCENES / "column.toml", ["effects.dynamics.steps=1", *overrides], comm)
+    return first_frame(SCENES / "column.toml", ["effects.dynamics.steps=1", *overrides], comm)
 
 
 def period(comm: PETSc.Comm) -> list[Check]:
@@ -78,7 +78,7 @@ def period(comm: PETSc.Comm) -> list[Check]:
 
 def energy(comm: PETSc.Comm) -> list[Check]:
     """Energy of a motion of many modes over 10,000 steps without load, damping or edit."""
-    replay = still(SCENES / "column.toml", [STILL_GROUND, "effects.dynamics.steps=100"], comm)
+    replay = first_frame(SCENES / "column.toml", [STILL_GROUND, "effects.dynamics.steps=100"], comm)
     analysis = replay.analysis
     X = replay.moving.mesh.X
     shape = np.column_stack([np.sin(7 * X[:, 1]) + X[:, 1] ** 2, np.cos(5 * X[:, 0]) * X[:, 1]])
@@ -118,7 +118,7 @@ def _largest_error(replay: Replay, motion: Callable[[float], tuple[float, float,
     rayleigh = analysis.body.damping_of
     damping = rayleigh.alpha + rayleigh.beta * omega**2
     participation = float(weight[:, 0].sum()) + float(
-        np.vdot(phi, analysis.body.mass.apply(np.column_stack([analysis.body.held[:, 0], 0 * phi[:, 0]])))
+        np.vdot(phi, analysis.body.mass.apply(np.column_stack([analysis.body.constrained[:, 0], 0 * phi[:, 0]])))
     )
 
     def acceleration(t: float) -> np.ndarray:

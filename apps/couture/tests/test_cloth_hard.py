@@ -1,4 +1,5 @@
-"""Hard cases of cloth: their own measures can fail, and what a fall, a rest and a small body are told by, by hand."""
+"""Hard cases of cloth: their own measures can fail, and what a fall, a rest and a small body are reported by, by
+hand."""
 
 import numpy as np
 import pytest
@@ -45,7 +46,7 @@ def test_rest_is_measured_by_what_the_solver_did_not_compute(tmp_path):
     found = statements(made, rows)
     failed = [must for must, holds in found.items() if not holds]
     assert failed == ["residual by differences of the energy at most 0.00015"]
-    # Every unknown or a few of them tell the same norm.
+    # Every unknown or a few of them report the same norm.
     assert differenced(made, most=60) == pytest.approx(differenced(made), rel=0.5)
 
 
@@ -59,7 +60,7 @@ def test_a_fall_ends_at_once_and_is_told(tmp_path):
     made, (row,) = played(Trial(tmp_path), square(0.06, ball(1.0, 1.0), CONTACT))
     assert row["converged"] == 0 and row["tangent_positive_definite"] == -1 and row["relaxation_steps"] < 200
     assert row["note"].startswith("not at rest: residual ") and row["note"].endswith("it falls without end")
-    # In free fall the forces out of balance are the weight.
+    # In free fall the residual forces are the weight.
     assert made.analysis.residual_norm() == pytest.approx(row["residual"])
 
 
@@ -144,7 +145,7 @@ def test_cloth_without_mass_or_hold_comes_to_an_end(tmp_path):
 class Valley:
     """The energy of a quartic valley, whose tangent is another one after each step."""
 
-    held = np.empty(0, dtype=int)
+    constrained = np.empty(0, dtype=int)
 
     def __init__(self):
         self.matrix = PETSc.Mat().createAIJ((3, 3), nnz=3)

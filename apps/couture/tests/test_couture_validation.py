@@ -9,7 +9,7 @@ from restshape_verification.couture.validation_cantilever import ELASTICA, equil
 from restshape_verification.couture.validation_friction import Hung
 from restshape_verification.couture.validation_hanging import chain, stretched
 from restshape_verification.couture.validation_plates import SIDES
-from restshape_verification.couture.validation_ways import Counted, slope
+from restshape_verification.couture.validation_strategies import Counted, slope
 from scipy.integrate import quad, solve_bvp, solve_ivp
 from scipy.optimize import brentq
 from scipy.special import jv
@@ -121,11 +121,11 @@ def test_equilateral_triangles_are_such(tmp_path):
 
 def test_counting_steps_and_slopes():
     class Matrices:
-        held = 7
+        constrained = 7
 
         def step_matrix(self, x, inertia):
             return x + inertia
 
     counted = Counted(Matrices())
-    assert counted.step_matrix(1, 2) == 3 and counted.held == 7 and counted.solves == 1
+    assert counted.step_matrix(1, 2) == 3 and counted.constrained == 7 and counted.solves == 1
     assert slope([0.4, 0.1]) == pytest.approx(2.0)

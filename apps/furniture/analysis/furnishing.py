@@ -1,4 +1,4 @@
-"""Furniture under the hand, frame after frame: verdict, forces, valid range of what is dragged, suggestions."""
+"""Furniture under the hand, frame after frame: status, forces, valid range of what is dragged, suggestions."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
-from restshape_apps.furniture.guidance.design import Design, Idea, Ideas, Way, findings_at
+from restshape_apps.furniture.guidance.design import Design, DesignDirection, Suggestion, SuggestionList, findings_at
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, encode_ranges
 from restshape_apps.furniture.physics.derivatives import stability_derivative
-from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, Verdict
+from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, TestResult
 from restshape_apps.furniture.physics.plank_bending import plank_bending
+from restshape_apps.furniture.physics.plank_phrases import held_by_springs, phrases
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities, require_places
-from restshape_apps.furniture.physics.plank_words import held_by_springs, phrases
 from restshape_apps.furniture.physics.uncounted_moments import uncounted_moments
 from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
 from restshape_apps.furniture.session.boards import Boards
@@ -42,13 +42,13 @@ class FurnitureAnalysis:
         context: what all parts of the replay share; each rank does the same, for the equations are few.
 
     Attributes:
-        verdict: of the last frame.
+        result: of the last frame.
         forces: of each case; empty where joints are lost or no equilibrium was found.
 
     Source: docs/theory.md, section 11.
     """
 
-    estimated = "nothing: planks are rigid here, and a model without a mesh has no error of one"
+    estimated_quantity = "nothing: planks are rigid here, and a model without a mesh has no error of one"
     predictor = None
     why_not = "furniture is not predicted: forces of feet and joints are solved for in each frame"
 
@@ -60,18 +60,18 @@ class FurnitureAnalysis:
         self.design: Design | None = None
         self.equilibrium: PlankEquilibrium | None = None
         self.gamma = np.zeros((0, 8))
-        self.verdict = Verdict(0, 0.0, 0.0, 0.0)
+        self.result = TestResult(0, 0.0, 0.0, 0.0)
         self.forces: list[Forces] = []
-        self.use = np.zeros(0)
-        self.sag = np.zeros(0)
+        self.utilisation = np.zeros(0)
+        self.deflection = np.zeros(0)
         self.bent = np.nan
-        self.margin = np.nan
+        self.stability_margin = np.nan
         self.worst = 0.0
         self.seconds = 0.0
-        self.way: Way | None = None
+        self.way: DesignDirection | None = None
         self.at = np.nan
         self.ranged_seconds = np.nan
-        self.ideas = Ideas()
+        self.suggestion_list = SuggestionList()
         self.note = self.sprung = self.uncounted = ""
         self.age = 0
 
@@ -81,7 +81,7 @@ class FurnitureAnalysis:
         return self.equilibrium.mixed.size if self.equilibrium else 0
 
     def solve(self, frame: Frame) -> LinearReport:
-        """Bring verdict, forces and guidance up to date with a frame."""
+        """Bring status, forces and guidance up to date with a frame."""
         boards: Boards = frame.mesh
         shown = boards.frame
         if self.scene is None:
@@ -97,7 +97,7 @@ class FurnitureAnalysis:
         return LinearReport(0, refreshed, self.age, "lu", steps)
 
     def _stand(self, design: Design, gamma: np.ndarray) -> tuple[int, bool]:
-        """Verdict and forces of a design at parameters (n, 8): Newton steps, and whether the solver was made anew."""
+        """Verdict and forces of a design at parameters (n, 8): Newton steps, and whether the solver is rebuilt."""
         fresh = design is not self.design or self.policy.regenerate
         if fresh:
             with self.stages("pattern"):
@@ -110,10 +110,10 @@ class FurnitureAnalysis:
         furniture, steps = design.furniture, 0
         with self.stages("values"):
             furniture.kernel.forget()
-            self.verdict = furniture.test(gamma)
+            self.result = furniture.test(gamma)
         with self.stages("krylov"):
             steps = self._balance(gamma)
-            # What the forces say is the answer, and sag an effect: no stage of quantities.
+            # What the forces say is the answer, and deflection an effect: no stage of quantities.
             self._measure(furniture)
             self.uncounted = uncounted_moments(furniture, self.forces, gamma) if self.forces else ""
         return steps, fresh
@@ -121,7 +121,7 @@ class FurnitureAnalysis:
     def _balance(self, gamma: np.ndarray) -> int:
         """Equilibria of all cases by SNES, and the Newton steps that they took."""
         start, self.forces, steps, self.worst, sprung = perf_counter(), [], 0, 0.0, []
-        if not self.verdict.flaws & LOST:
+        if not self.result.flaws & LOST:
             try:
                 for case in range(len(self.design.furniture.cases)):
                     self.forces.append(self.equilibrium.solve(case))
@@ -129,7 +129,7 @@ class FurnitureAnalysis:
                     sprung += [case] if self.equilibrium.sprung else []
                     self.worst = max(self.worst, self.equilibrium.last / (self.equilibrium.scale or 1.0))
             except ReplayProblem:
-                # The verdict tells that it has none.
+                # The status reports that it has none.
                 self.forces, self.worst = [], np.nan
         self.seconds = perf_counter() - start
         self.sprung = held_by_springs(self.design.piece, sprung if self.forces else [])
@@ -138,32 +138,32 @@ class FurnitureAnalysis:
     def _measure(self, furniture: Furniture) -> None:
         """What the forces say of each plank, and of the piece."""
         planks = len(furniture.piece.planks)
-        self.use, self.sag = np.zeros(planks), np.full(planks, np.nan)
-        self.bent = self.margin = np.nan
+        self.utilisation, self.deflection = np.zeros(planks), np.full(planks, np.nan)
+        self.bent = self.stability_margin = np.nan
         if not self.forces:
-            self.use[:] = np.nan
+            self.utilisation[:] = np.nan
             return
         for forces in self.forces:
             worst = np.maximum(forces.pull_use, forces.shear_use)
             for k, joint in enumerate(furniture.piece.joints):
                 for plank in (joint.i, joint.j):
-                    self.use[plank] = max(self.use[plank], worst[k])
+                    self.utilisation[plank] = max(self.utilisation[plank], worst[k])
         still = np.zeros((1, 8 * planks))
         rows = [stability_derivative(furniture, still, case)[0] for case in range(len(self.forces))]
-        self.margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
+        self.stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
         if self.plan.on("bending"):
             self._bend(furniture)
 
     def _bend(self, furniture: Furniture) -> None:
-        """Sag of each plank, and the largest use of bending strength, over all cases."""
+        """Deflection of each plank, and the largest use of bending strength, over all cases."""
         if self.gamma.any():
             # Beams are those of a piece at no change of its design parameters.
             furniture = Furniture(furniture.moved(self.gamma), furniture.compliance)
             furniture.test()
         cases = range(len(self.forces))
-        found = [[plank_bending(furniture, k, case) for case in cases] for k in range(len(self.use))]
-        self.sag = np.array([max(one.sag for one in each) for each in found])
-        self.bent = max(one.use for each in found for one in each)
+        found = [[plank_bending(furniture, k, case) for case in cases] for k in range(len(self.utilisation))]
+        self.deflection = np.array([max(one.max_deflection for one in each) for each in found])
+        self.bent = max(one.utilisation for each in found for one in each)
 
     def _look(self, shown: Any) -> None:
         """Guidance: the range of what the hand holds, and suggestions once it has let an invalid piece go."""
@@ -173,29 +173,31 @@ class FurnitureAnalysis:
             start = perf_counter()
             self.way.ranges  # noqa: B018
             self.ranged_seconds = perf_counter() - start
-        free = shown.settled and not shown.gamma.any()
-        self.ideas = self.design.ideas if free and not self.verdict.valid else Ideas()
+        free = shown.edit_ended and not shown.gamma.any()
+        self.suggestion_list = self.design.suggestion_list if free and not self.result.valid else SuggestionList()
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest."""
         if not self.scene.quantities:
             return {}
         piece, geometry = self.design.piece, self.design.furniture.geometry(self.gamma)
-        return plank_quantities(self.scene.quantities, Observed(piece, geometry, self.forces, self.sag, self.margin))
+        return plank_quantities(
+            self.scene.quantities, Observed(piece, geometry, self.forces, self.deflection, self.stability_margin)
+        )
 
     def row(self) -> dict[str, Any]:
-        """The columns that only furniture has, and its verdict."""
+        """The columns that only furniture has, and its status."""
         found, low, high = self._ranges()
-        findings = findings_at(self.design.furniture, self.verdict, self.gamma)
+        findings = findings_at(self.design.furniture, self.result, self.gamma)
         return {
-            "constraint_status": "holds" if self.verdict.valid else "fails",
+            "constraint_status": "holds" if self.result.valid else "fails",
             "violated_constraints": "; ".join(phrases(findings)),
             "findings": findings,
-            "flaws": self.verdict.flaws,
-            "utilisation": float(np.nanmax(self.use)) if self.forces else np.nan,
-            "stability_margin": self.margin,
-            "unbalanced_load": self.verdict.missing,
-            "deflection": float(np.nanmax(self.sag)) if np.isfinite(self.sag).any() else np.nan,
+            "flaws": self.result.flaws,
+            "utilisation": float(np.nanmax(self.utilisation)) if self.forces else np.nan,
+            "stability_margin": self.stability_margin,
+            "unbalanced_load": self.result.unbalanced,
+            "deflection": float(np.nanmax(self.deflection)) if np.isfinite(self.deflection).any() else np.nan,
             "bending_utilisation": self.bent,
             "parameter": self.way.name if self.way else "",
             "at": self.at if self.way else np.nan,
@@ -204,14 +206,14 @@ class FurnitureAnalysis:
             "ranges": found,
             "valid_ranges": self._valid_ranges(),
             "inside": self._inside(),
-            "tried": self.ideas.tried,
-            "tested": self.ideas.tested,
-            "suggested": len(self.ideas.found),
-            "suggestions": _listed(self.ideas.found),
-            "no_suggestions": self.ideas.why,
+            "tried": self.suggestion_list.tried,
+            "tested": self.suggestion_list.tested,
+            "suggested": len(self.suggestion_list.found),
+            "suggestions": _listed(self.suggestion_list.found),
+            "no_suggestions": self.suggestion_list.why,
             "ms_equilibrium": 1e3 * self.seconds,
             "ms_range": 1e3 * self.ranged_seconds,
-            "ms_suggestions": 1e3 * self.ideas.seconds if self.ideas.found else np.nan,
+            "ms_suggestions": 1e3 * self.suggestion_list.seconds if self.suggestion_list.found else np.nan,
             "note": "; ".join(filter(None, [self.note, self.sprung, self.uncounted])),
         }
 
@@ -244,7 +246,7 @@ class FurnitureAnalysis:
         if self.way is None:
             return -1
         known = not self.design.guidance.ranges or self.way.low <= self.at <= self.way.high
-        return int(self.verdict.valid) if known or not self.verdict.valid else -1
+        return int(self.result.valid) if known or not self.result.valid else -1
 
     def _marked(self, low: float, high: float) -> str:
         """A valid range as text; an end that is as far as was looked at is marked."""
@@ -252,16 +254,17 @@ class FurnitureAnalysis:
         return " to ".join(f"{value:.6g}{' or beyond' if is_open else ''}" for value, is_open in ends)
 
     def fields(self) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-        """Displacements (8 n, 3) [m] of corners under the weights; use of the worst joint of each plank, and sag."""
-        planks = len(self.use)
+        """Displacements (8 n, 3) [m] of corners under the weights; use of the worst joint of each plank, and
+        deflection."""
+        planks = len(self.utilisation)
         moved = np.full((8 * planks, 3), np.nan)
         if self.forces:
             u, X = self.forces[0].u, self.space.X.reshape(planks, 8, 3)
             arms = X - X.mean(axis=1, keepdims=True)
             moved = (u[:, None, :3] + np.cross(np.broadcast_to(u[:, None, 3:], arms.shape), arms)).reshape(-1, 3)
-        cells = {"utilisation": self.use, "valid": np.full(planks, float(self.verdict.valid))}
+        cells = {"utilisation": self.utilisation, "valid": np.full(planks, float(self.result.valid))}
         if self.plan.on("bending"):
-            cells["deflection"] = self.sag
+            cells["deflection"] = self.deflection
         return {"displacement": np.ascontiguousarray(moved)}, cells
 
     def blank_fields(self, mesh: Boards) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
@@ -275,7 +278,7 @@ class FurnitureAnalysis:
         return self.worst
 
     def errors(self) -> dict[str, float]:
-        """None: see `estimated`."""
+        """None: see `estimated_quantity`."""
         return {}
 
     def compare_cold(self) -> Comparison:
@@ -313,16 +316,20 @@ def _relative(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.abs(one - other).max(initial=0.0)) / size
 
 
-def _listed(ideas: Sequence[Idea]) -> str:
+def _listed(suggestion_list: Sequence[Suggestion]) -> str:
     """The JSON text of suggestions, as many as there is room for; empty without any."""
-    told = [_told(k, idea) for k, idea in enumerate(ideas, 1)]
-    while len(text := json.dumps(told)) > SUGGESTIONS_BYTES:
-        told.pop()
-    return text if told else ""
+    entries = [_suggestion_entry(k, suggestion) for k, suggestion in enumerate(suggestion_list, 1)]
+    while len(text := json.dumps(entries)) > SUGGESTIONS_BYTES:
+        entries.pop()
+    return text if entries else ""
 
 
-def _told(number: int, idea: Idea) -> dict[str, Any]:
+def _suggestion_entry(number: int, suggestion: Suggestion) -> dict[str, Any]:
     """A suggestion for programs."""
-    t, low, high = (float(f"{value:.6g}") for value in (idea.t, *idea.span))
-    told = {"number": number, "words": idea.words, "t": t, "range": [low, high], "valid": idea.valid}
-    return told | {"unit": idea.unit, "beyond": idea.beyond[1]} | ({"rest": idea.rest} if idea.rest else {})
+    t, low, high = (float(f"{value:.6g}") for value in (suggestion.t, *suggestion.span))
+    entries = {"number": number, "words": suggestion.words, "t": t, "range": [low, high], "valid": suggestion.valid}
+    return (
+        entries
+        | {"unit": suggestion.unit, "beyond": suggestion.beyond[1]}
+        | ({"rest": suggestion.rest} if suggestion.rest else {})
+    )

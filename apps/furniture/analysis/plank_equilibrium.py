@@ -5,6 +5,7 @@ from petsc4py import PETSc
 from restshape_apps.furniture import _kernels
 from restshape_apps.furniture.physics.furniture import Forces, Furniture
 
+from restshape.algebra.weak_calls import weak_call
 from restshape.errors import ReplayProblem
 
 TOLERANCE = 1e-11
@@ -81,8 +82,8 @@ class PlankEquilibrium:
         return None
 
     def _leans(self, case: int, springs: Forces) -> bool:
-        """Tell whether springs pull or slide where contacts could do without."""
-        return springs.missing <= BALANCED and not self.furniture.kernel.inside(case)
+        """Whether springs pull or slide where contacts could do without."""
+        return springs.unbalanced <= BALANCED and not self.furniture.kernel.inside(case)
 
     def _solved(self, case: int, law: int, start: np.ndarray) -> Forces:
         self.case, self.law = case, law
@@ -139,9 +140,9 @@ class PlankEquilibrium:
             if not options.hasName(key):
                 options.setValue(key, value)
         options.setValue("pc_factor_zeropivot", 0.0)
-        snes.setFunction(self._residual, self.f)
-        snes.setJacobian(self._tangent, self.mat)
-        snes.setConvergenceTest(self._test)
+        snes.setFunction(weak_call(self._residual), self.f)
+        snes.setJacobian(weak_call(self._tangent), self.mat)
+        snes.setConvergenceTest(weak_call(self._test))
         ksp = snes.getKSP()
         ksp.setType("preonly")
         ksp.getPC().setType("lu")

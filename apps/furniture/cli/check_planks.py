@@ -8,7 +8,7 @@ from restshape_apps.furniture.physics.plank_quantities import require_places
 from restshape_apps.furniture.session.plank_session import PlankSession
 from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Plank
 
-from restshape.cli.quantity_words import quantity_rows
+from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -31,7 +31,7 @@ def checked(scene: Scene, effects: Plan) -> tuple[dict[str, Any], list[tuple[str
 
 def held_piece(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
     """What the scene holds, for programs."""
-    piece, verdict = design.piece, design.furniture.test()
+    piece, result = design.piece, design.furniture.test()
     names, geometry = [plank.name for plank in piece.planks], design.furniture.geometry()
     return {
         "scene": str(scene.path),
@@ -60,8 +60,8 @@ def held_piece(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
         ],
         "feet": [{"plank": names[foot.plank], "side": SIDES[foot.side]} for foot in piece.feet],
         "mass": float(geometry.mass.sum()),
-        "valid": verdict.valid,
-        "flaws": list(verdict.words),
+        "valid": result.valid,
+        "flaws": list(result.words),
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
         "weights": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.weights},
         "pushes": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.pushes},
@@ -73,7 +73,7 @@ def held_piece(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
 
 def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[str, str]]:
     """What the scene holds, for people."""
-    piece, verdict = design.piece, design.furniture.test()
+    piece, result = design.piece, design.furniture.test()
     names, geometry = [plank.name for plank in piece.planks], design.furniture.geometry()
     rows = [("planks", f"{len(piece.planks)}: {', '.join(names)}")]
     rows += [(f"plank {plank.name}", _board(plank)) for plank in piece.planks]
@@ -94,7 +94,7 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
         rows.append(("limits", "restshape replay looks at those of quantities; the status here is that of the piece"))
     free = len(design.freedoms)
     rows.append(("freedoms", f"{free} of {8 * len(names)} design parameters keep all joints closed"))
-    rows.append(("constraint status", "; ".join(verdict.words) or "valid"))
+    rows.append(("constraint status", "; ".join(result.words) or "valid"))
     return rows + [("warning", warning) for warning in effects.warnings]
 
 

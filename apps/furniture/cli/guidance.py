@@ -18,8 +18,8 @@ Ranges = Mapping[tuple[int, str, str], list[int]]
 
 
 def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
-    """Prints verdicts, the valid ranges of each parameter that was under the hand, and all suggestions."""
-    _print_verdicts(rows)
+    """Prints statuses, the valid ranges of each parameter that was under the hand, and all suggestions."""
+    _print_statuses(rows)
     ranges: dict[tuple[int, str, str], list[int]] = {}
     for row in rows:
         if (hand := grabbed(row)) and hand.ranges is not None:
@@ -42,7 +42,7 @@ def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
         print("limits of quantities count in verdicts; ranges and suggestions judge the piece alone")
 
 
-def _print_verdicts(rows: Sequence[Mapping[str, Any]]) -> None:
+def _print_statuses(rows: Sequence[Mapping[str, Any]]) -> None:
     """Prints from which frame to which the piece holds, and what is wrong with it elsewhere."""
     spans = runs(rows)
     cells = [

@@ -34,11 +34,12 @@ def check(options: Namespace) -> None:
 
 
 def draw(recording: Any, folder: Path, options: Namespace) -> list[Path]:
-    """Draws telling frames, what guidance told over all of them, suggestions, and an animation; their paths."""
+    """Draws Characteristic frames, what guidance reported over all of them, suggestions, and an animation; their
+    paths."""
     from restshape_apps.furniture.report.piece_animation import draw_piece_animation
     from restshape_apps.furniture.report.piece_frames import draw_piece_frames, telling_frames
-    from restshape_apps.furniture.report.piece_ideas import draw_suggestions, searches
     from restshape_apps.furniture.report.piece_ranges import draw_guidance
+    from restshape_apps.furniture.report.piece_suggestions import draw_suggestions, searches
 
     from restshape.report.animation import animated_frames
 

@@ -8,7 +8,7 @@ ALONG = 0.3
 """Least cosine with an axis of the room for a direction to be named by it."""
 
 STRAIGHT = 1.0 - 1e-9
-"""Least cosine with an axis of the room for a line to be told as that axis."""
+"""Least cosine with an axis of the room for a line to be reported as that axis."""
 
 UNITS = {"m": (1e3, "mm"), "rad": (180.0 / np.pi, "deg")}
 """What people read in place of a unit of design parameters."""

@@ -13,16 +13,16 @@ from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.guidance.connecting import Connection, connections
 from restshape_apps.furniture.guidance.force_space import durability_space
 from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
-from restshape_apps.furniture.guidance.suggestions import Suggestions, suggest
+from restshape_apps.furniture.guidance.suggestions import Combinations, suggest
 from restshape_apps.furniture.guidance.support_planks import FLOOR, SupportPlank, support_planks
 from restshape_apps.furniture.physics import plank_findings
-from restshape_apps.furniture.physics.furniture import APART, LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture, Verdict
-from restshape_apps.furniture.physics.plank_words import phrases
+from restshape_apps.furniture.physics.furniture import APART, LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture, TestResult
+from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, joints_near
 
 from restshape.findings import Finding
-from restshape.guidance.combination_search import Suggestion
+from restshape.guidance.combination_search import Combination
 from restshape.guidance.force_space import LONGEST
 from restshape.guidance.ranges import Ranges, predicted_ends, valid_ranges
 
@@ -60,7 +60,7 @@ class Guidance:
 
 
 @dataclass(frozen=True)
-class Idea:
+class Suggestion:
     """A suggestion of any kind.
 
     Args:
@@ -68,7 +68,7 @@ class Idea:
         direction: (n, 8) change of the design parameters by a unit of t; None: it is another piece.
         t: where it is shown: how far its leading parameter, which `words` names first, is changed [m or rad].
         span: valid range of t around it.
-        valid: the full test holds there; else `rest` tells what is still wrong.
+        valid: the full test holds there; else `rest` shows what is still wrong.
         piece: with one more plank; None where planks move.
         unit: of t, "m" or "rad"; empty for a piece.
         name: which parameters it changes.
@@ -90,7 +90,7 @@ class Idea:
     @classmethod
     def along(
         cls, piece: Piece, direction: np.ndarray, t: float, span: tuple[float, float], open_: bool, valid: bool
-    ) -> Idea:
+    ) -> Suggestion:
         """The suggestion along a direction (n, 8), t and its range in any unit; `open_`: the range may go on."""
         leading = amounts.parameters(piece, direction)[0]
         scale = abs(float(direction[leading]))
@@ -100,7 +100,7 @@ class Idea:
         return cls(words, direction / scale, t * scale, span, valid, None, unit, name, (False, open_))
 
     @classmethod
-    def of(cls, one: Connection) -> Idea:
+    def of(cls, one: Connection) -> Suggestion:
         """The suggestion that joins a part to the rest."""
         return cls(one.words, None, 1.0, (0.0, 1.0), one.flaws == 0, one.piece, name="a part joined")
 
@@ -115,20 +115,20 @@ class Idea:
         return f"{what} from {low} to {high}{' or beyond' if self.beyond[1] else ''}{others}"
 
     @property
-    def told(self) -> str:
+    def summary(self) -> str:
         """What it does, and its range."""
         parts = (self.words, self.range_words, f"still wrong: {self.rest}" if self.rest else "")
         return "; ".join(filter(None, parts))
 
 
 @dataclass(frozen=True)
-class Ideas:
+class SuggestionList:
     """What was found for an invalid piece: suggestions, combinations tried, full tests, and the time taken [s].
 
-    `why` tells why there are none.
+    `why` shows why there are none.
     """
 
-    found: tuple[Idea, ...] = ()
+    found: tuple[Suggestion, ...] = ()
     tried: int = 0
     tested: int = 0
     seconds: float = 0.0
@@ -136,7 +136,7 @@ class Ideas:
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class DesignDirection:
     """A parameter under the hand: design parameters t times `direction` of a design.
 
     Args:
@@ -208,41 +208,41 @@ class Design:
         for sign in (1.0, -1.0) if number is not None else ():
             gamma = np.zeros((len(self.piece.planks), 8))
             gamma[plank, number] = sign * TRIED
-            verdict = self.furniture.test(gamma)
-            if verdict.flaws & LOST:
-                why += f" ({'; '.join(phrases([one for one in verdict.findings if one.kind == plank_findings.LOST]))})"
+            result = self.furniture.test(gamma)
+            if result.flaws & LOST:
+                why += f" ({'; '.join(phrases([one for one in result.findings if one.kind == plank_findings.LOST]))})"
                 break
         self.furniture.test()
         free = [FREEDOMS[k] for k in range(8) if (plank, k) in self.freedoms]
         return f"{why}; free: {', '.join(free) if free else 'nothing of it'}"
 
-    def way(self, direction: np.ndarray, name: str, subject: str = "") -> Way:
+    def way(self, direction: np.ndarray, name: str, subject: str = "") -> DesignDirection:
         """The way along a direction (n, 8), looked at as far as suggestions go: `REACH` in sizes and radians."""
         sizes, turns = direction[:, [0, 1, 2, 6, 7]] / self.piece.size, direction[:, 3:6]
         reach = REACH / float(np.hypot(np.linalg.norm(sizes), np.linalg.norm(turns)))
-        return Way(self, direction, name, -reach, reach, subject or name)
+        return DesignDirection(self, direction, name, -reach, reach, subject or name)
 
-    def followed(self, idea: Idea) -> Way:
-        """The way along a suggestion, whose range has the ends that it was told with."""
-        return replace(self.way(idea.direction, idea.name), expected=idea.span)
+    def followed(self, suggestion: Suggestion) -> DesignDirection:
+        """The way along a suggestion, whose range has the ends that it was reported with."""
+        return replace(self.way(suggestion.direction, suggestion.name), expected=suggestion.span)
 
-    def parameter(self, plank: int, number: int) -> Way:
+    def parameter(self, plank: int, number: int) -> DesignDirection:
         """The way along one design parameter, in m or rad."""
         direction = np.zeros((len(self.piece.planks), 8))
         direction[plank, number] = 1.0
         return self.way(direction, f"{self.piece.planks[plank].name}: {FREEDOMS[number]}")
 
-    def valid_along(self, way: Way) -> Ranges:
+    def valid_along(self, way: DesignDirection) -> Ranges:
         """Where the piece is valid along a way, with ends that the force space predicts as hints."""
         return valid_ranges(self.furniture.kernel, way.direction, way.low, way.high, hints=self.hints(way))
 
-    def hints(self, way: Way) -> np.ndarray:
+    def hints(self, way: DesignDirection) -> np.ndarray:
         """Parameters of a way where ends of its ranges are expected, by the derivative at the piece as it is."""
         self.furniture.kernel.forget()
-        verdict = self.furniture.test()
+        result = self.furniture.test()
         hints = np.array(way.expected)
         used = np.argwhere(way.direction != 0.0)
-        if not verdict.flaws & LOST and len(self.piece.joints) and len(used):
+        if not result.flaws & LOST and len(self.piece.joints) and len(used):
             modes = DesignModes.of(self.piece, [tuple(one) for one in used.tolist()])
             units = np.array([modes.directions[k].reshape(-1, 8)[p, f] for k, (p, f) in enumerate(used)])
             parts = np.array([way.direction[p, f] for p, f in used]) / units
@@ -250,19 +250,19 @@ class Design:
         return hints
 
     @cached_property
-    def ideas(self) -> Ideas:
+    def suggestion_list(self) -> SuggestionList:
         """Suggestions for a piece that is not valid; none for one that is."""
         most, start = self.guidance.suggestions, perf_counter()
         self.furniture.kernel.forget()
         flaws = self.furniture.test().flaws
         if not flaws or not most:
-            return Ideas()
+            return SuggestionList()
         if flaws & LOST:
             search = reconnect(self.furniture, most)
             found = [self._along(one, one.span[1] >= LONGEST, one.flaws == 0) for one in search.found]
             tried, tested, why = search.tried, search.tested, search.why
         elif flaws & APART:
-            found = [Idea.of(one) for one in connections(self.piece, most)]
+            found = [Suggestion.of(one) for one in connections(self.piece, most)]
             tried, tested, why = 0, len(found), "no move of a part joins it to the rest: draw a plank between them"
         elif flaws & OVERLAPPING or not flaws & (UNSTABLE | WEAK):
             found, tried, tested = [], 0, 0
@@ -278,10 +278,10 @@ class Design:
             if flaws & WEAK and not flaws & UNSTABLE:
                 supports = [self._supported(one) for one in support_planks(self.furniture)][:most]
                 found = [*found[: most - len(supports)], *supports]
-        found = [self._with_rest(one) for one in _told_apart(self.piece, found)]
-        return Ideas(tuple(found), tried, tested, perf_counter() - start, "" if found else why)
+        found = [self._with_rest(one) for one in _distinct(self.piece, found)]
+        return SuggestionList(tuple(found), tried, tested, perf_counter() - start, "" if found else why)
 
-    def _with_rest(self, one: Idea) -> Idea:
+    def _with_rest(self, one: Suggestion) -> Suggestion:
         """The suggestion with what is still wrong where it is shown."""
         if one.valid:
             return one
@@ -293,10 +293,10 @@ class Design:
             self.furniture.test()
         return replace(one, rest=shorten("; ".join(words), REST, placeholder=" ..."))
 
-    def _along(self, one: Suggestion | Reconnection, open_: bool, valid: bool) -> Idea:
-        return Idea.along(self.piece, one.direction, one.t, one.span, open_, valid)
+    def _along(self, one: Combination | Reconnection, open_: bool, valid: bool) -> Suggestion:
+        return Suggestion.along(self.piece, one.direction, one.t, one.span, open_, valid)
 
-    def _why_none(self, search: Suggestions) -> str:
+    def _why_none(self, search: Combinations) -> str:
         """Why a search of combinations found nothing."""
         if not len(search.modes):
             return "no plank can move, turn or change its length without opening a joint"
@@ -309,7 +309,7 @@ class Design:
             return f"{what}, none leads to where it holds{more}"
         return f"{what}, {search.led} lead to where it should hold, but none of {search.tested} tested in full does"
 
-    def _supported(self, board: SupportPlank) -> Idea:
+    def _supported(self, board: SupportPlank) -> Suggestion:
         first, other = ("the floor" if k == FLOOR else self.piece.planks[k].name for k in board.between)
         plank = board.piece.planks[-1]
         long, wide = (amounts.amount(float(size), "m") for size in plank.size[:2])
@@ -324,13 +324,13 @@ class Design:
         if joints_near((third, plank), self.piece.reach):
             # Drawn there by hand it would be.
             words += f", not joined to {third.name} beside it"
-        return Idea(words, None, 1.0, (0.0, 1.0), board.verdict.valid, board.piece, name="a support plank")
+        return Suggestion(words, None, 1.0, (0.0, 1.0), board.result.valid, board.piece, name="a support plank")
 
 
-def findings_at(furniture: Furniture, verdict: Verdict, gamma: np.ndarray) -> tuple[Finding, ...]:
+def findings_at(furniture: Furniture, result: TestResult, gamma: np.ndarray) -> tuple[Finding, ...]:
     """What is wrong at design parameters (n, 8), with distances as they are there."""
-    moved = gamma.any() and verdict.flaws & (LOST | APART)
-    return (replace(verdict, piece=furniture.moved(gamma)) if moved else verdict).findings
+    moved = gamma.any() and result.flaws & (LOST | APART)
+    return (replace(result, piece=furniture.moved(gamma)) if moved else result).findings
 
 
 def _verb(parameter: str) -> str:
@@ -339,10 +339,10 @@ def _verb(parameter: str) -> str:
     return f"become longer along its {axis}" if kind == "length" else f"{kind} {axis}".strip()
 
 
-def _told_apart(piece: Piece, found: list[Idea]) -> list[Idea]:
+def _distinct(piece: Piece, found: list[Suggestion]) -> list[Suggestion]:
     """The suggestions, with more digits where words are the same; what still reads the same is the same."""
     said = Counter(one.words for one in found)
-    told: dict[str, Idea] = {}
+    told: dict[str, Suggestion] = {}
     for one in found:
         if said[one.words] > 1 and one.direction is not None:
             one = replace(one, words=amounts.in_words(piece, one.t * one.direction, MORE_DIGITS))

@@ -68,7 +68,7 @@ class Reconnections:
 def reconnect(furniture: Furniture, shown: int = 8) -> Reconnections:
     """Ways to bring lost joints and feet back by a move, turn or length of one of their planks, the shortest first.
 
-    Where no single one does, two at once are looked for. A way may leave other flaws, which its `flaws` tell; those
+    Where no single one does, two at once are looked for. A way may leave other flaws, which its `flaws` report; those
     with none come before the others.
     """
     piece, lost = furniture.piece, _lost(furniture)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import islice, product
 
 import numpy as np
-from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture, Verdict
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture, TestResult
 from restshape_apps.furniture.shape.planks import Foot, Joint, Piece, Plank
 
 from restshape.errors import UserError
@@ -53,14 +53,14 @@ class SupportPlank:
         piece: with the plank as its last.
         between: the two planks that it connects; the second may be `FLOOR`.
         third: the plank they share, through the weak joint.
-        verdict: of the full test: valid, or weak in joints that were weak before.
+        result: of the full test: valid, or weak in joints that were weak before.
         relieved: joints that are weak no more.
     """
 
     piece: Piece
     between: tuple[int, int]
     third: int
-    verdict: Verdict
+    result: TestResult
     relieved: tuple[int, ...]
 
 
@@ -83,21 +83,21 @@ def support_planks(furniture: Furniture, shown: int = SHOWN, trials: int = TRIAL
     geometry = furniture.geometry()
     found: list[SupportPlank] = []
     for spots in ROUNDS:
-        if any(one.verdict.valid for one in found):
+        if any(one.result.valid for one in found):
             break
         left = trials
         for i, j, k, joint in _candidates(furniture.piece, use):
-            if left <= 0 or sum(one.verdict.valid for one in found) >= shown:
+            if left <= 0 or sum(one.result.valid for one in found) >= shown:
                 break
             places = _planks(furniture.piece, (i, j, k), geometry.p[joint], geometry.y[joint], spots)
             for plank in islice(places, min(EACH, left)):
                 left -= 1
                 if one := _relief(furniture, plank, (i, j), k, use, joint):
                     found.append(one)
-                    # The next one shall be another idea.
+                    # The next one shall be another suggestion.
                     break
     furniture.test()
-    return tuple(sorted(found, key=lambda one: (not one.verdict.valid, -len(one.relieved)))[:shown])
+    return tuple(sorted(found, key=lambda one: (not one.result.valid, -len(one.relieved)))[:shown])
 
 
 def _relief(
@@ -109,15 +109,15 @@ def _relief(
     except UserError:
         # Its fasteners do not hold there.
         return None
-    verdict = model.test()
-    if verdict.flaws & (LOST | OVERLAPPING | UNSTABLE | UNBALANCED):
+    result = model.test()
+    if result.flaws & (LOST | OVERLAPPING | UNSTABLE | UNBALANCED):
         return None
     now = _uses(model)
     weak = now > 1.0
     before = np.append(use > 1.0, np.zeros(len(now) - len(use), dtype=bool))
     if weak[joint] or np.any(weak & ~before):
         return None
-    return SupportPlank(model.moved(), between, third, verdict, tuple(map(int, np.flatnonzero(before & ~weak))))
+    return SupportPlank(model.moved(), between, third, result, tuple(map(int, np.flatnonzero(before & ~weak))))
 
 
 def _uses(furniture: Furniture) -> np.ndarray:

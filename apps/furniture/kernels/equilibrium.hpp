@@ -185,7 +185,7 @@ class Equilibrium {
         add_ground(shape, law, x, true, sink);
     }
 
-    // Solves for x from the guess in it; tells the steps, negative where there is no end.
+    // Solves for x from the guess in it; returns the steps, negative where there is no end.
     int solve(const Shape<double>& shape, int load_case, Law law, std::vector<double>& x) {
         const int n = 6 * P.count();
         load_case_ = load_case;

@@ -1,4 +1,4 @@
-// Numbers that tell how far a piece is from its limits, over any scalar: joint forces, and moments about hull edges.
+// Numbers that show how far a piece is from its limits, over any scalar: joint forces, and moments about hull edges.
 #pragma once
 
 #include <algorithm>

@@ -105,7 +105,7 @@ class Furniture {
         return tests;
     }
 
-    // Brings a case to rest, from the state that it has; tells whether with one-sided contacts.
+    // Brings a case to equilibrium, from the state that it has; returns whether with one-sided contacts.
     bool one_sided(int load_case) {
         settle(load_case);
         return states_[load_case].law == Law::unilateral;
@@ -210,7 +210,7 @@ class Furniture {
         }
     }
 
-    // Tells whether one-sided contacts come to rest by the longer way, from where springs are.
+    // Whether one-sided contacts converge by the longer way, from where springs are.
     bool ease(int load_case, const std::vector<double>& springs) {
         CaseState& state = states_[load_case];
         std::vector<V3<double>> balance;

@@ -7,7 +7,7 @@ from restshape_apps.furniture import _kernels
 from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.fasteners import fastener, wood
 from restshape_apps.furniture.physics.plank_findings import FlawNumbers
-from restshape_apps.furniture.physics.plank_words import phrases
+from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.shape.planks import Joint, Piece
 
 from restshape.errors import UserError
@@ -43,27 +43,27 @@ class Compliance:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class TestResult:
     """What a test found.
 
     Args:
         flaws: bits; 0 is a valid piece.
         pull, shear: the largest use of a joint's strength, in parts of it.
-        missing: the part of the loads that contacts cannot balance.
-        found: which joints, planks and cases have the flaws; a quick test tells the first.
+        unbalanced: the part of the loads that contacts cannot balance.
+        found: which joints, planks and cases have the flaws; a quick test shows the first.
         piece: whose they are.
     """
 
     flaws: int
     pull: float
     shear: float
-    missing: float
+    unbalanced: float
     found: FlawNumbers = field(default_factory=FlawNumbers, compare=False)
     piece: Piece | None = field(default=None, compare=False, repr=False)
 
     @property
     def valid(self) -> bool:
-        """Tell whether nothing is wrong."""
+        """Whether nothing is wrong."""
         return self.flaws == 0
 
     @property
@@ -95,7 +95,7 @@ class Forces:
         found: the equilibrium was found.
         contacts: (c, 3) forces on the planks [N], four of each foot.
         balance: (c, 3) forces inside the friction cones that balance the loads best [N].
-        missing: the part of the loads that these leave.
+        unbalanced: the part of the loads that these leave.
         tension, shear, bending: (j,) of each joint: T [N], (j, 2) h_x, h_y [N], h^r_y [N m].
         twist: (j, 2) moments about x and n [N m].
         pull_use, shear_use: (j,) in parts of the joint's strength.
@@ -106,7 +106,7 @@ class Forces:
     found: bool
     contacts: np.ndarray
     balance: np.ndarray
-    missing: float
+    unbalanced: float
     tension: np.ndarray
     shear: np.ndarray
     bending: np.ndarray
@@ -201,10 +201,10 @@ class Furniture:
             cases[1 + c, len(weights) + c] = load.force
         return cases
 
-    def test(self, gamma: np.ndarray | None = None, wanted: int = ALL, quick: bool = False) -> Verdict:
+    def test(self, gamma: np.ndarray | None = None, wanted: int = ALL, quick: bool = False) -> TestResult:
         """What the full test finds at design parameters (n, 8); with `quick` it ends at the first flaw wanted."""
         flaws, pull, shear, missing, *found = self.kernel.test(gamma, wanted, quick)
-        return Verdict(flaws, pull, shear, missing, FlawNumbers(*found), self.piece)
+        return TestResult(flaws, pull, shear, missing, FlawNumbers(*found), self.piece)
 
     def geometry(self, gamma: np.ndarray | None = None) -> Geometry:
         """The closed geometry at design parameters (n, 8), with all overlaps."""

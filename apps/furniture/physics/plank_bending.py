@@ -1,4 +1,4 @@
-"""Bending and sag of planks by beam theory, from the forces that an equilibrium of rigid planks gives."""
+"""Bending and deflection of planks by beam theory, from the forces that an equilibrium of rigid planks gives."""
 
 from dataclasses import dataclass
 
@@ -18,17 +18,17 @@ class PlankBending:
         s: (k,) stations along the plank from its middle [m].
         moment: (k,) bending moment [N m].
         deflection: (k,) along the plank's normal, 0 at the outermost places where it is held [m].
-        sag: the largest deflection [m].
+        max_deflection: the largest deflection [m].
         stress: the largest bending stress [Pa].
-        use: of its bending strength, in parts of it.
+        utilisation: of its bending strength, in parts of it.
     """
 
     s: np.ndarray
     moment: np.ndarray
     deflection: np.ndarray
-    sag: float
+    max_deflection: float
     stress: float
-    use: float
+    utilisation: float
 
 
 def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBending:

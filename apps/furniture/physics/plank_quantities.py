@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from restshape_apps.furniture.physics.furniture import Forces, Geometry
 from restshape_apps.furniture.physics.plank_findings import beyond_reach
-from restshape_apps.furniture.physics.plank_words import amount_beyond_reach
+from restshape_apps.furniture.physics.plank_phrases import amount_beyond_reach
 from restshape_apps.furniture.scene.plank_quantities import ENDS, place_of
 from restshape_apps.furniture.shape.plank_gaps import gap_at
 from restshape_apps.furniture.shape.planks import Piece
 
 from restshape.errors import UserError
-from restshape.fem.quantity import REDUCTIONS
+from restshape.fem.observer import REDUCTIONS
 from restshape.scene.model import Quantity
 
 AXES = "xyz"
@@ -26,15 +26,15 @@ class Observed:
         piece: its planks, joints and feet by number.
         geometry: as it is in the frame.
         forces: of each case; empty where there is no equilibrium.
-        sag: (n,) of the planks over all cases [m], nan where it is not known.
-        margin: the least of what holds it down.
+        deflection: (n,) of the planks over all cases [m], nan where it is not known.
+        stability_margin: the least of what holds it down.
     """
 
     piece: Piece
     geometry: Geometry
     forces: Sequence[Forces]
-    sag: np.ndarray
-    margin: float
+    deflection: np.ndarray
+    stability_margin: float
 
 
 def plank_quantities(quantities: Mapping[str, Quantity], known: Observed) -> dict[str, float]:
@@ -53,14 +53,14 @@ def require_places(quantities: Mapping[str, Quantity], piece: Piece) -> None:
         UserError: it does not.
     """
     for name, quantity in quantities.items():
-        rows = {"use": joints_at, "reaction": feet_at}.get(quantity.kind)
+        rows = {"utilisation": joints_at, "reaction": feet_at}.get(quantity.kind)
         if rows is None or not quantity.at or len(rows(quantity, piece)):
             continue
-        what = "joint" if quantity.use else "foot"
-        ends = [(joint.i, joint.side) for joint in piece.joints] if quantity.use else []
-        ends += [] if quantity.use else [(foot.plank, foot.side) for foot in piece.feet]
+        what = "joint" if quantity.utilisation else "foot"
+        ends = [(joint.i, joint.side) for joint in piece.joints] if quantity.utilisation else []
+        ends += [] if quantity.utilisation else [(foot.plank, foot.side) for foot in piece.feet]
         there = ", ".join(f"{piece.planks[plank].name} {ENDS[side]}" for plank, side in ends) or "none"
-        far = _too_far(quantity, piece) if quantity.use else ""
+        far = _too_far(quantity, piece) if quantity.utilisation else ""
         do = f"there are: {there}" + f"; {far}" * bool(far)
         raise UserError(f"there is no {what} at {quantity.at!r}", f"quantities.{name}.at", do)
 
@@ -102,11 +102,11 @@ def feet_at(quantity: Quantity, piece: Piece) -> list[int]:
 def _values(quantity: Quantity, known: Observed) -> np.ndarray:
     """The numbers (k,) of which a quantity is one."""
     piece = known.piece
-    if quantity.margin:
-        return np.array([known.margin])
-    if quantity.use:
+    if quantity.stability_margin:
+        return np.array([known.stability_margin])
+    if quantity.utilisation:
         rows = joints_at(quantity, piece)
-        return _use(quantity.use, known.forces)[rows] if known.forces else np.zeros(0)
+        return _use(quantity.utilisation, known.forces)[rows] if known.forces else np.zeros(0)
     if quantity.reaction:
         if not known.forces:
             return np.zeros(0)
@@ -116,7 +116,7 @@ def _values(quantity: Quantity, known: Observed) -> np.ndarray:
     chosen = np.array([not plank or one.name == plank for one in piece.planks])
     if quantity.length:
         return known.geometry.size[chosen, AXES.index(quantity.length)]
-    return (known.geometry.mass if quantity.mass else known.sag)[chosen]
+    return (known.geometry.mass if quantity.mass else known.deflection)[chosen]
 
 
 def _use(kind: str, forces: Sequence[Forces]) -> np.ndarray:

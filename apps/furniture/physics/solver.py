@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from restshape.scene.implied import On
+from restshape.scene.derived_effects import On
 from restshape.scene.model import Scene
 from restshape.scene.solver import INDEFINITE, SolverPlan, System
 

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from restshape_apps.furniture.physics.furniture import Forces, Furniture
-from restshape_apps.furniture.physics.plank_words import uncounted
+from restshape_apps.furniture.physics.plank_phrases import uncounted
 
 FAINT = 0.01
-"""Of the moment that a joint bears about its line: so little twist is not told of a single fastener."""
+"""Of the moment that a joint bears about its line: so little twist is not reported of a single fastener."""
 
 
 def uncounted_uses(
@@ -49,6 +49,6 @@ def uncounted_moments(furniture: Furniture, cases: Sequence[Forces], gamma: np.n
         drawn, turned = uncounted_uses(furniture, forces, length, nails)
         bent |= set(np.flatnonzero(drawn > 1.0).tolist())
         twisted |= set(np.flatnonzero(turned > 1.0).tolist())
-    # What is drawn out by T alone is in the verdict.
+    # What is drawn out by T alone is in the status.
     counted = {k for forces in cases for k in np.flatnonzero(forces.pull_use > 1.0).tolist()}
     return uncounted(furniture.piece, sorted(bent - counted), sorted(twisted))

@@ -56,7 +56,7 @@ NUDGE = 8.0
 
 
 @dataclass(frozen=True)
-class Slide:
+class DesignDirectionView:
     """What is drawn of an edit along a direction.
 
     Args:
@@ -175,7 +175,7 @@ def draw_piece(
     axes: Axes,
     furniture: Furniture,
     title: str = "",
-    slide: Slide | None = None,
+    direction_view: DesignDirectionView | None = None,
     case: int = 0,
     numbers: bool = True,
     box: tuple[np.ndarray, np.ndarray] | None = None,
@@ -187,13 +187,13 @@ def draw_piece(
         axes: emptied and given equal scales.
         furniture: its model; it is tested here.
         title: over the picture.
-        slide: an edit of which an end state or a range is shown.
+        direction_view: an edit of which an end state or a range is shown.
         case: of the loads.
         numbers: forces of feet in newtons, and masses, are written beside their arrows.
         box: corners [m] that hold all, such as those of several pictures side by side.
         names: of planks that are written at them.
     """
-    end = slide.end(furniture) if slide else None
+    end = direction_view.end(furniture) if direction_view else None
     whole = not furniture.test().flaws & LOST
     piece = furniture.moved()
     low, high = box or bounds(piece, *([end] if end else []))
@@ -213,9 +213,9 @@ def draw_piece(
         _draw_feet(view, furniture, forces, numbers)
     _draw_loads(view, furniture, case, numbers)
     if end:
-        _draw_moves(view, piece, end, slide.direction)
-    if slide and slide.ranges is not None:
-        _draw_range(view, furniture, slide, slide.ranges)
+        _draw_moves(view, piece, end, direction_view.direction)
+    if direction_view and direction_view.ranges is not None:
+        _draw_range(view, furniture, direction_view, direction_view.ranges)
     for plank in piece.planks:
         if plank.name in names:
             # Beside the middle, where loads often are.
@@ -386,23 +386,23 @@ def _draw_moves(view: PieceView, piece: Piece, end: Piece, direction: np.ndarray
                 view.way(starts[one], ends[one], MOVED, shrinks)
 
 
-def _draw_range(view: PieceView, furniture: Furniture, slide: Slide, ranges: Ranges) -> None:
+def _draw_range(view: PieceView, furniture: Furniture, direction_view: DesignDirectionView, ranges: Ranges) -> None:
     """The way of the plank that moves most, with the part of it that is valid and its ends, in degrees of a turn."""
     step = 1e-3
-    before, after = furniture.moved(), furniture.moved(step * slide.direction)
+    before, after = furniture.moved(), furniture.moved(step * direction_view.direction)
     furniture.test()
-    plank = int(np.argmax(np.abs(slide.direction).max(axis=1)))
+    plank = int(np.argmax(np.abs(direction_view.direction).max(axis=1)))
     starts, ends = (np.array([piece.planks[plank].end(side) for side in range(6)]) for piece in (before, after))
     speeds = (ends - starts) / step
     side = int(np.argmax(np.linalg.norm(speeds, axis=1)))
     at, speed = starts[side], speeds[side]
-    turning = float(np.abs(slide.direction[:, 3:6]).max())
-    alone = turning > 0.0 and not np.any(np.delete(slide.direction, (3, 4, 5), axis=1))
+    turning = float(np.abs(direction_view.direction[:, 3:6]).max())
+    alone = turning > 0.0 and not np.any(np.delete(direction_view.direction, (3, 4, 5), axis=1))
     usual = (np.degrees(turning), "°") if alone else (1e3 * float(np.linalg.norm(speed)), " mm")
-    scale, unit = slide.unit or usual
-    colour = INK if slide.valid else REFUSED
-    at = at - slide.at * speed
-    way = view.at(at + np.array([[slide.low], [slide.high]]) * speed)
+    scale, unit = direction_view.unit or usual
+    colour = INK if direction_view.valid else REFUSED
+    at = at - direction_view.at * speed
+    way = view.at(at + np.array([[direction_view.low], [direction_view.high]]) * speed)
     view.axes.plot(*way.T, color=colour, lw=0.8, ls=(0, (3, 3)), zorder=7, alpha=0.7)
     across = np.array([way[1, 1] - way[0, 1], way[0, 0] - way[1, 0]])
     across *= 0.018 * view.size / max(float(np.linalg.norm(across)), 1e-300)
@@ -410,9 +410,13 @@ def _draw_range(view: PieceView, furniture: Furniture, slide: Slide, ranges: Ran
         line = view.at(at + np.array([[left], [right]]) * speed)
         view.axes.plot(*line.T, color=colour, lw=3.2, solid_capstyle="butt", zorder=8)
         for t, place in zip((left, right), line):
-            is_open = min(abs(t - slide.low), abs(t - slide.high)) < ROUNDED * (slide.high - slide.low)
+            is_open = min(abs(t - direction_view.low), abs(t - direction_view.high)) < ROUNDED * (
+                direction_view.high - direction_view.low
+            )
             view.axes.plot(*np.array([place - across, place + across]).T, color=colour, lw=1.6, zorder=8)
             text = f"{'beyond ' if is_open else ''}{t * scale:+.0f}{unit}".replace("-", "\N{MINUS SIGN}")
             view.words(at + t * speed, text, colour, 9.0 if t == right else -9.0)
-    view.axes.plot(*view.at(at + slide.at * speed)[None].T, "o", ms=5, mfc="white", mec=colour, mew=1.5, zorder=9)
+    view.axes.plot(
+        *view.at(at + direction_view.at * speed)[None].T, "o", ms=5, mfc="white", mec=colour, mew=1.5, zorder=9
+    )
     view.reach.append(way)

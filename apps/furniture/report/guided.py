@@ -9,7 +9,7 @@ from typing import Any
 
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, decode_ranges
 from restshape_apps.furniture.physics.plank_findings import APART, LOST, NEAREST, WEAK
-from restshape_apps.furniture.physics.plank_words import amount, phrases
+from restshape_apps.furniture.physics.plank_phrases import amount, phrases
 
 from restshape.findings import Finding, decode_findings
 from restshape.replay.constraints import FAILS, HOLDS, MIN

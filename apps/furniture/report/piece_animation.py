@@ -50,19 +50,19 @@ def _pictures(recording: Recording, chosen: np.ndarray) -> Iterator[np.ndarray]:
     figure.get_layout_engine().set(h_pad=0.1, w_pad=0.06)
     # All pictures in the same view, which is known when all have been drawn.
     views = []
-    for furniture, slide, case in made:
+    for furniture, direction_view, case in made:
         axes.clear()
-        draw_piece(axes, furniture, "", slide, case, numbers, box)
+        draw_piece(axes, furniture, "", direction_view, case, numbers, box)
         views.append([*axes.get_xlim(), *axes.get_ylim()])
     left, _, bottom, _ = np.min(views, axis=0)
     _, right, _, top = np.max(views, axis=0)
-    for frame, (furniture, slide, case) in zip(frames, made):
+    for frame, (furniture, direction_view, case) in zip(frames, made):
         axes.clear()
         push = furniture.piece.pushes[case - 1].name if case else ""
         words, colour = caption(recording, frame.index, push)
         # As many lines in each frame: nothing jumps.
         words += "\n" * (MOST_LINES - words.count("\n") - 1)
-        draw_piece(axes, furniture, words, slide, case, numbers, box)
+        draw_piece(axes, furniture, words, direction_view, case, numbers, box)
         axes.set_title(words, fontsize=8, loc="left", color=colour)
         axes.set(xlim=(left, right), ylim=(bottom, top))
         if frame is frames[0]:

@@ -1,4 +1,5 @@
-"""The contact sheet of furniture: telling frames of a recording, each with its joints, its forces and its range."""
+"""The contact sheet of furniture: Characteristic frames of a recording, each with its joints, its forces and its
+range."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from textwrap import shorten, wrap
 import numpy as np
 from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
-from restshape_apps.furniture.report.furniture import Slide, bounds, draw_piece, slenderness
+from restshape_apps.furniture.report.furniture import DesignDirectionView, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.guided import grabbed, only_limits, runs
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.report.status_colour import status_colour
@@ -54,7 +55,7 @@ def badness(recording: Recording) -> np.ndarray:
 
 
 def telling_frames(recording: Recording, count: int) -> np.ndarray:
-    """Indices of at most `count` frames: the first and the last that were judged, the worst, those in which a verdict
+    """Indices of at most `count` frames: the first and the last that were judged, the worst, those in which a status
     begins, and others spread over the rest."""
     bad = badness(recording)
     judged = np.flatnonzero(np.isfinite(bad))
@@ -86,7 +87,7 @@ def pieces(recording: Recording, wanted: Sequence[int]) -> Iterator[PlankFrame]:
             return
         if stopped[frame.index] and not frame.refused and frame.change != "none":
             # It had no solution.
-            session.take_back()
+            session.rollback()
         if frame.index == left[0]:
             left.pop(0)
             _compare(recording, frame)
@@ -101,31 +102,33 @@ def _compare(recording: Recording, frame: PlankFrame) -> None:
         raise UserError(what, str(recording.path), "record it again with this version of the program")
 
 
-def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, Slide | None, int]:
+def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, DesignDirectionView | None, int]:
     """The model of a frame's piece, the range of what is under the hand, and the case of the loads that is worst."""
     furniture = Furniture(frame.design.furniture.moved(frame.gamma))
-    verdict, slide = furniture.test(), None
+    result, direction_view = furniture.test(), None
     hand, way = grabbed(row_of(recording, frame.index)), frame.gesture
     if way is not None and hand and hand.ranges is not None:
         found = np.array([(one.low, one.high) for one in hand.ranges]).reshape(-1, 2)
         ranges = Ranges(found, np.zeros(0), np.zeros(0), 0)
         factor, unit = UNITS[hand.unit]
         unit = factor, "°" if unit == "deg" else f" {unit}"
-        slide = Slide(way.direction, 0.0, ranges, way.low, way.high, verdict.valid, frame.c[0], unit=unit)
-    return furniture, slide, 0 if verdict.flaws & LOST else worst_case(furniture)
+        direction_view = DesignDirectionView(
+            way.direction, 0.0, ranges, way.low, way.high, result.valid, frame.c[0], unit=unit
+        )
+    return furniture, direction_view, 0 if result.flaws & LOST else worst_case(furniture)
 
 
 def worst_case(furniture: Furniture) -> int:
     """The case of the loads in which most is missing of what could balance them, or a joint is used most."""
     every = [furniture.forces(case) for case in range(len(furniture.cases))]
     uses = [max(one.pull_use.max(initial=0.0), one.shear_use.max(initial=0.0)) for one in every]
-    missing = np.array([one.missing for one in every])
+    missing = np.array([one.unbalanced for one in every])
     # Rounding decides nothing.
     return int(np.argmax(missing)) if missing.max() > 1e-6 else int(np.argmax(uses))
 
 
 def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
-    """What a frame is, in lines, and their colour, which tells whether it holds."""
+    """What a frame is, in lines, and their colour, which shows whether it holds."""
     row = row_of(recording, i)
     lines = [f"frame {i}, t = {recording.times[i]:.2f} s: {row['event']} (line {row['line']})"]
     if hand := grabbed(row):
@@ -167,17 +170,17 @@ def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> N
     figure = new_figure(width_of(across), EACH * (1.0 + slenderness(*box)) * down)
     panels = figure.subplots(down, across, squeeze=False).ravel()
     named: set[str] = set()
-    for axes, frame, (furniture, slide, case) in zip(panels, frames, made):
+    for axes, frame, (furniture, direction_view, case) in zip(panels, frames, made):
         few = len(furniture.piece.planks) <= FEW
         # Each name once, where its plank is seen first.
         fresh = {plank.name for plank in furniture.piece.planks if few} - named
         named |= fresh
         push = furniture.piece.pushes[case - 1].name if case else ""
         words, colour = caption(recording, frame.index, push)
-        draw_piece(axes, furniture, words, slide, case, few, box, fresh)
+        draw_piece(axes, furniture, words, direction_view, case, few, box, fresh)
         axes.set_title(words, fontsize=8.5, loc="left", color=colour)
     name = shorten(scene_name(recording), 80, placeholder=" …")
-    told = meaning(recording, chosen, any(slide for _, slide, _ in made))
+    told = meaning(recording, chosen, any(direction_view for _, direction_view, _ in made))
     lines = wrap(told, int(14 * figure.get_figwidth()))
     finish_sheet(figure, panels, len(frames), across, "\n".join([name, *lines]))
     figure.savefig(path)

@@ -1,4 +1,4 @@
-"""What guidance told over the frames of a recording: use of strength, margin, and the parameter under the hand."""
+"""What guidance reported over the frames of a recording: use of strength, margin, and the parameter under the hand."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def _label(held: list[dict[str, Any]]) -> str:
 
 
 def _draw_dots(axes: Axes, frames: np.ndarray, values: np.ndarray, rows: list[dict[str, Any]], size: float) -> None:
-    """A dot a frame, which tells by its colour whether the piece holds; diamonds where quantities alone do not."""
+    """A dot a frame, which reports by its colour whether the piece holds; diamonds where quantities alone do not."""
     limits = np.array([only_limits(row) for row in rows])
     colours = np.array([status_colour(row) for row in rows])
     for mark, chosen, part in (("o", ~limits, 1.0), ("D", limits, 1.3)):

@@ -1,7 +1,7 @@
 """What scenes and edit scripts of furniture may say."""
 
 from restshape_apps.furniture.physics.solver import solver_plan
-from restshape_apps.furniture.scene.effects import EFFECTS, IMPLIED, furniture_columns
+from restshape_apps.furniture.scene.effects import DERIVED, EFFECTS, furniture_columns
 from restshape_apps.furniture.scene.furniture import Fastening, Floor, Joints, PlankSpec, PushSpec, WeightSpec, Wood
 from restshape_apps.furniture.scene.furniture_checks import check_furniture
 from restshape_apps.furniture.scene.plank_events import PLANK_EVENTS
@@ -25,7 +25,7 @@ PLANKS = Physics(
     events=PLANK_EVENTS,
     quantities=OF_PLANKS,
     effects=EFFECTS,
-    implied=IMPLIED,
+    derived=DERIVED,
     check=check_furniture,
     columns=furniture_columns,
 )

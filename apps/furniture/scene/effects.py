@@ -8,7 +8,7 @@ from restshape_apps.furniture.physics.fasteners import fastener, wood
 from restshape_apps.furniture.scene.furniture import RANGES_BYTES, SUGGESTIONS_BYTES
 
 from restshape.errors import UserError
-from restshape.scene.effect import Decision, Effect, Implied
+from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -22,7 +22,7 @@ MANY = 3
 class Nails(Strict):
     """Keys of ``[effects.nails]``: none; ``[fastener]`` and ``[joints]`` say what joins the planks."""
 
-    def decide(self, scene: Scene) -> Decision:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same.
 
         Raises:
@@ -43,7 +43,7 @@ class Nails(Strict):
             idle.append("pushes are not looked at: there is no [effects.push]")
         if scene.weights and "gravity" not in scene.effects:
             idle.append("weights weigh nothing: there is no [effects.gravity]")
-        return Decision(self, "; ".join(idle), warns=bool(idle))
+        return ResolvedSettings(self, "; ".join(idle), warns=bool(idle))
 
 
 class Gravity(Strict):
@@ -55,7 +55,7 @@ class Gravity(Strict):
 class Push(Strict):
     """Keys of ``[effects.push]``: none; each of ``[pushes]`` is a case of its own beside the weights."""
 
-    def decide(self, scene: Scene) -> Decision:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same.
 
         Raises:
@@ -63,11 +63,11 @@ class Push(Strict):
         """
         if not scene.pushes:
             raise UserError("there is no push", "effects.push", "add [pushes.NAME], or leave out [effects.push]")
-        return Decision(self)
+        return ResolvedSettings(self)
 
 
 class Bending(Strict):
-    """Keys of ``[effects.bending]``: none; planks sag as beams under the forces of rigid ones."""
+    """Keys of ``[effects.bending]``: none; planks deflect as beams under the forces of rigid ones."""
 
 
 class Guide(Strict):
@@ -83,17 +83,17 @@ class Guide(Strict):
     suggestions: Annotated[int, Field(ge=0, le=8)] = 8
     freedoms: Annotated[int, Field(ge=1, le=5)] = MANY
 
-    def decide(self, scene: Scene) -> Decision:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same keys, with a warning of how many combinations there are of more freedoms than usual."""
         if self.freedoms <= MANY or not self.suggestions:
-            return Decision(self)
+            return ResolvedSettings(self)
         # The kernels are not loaded before a scene asks for it.
         from restshape.guidance.force_space import forecast
 
         most = forecast(8 * len(scene.planks), self.freedoms)
         number, seconds = f"{most.combinations:,}", f"{most.seconds:.3g} s"
         why = f"up to {number} combinations of {self.freedoms} freedoms, nominally {seconds} a search"
-        return Decision(self, why, warns=True)
+        return ResolvedSettings(self, why, warns=True)
 
 
 def furniture_columns(scene: Scene) -> dict[str, Any]:
@@ -109,7 +109,7 @@ def furniture_columns(scene: Scene) -> dict[str, Any]:
     return dict.fromkeys(integers, np.int64) | dict.fromkeys(reals, np.float64) | texts
 
 
-def _guided(key: str, what: str) -> Implied:
+def _guided(key: str, what: str) -> DerivedEffect:
     """A part of guidance that its key switches off where it is false or 0."""
 
     def cause(scene: Scene, on: frozenset[str]) -> str:
@@ -126,17 +126,17 @@ def _guided(key: str, what: str) -> Implied:
             },
         }
 
-    return Implied(what, cause, f"the scene has none in effects.guidance.{key}", without)
+    return DerivedEffect(what, cause, f"the scene has none in effects.guidance.{key}", without)
 
 
 EFFECTS = {
     "nails": Effect(Nails, "joints of planks, and the strength of what holds them", required=True),
-    "gravity": Effect(Gravity, "weight of planks and of what is put on them", carries=("push", *OF_EACH_CASE)),
-    "push": Effect(Push, "sideways forces, a case each", carries=OF_EACH_CASE),
+    "gravity": Effect(Gravity, "weight of planks and of what is put on them", repeats=("push", *OF_EACH_CASE)),
+    "push": Effect(Push, "sideways forces, a case each", repeats=OF_EACH_CASE),
     "bending": Effect(Bending, "sag of planks by beam theory", quantities=("sag",)),
     "guidance": Effect(Guide, "valid ranges and suggestions", required=True),
 }
-IMPLIED = {
+DERIVED = {
     "ranges": _guided("ranges", "valid ranges of what is under the hand"),
     "suggestions": _guided("suggestions", "suggestions for what does not hold"),
 }

@@ -10,14 +10,14 @@ from restshape.scene.source import Source, suggestion
 
 OF_PLANKS = {
     "reaction": QuantityKind(Literal["x", "y", "z"], "force", "sum"),
-    "use": QuantityKind(Literal["pull", "shear", "largest"], "number", "max"),
-    "sag": QuantityKind(Literal[True], "length", "max"),
-    "margin": QuantityKind(Literal[True], "number", "min", whole=True),
+    "utilisation": QuantityKind(Literal["pull", "shear", "largest"], "number", "max", renamed="use"),
+    "deflection": QuantityKind(Literal[True], "length", "max", renamed="sag"),
+    "stability_margin": QuantityKind(Literal[True], "number", "min", whole=True, renamed="margin"),
     "mass": QuantityKind(Literal[True], "mass", "sum"),
     "length": QuantityKind(Literal["x", "y", "z"], "length", "sum"),
 }
-"""Kinds of quantities that furniture adds: use of the strength of joints, sag, margin of what holds the piece down,
-mass, and length along an axis of a plank's own."""
+"""Kinds of quantities that furniture adds: use of the strength of joints, deflection, margin of what holds the piece
+down, mass, and length along an axis of a plank's own."""
 
 KINDS = tuple(OF_PLANKS)
 """Kinds of quantities that furniture has."""
@@ -25,7 +25,7 @@ KINDS = tuple(OF_PLANKS)
 ENDS = ("-x", "+x", "-y", "+y", "-z", "+z")
 """Sides of a plank: the joint of an end, or the foot of a side, is called by the plank's name and that side."""
 
-OF_ENDS = ("use", "reaction")
+OF_ENDS = ("utilisation", "reaction")
 """Kinds that one end may have."""
 
 
@@ -46,13 +46,13 @@ def check_plank_quantities(scene: Scene, source: Source) -> None:
         if kind not in KINDS:
             do = f"use one of: {', '.join(KINDS)}"
             raise source.error((*key, kind), f"furniture has no quantity of the kind {kind!r}", do)
-        if kind == "sag" and "bending" not in scene.effects:
+        if kind == "deflection" and "bending" not in scene.effects:
             raise source.error(
                 (*key, kind), "without bending planks do not sag", "leave it out, or add [effects.bending]"
             )
         plank, end = place_of(quantity)
         place = (*key, "at")
-        if plank and kind == "margin":
+        if plank and kind == "stability_margin":
             raise source.error(place, "the margin is that of the whole piece", "leave it out")
         if plank and plank not in scene.planks:
             raise source.error(place, f"there is no plank {plank!r}", suggestion(plank, sorted(scene.planks)))

@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 from restshape_apps.furniture.session.plank_frame import PlankFrame
 
-from restshape.mesh.moving import Advance
+from restshape.mesh.moving import MeshUpdate
 
 CORNERS = np.array([0, 4, 6, 2, 1, 5, 7, 3], dtype=np.int32)
 """Corners of a plank, as `Plank.corners` counts them, in VTK's order of a hexahedron."""
@@ -45,25 +45,25 @@ class MovingBoards:
         """Where fields live."""
         return self.mesh
 
-    def advance(self, frame: PlankFrame) -> Advance:
+    def update(self, frame: PlankFrame) -> MeshUpdate:
         """Take in a frame."""
         start = perf_counter()
         self._before = old = self.mesh
         same = old is not None and old.frame.design is frame.design and np.array_equal(old.frame.gamma, frame.gamma)
         if same:
             self.mesh = Boards(frame, old.X, old.cells, old.topology)
-            return Advance.nothing()
+            return MeshUpdate.nothing()
         planks = frame.design.furniture.moved(frame.gamma).planks
         if old is None or len(old.cells) != len(planks):
             self._topology += 1
         X = np.concatenate([plank.corners() for plank in planks])
         cells = 8 * np.arange(len(planks), dtype=np.int32)[:, None] + CORNERS
         self.mesh = Boards(frame, X, cells, self._topology)
-        advance = Advance.nothing()
+        advance = MeshUpdate.nothing()
         moves = frame.change not in ("start", "none", "values")
         stages = {"relocate": perf_counter() - start}
-        return Advance(int(moves), 0, advance.changed_cells, advance.min_quality, stages=stages)
+        return MeshUpdate(int(moves), 0, advance.changed_cells, advance.min_quality, stages=stages)
 
-    def take_back(self) -> None:
+    def rollback(self) -> None:
         """Restore the frame before the last one."""
         self.mesh = self._before

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from restshape_apps.furniture.guidance.design import Design, Way
+from restshape_apps.furniture.guidance.design import Design, DesignDirection
 
 from restshape.scene.model import Scene
 from restshape.shape.script_session import ScriptFrame
@@ -19,20 +19,20 @@ class PlankFrame(ScriptFrame):
 
     Args:
         analysed: whether the script asks for a solution of this frame.
-        settled: no hand holds a plank, and the event is at its end.
+        edit_ended: no hand holds a plank, and the event is at its end.
         design: the piece that the edit began with; gamma: (n, 8) its design parameters now.
         note: what was left out of the edit, or came with it.
     """
 
     analysed: bool
-    settled: bool
+    edit_ended: bool
     design: Design
     gamma: np.ndarray
     note: str = ""
 
 
 @dataclass(slots=True)
-class Hold:
+class Grab:
     """What the hand holds: a plank, or a parameter of it, from where, the state before, and ways that it has gone."""
 
     before: State
@@ -41,4 +41,4 @@ class Hold:
     origin: np.ndarray
     cursor: np.ndarray
     free: np.ndarray
-    ways: dict[bytes, Way] = field(default_factory=dict)
+    ways: dict[bytes, DesignDirection] = field(default_factory=dict)

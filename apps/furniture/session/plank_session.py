@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.guidance.amounts import amount
-from restshape_apps.furniture.guidance.design import Design, Guidance, Idea, Way
+from restshape_apps.furniture.guidance.design import Design, DesignDirection, Guidance, Suggestion
 from restshape_apps.furniture.physics.plank_findings import LENGTH
 from restshape_apps.furniture.scene.plank_events import far_turn
 from restshape_apps.furniture.session.boards import MovingBoards
 from restshape_apps.furniture.session.plank_changes import CHANGES, plank_number
-from restshape_apps.furniture.session.plank_frame import Hold, PlankFrame, State
+from restshape_apps.furniture.session.plank_frame import Grab, PlankFrame, State
 from restshape_apps.furniture.shape.plank_adoption import adopted
 from restshape_apps.furniture.shape.plank_scene import piece_of, restated
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
@@ -55,10 +55,10 @@ class PlankSession(ScriptSession):
             # What names no place is a fastener that does not suit its planks.
             raise scene.located(UserError(error.what, error.where or "fastener.name", error.do)) from error
         self.gamma = self._rest()
-        self.way: Way | None = None
+        self.way: DesignDirection | None = None
         self.part = 0.0
-        self._hold: Hold | None = None
-        self._chosen: tuple[Design, Idea] | None = None
+        self._grab: Grab | None = None
+        self._chosen: tuple[Design, Suggestion] | None = None
         self._mark()
 
     def models(self) -> MovingBoards:
@@ -66,15 +66,15 @@ class PlankSession(ScriptSession):
         return MovingBoards()
 
     @property
-    def held(self) -> Way | None:
+    def grabbed(self) -> DesignDirection | None:
         """The parameter under the hand; None where there is none."""
         return self.way
 
     def _carried_out(self, event: Any) -> Iterator[Step]:
-        self.way = self.way if self._hold else None
+        self.way = self.way if self._grab else None
         return super()._carried_out(event)
 
-    def take_back(self) -> None:
+    def rollback(self) -> None:
         """Restore all as it was before the last step: it has no solution."""
         self.design, self.scene, self.gamma, self.way, self.part, self._past, self._future, self._chosen = self._before
 
@@ -83,9 +83,9 @@ class PlankSession(ScriptSession):
         self._before = (*now, self._past, self._future, self._chosen)
 
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> PlankFrame:
-        settled = self._hold is None and (last or step.change == "start")
-        told = (step.change, self.way, (self.part, 0.0), self.scene, step.refused)
-        return PlankFrame(*when, *told, analysed, settled, self.design, self.gamma, step.note)
+        edit_ended = self._grab is None and (last or step.change == "start")
+        contents = (step.change, self.way, (self.part, 0.0), self.scene, step.refused)
+        return PlankFrame(*when, *contents, analysed, edit_ended, self.design, self.gamma, step.note)
 
     def _state(self) -> State:
         return self.design, self.scene
@@ -106,30 +106,30 @@ class PlankSession(ScriptSession):
         origin = self.design.piece.planks[plank].centre if event.at is None else np.array(event.at)
         if number is not None:
             origin, self.way, self.part = np.zeros(3), self.design.parameter(plank, number), 0.0
-        self._hold = Hold((self.design, self.scene), plank, number, origin, origin, free)
+        self._grab = Grab((self.design, self.scene), plank, number, origin, origin, free)
         yield Step("none")
 
     def _do_drag(self, event: Any) -> Iterator[Step]:
-        hold, count = self._hold, event.frame_count
+        grab, count = self._grab, event.frame_count
         by, wrong = self._by(event)
         if wrong:
             yield from self._refused(count, wrong)
             return
         path = event.path or [event.to] if by is None else [(by, 0.0, 0.0)]
-        for cursor in map(np.array, resampled(hold.cursor, path, count)):
-            hold.cursor = cursor
-            yield self._drag_to(hold, cursor - hold.origin)
+        for cursor in map(np.array, resampled(grab.cursor, path, count)):
+            grab.cursor = cursor
+            yield self._drag_to(grab, cursor - grab.origin)
 
     def _by(self, event: Any) -> tuple[float | None, str]:
         """How far a parameter is dragged [m or rad], None for a plank; and why it cannot be, if so."""
-        hold, by = self._hold, event.by
-        if hold is None:
+        grab, by = self._grab, event.by
+        if grab is None:
             return None, "nothing is held"
-        if (by is None) != (hold.number is None):
-            return None, TO_A_POINT if hold.number is None else BY_A_NUMBER
+        if (by is None) != (grab.number is None):
+            return None, TO_A_POINT if grab.number is None else BY_A_NUMBER
         if by is None:
             return None, ""
-        name = FREEDOMS[hold.number]
+        name = FREEDOMS[grab.number]
         turns = name.startswith("turn")
         amount = by.angle if turns else by.length
         if amount is None:
@@ -137,14 +137,14 @@ class PlankSession(ScriptSession):
             return None, f"{name} is dragged by {kinds[0]}, not by {kinds[1]}"
         return amount, far_turn(amount) if turns else ""
 
-    def _drag_to(self, hold: Hold, shift: np.ndarray) -> Step:
+    def _drag_to(self, grab: Grab, shift: np.ndarray) -> Step:
         """One frame of a drag that is as far as a shift (3,) from where it began."""
-        if hold.number is not None:
+        if grab.number is not None:
             return self._along(self.way, float(shift[0]))
-        plank = self.design.piece.planks[hold.plank]
+        plank = self.design.piece.planks[grab.plank]
         own = plank.axes.T @ shift
-        blocked = ~hold.free[:3] & (np.abs(own) > 1e-9)
-        own = np.where(hold.free[:3], own, 0.0)
+        blocked = ~grab.free[:3] & (np.abs(own) > 1e-9)
+        own = np.where(grab.free[:3], own, 0.0)
         far = float(np.linalg.norm(own))
         left = [FREEDOMS[k] for k in np.flatnonzero(blocked)]
         note = f"{plank.name} cannot {' or '.join(left)}: left out" if left else ""
@@ -153,20 +153,20 @@ class PlankSession(ScriptSession):
         # A hand that goes straight on goes along one way, whose range is known from its first frame on.
         unit = np.round(own / far, STRAIGHT) + 0.0
         back = (0.0 - unit).tobytes()
-        if back in hold.ways:
+        if back in grab.ways:
             # On the other side of where it was taken it is still the same way.
-            return self._along(hold.ways[back], -far, note)
-        way = hold.ways.get(unit.tobytes())
+            return self._along(grab.ways[back], -far, note)
+        way = grab.ways.get(unit.tobytes())
         if way is None:
             direction = np.zeros((len(self.design.piece.planks), 8))
-            direction[hold.plank, :3] = unit
+            direction[grab.plank, :3] = unit
             towards = ", ".join(f"{part:.3g}" for part in (np.round(plank.axes @ unit, 3) + 0.0).tolist())
             name = f"{plank.name}: move"
             way = self.design.way(direction, f"{name} along ({towards})", name)
-            hold.ways[unit.tobytes()] = way
+            grab.ways[unit.tobytes()] = way
         return self._along(way, far, note)
 
-    def _along(self, way: Way | None, t: float, note: str = "") -> Step:
+    def _along(self, way: DesignDirection | None, t: float, note: str = "") -> Step:
         """The frame at a parameter of a way; a plank without length is refused."""
         gamma = self._rest() if way is None else t * way.direction
         if np.array_equal(gamma, self.gamma):
@@ -182,13 +182,13 @@ class PlankSession(ScriptSession):
         return Step("move", note=note)
 
     def _do_release(self, event: Any) -> Iterator[Step]:
-        hold, self._hold = self._hold, None
-        if hold is None:
+        grab, self._grab = self._grab, None
+        if grab is None:
             yield Step("none", "nothing is held")
             return
         self._settle()
         self.way, self.part = None, 0.0
-        self._remember(hold.before)
+        self._remember(grab.before)
         yield Step("none")
 
     def _do_rotate(self, event: Any) -> Iterator[Step]:
@@ -214,7 +214,7 @@ class PlankSession(ScriptSession):
         way = self.design.parameter(plank, number)
         yield from self._swept(way, 0.0, amount(self.design.piece.planks[plank]), event.frames)
 
-    def _swept(self, way: Way, first: float, last: float, frames: int) -> Iterator[Step]:
+    def _swept(self, way: DesignDirection, first: float, last: float, frames: int) -> Iterator[Step]:
         """Even steps along a way of the present design; the piece at the last one is where further edits begin."""
         before = self._state()
         for i in range(1, frames + 1):
@@ -244,46 +244,46 @@ class PlankSession(ScriptSession):
     # Suggestions.
 
     def _do_choose(self, event: Any) -> Iterator[Step]:
-        ideas = self.design.ideas.found
-        if event.number > len(ideas):
-            there = f"there are {len(ideas)}" if ideas else "there is none"
+        suggestion_list = self.design.suggestion_list.found
+        if event.number > len(suggestion_list):
+            there = f"there are {len(suggestion_list)}" if suggestion_list else "there is none"
             yield Step("none", f"there is no suggestion {event.number}: {there} for this piece")
             return
-        before, idea = (self.design, self.scene), ideas[event.number - 1]
+        before, suggestion = (self.design, self.scene), suggestion_list[event.number - 1]
         base = self.design
-        if idea.piece is not None:
-            self.design = Design.closed(_with_own_names(idea.piece), base.guidance)
+        if suggestion.piece is not None:
+            self.design = Design.closed(_with_own_names(suggestion.piece), base.guidance)
             self._chosen = None
             change = "shape"
         else:
-            self.design = base.moved(idea.t * idea.direction)
-            self._chosen = base, idea
+            self.design = base.moved(suggestion.t * suggestion.direction)
+            self._chosen = base, suggestion
             change = "move"
         self.gamma = self._rest()
         self._remember(before)
-        yield Step(change, note=f"suggestion {event.number}: {idea.told}")
+        yield Step(change, note=f"suggestion {event.number}: {suggestion.summary}")
 
     def _do_slide(self, event: Any) -> Iterator[Step]:
         if self._chosen is None:
             yield from self._refused(event.frames, "no suggestion is chosen that could be slid along")
             return
-        before, (base, idea) = (self.design, self.scene), self._chosen
-        low, high = idea.span
+        before, (base, suggestion) = (self.design, self.scene), self._chosen
+        low, high = suggestion.span
         goal = low + event.to * (high - low)
-        way = base.followed(idea)
-        start, self.design, self.gamma = idea.t, base, idea.t * idea.direction
+        way = base.followed(suggestion)
+        start, self.design, self.gamma = suggestion.t, base, suggestion.t * suggestion.direction
         for i in range(1, event.frames + 1):
             step = self._along(way, goal if i == event.frames else start + (goal - start) * i / event.frames)
             if i == event.frames:
                 self._settle()
-                self._chosen = base, replace(idea, t=goal)
+                self._chosen = base, replace(suggestion, t=goal)
                 self._remember(before)
             yield step
 
     # The scene, and what came before.
 
     def _do_set(self, event: Any) -> Iterator[Step]:
-        wrong = self._why_fixed(event.key) or ("nothing can be set while a plank is held" if self._hold else "")
+        wrong = self._why_fixed(event.key) or ("nothing can be set while a plank is held" if self._grab else "")
         if wrong:
             yield from self._refused(event.frames, wrong)
             return

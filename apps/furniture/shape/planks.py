@@ -249,7 +249,7 @@ def _spot(plank: Plank, side: int, other: Plank, near: float) -> tuple[float, in
 
 
 def _in_one_plane(plank: Plank, face: int, other: Plank, other_face: int) -> bool:
-    """Tell whether two faces look the same way and lie in one plane."""
+    """Whether two faces look the same way and lie in one plane."""
     normal, others = (one.axes[:, 2] * (1.0 if k == 5 else -1.0) for one, k in ((plank, face), (other, other_face)))
     apart = float(normal @ (plank.end(face) - other.end(other_face)))
     lean = float(np.linalg.norm(normal - others)) * max(*plank.size, *other.size)

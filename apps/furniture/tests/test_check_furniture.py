@@ -1,4 +1,4 @@
-"""What `restshape check` tells of a piece of furniture."""
+"""What `restshape check` reports a piece of furniture."""
 
 import json
 
@@ -30,7 +30,7 @@ def test_check_tells_planks_joints_and_loads_of_furniture_in_space(tmp_path, cap
 
 
 def test_check_refuses_quantities_of_joints_that_are_not_there(tmp_path, capsys):
-    text = '[quantities]\nfree = { use = "pull", at = "top +x" }\n'
+    text = '[quantities]\nfree = { utilisation = "pull", at = "top +x" }\n'
     assert check(write_bench(tmp_path, BENCH + text)) == 2
     told = capsys.readouterr().err
     assert "quantities.free.at (line" in told and "no joint at 'top +x'" in told

@@ -59,9 +59,9 @@ def test_a_part_of_two_planks_moves_as_a_whole():
 
 
 def test_designs_in_parts_tell_them_as_suggestions():
-    ideas = Design(away(chair(), "stretcher", (0.0, 0.6, 0.0))).ideas
-    assert ideas.found[0].valid and ideas.found[0].piece is not None and not ideas.why
-    empty = Design(chair()).ideas
+    suggestion_list = Design(away(chair(), "stretcher", (0.0, 0.6, 0.0))).suggestion_list
+    assert suggestion_list.found[0].valid and suggestion_list.found[0].piece is not None and not suggestion_list.why
+    empty = Design(chair()).suggestion_list
     assert not empty.found
 
 

@@ -50,7 +50,7 @@ def test_quantities_of_an_effect_go_with_it(tmp_path):
     app = application("furniture")
     path = tmp_path / "scene.toml"
     text = (app.folder / "template" / "scene.toml").read_text()
-    path.write_text(text + "[quantities]\nsag = { sag = true }\nmass = { mass = true }\n")
+    path.write_text(text + "[quantities]\nsag = { deflection = true }\nmass = { mass = true }\n")
     scene = load_scene(path)
     assert set(without(scene, app, ["bending"]).quantities) == {"mass"}
     assert set(without(scene, app, ["push"]).quantities) == {"sag", "mass"}

@@ -43,7 +43,7 @@ def test_a_prop_at_the_far_end_is_found_where_none_near_the_joint_is_enough(monk
     # Near boards alone do not do it.
     monkeypatch.setattr(boards, "ROUNDS", boards.ROUNDS[:1])
     furniture.test()
-    assert not any(one.verdict.valid for one in support_planks(furniture))
+    assert not any(one.result.valid for one in support_planks(furniture))
 
 
 def test_near_boards_come_first_where_they_are_enough() -> None:
@@ -51,4 +51,4 @@ def test_near_boards_come_first_where_they_are_enough() -> None:
     furniture.test()
     found = support_planks(furniture)
     assert found
-    assert all(one.verdict.valid and np.max(one.piece.planks[-1].corners()[:, 0]) < OUT - 0.1 for one in found)
+    assert all(one.result.valid and np.max(one.piece.planks[-1].corners()[:, 0]) < OUT - 0.1 for one in found)

@@ -18,7 +18,7 @@ from restshape_apps.furniture.report.furniture import (
     LOAD,
     MOVED,
     WAY,
-    Slide,
+    DesignDirectionView,
     bounds,
     draw_piece,
     use_colours,
@@ -30,11 +30,11 @@ from restshape.report.space_scene import Scene, SpaceImage
 from restshape.report.style import REFUSED, new_figure
 
 
-def drawn(furniture: Furniture, slide: Slide | None = None, numbers: bool = True):
+def drawn(furniture: Furniture, direction_view: DesignDirectionView | None = None, numbers: bool = True):
     """The axes of one picture, laid out, and its pixels, the lowest row first."""
     figure = new_figure(4.0, 3.5)
     axes = figure.subplots()
-    draw_piece(axes, furniture, "a piece", slide, numbers=numbers)
+    draw_piece(axes, furniture, "a piece", direction_view, numbers=numbers)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     return axes, np.asarray(canvas.buffer_rgba())[::-1, :, :3]
@@ -140,7 +140,7 @@ def test_written_forces_of_feet_bear_the_weight() -> None:
 def test_an_end_state_is_translucent_and_has_arrows(arrows) -> None:
     furniture = model(table())
     one = next(s for s in suggest(furniture).found if s.words == ("leg-4: turn y",))
-    axes, pixels = drawn(furniture, Slide(one.direction, one.t))
+    axes, pixels = drawn(furniture, DesignDirectionView(one.direction, one.t))
     assert not space(axes).veil.empty
     assert 0.0 < space(axes).opacity < 0.5
     assert len(moves(arrows)) == 1 and near(pixels, MOVED) > 0
@@ -157,12 +157,12 @@ def test_another_piece_has_an_arrow_for_what_goes_and_none_for_what_is_added(arr
     still = np.zeros((len(piece.planks), 8))
     (*others, last), along = piece.planks, np.array([0.3, 0.0, 0.0])
     gone = replace(piece, planks=(*others, replace(last, centre=last.centre + along)))
-    drawn(furniture, Slide(still, piece=gone))
+    drawn(furniture, DesignDirectionView(still, piece=gone))
     ((start, end),) = moves(arrows)
     assert end - start == pytest.approx(along)
     arrows.clear()
     added = replace(piece, planks=(*piece.planks, replace(last, name="new", centre=last.centre + along)))
-    axes, _ = drawn(furniture, Slide(still, piece=added))
+    axes, _ = drawn(furniture, DesignDirectionView(still, piece=added))
     assert moves(arrows) == []
     assert not space(axes).veil.empty
 
@@ -173,7 +173,7 @@ def test_a_short_way_has_an_arrow_that_can_be_seen(arrows) -> None:
     still = np.zeros((len(piece.planks), 8))
     (*others, last), along = piece.planks, np.array([0.002, 0.0, 0.0])
     near = replace(piece, planks=(*others, replace(last, centre=last.centre + along)))
-    axes, _ = drawn(furniture, Slide(still, piece=near))
+    axes, _ = drawn(furniture, DesignDirectionView(still, piece=near))
     ((start, end),) = moves(arrows)
     low, high = bounds(piece, near)
     seen = np.diff(space(axes).camera.project(np.array([start, end])), axis=0)
@@ -198,11 +198,11 @@ def test_the_arrow_of_a_load_ends_below_what_lies_above_it(arrows) -> None:
 def test_a_range_is_black_where_the_piece_is_valid_and_red_where_not() -> None:
     shown = {}
     for words, make in RANGES.items():
-        furniture, slide = make()
-        axes, _ = drawn(furniture, slide)
+        furniture, direction_view = make()
+        axes, _ = drawn(furniture, direction_view)
         shown[words] = {line.get_color() for line in axes.lines if line.get_linewidth() == 3.2}
         # Numbers at both ends are those of the range, in millimetres.
-        low, high = slide.ranges.intervals[0] * furniture.piece.size * 1e3
+        low, high = direction_view.ranges.intervals[0] * furniture.piece.size * 1e3
         told = [t.get_text().replace("\N{MINUS SIGN}", "-") for t in axes.texts if t.get_text().endswith(" mm")]
         assert sorted(float(text.removeprefix("beyond ")[:-3]) for text in told) == pytest.approx([low, high], abs=0.6)
     assert [REFUSED in colours for colours in shown.values()] == [False, True]

@@ -1,4 +1,4 @@
-"""Replays of furniture: verdicts, ranges and suggestions frame by frame, recordings, two ranks."""
+"""Replays of furniture: statuses, ranges and suggestions frame by frame, recordings, two ranks."""
 
 import csv
 import json
@@ -92,7 +92,7 @@ def test_sag_is_that_of_a_beam_on_two_supports(tmp_path):
     free = 200.0 * 1.0**3 / (48 * stiff)
     clamped = free / 4
     assert clamped < rows[0]["deflection"] < 1.3 * free
-    assert len(replay.analysis.sag) == len(piece.planks)
+    assert len(replay.analysis.deflection) == len(piece.planks)
 
 
 def test_nothing_drives_a_piece_without_gravity(tmp_path):
@@ -150,8 +150,8 @@ def test_every_event_gives_what_a_model_from_nothing_gives(tmp_path, name):
         seen.add(row["event"])
         analysis = replay.analysis
         cold = Furniture(analysis.design.piece)
-        verdict = cold.test(analysis.gamma)
-        assert (row["flaws"], row["unbalanced_load"]) == (verdict.flaws, pytest.approx(verdict.missing, abs=1e-9))
+        result = cold.test(analysis.gamma)
+        assert (row["flaws"], row["unbalanced_load"]) == (result.flaws, pytest.approx(result.unbalanced, abs=1e-9))
         if analysis.forces:
             # The test counts what contacts bear by another method, which agrees where it finds an equilibrium.
             assert row["residual"] < 1e-9

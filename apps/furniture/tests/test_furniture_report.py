@@ -1,4 +1,5 @@
-"""The report of a replay of furniture: telling frames, what guidance told over all of them, and suggestions."""
+"""The report of a replay of furniture: Characteristic frames, what guidance reported over all of them, and
+suggestions."""
 
 import json
 
@@ -9,10 +10,10 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 from restshape_apps.furniture.cli.guidance import print_guidance
-from restshape_apps.furniture.report import piece_frames, piece_ideas, piece_ranges
+from restshape_apps.furniture.report import piece_frames, piece_ranges, piece_suggestions
 from restshape_apps.furniture.report.guided import grabbed, guidance, only_limits
 from restshape_apps.furniture.report.piece_frames import pieces, telling_frames
-from restshape_apps.furniture.report.piece_ideas import searches
+from restshape_apps.furniture.report.piece_suggestions import searches
 from restshape_apps.furniture.report.status_colour import BEYOND
 
 from restshape.cli.main import main
@@ -128,11 +129,11 @@ def test_the_band_is_the_range_and_dots_are_red_where_the_piece_does_not_hold(re
 
 
 def test_suggestions_show_arrows_and_end_states(recorded, tmp_path, monkeypatch):
-    made = figures(monkeypatch, piece_ideas)
+    made = figures(monkeypatch, piece_suggestions)
     with Recording(recorded[0]) as recording:
         assert searches(recording).tolist() == [20]
         told = json.loads(recording.table["suggestions"][20])
-        piece_ideas.draw_suggestions(recording, 20, tmp_path / "suggestions.png")
+        piece_suggestions.draw_suggestions(recording, 20, tmp_path / "suggestions.png")
     before, *panels = [axes for axes in made[0].axes if axes.get_visible() and axes.get_title(loc="left")]
     assert len(panels) == len(told)
     for axes, one in zip(panels, told):

@@ -1,4 +1,4 @@
-"""What furniture's page tells of fasteners and of joints that give: what commands print, and statics by hand."""
+"""What furniture's page reports fasteners and of joints that give: what commands print, and statics by hand."""
 
 from math import pi
 from pathlib import Path
@@ -35,7 +35,7 @@ def test_the_page_has_the_tables_that_are_printed(capsys) -> None:
     assert [what for what, _ in rows] == [*pliant_joints.BENCHES, "all joints of table.toml"]
     for what, cells in rows:
         assert [float(cell) for cell in page[what]] == pytest.approx([float(cell) for cell in cells], rel=0.01), what
-    # What words tell of the rest.
+    # What words report the rest.
     told, rest = " ".join(PAGE), " ".join(others)
     for number in ("12,300", "27,800", "823 N/mm", "243 nm for each N", "0.105", "0.165"):
         assert number in told and number in rest, number

@@ -33,7 +33,7 @@ def test_a_cantilever_sags_by_its_load_and_weight() -> None:
     found = plank_bending(furniture, 2)
     EI = 2.5e9 * 0.06 * 0.012**3 / 12
     own = furniture.geometry().mass[2] * G / arm
-    assert found.sag == pytest.approx(kilograms * G * arm**3 / (3 * EI) + own * arm**4 / (8 * EI), rel=1e-4)
+    assert found.max_deflection == pytest.approx(kilograms * G * arm**3 / (3 * EI) + own * arm**4 / (8 * EI), rel=1e-4)
     moment = kilograms * G * arm + own * arm**2 / 2
     assert found.stress == pytest.approx(moment * 0.006 / (0.06 * 0.012**3 / 12), rel=1e-4)
 
@@ -76,9 +76,9 @@ def test_a_plank_that_lies_on_the_floor_does_not_bend(place: float, turned: bool
         piece = replace(piece, planks=(plank,), feet=feet_near((plank,)))
     assert [foot.side for foot in piece.feet] == [5 if turned else 4]
     found = bent(piece, 0)
-    # On its ends alone it would sag by 10 mm under 30 kg in the middle, and use a third of its strength.
+    # On its ends alone it would deflect by 10 mm under 30 kg in the middle, and use a third of its strength.
     between = 30.0 * G * 1.2**3 / (48 * 11e9 * 0.2 * 0.018**3 / 12)
-    assert found.sag < 1e-6 * between and found.use < 1e-5
+    assert found.max_deflection < 1e-6 * between and found.utilisation < 1e-5
 
 
 def test_a_plank_that_stands_on_its_long_edge_does_not_bend() -> None:
@@ -86,7 +86,7 @@ def test_a_plank_that_stands_on_its_long_edge_does_not_bend() -> None:
     push = Load("push", 0, (0.0, 0.5, 0.0), (0.0, 0.2, 0.0))
     piece = Piece((plank,), (), feet_near((plank,)), (Plane(),), (), (push,))
     assert len(piece.feet) == 1 and piece.feet[0].side in (2, 3)
-    assert bent(piece, 0, case=1).sag == 0.0
+    assert bent(piece, 0, case=1).max_deflection == 0.0
 
 
 def test_a_foot_lifts_where_the_post_on_it_turns_it() -> None:
@@ -102,8 +102,11 @@ def test_a_foot_lifts_where_the_post_on_it_turns_it() -> None:
     far = half + c
     lift = couple * c * (2 * far - c) / 2 - down * c**2 * (3 * far - c) / 6 - per_length * far**4 / 8
     assert 0.05 < c < 0.25
-    assert found.sag == pytest.approx(lift / EI, rel=0.01)
-    assert lifted(found, -half) == pytest.approx(found.sag) and abs(lifted(found, half)) < 1e-4 * found.sag
+    assert found.max_deflection == pytest.approx(lift / EI, rel=0.01)
+    assert (
+        lifted(found, -half) == pytest.approx(found.max_deflection)
+        and abs(lifted(found, half)) < 1e-4 * found.max_deflection
+    )
     assert np.abs(found.moment).max() == pytest.approx(couple - per_length * half**2 / 2, rel=1e-3)
 
 
@@ -111,10 +114,10 @@ def test_a_shelf_that_is_nailed_along_its_long_side_bears_all_along() -> None:
     EI, L, P = 2.5e9 * 0.2 * 0.012**3 / 12, 1.0, 5.0 * G
     own = 700.0 * 0.2 * 0.012 * G
     alone, loaded = bent(nailed_along(0.0), 1), bent(nailed_along(5.0), 1)
-    assert alone.sag < 1e-6 * own * (L / 2) ** 4 / (8 * EI)
+    assert alone.max_deflection < 1e-6 * own * (L / 2) ** 4 / (8 * EI)
     # Borne evenly, with a load in its middle: P L / 8, and P L^3 / 128EI below its ends.
     assert np.abs(loaded.moment).max() == pytest.approx(P * L / 8, rel=1e-3)
-    assert loaded.sag == pytest.approx(P * L**3 / (128 * EI), rel=1e-3)
+    assert loaded.max_deflection == pytest.approx(P * L**3 / (128 * EI), rel=1e-3)
 
 
 def test_the_moment_ends_at_nothing() -> None:
@@ -128,7 +131,7 @@ def test_the_moment_ends_at_nothing() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_a_floor_pushes_only_and_is_not_passed(seed: int) -> None:
-    # What tells a rigid floor that holds nothing: it pushes only, nowhere is the beam below it, and where it is above,
+    # What marks a rigid floor that holds nothing: it pushes only, nowhere is the beam below it, and where it is above,
     # nothing pushes.
     random = np.random.default_rng(seed)
     place = np.sort(random.uniform(-0.5, 0.5, 4))

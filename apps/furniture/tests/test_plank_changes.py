@@ -8,14 +8,14 @@ import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
 from restshape_apps.furniture.physics.furniture import APART
 from restshape_apps.furniture.pieces import SCENES
-from restshape_apps.furniture.session.compose_planks import PlankComposer
+from restshape_apps.furniture.session.plank_language import PlankInterpreter
 from restshape_apps.furniture.session.plank_session import PlankSession
 from restshape_apps.furniture.shape.plank_scene import piece_of
 
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.script import load_script
-from restshape.shape.compose import composed
+from restshape.shape.script_language import interpreted
 
 SHELF = {"do": "plank", "name": "shelf", "from": [-0.49, 0, 0.2], "to": [0.49, 0, 0.2], "width": [0, 0.2, 0]}
 SAME = "from = [-0.49, 0, 0.2]\nto = [0.49, 0, 0.2]\nwidth = [0, 0.2, 0]\n"
@@ -80,8 +80,8 @@ def test_a_plank_that_goes_tells_what_goes_with_it(play):
 
 
 def test_what_a_deletion_leaves_apart_is_told(play):
-    verdict = play({"do": "delete", "on": "top"})[-1].design.furniture.test()
-    assert verdict.flaws == APART and verdict.words == ("in two parts: left, right",)
+    result = play({"do": "delete", "on": "top"})[-1].design.furniture.test()
+    assert result.flaws == APART and result.words == ("in two parts: left, right",)
 
 
 def test_a_weight_beside_its_plank_is_refused_with_where_the_plank_is(play):
@@ -177,8 +177,8 @@ def test_keys_of_a_weight_that_was_put_are_set_too(play):
 
 def test_keys_of_a_suggested_plank_are_set_too(tmp_path):
     scene = load_scene(SCENES / "table.toml")
-    ideas = PlankSession(scene, load_script(write_edits(tmp_path), scene)).design.ideas.found
-    number = next(k for k, idea in enumerate(ideas, 1) if idea.piece is not None)
+    suggestion_list = PlankSession(scene, load_script(write_edits(tmp_path), scene)).design.suggestion_list.found
+    number = next(k for k, suggestion in enumerate(suggestion_list, 1) if suggestion.piece is not None)
     events = {"do": "choose", "number": number}, set_("planks.support.thickness", "20 mm")
     frames = list(PlankSession(scene, load_script(write_edits(tmp_path, *events), scene)).frames())
     assert frames[-1].refused is None and plank(frames[-1], "support").size[2] == pytest.approx(0.02)
@@ -212,7 +212,7 @@ def test_what_is_near_is_told_of_a_drawn_plank(play):
 def test_lines_of_text_say_all_that_events_may_of_a_plank(tmp_path):
     scene = load_scene(write_bench(tmp_path))
     text = "plank shelf from -49 cm 0 0.2 to 0.49 0 0.2 width 0 0.2 0 thick 15 mm of oak with dowel"
-    _, first, second = map(json.loads, composed(PlankComposer(scene), [text, "connect shelf with nail"]).lines)
+    _, first, second = map(json.loads, interpreted(PlankInterpreter(scene), [text, "connect shelf with nail"]).lines)
     wanted = SHELF | {"thickness": 0.015, "wood": "oak", "fastener": "dowel"}
     assert {key: first[key] for key in wanted} == wanted
     assert (second["do"], second["fastener"]) == ("connect", "nail")

@@ -1,5 +1,8 @@
 """The mixed system of SNES: its residual against its energy, its tangent against its residual, its answer."""
 
+import gc
+from weakref import ref
+
 import numpy as np
 import pytest
 import scipy.sparse as sparse
@@ -90,3 +93,15 @@ def test_a_solver_follows_the_geometry_of_its_model() -> None:
     assert np.abs(now.bending - first.bending).max() > 1e-2 * np.abs(first.bending).max()
     for each in (solver, cold):
         each.destroy()
+
+
+def test_a_solver_goes_with_the_last_reference_to_it() -> None:
+    gc.disable()
+    try:
+        solver = PlankEquilibrium(Furniture(table(), Compliance(1e-5, 1e-5, 1e-5)))
+        solver.solve()
+        kept = ref(solver)
+        del solver
+        assert kept() is None
+    finally:
+        gc.enable()

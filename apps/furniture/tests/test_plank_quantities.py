@@ -30,10 +30,10 @@ def observed(folder, text, *events):
 def test_a_cantilever_has_the_use_and_the_sag_of_a_beam(tmp_path):
     quantities = """
 [quantities]
-pull = { use = "pull", at = "beam -x" }
-shear = { use = "shear", at = "beam -x" }
-most = { use = "largest", at = "beam" }
-sag = { sag = true, at = "beam" }
+pull = { utilisation = "pull", at = "beam -x" }
+shear = { utilisation = "shear", at = "beam -x" }
+most = { utilisation = "largest", at = "beam" }
+sag = { deflection = true, at = "beam" }
 up = { reaction = "z" }
 aside = { reaction = "x", at = "foot -z" }
 mass = { mass = true }
@@ -63,7 +63,7 @@ both = { reaction = "z" }
 left = { reaction = "z", at = "left" }
 foot = { reaction = "z", at = "right -x" }
 least = { reaction = "z", reduce = "min" }
-margin = { margin = true, at_least = 0.14, limit = 0.16 }
+margin = { stability_margin = true, at_least = 0.14, limit = 0.16 }
 leg = { length = "x", at = "left" }
 thick = { length = "z", at = "top" }
 wide = { length = "y", reduce = "mean" }
@@ -81,7 +81,8 @@ wide = { length = "y", reduce = "mean" }
 
 
 def test_a_limit_makes_a_piece_that_stands_fail(tmp_path):
-    text = '[quantities]\nleg = { length = "x", at = "left", limit = "45 cm" }\nload = { use = "largest", limit = 9 }\n'
+    text = '[quantities]\nleg = { length = "x", at = "left", limit = "45 cm" }\n'
+    text += 'load = { utilisation = "largest", limit = 9 }\n'
     scene = write_bench(tmp_path, BENCH + text)
     row = rows_of(make_replay(scene, write_edits(tmp_path), "auto"))[0]
     assert (row["constraint_status"], row["violated_constraints"], row["flaws"]) == (
@@ -122,11 +123,11 @@ def test_quantities_follow_edits_into_tables_and_stay_with_what_is_there(tmp_pat
 
 WRONG = [
     ('a = { stress = "xx" }', "quantities.a.stress (line", "use one of: reaction, use"),
-    ("a = { sag = true }", "quantities.a.sag (line", "add [effects.bending]"),
-    ('a = { use = "pull", at = "lefft" }', "quantities.a.at (line", "did you mean 'left'"),
-    ('a = { use = "pull", at = "left up" }', "quantities.a.at (line", "no end 'up'"),
+    ("a = { deflection = true }", "quantities.a.deflection (line", "add [effects.bending]"),
+    ('a = { utilisation = "pull", at = "lefft" }', "quantities.a.at (line", "did you mean 'left'"),
+    ('a = { utilisation = "pull", at = "left up" }', "quantities.a.at (line", "no end 'up'"),
     ('a = { mass = true, at = "left +x" }', "quantities.a.at (line", "whole plank"),
-    ('a = { margin = true, at = "left" }', "quantities.a.at (line", "whole piece"),
+    ('a = { stability_margin = true, at = "left" }', "quantities.a.at (line", "whole piece"),
 ]
 
 
@@ -137,7 +138,7 @@ def test_what_has_no_meaning_is_refused(tmp_path, line, place, do):
     assert place in str(caught.value) and do in str(caught.value)
 
 
-@pytest.mark.parametrize("line", ['a = { use = "pull", at = "left -x" }', 'a = { reaction = "z", at = "top" }'])
+@pytest.mark.parametrize("line", ['a = { utilisation = "pull", at = "left -x" }', 'a = { reaction = "z", at = "top" }'])
 def test_a_joint_or_foot_that_is_not_there_is_told(tmp_path, line, capsys):
     assert main(["replay", str(write_bench(tmp_path, f"{BENCH}[quantities]\n{line}\n"))]) == 2
     told = capsys.readouterr().err
@@ -157,7 +158,9 @@ def test_a_joint_or_foot_that_is_not_there_is_told(tmp_path, line, capsys):
 def test_a_joint_that_is_not_there_for_want_of_reach_tells_the_gap(tmp_path, start, at, far):
     end = [0.2, start[1], 0.2]
     plank = f"[planks.shelf]\nfrom = {start}\nto = {end}\nwidth = [0, 0.1, 0]\n"
-    scene = load_scene(write_bench(tmp_path, f'{BENCH}{plank}[quantities]\na = {{ use = "pull", at = "{at}" }}\n'))
+    scene = load_scene(
+        write_bench(tmp_path, f'{BENCH}{plank}[quantities]\na = {{ utilisation = "pull", at = "{at}" }}\n')
+    )
     with pytest.raises(UserError) as caught:
         require_places(scene.quantities, piece_of(scene))
     assert caught.value.do.startswith("there are: left +x, right +x") and caught.value.do.endswith(far)

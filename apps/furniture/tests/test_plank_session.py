@@ -45,7 +45,7 @@ def test_a_plank_goes_with_the_hand_and_its_joint_stays_closed(play):
     assert [frame.c[0] for frame in frames[2:6]] == pytest.approx([0.025, 0.05, 0.075, 0.1])
     leg = planks(session)["left"]
     assert leg.centre == pytest.approx([-0.5, 0.1, 0.25]) and leg.size == pytest.approx([0.5, 0.3, 0.02])
-    assert [frame.settled for frame in frames] == [True, False, False, False, False, False, True]
+    assert [frame.edit_ended for frame in frames] == [True, False, False, False, False, False, True]
     assert not session.gamma.any() and frames[-1].gesture is None
 
 
@@ -217,9 +217,9 @@ def test_a_suggestion_is_chosen_and_followed(play):
     text = heavy(60)
     frames, session = play({"do": "choose", "number": 1}, {"do": "slide", "to": 1, "frames": 4}, text=text)
     assert frames[0].design.furniture.test().flaws & UNSTABLE
-    idea = frames[0].design.ideas.found[0]
+    suggestion = frames[0].design.suggestion_list.found[0]
     assert frames[1].design.furniture.test().valid
-    assert [frame.c[0] for frame in frames[2:]] == pytest.approx(np.linspace(idea.t, idea.span[1], 5)[1:])
+    assert [frame.c[0] for frame in frames[2:]] == pytest.approx(np.linspace(suggestion.t, suggestion.span[1], 5)[1:])
     frames, session = play({"do": "choose", "number": 1}, {"do": "slide", "to": 0.5}, *[{"do": "undo"}] * 2, text=text)
     assert session.design is frames[0].design
 
@@ -243,7 +243,7 @@ def test_steps_taken_back_leave_all_as_it_was(play):
     before = session.design
     next(steps)
     assert session.design is not before
-    session.take_back()
+    session.rollback()
     assert session.design is before and not session._past
 
 
@@ -256,8 +256,8 @@ def load_script_event(event):
 
 def test_a_suggested_plank_is_built_and_holds(tmp_path):
     scene = load_scene(SCENES / "table.toml")
-    ideas = PlankSession(scene, load_script(write_edits(tmp_path), scene)).design.ideas.found
-    number = next(k for k, idea in enumerate(ideas, 1) if idea.piece is not None)
+    suggestion_list = PlankSession(scene, load_script(write_edits(tmp_path), scene)).design.suggestion_list.found
+    number = next(k for k, suggestion in enumerate(suggestion_list, 1) if suggestion.piece is not None)
     script = load_script(write_edits(tmp_path, {"do": "choose", "number": number}, {"do": "slide", "to": 1}), scene)
     frames = list(PlankSession(scene, script).frames())
     assert len(frames[1].design.piece.planks) == 6 and frames[1].design.furniture.test().valid

@@ -82,7 +82,7 @@ def test_forces_are_those_of_the_least_tolerance_or_near(study):
 
 
 def test_the_ratio_of_springs_counts_in_loops_alone(study):
-    # A table is redundant; of a cantilever's joint, and of upright legs, statics alone tells.
+    # A table is redundant; of a cantilever's joint, and of upright legs, statics alone shows.
     rows = planks.proportioned(table())
     assert max(row["worst"] for row in rows) > 0.1
     assert next(row for row in rows if row["ratio"] == 1.0)["worst"] == 0.0

@@ -39,9 +39,9 @@ def test_a_joint_on_the_far_face_is_lost() -> None:
     planks = (upright(), bracket(-0.006))
     through = next(face for face in (4, 5) if planks[0].end(face)[0] < 0.0)
     piece = Piece(planks, (Joint(1, 1, 0, through),), feet_near(planks))
-    verdict = Furniture(piece).test()
-    assert verdict.flaws & LOST
-    assert verdict.words == ("lost: bracket comes to upright from behind",)
+    result = Furniture(piece).test()
+    assert result.flaws & LOST
+    assert result.words == ("lost: bracket comes to upright from behind",)
     near = replace(piece, joints=(Joint(1, 1, 0, 9 - through),))
     assert not Furniture(near).test().flaws & LOST
 
@@ -53,9 +53,9 @@ def test_a_plank_that_is_turned_over_to_the_other_side_loses_its_joint() -> None
     for angle, lost in ((0.0, False), (30.0, False), (180.0, True)):
         # Turned by half a turn and moved to the left of the post, its end reaches the right face through the post.
         gamma[beam, :5] = -0.2 * (angle == 180.0), 0.0, 0.0, 0.0, np.radians(angle)
-        verdict = furniture.test(gamma)
-        assert bool(verdict.flaws & LOST) is lost
-    assert verdict.words == ("lost: beam comes to post from behind",)
+        result = furniture.test(gamma)
+        assert bool(result.flaws & LOST) is lost
+    assert result.words == ("lost: beam comes to post from behind",)
 
 
 def test_turns_of_many_times_around_are_those_of_what_is_left() -> None:
@@ -124,9 +124,9 @@ def test_planks_do_not_go_through_the_floor() -> None:
     for down in np.linspace(0.0, 0.25, 6):
         bar = Plank.between("bar", (-0.4, 0.0, 0.3), (-0.4, 0.0, 0.1 - down), (0.1, 0, 0), T)
         low = replace(piece, planks=(*piece.planks, bar))
-        verdict = Furniture(low).test()
-        assert bool(verdict.flaws & OVERLAPPING) is bool(bar.corners()[:, 2].min() < -1e-4)
-    assert "overlapping: bar and the floor" in verdict.words
+        result = Furniture(low).test()
+        assert bool(result.flaws & OVERLAPPING) is bool(bar.corners()[:, 2].min() < -1e-4)
+    assert "overlapping: bar and the floor" in result.words
     # Slanted legs are cut along the floor, and do not go through it.
     assert not furniture.test().flaws & OVERLAPPING
 
@@ -136,11 +136,11 @@ def test_all_planks_make_one_piece() -> None:
     assert parts_of(piece) == ((0, 1, 2, 3, 4),)
     loose = Plank.between("loose", (2, 0, T / 2), (3, 0, T / 2), (0, 0.1, 0), T)
     more = replace(piece, planks=(*piece.planks, loose), feet=(*piece.feet, Foot(5, 4)))
-    verdict = Furniture(more).test()
-    assert verdict.flaws & APART and not verdict.valid
-    assert verdict.words[0].startswith("in two parts: top with 4 more, loose (loose -x is ")
+    result = Furniture(more).test()
+    assert result.flaws & APART and not result.valid
+    assert result.words[0].startswith("in two parts: top with 4 more, loose (loose -x is ")
     # Nothing else is wrong with it that is not wrong with the table.
-    assert verdict.flaws & ~APART == Furniture(piece).test().flaws
+    assert result.flaws & ~APART == Furniture(piece).test().flaws
     scan = Furniture(more).kernel.scan(np.zeros((6, 8)), np.zeros(1), APART)[0]
     assert scan.tolist() == [APART]
 
@@ -164,8 +164,8 @@ def test_a_leg_that_does_not_stand_flat_is_told() -> None:
     turn = Rotation.from_euler("x", 1.0, degrees=True).as_matrix()
     planks[1] = replace(planks[1], axes=turn @ planks[1].axes, size=planks[1].size - np.array([0.004, 0.0, 0.0]))
     joints = joints_near(planks, 0.015)
-    verdict = Furniture(Piece(tuple(planks), joints, feet_near(planks, 0.015, joints=joints))).test()
-    assert verdict.words[0] == "lost: leg-1 is not flush with top, leg-1 does not stand flat on the floor"
+    result = Furniture(Piece(tuple(planks), joints, feet_near(planks, 0.015, joints=joints))).test()
+    assert result.words[0] == "lost: leg-1 is not flush with top, leg-1 does not stand flat on the floor"
 
 
 def test_an_end_that_is_joined_does_not_stand_on_the_floor_as_well() -> None:

@@ -91,8 +91,8 @@ def test_nails_count_by_spacing_and_a_leg_beside_the_top_is_lost() -> None:
     # The leg's edge hangs over the top by 30 + 60 - 100 mm, and more as it moves.
     assert geometry.length[0] == pytest.approx(0.12 - 0.09)
     gamma[1, 1] = -0.155
-    verdict = furniture.test(gamma)
-    assert verdict.flaws & LOST and verdict.words[0] == "lost: leg-1 misses top"
+    result = furniture.test(gamma)
+    assert result.flaws & LOST and result.words[0] == "lost: leg-1 misses top"
 
 
 def test_an_end_that_is_not_flush_is_a_fault() -> None:

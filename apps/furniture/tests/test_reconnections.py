@@ -66,7 +66,7 @@ def test_what_is_too_far_away_is_told() -> None:
     search = reconnect(furniture)
     assert search.found == ()
     assert "top, leg-1" in search.why
-    assert Design(furniture.piece).ideas.why == search.why
+    assert Design(furniture.piece).suggestion_list.why == search.why
 
 
 def test_openings_are_zero_where_all_is_closed_and_smooth_elsewhere() -> None:

@@ -1,4 +1,5 @@
-"""Contacts that slide: equilibria that Newton's method does not find from springs, and what is told where none is."""
+"""Contacts that slide: equilibria that Newton's method does not find from springs, and what is reported where none
+is."""
 
 from dataclasses import replace
 
@@ -52,7 +53,7 @@ def test_what_springs_decide_is_told(tmp_path) -> None:
     # The push is 98 % of what friction bears in all; it is the springs of no contact law that this is left to.
     furniture = Furniture(near_the_limit(200.0))
     furniture.test()
-    assert furniture.forces(1).missing < 1e-7 and not furniture.forces(1).one_sided
+    assert furniture.forces(1).unbalanced < 1e-7 and not furniture.forces(1).one_sided
     script = write_edits(tmp_path, {"do": "idle"})
     overrides = ["pushes.push.at=[0.3, -0.4, 0.5]", "effects.push={}"]
     told = {}

@@ -6,7 +6,7 @@ from math import comb
 import numpy as np
 import pytest
 from restshape_apps.furniture.guidance.force_space import contact_space, durability_space, stability_space, whole_space
-from restshape_apps.furniture.guidance.searched_piece import SearchedPiece
+from restshape_apps.furniture.guidance.searchable_piece import SearchablePiece
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.guidance.support_planks import FLOOR, support_planks
 from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, WEAK, Furniture
@@ -91,7 +91,7 @@ def test_suggestions_are_those_of_the_enumeration_that_leaves_out_nothing(make) 
         furniture.test()
         every = rays(forces(furniture, modes), 3)
         expected = distinct(alone(furniture, modes) | confirmed(furniture, modes, every))
-        search = Search(SearchedPiece(furniture, modes, forces), ALL, FIRST_ONLY)
+        search = Search(SearchablePiece(furniture, modes, forces), ALL, FIRST_ONLY)
         assert apart({one.modes for one in search.run(3, MANY)}, expected) == (set(), set())
         assert expected
 
@@ -222,9 +222,9 @@ def test_a_support_plank_relieves_a_weak_joint() -> None:
     assert found
     for one in found:
         assert len(one.piece.planks) == len(piece.planks) + 1
-        verdict = Furniture(one.piece).test()
-        assert verdict.valid
-        assert verdict.pull < before.pull
+        result = Furniture(one.piece).test()
+        assert result.valid
+        assert result.pull < before.pull
         assert not Furniture(one.piece).geometry().overlaps
 
 
@@ -252,7 +252,7 @@ def test_a_support_plank_relieves_its_joint_and_overloads_none() -> None:
     for one in found:
         assert weak(one.piece) == before - set(one.relieved)
         assert one.relieved
-        assert not one.verdict.valid
+        assert not one.result.valid
 
 
 def weak(piece) -> set[int]:

@@ -16,34 +16,37 @@ def test_what_holds_in_part_tells_what_is_still_wrong() -> None:
     gamma = np.zeros((len(piece.planks), 8))
     gamma[piece.index("leg-1"), 1] = -0.2
     design = Design(Furniture(piece).moved(gamma))
-    ideas = design.ideas.found
-    assert ideas and not any(idea.valid for idea in ideas)
-    for idea in ideas:
-        assert idea.rest.startswith("weak: joint") and idea.rest in idea.told
-        found = Furniture(design.furniture.moved(idea.t * idea.direction)).test()
+    suggestion_list = design.suggestion_list.found
+    assert suggestion_list and not any(suggestion.valid for suggestion in suggestion_list)
+    for suggestion in suggestion_list:
+        assert suggestion.rest.startswith("weak: joint") and suggestion.rest in suggestion.summary
+        found = Furniture(design.furniture.moved(suggestion.t * suggestion.direction)).test()
         assert found.flaws == WEAK
-        assert idea.range_words.startswith("nothing more is wrong from")
+        assert suggestion.range_words.startswith("nothing more is wrong from")
 
 
 def test_a_suggestion_that_mends_all_tells_of_nothing_more() -> None:
-    ideas = Design(table()).ideas.found
-    assert ideas and all(idea.valid and idea.rest == "" and "still wrong" not in idea.told for idea in ideas)
+    suggestion_list = Design(table()).suggestion_list.found
+    assert suggestion_list and all(
+        suggestion.valid and suggestion.rest == "" and "still wrong" not in suggestion.summary
+        for suggestion in suggestion_list
+    )
 
 
 def test_a_piece_that_nothing_stands_under_is_told_so() -> None:
     design = Design(replace(scales(), feet=()))
     assert design.furniture.test().flaws & UNSTABLE
-    assert design.ideas.found == ()
-    assert design.ideas.why.startswith("nothing stands on the floor")
+    assert design.suggestion_list.found == ()
+    assert design.suggestion_list.why.startswith("nothing stands on the floor")
 
 
 def test_a_weak_piece_without_a_suggestion_is_told_what_else_helps() -> None:
-    ideas = Design(scales(kilograms=400.0), Guidance(freedoms=1)).ideas
-    assert not ideas.found
+    suggestion_list = Design(scales(kilograms=400.0), Guidance(freedoms=1)).suggestion_list
+    assert not suggestion_list.found
     for remedy in ("[fastener] spacing", "stronger", "lighter load"):
-        assert remedy in ideas.why
+        assert remedy in suggestion_list.why
     # Such words must have room in a recording.
-    assert len(ideas.why) <= 240
+    assert len(suggestion_list.why) <= 240
 
 
 @pytest.mark.parametrize("make", [table, scales])

@@ -10,9 +10,8 @@ from modal import EDITS, SCENES
 from restshape_apps.metallophone import picture, sound
 
 from restshape.cli.main import main
+from restshape.replay.first_frame import first_frame
 from restshape.replay.recording import Recording
-from restshape.replay.still import still
-from restshape.report.sound import struck, write_wav
 
 QUICK = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="8 mm"']
 
@@ -78,12 +77,12 @@ def heard(path: Path) -> tuple[np.ndarray, int]:
 
 def test_sum_of_modes_dies_away_as_its_damping_says(tmp_path):
     f, damping = 500.0, 2e-3
-    tone = struck(np.array([f]), np.array([1.0]), damping, 1.0)
+    tone = sound.struck(np.array([f]), np.array([1.0]), damping, 1.0)
     period = round(44100 / f)
     early, late = (np.abs(tone[k : k + 4 * period]).max() for k in (4410, 22050))
     assert late / early == pytest.approx(np.exp(-damping * 2 * np.pi * f * 0.4), rel=0.01)
     path = tmp_path / "tone.wav"
-    write_wav(path, tone)
+    sound.write_wav(path, tone)
     assert np.abs(heard(path)[0]).max() == pytest.approx(0.9 * 32767, abs=1)
 
 
@@ -98,7 +97,7 @@ def peak(samples: np.ndarray, rate: int, f: float) -> float:
 def test_modes_sound_as_they_are_struck_and_heard():
     """A blow gives a mode phi; its speed at the same place is phi again, and its acceleration grows with f."""
     f, phi = (500.0, 1250.0), (0.8, -0.5)
-    tone = struck(np.array(f), np.array(phi), 0.0, 1.0)
+    tone = sound.struck(np.array(f), np.array(phi), 0.0, 1.0)
     heard_ratio = peak(tone, 44100, f[1]) / peak(tone, 44100, f[0])
     assert heard_ratio == pytest.approx((1250.0 * 0.25) / (500.0 * 0.64), rel=5e-3)
 
@@ -108,7 +107,7 @@ def test_corner_of_a_bar_twists_louder_than_it_bends(tmp_path):
     path, scene = tmp_path / "corner.wav", str(SCENES / "bar_200.toml")
     words = ["--seconds", "1", "--damping", "0", "--at", "0", "0"]
     assert sound.main([scene, *settings(), "--out", str(path), *words]) == 0
-    analysis = still(SCENES / "bar_200.toml", QUICK).analysis
+    analysis = first_frame(SCENES / "bar_200.toml", QUICK).analysis
     bends, twists = float(analysis.frequencies[0]), float(analysis.frequencies[2])
     samples, rate = heard(path)
     ratio = peak(samples, rate, twists) / peak(samples, rate, bends)
@@ -116,7 +115,7 @@ def test_corner_of_a_bar_twists_louder_than_it_bends(tmp_path):
 
 
 def test_modes_beyond_the_rate_are_left_out():
-    assert np.array_equal(struck(np.array([30000.0]), np.array([1.0]), 0.0, 0.01), np.zeros(441))
+    assert np.array_equal(sound.struck(np.array([30000.0]), np.array([1.0]), 0.0, 0.01), np.zeros(441))
 
 
 @pytest.mark.parametrize("command", [picture.main, sound.main])

@@ -8,8 +8,8 @@ from modal import SMALL, solved
 from restshape_apps.metallophone import application, derivative
 
 from restshape.errors import UserError
-from restshape.replay.still import still
-from restshape.sensitivity.parameter import parameter_derivatives
+from restshape.replay.first_frame import first_frame
+from restshape.sensitivity.parameter_derivative import parameter_derivatives
 
 PLATE = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="10 mm"', "solve.tolerance=1e-9"]
 
@@ -40,20 +40,20 @@ def test_parameter_in_the_formula_of_a_thickness_is_the_thickness(tmp_path):
     text = (SCENES / "bar_100.toml").read_text()
     scene.write_text(text.replace("[shape]", "[parameters]\ndepth = 0.004\n\n[shape]", 1))
     formula = [*PLATE, "material.aluminium.thickness='depth + 0*x'"]
-    by_parameter = parameter_derivatives(still(scene, formula).analysis, "parameters.depth")
-    direct = parameter_derivatives(still(SCENES / "bar_100.toml", PLATE).analysis, "material.aluminium.thickness")
+    by_parameter = parameter_derivatives(first_frame(scene, formula).analysis, "parameters.depth")
+    direct = parameter_derivatives(first_frame(SCENES / "bar_100.toml", PLATE).analysis, "material.aluminium.thickness")
     assert by_parameter == pytest.approx(direct, rel=1e-6)
 
 
 @pytest.mark.parametrize("value", ["0", "1e-12", "-1e-7", "1e-5"])
 def test_what_is_added_to_a_thickness_is_the_thickness_however_small(tmp_path, value):
-    """Near 0 a number does not tell its scale: steps of 1e-4 of it, or of 0.1 mm, would be too short or too long."""
+    """Near 0 a number does not show its scale: steps of 1e-4 of it, or of 0.1 mm, would be too short or too long."""
     scene = tmp_path / "bar.toml"
     text = (SCENES / "bar_100.toml").read_text()
     scene.write_text(text.replace("[shape]", f"[parameters]\nmore = {value}\n\n[shape]", 1))
     formula = [*PLATE, f"material.aluminium.thickness='0.004 - ({value}) + more + 0*x'"]
-    by_parameter = parameter_derivatives(still(scene, formula).analysis, "parameters.more")
-    direct = parameter_derivatives(still(SCENES / "bar_100.toml", PLATE).analysis, "material.aluminium.thickness")
+    by_parameter = parameter_derivatives(first_frame(scene, formula).analysis, "parameters.more")
+    direct = parameter_derivatives(first_frame(SCENES / "bar_100.toml", PLATE).analysis, "material.aluminium.thickness")
     assert by_parameter == pytest.approx(direct, rel=5e-6)
 
 
@@ -61,11 +61,11 @@ def test_number_without_effect(tmp_path):
     scene = tmp_path / "bar.toml"
     text = (SCENES / "bar_100.toml").read_text()
     scene.write_text(text.replace("[shape]", "[parameters]\nidle = 0\n\n[shape]", 1))
-    assert not parameter_derivatives(still(scene, PLATE).analysis, "parameters.idle").any()
+    assert not parameter_derivatives(first_frame(scene, PLATE).analysis, "parameters.idle").any()
 
 
 def test_moduli_of_wood_add_up_to_half_the_frequency():
-    plate = still(SCENES / "rosewood.toml", ["effects.modal.modes=2", 'mesh.size="20 mm"']).analysis
+    plate = first_frame(SCENES / "rosewood.toml", ["effects.modal.modes=2", 'mesh.size="20 mm"']).analysis
     wood = plate.state.scene.material["wood"].orthotropic
     total = np.zeros(2)
     for which, moduli in (("E", wood.E), ("G", wood.G)):
@@ -75,7 +75,7 @@ def test_moduli_of_wood_add_up_to_half_the_frequency():
 
 
 def test_pair_of_a_square_plate_has_the_rate_of_its_thickness_twice():
-    square = still(SCENES / "supported.toml", ["mesh.size=0.8", "effects.modal.modes=3"]).analysis
+    square = first_frame(SCENES / "supported.toml", ["mesh.size=0.8", "effects.modal.modes=3"]).analysis
     found = 0.05 * parameter_derivatives(square, "material.steel.thickness")
     assert found == pytest.approx(square.frequencies, rel=2e-3)
 

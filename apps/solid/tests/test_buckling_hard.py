@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 from small_scenes import across, drag, make_replay, write_scene, write_script
 
 from restshape.algebra.eigen import COUNT_EVERY
-from restshape.algebra.gather import whole_matrix
+from restshape.algebra.gathering import gather_matrix
 from restshape.analysis.buckling_matrices import products
 
 
@@ -38,8 +38,8 @@ def test_a_picture_of_the_modes(tmp_path, capsys):
 def dense(analysis) -> float:
     """The lowest positive load factor by LAPACK, which cannot miss it."""
     pencil = analysis.solver.pencil
-    G, K = (whole_matrix(m, PETSc.COMM_SELF).toarray() for m in (pencil.stiffness, pencil.mass))
-    free = analysis.state.rest.problem.boundary.mask.ravel() == 0
+    G, K = (gather_matrix(m, PETSc.COMM_SELF).toarray() for m in (pencil.stiffness, pencil.mass))
+    free = analysis.state.prebuckling.problem.boundary.mask.ravel() == 0
     return (
         1.0
         / eigh(
@@ -58,8 +58,8 @@ def test_a_mast_that_becomes_the_weakest_is_seen_when_the_hand_rests(tmp_path, f
     for row in made.frames():
         rows.append(row)
         assert not row["refused"], row["refused"]
-        if row["inertia_checked"] and made.analysis.state.rest.geometry != known:
-            right, known = dense(made.analysis), made.analysis.state.rest.geometry
+        if row["inertia_checked"] and made.analysis.state.prebuckling.geometry != known:
+            right, known = dense(made.analysis), made.analysis.state.prebuckling.geometry
         if row["inertia_checked"]:
             assert row["mu_1"] == pytest.approx(right, rel=1e-5), row["index"]
     assert rows[-1]["mu_1"] < 0.7 * rows[0]["mu_1"]

@@ -5,12 +5,12 @@ import pytest
 from restshape_verification.solid.stability_columns import DEPTH, EULER, THICKNESS, column
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
-from restshape.algebra.gather import whole_matrix
+from restshape.algebra.gathering import gather_matrix
 
 
 def negative(analysis):
     """Eigenvalues of the tangent stiffness with a negative real part."""
-    return int(np.sum(np.linalg.eigvals(whole_matrix(analysis.tangent(), analysis.context.comm).toarray()).real < 0))
+    return int(np.sum(np.linalg.eigvals(gather_matrix(analysis.tangent(), analysis.context.comm).toarray()).real < 0))
 
 
 @pytest.mark.parametrize("share", [0.97, 3.0])
@@ -41,7 +41,7 @@ def test_a_load_that_follows_in_part(tmp_path, share, following=1 / 3):
     assert bool(rows[-1]["refused"]) == (share > 1)
     assert negative(made.analysis) == 0
     if share < 1 and following:
-        K = whole_matrix(made.analysis.tangent(), made.analysis.context.comm)
+        K = gather_matrix(made.analysis.tangent(), made.analysis.context.comm)
         assert abs(K - K.T).max() > 1e-4 * abs(K).max()
 
 

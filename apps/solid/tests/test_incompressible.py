@@ -22,5 +22,5 @@ def test_the_case_lists_every_element_on_every_mesh():
     for element in ("order 1,", "order 2, size", "order 2, mean dilatation,"):
         own = [check for check, name in zip(checks, names) if element in name]
         assert len(own) == 4 and own[0].error > own[-1].error
-    # What locks is told with its error, not left out.
+    # What locks is reported with its error, not left out.
     assert max(check.error for check in checks) > 0.3

@@ -5,7 +5,7 @@ import pytest
 from restshape_verification.solid.stability_static import unrefreshed
 from small_scenes import PULLED, across, drag, make_replay, plate, rows_of, write_scene, write_script
 
-from restshape.sensitivity.static import design_derivative
+from restshape.sensitivity.steady_derivative import design_derivative
 
 LARGE = "[effects.large_deformation]\n"
 FOLLOWING = PULLED.replace('traction = ["100 MPa", 0]', 'pressure = "-100 MPa"')
@@ -13,7 +13,7 @@ FOLLOWING = PULLED.replace('traction = ["100 MPa", 0]', 'pressure = "-100 MPa"')
 
 @pytest.mark.parametrize("text", [plate(), plate() + LARGE, plate().replace(PULLED, FOLLOWING) + LARGE])
 def test_with_an_old_factor_after_a_long_drag(tmp_path, text):
-    # CG or GMRES on a factor that is never made anew, against a factor of the very matrix. Of large deformation the
+    # CG or GMRES on a factor that is never rebuilt, against a factor of the very matrix. Of large deformation the
     # factors by which every tenth frame shows that it is stable are kept.
     script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.62, 0.5), 39))[:2])
     found = []

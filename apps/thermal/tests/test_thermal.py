@@ -3,7 +3,7 @@
 import json
 
 import numpy as np
-from counted import begin_log, kernels, watched
+from counted_replays import begin_log, kernels, watched
 from restshape_apps.thermal import application
 
 SCENE = application.folder / "scenes" / "fins.toml"

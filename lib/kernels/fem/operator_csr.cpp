@@ -67,7 +67,7 @@ class CsrOperator final : public Operator {
     }
 
     void finish() override {
-        // Tells PETSc that the values are new; the pattern and its inodes stay.
+        // Notifies PETSc that the values are new; the pattern and its inodes stay.
         double* values = nullptr;
         check(MatSeqAIJGetArrayWrite(mat(), &values), "MatSeqAIJGetArrayWrite");
         check(MatSeqAIJRestoreArrayWrite(mat(), &values), "MatSeqAIJRestoreArrayWrite");

@@ -310,7 +310,7 @@ inline void number_splits(Triangulation& mesh, const MeshInput& input, const std
                                             length);
         }
     }
-    // Numbered last: the chains are told apart from the given points by negative numbers.
+    // Numbered last: the chains are distinguished from the given points by negative numbers.
     std::int32_t number = static_cast<std::int32_t>(input.point_count);
     for (std::ptrdiff_t i = 0; i < input.segment_count; ++i) {
         const auto chain = chains.find(key(input.segments[2 * i], input.segments[2 * i + 1]));

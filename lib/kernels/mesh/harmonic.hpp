@@ -1,4 +1,4 @@
-// Carries displacements of the boundary into a triangle mesh by Laplace's equation.
+// Extends displacements of the boundary into a triangle mesh by Laplace's equation.
 #pragma once
 
 #include <Eigen/SparseCholesky>

@@ -27,7 +27,7 @@ inline std::int64_t hilbert_key(std::uint32_t x, std::uint32_t y, int bits) {
     return key;
 }
 
-// Keys of points (n, 2) in the box around all of them; a grid of 16 squares a point tells all but the closest apart.
+// Keys of points (n, 2) in the box around all of them; a grid of 16 squares a point distinguishes all but the closest.
 inline std::vector<std::int64_t> hilbert_keys(const double* X, std::int32_t nodes) {
     std::vector<std::int64_t> keys(nodes);
     double low[2], extent = 0.0;

@@ -38,7 +38,7 @@ inline Verdict check_cells(const double* X, const std::int32_t* cells, std::ptrd
         const Lane c = ((bx - ax).square() + (by - ay).square()).sqrt();
         const Lane quality = scale * twice_area / ((a + b + c) * a.max(b).max(c));
         worst = std::min(worst, quality.minCoeff());
-        // Negated comparisons, so that a coordinate that is not a number counts as inverted.
+        // Negated comparisons, so that a coordinate that is not a number counts as invalid.
         int inverted = 0, distorted = 0;
         for (std::ptrdiff_t j = 0; j < size; ++j) {
             inverted += !(0.5 * twice_area[j] > area_floor);

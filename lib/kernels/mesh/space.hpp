@@ -1,4 +1,4 @@
-// Second-order nodes over a triangle mesh: where mid-sides lie, whether curved triangles are sound, fields at points.
+// Second-order nodes over a triangle mesh: where mid-sides lie, whether curved triangles are valid, fields at points.
 #pragma once
 
 #include <algorithm>

@@ -63,7 +63,7 @@ double total_area(const Reals& X, const Ints& cells) {
     return sum;
 }
 
-// Tells whether det F <= 0 somewhere in a straight or second-order triangle with these nodes' places.
+// Whether det F <= 0 somewhere in a straight or second-order triangle with these nodes' places.
 bool inverted(const double (*P)[2], int nodes) {
     if (nodes == 3) {
         const double Q[6] = {P[0][0], P[0][1], P[1][0], P[1][1], P[2][0], P[2][1]};

@@ -7,7 +7,7 @@
 // quadric. A recovered value is a weighted sum of samples, and the sum of the squared weights says by how much it
 // magnifies the samples' errors. It is bounded: a node where it would be larger takes the mean of the polynomials
 // that its cells' other corners have, where these are within the bound; where none is, it takes what its own cells
-// tell to a lower degree. Source: after Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331.
+// report to a lower degree. Source: after Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331.
 #pragma once
 
 #include <Eigen/Core>
@@ -130,7 +130,7 @@ class SpaceRecovery {
             }
     }
 
-    // Cholesky's factor of the normal equations, as far as rounding lets it be told.
+    // Cholesky's factor of the normal equations, as far as rounding allows.
     static void factor(Patch& p) {
         int k = 0;
         for (; k < terms; ++k) {

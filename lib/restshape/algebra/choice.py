@@ -42,7 +42,7 @@ class Prior:
     """What is expected of a preconditioner before the replay has counted anything.
 
     Measured on the plate whose hole is dragged (2,000, 18,000 and 70,000 unknowns; guesses extrapolated, 1e-6) and on
-    boxes of first-order tetrahedra held on one side (2,200, 6,600 and 21,000 unknowns).
+    boxes of first-order tetrahedra constrained on one side (2,200, 6,600 and 21,000 unknowns).
 
     Args:
         filled: nonzeros of the factor, or of the matrices of all grids; of the unknowns (complete) or of the matrix.
@@ -228,7 +228,7 @@ class Choice:
         return [c for c in known if c.name not in self.excluded and self.fits(c, size)] or [GAMG]
 
     def fits(self, candidate: Candidate, size: Size) -> bool:
-        """Tell whether a complete factor is small enough; others always are."""
+        """Whether a complete factor is small enough; others always are."""
         return candidate.kind != "cholesky" or FACTOR_BYTES * self.filled(candidate, size) <= self.memory
 
     def cost(self, candidate: Candidate, size: Size) -> float:
@@ -249,7 +249,7 @@ class Choice:
     def expected(self, candidate: Candidate, size: Size) -> tuple[float, float]:
         """Iterations with a fresh preconditioner, and how many each solve of age adds."""
         scale = self._scale(candidate, size)
-        fresh, growth = self._counted(candidate, size).line()
+        fresh, growth = self._iterations_of(candidate, size).line()
         return max(1.0, fresh * scale), growth * scale
 
     def filled(self, candidate: Candidate, size: Size) -> float:
@@ -258,7 +258,7 @@ class Choice:
 
     def count(self, candidate: Candidate, size: Size, age: int, iterations: int) -> None:
         """Take in a solve with a preconditioner that was made `age` solves before."""
-        self._counted(candidate, size).count(age, iterations / self._scale(candidate, size))
+        self._iterations_of(candidate, size).count(age, iterations / self._scale(candidate, size))
         self.solves += 1.0
 
     def count_fill(self, candidate: Candidate, size: Size, filled: float) -> None:
@@ -269,7 +269,7 @@ class Choice:
         """Never choose a candidate again: it has failed."""
         self.excluded.add(candidate.name)
 
-    def _counted(self, candidate: Candidate, size: Size) -> Iterations:
+    def _iterations_of(self, candidate: Candidate, size: Size) -> Iterations:
         key = (candidate.name, size.dimension, size.ranks)
         if key not in self.iterations:
             self.iterations[key] = Iterations(candidate.prior(size.dimension).growth)

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from restshape.algebra.block_cholesky import BLOCK, BlockCholesky
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
+from restshape.algebra.weak_calls import weak_call
 
 Reason = PETSc.SNES.ConvergedReason
 MEMORY = 15
@@ -21,11 +22,11 @@ class Energy(Protocol):
     """An energy of nodal values, its gradient r and a tangent."""
 
     @property
-    def held(self) -> np.ndarray:
+    def constrained(self) -> np.ndarray:
         """Unknowns, of all n f, that are constrained."""
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
-        """Set `out` (n, f) to r; 0 at held unknowns."""
+        """Set `out` (n, f) to r; 0 at constrained unknowns."""
 
     def energy(self, x: np.ndarray) -> float:
         """The energy whose gradient is r."""
@@ -125,7 +126,7 @@ class Descent:
         self.snes.destroy()
         self.snes = self._made()
         if self.kind.tangent:
-            self.snes.setJacobian(self._jacobian, self.energy.tangent(x))
+            self.snes.setJacobian(weak_call(self._jacobian), self.energy.tangent(x))
         self.snes.setTolerances(max_it=most)
         self.nodal.put(x, self.x)
         self.snes.solve(None, self.x)
@@ -150,7 +151,7 @@ class Descent:
             self.energy.tangent(self.nodal.values(X))
 
     def _shortened(self, X: PETSc.Vec, Y: PETSc.Vec) -> bool:
-        """Make a step shorter that goes too far; tells whether it did."""
+        """Make a step shorter that goes too far; returns whether it did."""
         far = Y.norm(PETSc.NormType.NORM_INFINITY)
         if far <= self.reach:
             return False
@@ -174,10 +175,10 @@ class Descent:
         for key in given:
             options.setValue(key, self.kind.options[key])
         snes.setFromOptions()
-        snes.setFunction(self._function, self.f)
-        snes.setObjective(self._objective)
-        snes.setConvergenceTest(self._test)
-        snes.setLineSearchPreCheck(self._shortened)
+        snes.setFunction(weak_call(self._function), self.f)
+        snes.setObjective(weak_call(self._objective))
+        snes.setConvergenceTest(weak_call(self._test))
+        snes.setLineSearchPreCheck(weak_call(self._shortened))
         if self.ksp:
             ksp = snes.getKSP()
             ksp.setType("preonly")

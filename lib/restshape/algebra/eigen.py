@@ -8,6 +8,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.davidson import Found, SearchSpace, davidson, ritz_values
 from restshape.algebra.factor_life import FactorLife
+from restshape.algebra.first_use import made
 from restshape.algebra.inverse_iteration import EPSILON, inverse_iteration
 from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.pencil import Deflation, Pencil
@@ -60,7 +61,7 @@ class EigenReport:
 
     Args:
         iterations: substitutions with a factor.
-        refreshed: the factor was made anew.
+        refreshed: the factor is rebuilt.
         age: frames since it was made.
         method: "davidson", "krylov-schur" or "inverse iteration".
         inertia_checked: an inertia count has shown in this frame that no mode is missed.
@@ -104,13 +105,18 @@ class EigenSolver:
         self.method, self.tolerance, self.stages = method, tolerance, stages
         self.pencil = Pencil(stages)
         self.life = FactorLife(self.pencil, calibration)
-        self.deflation: Deflation | None = None
+        self._deflation: Deflation | None = None
         self.space: SearchSpace | None = None
         self.history: list[np.ndarray] = []
         self.unchecked = self.fresh_below = 0
         self.doubtful = False
         self.davidson_cost, self.krylov_cost = PRIOR_DAVIDSON, PRIOR_KRYLOV
         self.floor = 0.0
+
+    @property
+    def deflation(self) -> Deflation:
+        """Of the rigid motions of the last solve."""
+        return made(self._deflation)
 
     @property
     def reach(self) -> float:
@@ -142,14 +148,14 @@ class EigenSolver:
         Raises:
             ReplayProblem: no convergence, or no factor.
         """
-        self.pencil.take(stiffness, mass, new_system)
+        self.pencil.set_matrices(stiffness, mass, new_system)
         self.floor = 0.0 if new_system else self.floor
-        self.deflation = Deflation(rigid, self.pencil)
+        self._deflation = Deflation(rigid, self.pencil)
         substitutions, factorizations = self.pencil.substitutions, self.pencil.factorizations
         # A mode that has just come down among the others may be lost again in the next frame.
         verify = verify or self.doubtful
         if self.method == "direct" or not self.history:
-            found, report = self._anew(count, verify)
+            found, report = self._cold_solve(count, verify)
         elif self.method == "ilu":
             found, report = self._thesis(count)
         else:
@@ -162,7 +168,7 @@ class EigenSolver:
 
     # --- from nothing -------------------------------------------------------------------------------------------------
 
-    def _anew(self, count: int, verify: bool = True) -> tuple[Found, EigenReport]:
+    def _cold_solve(self, count: int, verify: bool = True) -> tuple[Found, EigenReport]:
         """Krylov-Schur about 0 with a new factor; from nothing no better shift is known."""
         if count > self._elastic:
             raise ReplayProblem(f"{count} modes are asked for, and the mesh has {self._elastic} only")
@@ -196,7 +202,7 @@ class EigenSolver:
     @property
     def _elastic(self) -> int:
         """Eigenvalues that are finite, for there is mass, and not of rigid motions."""
-        return self.pencil.massive - self.deflation.count
+        return self.pencil.dofs_with_mass - self.deflation.count
 
     def _start_shift(self) -> float:
         """A shift a little below 0, where K - s M is positive definite, small beside the eigenvalues looked for.
@@ -226,7 +232,7 @@ class EigenSolver:
         """Inverse iteration on K + eps M, factored in each frame."""
         starts = self.history[0][:count]
         if len(starts) < count:
-            return self._anew(count)
+            return self._cold_solve(count)
         guess = _rayleigh(self.pencil, starts[:1])
         self.pencil.factor(-EPSILON * guess)
         with self.stages("krylov"):
@@ -242,8 +248,8 @@ class EigenSolver:
         report = EigenReport(0, False, self.life.age, "davidson")
         price = self.life.price()
         if new_system and self.krylov_cost * (count + SPARE) < self.davidson_cost * count:
-            return self._anew(count)
-        if new_system or not self.pencil.ready or self.life.excess >= price:
+            return self._cold_solve(count)
+        if new_system or not self.pencil.ready or self.life.extra_iterations >= price:
             self._refresh(count)
         fresh = self.life.age == 0
         found = self._iterate(count, self._limit(count, price, fresh))
@@ -253,7 +259,7 @@ class EigenSolver:
             found = self._iterate(count, self._limit(count, price, True))
         if not found.converged:
             self.history = [found.modes]
-            return self._anew(count)
+            return self._cold_solve(count)
         if new_system:
             self.davidson_cost = found.iterations
         self.life.spend(found.iterations, count)
@@ -261,9 +267,9 @@ class EigenSolver:
             found = self._checked(found, count, verify, report)
         except ReplayProblem:
             self.history = []
-            again, anew = self._anew(count)
-            anew.missed_modes += report.missed_modes
-            return again, anew
+            again, cold = self._cold_solve(count)
+            cold.missed_modes += report.missed_modes
+            return again, cold
         report.age = self.life.age
         return found, report
 
@@ -282,7 +288,8 @@ class EigenSolver:
         return max(4, math.ceil(most / count) + (2 if fresh else 0))
 
     def _refresh(self, count: int) -> None:
-        """A new factor, at a shift between the eigenvalues that are wanted and the next as the last modes tell them."""
+        """A new factor, at a shift between the eigenvalues that are wanted and the next as the last modes estimate
+        them."""
         values = ritz_values(self.pencil, self.deflation, self.history[0])
         shift, _ = gap(values, count)
         self.fresh_below = self.pencil.factor(shift)
@@ -383,7 +390,7 @@ def gap(values: np.ndarray, count: int) -> tuple[float, int]:
 
 
 def apart(found: Found, count: int, shift: float, tolerance: float, distances: np.ndarray | None = None) -> bool:
-    """Tell whether the `count` lowest stay so: none of the others below a shift is still to come down among them.
+    """Whether the `count` lowest stay so: none of the others below a shift is still to come down among them.
 
     As many values below a shift as there are eigenvalues say nothing yet of the lowest, where one of them has not
     converged: it may stand for any.

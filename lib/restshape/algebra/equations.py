@@ -16,7 +16,7 @@ class Equations(Protocol):
     potential: bool
 
     @property
-    def held(self) -> np.ndarray:
+    def constrained(self) -> np.ndarray:
         """Unknowns, of all n f, that are constrained."""
 
     @property

@@ -13,20 +13,20 @@ class FactorLife:
 
     Attributes:
         age: frames since the factor was made.
-        excess: substitutions since then beyond those that a new factor would have needed.
+        extra_iterations: substitutions since then beyond those that a new factor would have needed.
     """
 
     def __init__(self, pencil: Pencil, calibration: Calibration) -> None:
         self.pencil, self.calibration = pencil, calibration
-        self.age, self.excess = 0, 0.0
+        self.age, self.extra_iterations = 0, 0.0
 
     def begin(self) -> None:
         """Note that the factor is new."""
-        self.age, self.excess = 0, 0.0
+        self.age, self.extra_iterations = 0, 0.0
 
     def spend(self, iterations: int, count: int) -> None:
         """Note a solve for `count` modes: with a new factor it would have taken one iteration."""
-        self.excess += max(0, iterations - 1) * count
+        self.extra_iterations += max(0, iterations - 1) * count
 
     def price(self) -> float:
         """Substitutions, each with its products, that cost as much as a new factor."""

@@ -104,7 +104,7 @@ class ForcingTerms:
     def learn(self, step: int, before: float, after: float) -> None:
         """Take in what the step number `step` has made of the residual's norm."""
         if self.searched:
-            # Shorter steps tell nothing of what full ones leave over.
+            # Shorter steps show nothing of what full ones leave over.
             return
         if self.chord:
             # A kept tangent that does not serve is given up.

@@ -57,7 +57,7 @@ class KeptPreconditioner:
         return self.complete and self.ranks == 1
 
     def measure(self, mat: PETSc.Mat) -> bool:
-        """Take in the size of a matrix that is another one; tells whether it has changed."""
+        """Take in the size of a matrix that is another one; returns whether it has changed."""
         before = self.size
         self.handle = mat.handle
         filled = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
@@ -73,16 +73,16 @@ class KeptPreconditioner:
             if chosen is not self.candidate:
                 self._take(chosen)
 
-    def make(self, mat: PETSc.Mat, places: np.ndarray | None, anew: bool = False) -> None:
+    def make(self, mat: PETSc.Mat, places: np.ndarray | None, rebuild: bool = False) -> None:
         """Make it from a matrix, then keep it.
 
         Args:
             mat: of the present system.
             places: (m, d) this rank's nodes [m], whose rigid motions coarse grids must know; None: none.
-            anew: no interpolation of multigrid is kept either.
+            rebuild: no interpolation of multigrid is kept either.
         """
         pc = self.ksp.getPC()
-        if self.kind == "gamg" and (anew or self.pattern_changed or not self.ready):
+        if self.kind == "gamg" and (rebuild or self.pattern_changed or not self.ready):
             # A reset, or a kept interpolation with another pattern, leaves coarse grids of the old sizes.
             pc.setType("none")
             self._set(0)
@@ -104,11 +104,11 @@ class KeptPreconditioner:
     def price(self) -> Prices:
         """Seconds that it costs, from counted work on all ranks and the calibration."""
         size = self.size
-        counted = self.filled = nonzeros(self.ksp.getPC())
-        if self.candidate and counted:
-            self.choice.count_fill(self.candidate, size, counted)
+        stored = self.filled = nonzeros(self.ksp.getPC())
+        if self.candidate and stored:
+            self.choice.count_fill(self.candidate, size, stored)
         # An LU factor has the nonzeros of two triangles, of which the prices expect one.
-        filled = 0.5 * counted if self.kind == "lu" else counted
+        filled = 0.5 * stored if self.kind == "lu" else stored
         return prices(self.kind, size, filled or size.nonzeros, self.choice.calibration)
 
     def count(self, uses: int, iterations: int) -> None:
@@ -117,7 +117,7 @@ class KeptPreconditioner:
             self.choice.count(self.candidate, self.size, uses, iterations)
 
     def replace_failed(self) -> bool:
-        """After a failure of a fresh one, take one of another kind; tells whether any is left."""
+        """After a failure of a fresh one, take one of another kind; returns whether any is left."""
         if not self.chooses or self.candidate is None or self.candidate.kind == "cholesky":
             return False
         self.choice.exclude(self.candidate)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,7 +12,10 @@ from petsc4py import PETSc
 
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.step_solver import StepSolver
+from restshape.algebra.weak_calls import weak_call
 from restshape.errors import ReplayProblem
+
+log = logging.getLogger("restshape.algebra")
 
 Reason = PETSc.SNES.ConvergedReason
 PEAK = 3
@@ -28,11 +33,11 @@ class MovingEquations(Protocol):
     """Equations r(x) = 0 with a mass, whose tangent may be made positive semidefinite."""
 
     @property
-    def held(self) -> np.ndarray:
+    def constrained(self) -> np.ndarray:
         """Unknowns, of all n f, that are constrained."""
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
-        """Set `out` (n, f) to r; 0 at held unknowns."""
+        """Set `out` (n, f) to r; 0 at constrained unknowns."""
 
     def energy(self, x: np.ndarray) -> float:
         """The energy whose gradient is r."""
@@ -67,8 +72,19 @@ class Steps:
 
     @property
     def adaptive(self) -> bool:
-        """Tell whether time steps are chosen, and steps that gain energy rejected."""
+        """Whether time steps are chosen, and steps that gain energy rejected."""
         return self.longest > self.time_step
+
+
+@dataclass(frozen=True)
+class SNESContext:
+    """What a SNES of type python calls.
+
+    Args:
+        solve: with the SNES, the right side and the unknowns, which it changes.
+    """
+
+    solve: Callable[[PETSc.SNES, PETSc.Vec | None, PETSc.Vec], None]
 
 
 class KineticDamping:
@@ -88,7 +104,7 @@ class KineticDamping:
     Attributes:
         resets: potential energies [J] at resets; rejected: steps taken back.
         on_step: called with positions (n, f) and the norm of the residual before each step; a true answer ends it.
-        on_move: called with positions (n, f) after each step; tells whether it changed the equations.
+        on_move: called with positions (n, f) after each step; returns whether it changed the equations.
 
     Source: docs/theory.md, section "Cloth"; Baraff and Witkin, SIGGRAPH 1998, 43; Barnes 1999.
     """
@@ -115,7 +131,7 @@ class KineticDamping:
         self.snes = PETSc.SNES().create(comm)
         self.snes.setOptionsPrefix(prefix)
         self.snes.setType("python")
-        self.snes.setPythonContext(self)
+        self.snes.setPythonContext(SNESContext(weak_call(self.solve)))
         # SNES checks that there is a function; the context evaluates the residual itself.
         self.snes.setFunction(lambda *_: None, unused)
         unused.destroy()
@@ -163,11 +179,12 @@ class KineticDamping:
             motion.residual(x, force)
             self.norm = float(np.linalg.norm(force))
             snes.setIterationNumber(k)
+            log.debug("%3d TS dt %.3e Function norm %.12e", k, self.time_step, self.norm)
             reason = self._reason(x, k)
             if reason:
                 break
             try:
-                x, v, potential = self._advance(x, v, force, potential)
+                x, v, potential = self._time_step(x, v, force, potential)
             except ReplayProblem as problem:
                 # SNES ends as usual: an exception through it would leave its events open in PETSc's log.
                 self.stuck, reason = problem, Reason.DIVERGED_INNER
@@ -178,6 +195,7 @@ class KineticDamping:
             if steps.damping == "kinetic" and len(seen) == PEAK and seen[0] <= seen[1] > seen[2]:
                 v, seen = np.zeros_like(v), [0.0]
                 self.resets.append(motion.energy(x))
+                log.debug("%3d TS kinetic-energy peak, velocities set to 0; energy %.12e", k, self.resets[-1])
         self.nodal.put(x, X)
         snes.setConvergedReason(reason)
 
@@ -191,7 +209,7 @@ class KineticDamping:
             return Reason.CONVERGED_ITS
         return Reason.DIVERGED_MAX_IT if k == self.steps.most else Reason.ITERATING
 
-    def _advance(
+    def _time_step(
         self, x: np.ndarray, v: np.ndarray, force: np.ndarray, potential: float
     ) -> tuple[np.ndarray, np.ndarray, float]:
         """Positions, velocities and potential energy after one step that is accepted."""
@@ -201,7 +219,7 @@ class KineticDamping:
             damped = 1.0 + steps.beta / h
             inertia = (1.0 / h**2 + steps.alpha / h) / damped
             right = (self.mass * v / h - force) / damped
-            right.ravel()[self.motion.held] = 0.0
+            right.ravel()[self.motion.constrained] = 0.0
             # Each iterate, of CG and guesses, goes down in the step's own energy, so that a short enough step does too.
             d = self.linear.solve(self.motion.step_matrix(x, inertia, self.linear.blocks), right)
             if d is not None:
@@ -217,6 +235,7 @@ class KineticDamping:
                 raise ReplayProblem(NO_SOLUTION)
             self.rejected += 1
             self.time_step *= SHORTER
+            log.debug("    TS step rejected, dt %.3e", self.time_step)
             if d is not None and self.time_step < SHORTEST * steps.time_step:
                 raise ReplayProblem("no time step is short enough: the cloth's energy is no number, or nothing moves")
         self.time_step = min(LONGER * self.time_step, steps.longest)

@@ -12,7 +12,7 @@ ROOM = 12
 
 
 class KeptFactor:
-    """A preconditioner for SLEPc that is the pencil's factor: SLEPc's own would be made anew for each solve."""
+    """A preconditioner for SLEPc that is the pencil's factor: SLEPc's own would be rebuilt for each solve."""
 
     def __init__(self, pencil: Pencil) -> None:
         self.pencil = pencil
@@ -81,10 +81,10 @@ def krylov_schur(
         modes[k] = vector.getArray()
     for part in (vector, *vectors, eps):
         part.destroy()
-    return polished(pencil, deflation, modes, count, tolerance, pencil.substitutions - before)
+    return refine_ritz(pencil, deflation, modes, count, tolerance, pencil.substitutions - before)
 
 
-def polished(
+def refine_ritz(
     pencil: Pencil, deflation: Deflation, modes: np.ndarray, count: int, tolerance: float, iterations: int
 ) -> Found:
     """The Ritz pairs of K and M over rows (k, n), with their true residuals, `count` of which must be small."""

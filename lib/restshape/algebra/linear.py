@@ -23,13 +23,13 @@ __all__ = ["COMPLETE", "METHODS", "MOST_ITERATIONS", "LinearSolver"]
 
 METHODS = ("direct", "stale", "auto", "ilu")
 MOST_ITERATIONS = 10_000
-"""An iteration that has not ended by then never will: the preconditioner is made anew, or the frame given up."""
+"""An iteration that has not ended by then never will: the preconditioner is rebuilt, or the frame given up."""
 PROJECTED = 0.2
 """Part of the iterations of a solve that projection of the guess saves, one at least: measured on the dragged plate."""
 RESTART = 100
 """Directions that GMRES keeps: complete factors need few, incomplete ones of slender bodies stall with PETSc's 30."""
 INCOMPLETE = 0.25
-"""An incomplete preconditioner leaves smooth errors, whose energy the residual tells too small (by up to 2.2 on the
+"""An incomplete preconditioner leaves smooth errors, whose energy the residual reports too small (by up to 2.2 on the
 plate): its solves end at this share of the tolerance, so that solutions agree within it in the energy norm."""
 NO_FACTOR = "the stiffness matrix has no factor: part of the body is not held, or has no stiffness"
 Reason = PETSc.KSP.ConvergedReason
@@ -42,7 +42,7 @@ class LinearSolver:
     Args:
         comm: PETSc communicator.
         prefix: of its options in PETSc's database.
-        method: `direct` (a complete Cholesky factor anew for each matrix, no Krylov iteration), `stale` (CG with an old
+        method: `direct` (a new complete Cholesky factor for each matrix, no Krylov iteration), `stale` (CG with an old
             complete factor, refreshed when that pays), `auto` (the same with the preconditioner that each new system's
             `Choice` prefers, or that PETSc's options name), `ilu` (CG with ILU(3), kept until the mesh is another one).
         tolerance: of the true residual, relative to the right side.
@@ -113,7 +113,7 @@ class LinearSolver:
 
     @property
     def keeps(self) -> bool:
-        """Tell whether an old preconditioner serves until a new one pays."""
+        """Whether an old preconditioner serves until a new one pays."""
         return self.method in ("stale", "auto")
 
     def _set_iteration(self) -> None:
@@ -144,12 +144,12 @@ class LinearSolver:
         patched: bool = False,
         places: np.ndarray | None = None,
         scale: float | None = None,
-        aside: bool = False,
+        auxiliary: bool = False,
     ) -> LinearReport:
         """Solve mat x = b from the guess in x.
 
         Args:
-            mat: symmetric positive definite, or not symmetric where the solver was told so.
+            mat: symmetric positive definite, or not symmetric where the solver knows so.
             b: right side.
             x: guess on entry (but for `direct`), solution on return.
             new_system: the mesh is another one, so that no old preconditioner fits.
@@ -157,7 +157,7 @@ class LinearSolver:
             patched: flips have changed the pattern: level 2, which never factors ahead of the iteration.
             places: (n, d) nodes of this rank [m], whose rigid motions algebraic multigrid interpolates.
             scale: what the residual is measured against, in place of the norm of b.
-            aside: the solution is not one of the sequence that guesses come from.
+            auxiliary: the solution is not one of the sequence that guesses come from.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
@@ -166,7 +166,7 @@ class LinearSolver:
         if not self._begun:
             self._begin(mat, new_system, same_matrix, patched)
         self._begun = False
-        if self.projection and self.projection.pays and not aside:
+        if self.projection and self.projection.pays and not auxiliary:
             with self.stages("krylov"):
                 self.projection(mat, b, x)
         if self.on_solve:
@@ -182,14 +182,14 @@ class LinearSolver:
         while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
             self._clean(x)
             stale = False
-            self._factor(mat, places, f"no convergence in {last} iterations with the old one", anew=True)
+            self._factor(mat, places, f"no convergence in {last} iterations with the old one", rebuild=True)
             self._use()
             last = self._iterate(b, x, limited=False)
             iterations += last
         self._check()
         if self.keeps:
             self._count(last, not stale, new_system)
-        if self.projection and self.projection.pays and not aside:
+        if self.projection and self.projection.pays and not auxiliary:
             self.projection.keep(x)
         return LinearReport(iterations, not stale, self.age, self.name)
 
@@ -219,10 +219,10 @@ class LinearSolver:
         self._begun = True
         if self.kind != "cholesky":
             return False
-        pays = uses >= self.refresh.budget and not self.refresh.patched
+        pays = uses >= self.refresh.break_even and not self.refresh.patched
         if not (self.method == "direct" or not self.kept.ready or pays):
             return False
-        self._factor(mat, None, f"{uses} solves with this matrix, worth {self.refresh.budget} iterations")
+        self._factor(mat, None, f"{uses} solves with this matrix, worth {self.refresh.break_even} iterations")
         return True
 
     def apply(self, b: PETSc.Vec, x: PETSc.Vec) -> LinearReport:
@@ -247,9 +247,9 @@ class LinearSolver:
         return self.kept.negative_pivots()
 
     def definite(self, mat: PETSc.Mat, places: np.ndarray | None, new_system: bool = False) -> bool:
-        """Tell whether a matrix is positive definite, by a new factor of it, which ends at a pivot that is zero.
+        """Whether a matrix is positive definite, by a new factor of it, which ends at a pivot that is zero.
 
-        True where the preconditioner is no complete factor, which could tell. Arguments as in `solve`.
+        True where the preconditioner is no complete factor, which could show it. Arguments as in `solve`.
         """
         self._begin(mat, new_system, False, False)
         if not self.kept.complete:
@@ -282,18 +282,18 @@ class LinearSolver:
         if grown and kept.ready and not kept.pattern_changed:
             kept.pattern_changed = True
             if self.keeps:
-                self._set_budget()
+                self._set_refresh_price()
 
-    def _factor(self, mat: PETSc.Mat, places: np.ndarray | None, why: str, anew: bool = False) -> None:
+    def _factor(self, mat: PETSc.Mat, places: np.ndarray | None, why: str, rebuild: bool = False) -> None:
         """Make the preconditioner from `mat`, then keep it; `why` is for the log, the rest as in its `make`."""
         with self.stages("factor"):
-            self.kept.make(mat, places, anew)
+            self.kept.make(mat, places, rebuild)
         self.kept.note_kind()
         self.age = -1
         log.info("KSP %s PC %s rebuilt: %s", self.ksp.getOptionsPrefix(), self.name, why)
         self.refresh.restart()
         if self.keeps:
-            self._set_budget()
+            self._set_refresh_price()
 
     def _why(self, again: bool) -> str:
         """Why the preconditioner is rebuilt before an iteration, for the log."""
@@ -301,14 +301,15 @@ class LinearSolver:
             return "another system"
         if not self.keeps:
             return "another matrix"
-        return f"refactorisation criterion: {self.refresh.excess} excess iterations, budget {self.refresh.budget}"
+        more, worth = self.refresh.extra_iterations, self.refresh.break_even
+        return f"refactorisation criterion: {more} extra iterations, a refresh is worth {worth}"
 
     def _use(self) -> None:
         self.age, self.refresh.uses = self.age + 1, self.refresh.uses + 1
 
     # --- refreshes ------------------------------------------------------------------------------------------------
 
-    def _set_budget(self) -> None:
+    def _set_refresh_price(self) -> None:
         """Take in what the preconditioner costs, and whether better guesses pay."""
         price, size = self.kept.price(), self.kept.size
         if self.projection:
@@ -316,7 +317,7 @@ class LinearSolver:
             spent = (self.projection.directions + 1) * calibration.pass_seconds(size.unknowns, size.nonzeros)
             saved = max(1.0, PROJECTED * self.refresh.fresh_iterations) * size.ranks * price.iteration
             self.projection.pays = spent < saved
-        self.refresh.set_budget(price, self.kept.pattern_changed)
+        self.refresh.set_refresh_price(price, self.kept.pattern_changed)
 
     def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, limited: bool) -> int:
         """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper."""
@@ -339,7 +340,7 @@ class LinearSolver:
         return iterations
 
     def _try_again(self, stale: bool) -> bool:
-        """After a failure, tell whether another preconditioner is left: a fresh one, or one of another kind."""
+        """After a failure, show whether another preconditioner is left: a fresh one, or one of another kind."""
         return self.keeps and (stale or self.kept.replace_failed())
 
     def _clean(self, x: PETSc.Vec) -> None:

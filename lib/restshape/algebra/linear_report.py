@@ -11,7 +11,7 @@ class LinearReport:
 
     Args:
         iterations: of the Krylov method.
-        refreshed: the preconditioner was made anew.
+        refreshed: the preconditioner is rebuilt.
         age: solves, or frames, since it was made.
         preconditioner: its name.
         newton: steps of Newton's method; 0 where the equations are linear.

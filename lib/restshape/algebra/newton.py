@@ -1,17 +1,20 @@
 """Newton's method by PETSc's SNES, on the one linear solver whose preconditioner outlives matrices and frames."""
 
 import logging
+from collections.abc import Callable
 
 import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.equations import Equations
+from restshape.algebra.first_use import made
 from restshape.algebra.forcing_terms import ForcingTerms
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton_convergence import MOST_SEARCHED, WORDS, ConvergenceTest, Outcome
 from restshape.algebra.newton_step import NewtonStep
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.tangent import Tangent
+from restshape.algebra.weak_calls import weak_call
 
 log = logging.getLogger("restshape.algebra")
 
@@ -39,7 +42,7 @@ class Newton:
         self, comm: PETSc.Comm, prefix: str, linear: LinearSolver, shape: tuple[int, ...], rows: slice
     ) -> None:
         self.nodal, self.prefix = NodalVectors(comm, shape, rows), prefix
-        self._tangent: Tangent | None = None
+        self._taken: Tangent | None = None
         self._step, self._forcing = NewtonStep(linear), ForcingTerms()
         self._test = ConvergenceTest(0.0, 0.0, False, 0.0)
         self._offset: np.ndarray | None = None
@@ -57,24 +60,31 @@ class Newton:
         """What is solved."""
         return self._tangent.equations
 
-    def take(self, equations: Equations) -> None:
+    @property
+    def _tangent(self) -> Tangent:
+        """Of what is solved."""
+        return made(self._taken)
+
+    def set_equations(self, equations: Equations) -> None:
         """Solve these equations from now on, whose matrix has the same size."""
-        before, self._tangent = self._tangent, Tangent(equations)
+        before, self._taken = self._taken, Tangent(equations)
         if before:
             # The two SNES carry it until there is another one.
-            self._tangent.mat = before.mat
+            self._taken.mat = before.mat
         start, stop = self.nodal.rows.start, self.nodal.rows.stop
-        self._step.constrained = equations.held[(equations.held >= start) & (equations.held < stop)] - start
+        self._step.constrained = (
+            equations.constrained[(equations.constrained >= start) & (equations.constrained < stop)] - start
+        )
 
     def tangent(self, x: np.ndarray) -> PETSc.Mat:
         """The tangent at x (n, f), assembled unless it is there."""
         return self._tangent.at(x)
 
     def definite(self, x: np.ndarray) -> bool:
-        """Whether the tangent at x (n, f) is positive definite, as far as the preconditioner can tell."""
+        """Whether the tangent at x (n, f) is positive definite, as far as the preconditioner can show."""
         return self._step.definite(self._tangent.at(x))
 
-    def begin(self, new_system: bool, patched: bool, places: np.ndarray) -> None:
+    def begin(self, new_system: bool, patched: bool, places: np.ndarray | None) -> None:
         """A new frame: whether the mesh is another one, or has flips; `places` are those of this rank's nodes."""
         self._step.begin_frame(new_system, patched, places)
 
@@ -93,7 +103,7 @@ class Newton:
             x: constrained unknowns have their prescribed values.
             goal: norm of the residual at which it ends.
             scale: norm of the load, against which residuals are small or large, however small the goal is.
-            searched: with line search, until the residual is small; an energy cannot tell the last digits.
+            searched: with line search, until the residual is small; an energy cannot resolve the last digits.
             offset: (n, f) added load; None: none.
             rounding: times the largest value, the norm below which a residual that steps do not lower any more is
                 rounding, and the end.
@@ -150,7 +160,7 @@ class Newton:
         return energy if self._offset is None else energy - float(np.vdot(self._offset, x))
 
     def solve_step(self, b: PETSc.Vec, y: PETSc.Vec) -> bool:
-        """Solve for the step y of the residual b; tells whether that went well."""
+        """Solve for the step y of the residual b; returns whether that went well."""
         target = self._forcing.tolerance(self._test.steps, b.norm())
         shifts = self._test.searched and self.equations.potential
         return self._step.solve(self._tangent, b, y, target, shifts)
@@ -174,7 +184,7 @@ class Newton:
             tangent.assemble(self.nodal.values(self._x), None)
         # SNES only carries a matrix; the step's solver has the present one from the equations.
         if self._handles.get(searched) != tangent.mat.handle:
-            snes.setJacobian(self._jacobian, tangent.mat)
+            snes.setJacobian(weak_call(self._jacobian), tangent.mat)
             self._handles[searched] = tangent.mat.handle
         return snes
 
@@ -190,15 +200,15 @@ class Newton:
         snes.setFromOptions()
         if given:
             options.delValue("snes_linesearch_type")
-        snes.setFunction(self._function, self._f)
+        snes.setFunction(weak_call(self._function), self._f)
         if searched and self.equations.potential:
-            snes.setObjective(self._objective)
-        snes.setConvergenceTest(self._converged)
+            snes.setObjective(weak_call(self._objective))
+        snes.setConvergenceTest(weak_call(self._converged))
         # The test counts the steps; SNES has a limit of its own, below that of a line search.
         snes.setTolerances(max_it=2 * MOST_SEARCHED)
         ksp = snes.getKSP()
         ksp.setType("python")
-        ksp.setPythonContext(KSPContext(self))
+        ksp.setPythonContext(KSPContext(weak_call(self.solve_step)))
         ksp.getPC().setType("none")
         return snes
 
@@ -207,15 +217,15 @@ class KSPContext:
     """The Krylov solver of the two SNES: hands their linear systems on.
 
     Args:
-        newton: whose systems they are.
+        solve_step: solves for the step (second argument) of a residual; returns whether that went well.
     """
 
-    def __init__(self, newton: Newton) -> None:
-        self.newton = newton
+    def __init__(self, solve_step: Callable[[PETSc.Vec, PETSc.Vec], bool]) -> None:
+        self.solve_step = solve_step
 
     def solve(self, ksp: PETSc.KSP, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Solve for the step x of the residual b."""
-        good = self.newton.solve_step(b, x)
+        good = self.solve_step(b, x)
         ksp.setConvergedReason(
             PETSc.KSP.ConvergedReason.CONVERGED_ITS if good else PETSc.KSP.ConvergedReason.DIVERGED_BREAKDOWN
         )

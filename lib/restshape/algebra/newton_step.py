@@ -35,19 +35,19 @@ class NewtonStep:
         """Count from zero."""
         self.iterations, self.refreshed, self.why, self._shift = 0, False, "", 0.0
 
-    def begin_frame(self, new_system: bool, patched: bool, places: np.ndarray) -> None:
+    def begin_frame(self, new_system: bool, patched: bool, places: np.ndarray | None) -> None:
         """A new frame: whether the mesh is another one, or has flips; `places` are those of this rank's nodes."""
         # A mesh on which nothing had to be solved for is still to be met.
         self.new_system |= new_system
         self.patched, self.places = patched, places
 
     def definite(self, mat: PETSc.Mat) -> bool:
-        """Whether a matrix is positive definite, as far as the preconditioner can tell."""
+        """Whether a matrix is positive definite, as far as the preconditioner can show."""
         new_system, self.new_system = self.new_system, False
         return self.linear.definite(mat, self.places, new_system)
 
     def solve(self, tangent: Tangent, b: PETSc.Vec, y: PETSc.Vec, target: float, shifts: bool) -> bool:
-        """Solve for the step y of the residual b until a norm `target` is left; tells whether that went well.
+        """Solve for the step y of the residual b until a norm `target` is left; returns whether that went well.
 
         With `shifts` an indefinite tangent gets a multiple of the unit matrix: the step goes down in energy.
         """
@@ -57,7 +57,7 @@ class NewtonStep:
         return good
 
     def _solve(self, mat: PETSc.Mat, b: PETSc.Vec, y: PETSc.Vec, target: float) -> bool:
-        """Solve with a matrix as it is; tells whether it is found to be positive definite."""
+        """Solve with a matrix as it is; returns whether it is found to be positive definite."""
         linear, new_system = self.linear, self.new_system
         # Whatever comes of it, the solver has met this mesh then.
         self.new_system = False

@@ -3,7 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gather import whole_vector
+from restshape.algebra.gathering import gather_vector
 
 
 class NodalVectors:
@@ -31,7 +31,7 @@ class NodalVectors:
             return own.reshape(self.shape)
         gathered = np.empty(self.shape[0] * self.shape[1])
         gathered[self.rows] = own
-        return whole_vector(gathered, self.rows, self.comm).reshape(self.shape)
+        return gather_vector(gathered, self.rows, self.comm).reshape(self.shape)
 
     def put(self, values: np.ndarray, vector: PETSc.Vec) -> None:
         """Set a vector to this rank's rows of nodal values (n, f)."""

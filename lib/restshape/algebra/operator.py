@@ -1,4 +1,4 @@
-"""The stiffness operator: nonzero pattern kept over a topology, values anew each frame."""
+"""The stiffness operator: nonzero pattern kept over a topology, values refreshed each frame."""
 
 from itertools import groupby
 
@@ -17,7 +17,7 @@ class Operator:
         node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
         backend: `csr` (one rank, the library's own patchable pattern), `bcsr` (one rank, blocks of nodes, for solvers
             by products and relaxation) or `coo` (PETSc's COO assembly); by default csr on one rank and coo on several.
-        symmetric: and positive definite, which PETSc is told.
+        symmetric: and positive definite, which PETSc is informed of.
 
     Attributes:
         version: another one whenever pattern, constraints or values may be others.
@@ -35,7 +35,7 @@ class Operator:
         offsets = np.ascontiguousarray(node_offsets, dtype=np.int32)
         self.rows = slice(int(offsets[comm.rank]) * fields, int(offsets[comm.rank + 1]) * fields)
         self.backend = backend or ("csr" if comm.size == 1 else "coo")
-        self.core = _kernels.Operator(comm.size > 1, fields, offsets, comm.rank, self.backend)
+        self.core = _kernels.Operator(comm.size > 1, fields, offsets.tolist(), comm.rank, self.backend)
         self.mat = PETSc.Mat()
         self._generation, self.version = -1, 0
 
@@ -50,7 +50,7 @@ class Operator:
         self.core.set_constraints(np.ascontiguousarray(mask, dtype=np.uint8).ravel())
 
     def patch(self, block: int, changed: np.ndarray) -> None:
-        """Add to the pattern what the flipped cells `changed` of a block need; nothing else is set up anew."""
+        """Add to the pattern what the flipped cells `changed` of a block need; nothing else is set up again."""
         self.version += 1
         self.core.patch(block, changed)
 

@@ -13,13 +13,13 @@ from restshape.errors import ReplayProblem
 class Pencil:
     """K and M as they stand, and the last complete factor of K - s M, which may be of matrices of some frames ago.
 
-    PETSc's own factor is L D L^T without pivoting: it serves indefinite matrices too, and its D tells the inertia.
+    PETSc's own factor is L D L^T without pivoting: it serves indefinite matrices too, and its D reports the inertia.
 
     Args:
         stages: takes the time of factorizations.
 
     Attributes:
-        stiffness, mass: PETSc matrices of the same pattern, symmetric; set by `take`.
+        stiffness, mass: PETSc matrices of the same pattern, symmetric; set by `set_matrices`.
         shift: s of the factor.
         nonzeros: of the factor.
         factorizations, substitutions, products: counted since the start.
@@ -37,7 +37,7 @@ class Pencil:
 
     @property
     def ready(self) -> bool:
-        """Tell whether there is a factor of this size."""
+        """Whether there is a factor of this size."""
         return self._kept.made
 
     @property
@@ -46,7 +46,7 @@ class Pencil:
         return self.stiffness.getSize()[0]
 
     @property
-    def massive(self) -> int:
+    def dofs_with_mass(self) -> int:
         """Number of unknowns with mass: as many eigenvalues are finite."""
         diagonal = self.mass.getDiagonal()
         count = int(np.count_nonzero(diagonal.getArray()))
@@ -58,7 +58,7 @@ class Pencil:
         """Nonzeros of each matrix."""
         return self.stiffness.getInfo()["nz_used"]
 
-    def take(self, stiffness: PETSc.Mat, mass: PETSc.Mat, new_system: bool) -> None:
+    def set_matrices(self, stiffness: PETSc.Mat, mass: PETSc.Mat, new_system: bool) -> None:
         """Take up new values; where `new_system`, of other unknowns, for which no old factor serves."""
         self.stiffness, self.mass = stiffness, mass
         if new_system:
@@ -109,7 +109,7 @@ class Pencil:
             _through(self._kept.solve, row, solution)
         return out
 
-    def solve_aside(self, rows: np.ndarray) -> np.ndarray:
+    def auxiliary_solve(self, rows: np.ndarray) -> np.ndarray:
         """The same beside the work that is counted, for what decides nothing."""
         before = self.substitutions
         out = self.solve(rows)
@@ -164,14 +164,14 @@ class _Factor:
         return below
 
     def _answers(self) -> bool:
-        """Tell whether the factor gives numbers: PETSc only notes a pivot that failed."""
+        """Whether the factor gives numbers: PETSc only notes a pivot that failed."""
         b, x = self._matrix.createVecs()
         b.set(1.0)
         self._pc.apply(b, x)
-        sound = math.isfinite(x.norm())
+        finite = math.isfinite(x.norm())
         b.destroy()
         x.destroy()
-        return sound
+        return finite
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Forward and backward substitution."""

@@ -50,7 +50,7 @@ def _factor_options(kind: str, levels: int) -> dict[str, object]:
 
 
 def set_rigid_motions(mat: PETSc.Mat, X: np.ndarray) -> None:
-    """Tell a matrix the rigid motions of the body, which algebraic multigrid must interpolate well.
+    """Give a matrix the rigid motions of the body, which algebraic multigrid must interpolate well.
 
     Args:
         mat: of as many unknowns a node as X has columns.

@@ -12,8 +12,8 @@ class RefreshCriterion:
         most: iterations of a solve.
 
     Attributes:
-        budget: iterations that cost as much as a refresh.
-        excess: iterations beyond those of a fresh preconditioner, since it was made.
+        break_even: iterations that cost as much as a refresh.
+        extra_iterations: iterations beyond those of a fresh preconditioner, since it was made.
         fresh_iterations: of a solve with a fresh one.
         uses: solves since it was made, -1 before the first.
         patched: the pattern of the matrix is not that of the frame before: then nothing is made ahead of the iteration.
@@ -24,23 +24,23 @@ class RefreshCriterion:
     def __init__(self, most: int) -> None:
         self.most = most
         self.uses = -1
-        self.excess = self.budget = 0
+        self.extra_iterations = self.break_even = 0
         self.fresh_iterations = 1
         self.patched = False
 
     def restart(self) -> None:
         """Take in that the preconditioner has just been made."""
-        self.uses, self.excess = -1, 0
+        self.uses, self.extra_iterations = -1, 0
 
-    def set_budget(self, price: Prices, pattern_changed: bool) -> None:
+    def set_refresh_price(self, price: Prices, pattern_changed: bool) -> None:
         """Take in what the preconditioner costs; a new pattern asks for an analysis of it."""
         refresh = price.setup if pattern_changed else price.refresh
-        self.budget = max(1, math.ceil(refresh / price.iteration))
+        self.break_even = max(1, math.ceil(refresh / price.iteration))
 
     @property
     def worth_refreshing(self) -> bool:
         """Whether the iterations beyond those of a fresh preconditioner have cost as much as a refresh."""
-        return not self.patched and self.excess >= self.budget
+        return not self.patched and self.extra_iterations >= self.break_even
 
     def limit(self, complete: bool) -> int:
         """Iterations after which a solve with an old preconditioner is better given up for a new one.
@@ -48,10 +48,10 @@ class RefreshCriterion:
         Args:
             complete: it is a complete factor.
         """
-        # An iteration that is cut short has to begin anew: where a fresh one is long too, that must be paid twice.
+        # An iteration that is cut short has to restart: where a fresh one is long too, that must be paid twice.
         fresh = self.fresh_iterations if complete else 2 * self.fresh_iterations
-        budget = 2 * self.budget if self.patched else self.budget
-        return min(self.most, max(fresh + 1, fresh + budget - self.excess))
+        break_even = 2 * self.break_even if self.patched else self.break_even
+        return min(self.most, max(fresh + 1, fresh + break_even - self.extra_iterations))
 
     def count(self, iterations: int, refreshed: bool, complete: bool) -> None:
         """Take in the iterations of a solve, all of them with the preconditioner as it is now.
@@ -67,4 +67,4 @@ class RefreshCriterion:
         if self.uses == 1 and not complete:
             # The guess on a new mesh is worse than those that follow it.
             self.fresh_iterations = max(1, min(self.fresh_iterations, iterations))
-        self.excess += max(0, iterations - self.fresh_iterations)
+        self.extra_iterations += max(0, iterations - self.fresh_iterations)

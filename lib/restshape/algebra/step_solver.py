@@ -1,4 +1,4 @@
-"""Linear solves of motion in steps: conjugate gradients by PETSc, with what one step tells the next."""
+"""Linear solves of motion in steps: conjugate gradients by PETSc, with what one step reports the next."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class StepSolver:
         self.begin()
 
     def begin(self) -> None:
-        """Forget what earlier solves have told, so that the same row of solves gives the same bits."""
+        """Forget what earlier solves have reported, so that the same row of solves gives the same bits."""
         self.iterations, self.filled = 0, 0
 
     def free(self) -> None:
@@ -75,7 +75,7 @@ class StepSolver:
         return self.nodal.values(self.way).copy()
 
     def _take(self, matrix: PETSc.Mat) -> None:
-        """Take in another matrix, whose pattern may be another one, of which nothing tells PETSc."""
+        """Take in another matrix, whose pattern may be another one, of which nothing reports PETSc."""
         self.ksp.reset()
         # Held, so that no other matrix takes its place in memory.
         self.matrix = matrix

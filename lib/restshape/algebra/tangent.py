@@ -10,7 +10,7 @@ class Tangent:
     """One matrix of equations, assembled again when the equations or the unknowns are others.
 
     Args:
-        equations: whose `version` tells when they are others.
+        equations: whose `version` shows when they are others.
 
     Attributes:
         mat: the matrix; None before it is first assembled.

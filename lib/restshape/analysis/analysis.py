@@ -70,7 +70,7 @@ class Predictor(Protocol):
         """Take predicted values for those of the mesh as it lies now, without a solve."""
 
     @property
-    def shown(self) -> np.ndarray | None:
+    def prediction(self) -> np.ndarray | None:
         """The prediction that the analysis holds; None where it holds a solution."""
 
     def error(self, predicted: np.ndarray) -> float:
@@ -83,14 +83,17 @@ class Analysis(Protocol):
     Attributes:
         state: frozen; `solve` replaces it, and a failed `solve` leaves it. Versions in it decide what is stale.
         space: of the last solution; None before the first.
-        estimated: what the estimates of `errors` are of.
-        predictor: None where frames cannot be predicted; `why_not` then says why, and what to do.
+        estimated_quantity: what the estimates of `errors` are of.
+        why_not: why frames cannot be predicted where there is no predictor, and what to do.
     """
 
     state: Any
-    estimated: str
-    predictor: Predictor | None
+    estimated_quantity: str
     why_not: str
+
+    @property
+    def predictor(self) -> Predictor | None:
+        """Predicts frames from the state; None where they cannot be."""
 
     @property
     def space(self) -> Space | None: ...

@@ -1,4 +1,4 @@
-"""Solids at rest under a load, and the multiples of it at which they buckle, frame after frame."""
+"""Static solids under a load, and the multiples of it at which they buckle, frame after frame."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.algebra.buckling import BucklingSolver
+from restshape.algebra.buckling_solver import BucklingSolver
+from restshape.algebra.first_use import made
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.buckling_binding import bound, flipped
@@ -32,16 +33,16 @@ if TYPE_CHECKING:
     from restshape.scene.model import Scene
     from restshape.scene.plan import Plan
 
-AT_REST = 0.1
-"""The displacement at rest is solved for with this share of the tolerance: bending of slender bodies, on which load
+TIGHTER = 0.1
+"""The prebuckling displacement is solved for with this share of the tolerance: bending of slender bodies, on which load
 factors depend, hardly shows in a residual."""
 
 
 class BucklingAnalysis:
     """The equilibrium of a linear solid, and its lowest critical load factors: K phi = -mu G phi, mu > 0.
 
-    G is the geometric stiffness of the stress at rest, which grows in proportion to the load. Factors at which the mean
-    strain would reach 1 are none. Each rank computes the whole eigenproblem by itself, with the same result.
+    G is the geometric stiffness of the prebuckling stress, which grows in proportion to the load. Factors at which the
+    mean strain would reach 1 are none. Each rank computes the whole eigenproblem by itself, with the same result.
 
     Args:
         scene: what the user wrote.
@@ -50,43 +51,47 @@ class BucklingAnalysis:
         make: the class of the problem: linear, with a geometric stiffness.
 
     Attributes:
-        rest: finds the equilibrium.
+        prebuckling: finds the equilibrium.
         state: the load factors of its state.
         solver: of the eigenproblem; verified: the shape whose load factors an inertia count has checked last.
-        shown: load factors in the recording, which has the columns that it began with.
+        modes_shown: load factors in the recording, which has the columns that it began with.
         interrupted: the last solve has failed.
 
     Source: docs/theory.md, section 8.
     """
 
-    estimated = "load factors"
+    estimated_quantity = "load factors"
     why_not = ""
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[PrestressedProblem]) -> None:
         self.context = context
-        self.rest = SteadyAnalysis(_more_exact(scene), plan, context, make)
+        self.prebuckling = SteadyAnalysis(_more_exact(scene), plan, context, make)
         follows = context.policy.solver in ("auto", "stale")
         self.solver = BucklingSolver(follows, scene.solve.tolerance, context.calibration, context.stages)
         self.verified = VerifiedShape()
-        self.state = BucklingState(self.rest.state)
-        self.shown = buckling_settings(plan).modes
+        self.state = BucklingState(self.prebuckling.state)
+        self.modes_shown = buckling_settings(plan).modes
         self.interrupted = False
-        self.predictor = BucklingPrediction(self)
+
+    @property
+    def predictor(self) -> BucklingPrediction:
+        """Predicts frames from the state."""
+        return BucklingPrediction(self)
 
     @property
     def space(self) -> Space | None:
         """The mesh of the last solution; None before the first."""
-        return self.rest.space
+        return self.prebuckling.space
 
     @property
     def unknowns(self) -> int:
         """Unknowns of the displacement, prescribed ones included."""
-        return self.rest.unknowns
+        return self.prebuckling.unknowns
 
     @property
     def tolerance(self) -> float:
         """That displacements and load factors meet beside those of a cold solve."""
-        return self.rest.tolerance
+        return self.prebuckling.tolerance
 
     @property
     def load_factors(self) -> np.ndarray:
@@ -102,15 +107,15 @@ class BucklingAnalysis:
         """
         before = self.state
         try:
-            report = self.rest.solve(frame)
-            if self.rest.state is not before.rest:
+            report = self.prebuckling.solve(frame)
+            if self.prebuckling.state is not before.prebuckling:
                 report = self._solve(frame, report)
             if not report.iterations:
                 self.state = replace(self.state, report=replace(self.state.report, missed_modes=0))
-            if frame.settled and self.solver.unchecked:
+            if frame.edit_ended and self.solver.unchecked:
                 report = self._verify(report)
         except (ReplayProblem, UserError):
-            self.rest.rollback(before.rest)
+            self.prebuckling.rollback(before.prebuckling)
             self.state, self.interrupted = before, True
             raise
         self.interrupted = False
@@ -118,32 +123,33 @@ class BucklingAnalysis:
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the state; a load factor that there is not is infinite."""
-        return self.rest.observe() | observed(self.state)
+        return self.prebuckling.observe() | observed(self.state)
 
     def row(self) -> RowValues:
         """Columns of a frame's row that only buckling has."""
-        return row(self.state, self.shown, self.solver)
+        return row(self.state, self.modes_shown, self.solver)
 
     def fields(self) -> Fields:
         """Displacement and equivalent stress, and the modes, the largest displacement of each 1."""
-        points, cells = self.rest.fields()
-        return points | fields(self.state, self.shown), cells
+        points, cells = self.prebuckling.fields()
+        return points | fields(self.state, self.modes_shown), cells
 
     def blank_fields(self, space: Space) -> Fields:
         """The same fields, all NaN, on a mesh that has not been solved on."""
-        points, cells = self.rest.blank_fields(space)
-        blank = {f"buckling_mode_{k}": np.full((len(space.X), 2), np.nan) for k in range(1, self.shown + 1)}
+        points, cells = self.prebuckling.blank_fields(space)
+        blank = {f"buckling_mode_{k}": np.full((len(space.X), 2), np.nan) for k in range(1, self.modes_shown + 1)}
         return points | blank, cells
 
     def residual_norm(self) -> float:
-        """The true residual at rest or, where larger, |K phi + mu G phi| / |K phi| of a mode, element by element."""
-        worst = self.rest.residual_norm()
+        """The true residual at equilibrium or, where larger, |K phi + mu G phi| / |K phi| of a mode, element by
+        element."""
+        worst = self.prebuckling.residual_norm()
         return worst if self.state.predicted else max(worst, residual_norm(self.state))
 
     def errors(self) -> dict[str, float]:
         """The largest estimated relative error of the load factors: that of the mesh in their modes, recovery-based.
 
-        What the mesh does to the stress at rest is not in it. Of a prediction its distance from the solution on the
+        What the mesh does to the prebuckling stress is not in it. Of a prediction its distance from the solution on the
         same mesh.
         """
         state = self.state
@@ -151,28 +157,28 @@ class BucklingAnalysis:
             return {"estimate": float("nan")}
         if state.predicted:
             return {"estimate": self.predictor.distance()}
-        estimate, shape = self.rest.error_estimate, state.rest.x.shape
+        estimate, shape = self.prebuckling.error_estimate, state.prebuckling.x.shape
         return {"estimate": max(estimate.relative(mode.reshape(shape)) ** 2 for mode in state.modes.vectors)}
 
     def compare_cold(self) -> Comparison:
         """Matrices, displacement and load factors beside those of a solve with nothing kept."""
-        return compare_cold(self.state, self.rest.warm_system(), self.rest.cold_system())
+        return compare_cold(self.state, self.prebuckling.warm_system(), self.prebuckling.cold_system())
 
     # --- a frame ------------------------------------------------------------------------------------------------------
 
     def _solve(self, frame: Frame, report: LinearReport) -> LinearReport:
         """Solve for the load factors of the new equilibrium, whose solve is reported."""
-        before, rest, stages = self.state, self.rest.state, self.context.stages
-        new_mesh = rest.space is not before.rest.space
-        new_system = new_mesh or self.interrupted or rest.scene is not before.rest.scene
-        state = bound(before, rest, self.solver, frame, self.context) if new_system else before
-        if not new_mesh and rest.topology != before.rest.topology:
+        before, prebuckling, stages = self.state, self.prebuckling.state, self.context.stages
+        new_mesh = prebuckling.space is not before.prebuckling.space
+        new_system = new_mesh or self.interrupted or prebuckling.scene is not before.prebuckling.scene
+        state = bound(before, prebuckling, self.solver, frame, self.context) if new_system else before
+        if not new_mesh and prebuckling.topology != before.prebuckling.topology:
             state = flipped(state, self.solver, frame, self.context)
-        state = replace(state, rest=rest)
+        state = replace(state, prebuckling=prebuckling)
         with stages("values"):
-            stiffness, geometric = state.matrices.assemble(rest, state.sign)
-        state = replace(state, most=most_load_factor(rest))
-        verify = frame.settled or self.verified.due(frame.mesh)
+            stiffness, geometric = made(state.matrices).assemble(prebuckling, state.sign)
+        state = replace(state, most=most_load_factor(prebuckling))
+        verify = frame.edit_ended or self.verified.due(frame.mesh)
         self.state = self._find(state, stiffness, geometric, new_system, verify)
         return self._report(report)
 
@@ -182,19 +188,22 @@ class BucklingAnalysis:
         self.state = self._find(self.state, pencil.mass, pencil.stiffness, False, True)
         # The same modes twice say nothing of where the next ones lie.
         self.solver.history = self.solver.history[:1]
-        self.verified.take(self.space)
+        self.verified.update(self.state.prebuckling.problem.space)
         return self._report(report)
 
     def _find(
         self, state: BucklingState, stiffness: PETSc.Mat, geometric: PETSc.Mat, new_system: bool, verify: bool
     ) -> BucklingState:
         """The state with load factors that have been solved for; modes get the ids of those before."""
-        constrained, count = state.rest.problem.boundary.constrained, buckling_settings(state.rest.plan).modes
+        constrained, count = (
+            state.prebuckling.problem.boundary.constrained,
+            buckling_settings(state.prebuckling.plan).modes,
+        )
         found, report = self.solver.solve(stiffness, geometric, constrained, count, state.most, new_system, verify)
         with self.context.stages("observe"):
             modes = self._with_ids(state, found)
         if report.inertia_checked:
-            self.verified.take(state.rest.space)
+            self.verified.update(state.prebuckling.problem.space)
         return replace(state, modes=modes, predicted=False, report=report)
 
     def _with_ids(self, state: BucklingState, found: Found) -> BucklingModes:
@@ -209,14 +218,14 @@ class BucklingAnalysis:
             ids = ModeIds.first(len(vectors), np.arange(len(vectors)))
         return BucklingModes(-1.0 / found.values, vectors, heavy, ids)
 
-    def _report(self, rest: LinearReport) -> LinearReport:
-        """The report of a solve at rest and of what was found for it."""
+    def _report(self, prebuckling: LinearReport) -> LinearReport:
+        """The report of a prebuckling solve and of what was found for it."""
         report = self.state.report
-        iterations, refreshed = rest.iterations + report.iterations, rest.refreshed or report.refreshed
-        return LinearReport(iterations, refreshed, rest.age, rest.preconditioner)
+        iterations, refreshed = prebuckling.iterations + report.iterations, prebuckling.refreshed or report.refreshed
+        return LinearReport(iterations, refreshed, prebuckling.age, prebuckling.preconditioner)
 
 
 def _more_exact(scene: Scene) -> Scene:
     """The scene with the tolerance that the equilibrium is solved with."""
-    solve = scene.solve.model_copy(update={"tolerance": AT_REST * scene.solve.tolerance})
+    solve = scene.solve.model_copy(update={"tolerance": TIGHTER * scene.solve.tolerance})
     return scene.model_copy(update={"solve": solve})

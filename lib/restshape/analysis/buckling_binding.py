@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from restshape.algebra.buckling import BucklingSolver
+from restshape.algebra.buckling_solver import BucklingSolver
+from restshape.algebra.first_use import made
 from restshape.analysis.analysis import Context
 from restshape.analysis.buckling_matrices import BucklingMatrices
 from restshape.analysis.buckling_state import BucklingState
@@ -18,13 +19,17 @@ from restshape.scene.model import Scene
 
 
 def bound(
-    state: BucklingState, rest: SteadyState[PrestressedProblem], solver: BucklingSolver, frame: Frame, context: Context
+    state: BucklingState,
+    prebuckling: SteadyState[PrestressedProblem],
+    solver: BucklingSolver,
+    frame: Frame,
+    context: Context,
 ) -> BucklingState:
     """The state before with matrices and modes on the nodes, and with the supports, of an equilibrium.
 
     Args:
         state: of the last solution.
-        rest: solved on another mesh, or with other values.
+        prebuckling: solved on another mesh, or with other values.
         solver: begins a new system with these modes.
         frame: that it was solved for.
         context: what all parts of the replay share.
@@ -32,14 +37,14 @@ def bound(
     Raises:
         UserError: a quantity is a load factor that is not computed.
     """
-    new_mesh, mask = rest.space is not state.rest.space, rest.problem.boundary.mask
-    _require_computed(frame.scene, buckling_settings(rest.plan).modes)
+    new_mesh, mask = prebuckling.space is not state.prebuckling.space, prebuckling.problem.boundary.mask
+    _require_computed(frame.scene, buckling_settings(prebuckling.plan).modes)
     solver.tolerance = frame.scene.solve.tolerance
     with context.stages("pattern"):
         if new_mesh:
-            matrices = BucklingMatrices(rest.problem, context.comm.size, context.policy.backend)
+            matrices = BucklingMatrices(prebuckling.problem, context.comm.size, context.policy.backend)
         else:
-            matrices = state.matrices
+            matrices = made(state.matrices)
             matrices.set_constraints(mask)
     modes = state.modes
     if len(modes.vectors):
@@ -53,7 +58,7 @@ def bound(
 def flipped(state: BucklingState, solver: BucklingSolver, frame: Frame, context: Context) -> BucklingState:
     """The state before with matrices and modes after flips; arguments as in `bound`."""
     with context.stages("pattern"):
-        state.matrices.patch(frame.changed_cells)
+        made(state.matrices).patch(frame.changed_cells)
         if not frame.interpolations:
             return state
 
@@ -70,7 +75,7 @@ def _on_new_mesh(state: BucklingState, frame: Frame) -> np.ndarray:
     """The last modes (k, 2 n) on a new mesh."""
     modes = state.modes.vectors
     columns = np.concatenate([frame.interpolate(mode.reshape(-1, 2)) for mode in modes], axis=1)
-    there = transfer(state.rest.space, frame.mesh, columns).reshape(-1, len(modes), 2)
+    there = transfer(state.prebuckling.problem.space, frame.mesh, columns).reshape(-1, len(modes), 2)
     return there.transpose(1, 0, 2).reshape(len(modes), -1)
 
 

@@ -5,7 +5,8 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
-from restshape.algebra.gather import GatheredSystem, matrix_difference, whole_matrix
+from restshape.algebra.first_use import made
+from restshape.algebra.gathering import GatheredSystem, gather_matrix, matrix_difference
 from restshape.algebra.operator import Operator
 from restshape.analysis.analysis import Comparison
 from restshape.analysis.buckling_state import BucklingState
@@ -21,12 +22,14 @@ def compare_cold(state: BucklingState, warm: GatheredSystem, cold: GatheredSyste
         state: solved on the mesh as it lies.
         warm, cold: the system of its equilibrium, as it was solved and from nothing.
     """
-    rest, found = state.rest, state.modes.load_factors
-    kept = whole_matrix(state.matrices.geometric, PETSc.COMM_SELF)
-    entries = max(matrix_difference(warm.matrix, cold.matrix), matrix_difference(kept, _geometric(state, rest.x)))
+    prebuckling, found = state.prebuckling, state.modes.load_factors
+    kept = gather_matrix(made(state.matrices).geometric, PETSc.COMM_SELF)
+    entries = max(
+        matrix_difference(warm.matrix, cold.matrix), matrix_difference(kept, _geometric(state, prebuckling.x))
+    )
     error = warm.solution - cold.solution
     distance = float(np.sqrt(max(0.0, error @ (cold.matrix @ error)) / (2.0 * warm.energy))) if warm.energy else 0.0
-    boundary = rest.problem.boundary
+    boundary = prebuckling.problem.boundary
     free = np.flatnonzero(boundary.mask.ravel() == 0)
     u = cold.solution.reshape(boundary.values.shape) + boundary.values
     stiffness, geometric = (part[free][:, free] for part in (cold.matrix, _geometric(state, u)))
@@ -45,8 +48,8 @@ def cold_load_factors(stiffness: sp.csr_matrix, geometric: sp.csr_matrix, count:
 
 def _geometric(state: BucklingState, u: np.ndarray) -> sp.csr_matrix:
     """G of a displacement u (n, 2) on a new pattern."""
-    problem = state.rest.problem
+    problem = state.prebuckling.problem
     operator = Operator(PETSc.COMM_SELF, u.shape[1], np.array([0, len(u)], dtype=np.int32), "coo", False)
     operator.set_topology([problem.space.cells], problem.boundary.mask)
     assembled = Assembled([problem.geometric_stiffness(u, state.sign)], operator)
-    return whole_matrix(assembled.tangent(np.zeros_like(u)), PETSc.COMM_SELF)
+    return gather_matrix(assembled.tangent(np.zeros_like(u)), PETSc.COMM_SELF)

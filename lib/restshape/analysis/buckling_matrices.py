@@ -1,4 +1,4 @@
-"""Stiffness and geometric stiffness of a solid at rest, on patterns that are kept from frame to frame."""
+"""Stiffness and geometric stiffness of a static solid, on patterns that are kept from frame to frame."""
 
 import numpy as np
 from petsc4py import PETSc
@@ -42,11 +42,11 @@ class BucklingMatrices:
         for operator in self.operators:
             operator.patch(0, changed)
 
-    def assemble(self, rest: SteadyState[PrestressedProblem], sign: float) -> tuple[PETSc.Mat, PETSc.Mat]:
+    def assemble(self, prebuckling: SteadyState[PrestressedProblem], sign: float) -> tuple[PETSc.Mat, PETSc.Mat]:
         """K and G, times the sign of the load, at an equilibrium."""
-        problem, zero = rest.problem, np.zeros_like(rest.x)
-        geometric = Assembled([problem.geometric_stiffness(rest.x, sign)], self.operators[0]).tangent(zero)
-        stiffness = rest.system.mat
+        problem, zero = prebuckling.problem, np.zeros_like(prebuckling.x)
+        geometric = Assembled([problem.geometric_stiffness(prebuckling.x, sign)], self.operators[0]).tangent(zero)
+        stiffness = prebuckling.system.mat
         if len(self.operators) > 1:
             stiffness = Assembled(problem.integrals(STIFFNESS), self.operators[1]).tangent(zero)
         return stiffness, geometric

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.algebra.buckling import BucklingSolver
+from restshape.algebra.buckling_solver import BucklingSolver
 from restshape.analysis.analysis import RowValues
 from restshape.analysis.buckling_matrices import products
 from restshape.analysis.buckling_state import BucklingState
@@ -10,19 +10,19 @@ from restshape.analysis.buckling_state import BucklingState
 
 def observed(state: BucklingState) -> dict[str, float]:
     """The scene's quantities that are load factors, by name; infinite where there is none."""
-    quantities = state.rest.scene.quantities.items()
+    quantities = state.prebuckling.scene.quantities.items()
     return {name: state.load_factor(q.load_factor) for name, q in quantities if q.load_factor is not None}
 
 
-def row(state: BucklingState, shown: int, solver: BucklingSolver) -> RowValues:
+def row(state: BucklingState, modes_shown: int, solver: BucklingSolver) -> RowValues:
     """Columns of a frame's row that only buckling has.
 
     Args:
         state: of the frame.
-        shown: load factors that have a column.
+        modes_shown: load factors that have a column.
         solver: with its tolerance, and what rounding leaves of it.
     """
-    row: RowValues = {f"mu_{k}": state.load_factor(k) for k in range(1, shown + 1)}
+    row: RowValues = {f"mu_{k}": state.load_factor(k) for k in range(1, modes_shown + 1)}
     count = len(state.modes.load_factors)
     row["mode_ids"] = " ".join(map(str, state.modes.ids.ids[:count]))
     row["inertia_checked"], row["missed_modes"] = int(state.report.inertia_checked), state.report.missed_modes
@@ -34,11 +34,11 @@ def row(state: BucklingState, shown: int, solver: BucklingSolver) -> RowValues:
     return row
 
 
-def fields(state: BucklingState, shown: int) -> dict[str, np.ndarray]:
+def fields(state: BucklingState, modes_shown: int) -> dict[str, np.ndarray]:
     """Fields (n, 2) of the nodes: the modes, the largest displacement of each 1; NaN where there are not so many."""
     found, modes = {}, state.modes.vectors
-    for k in range(1, shown + 1):
-        shape = np.full_like(state.rest.x, np.nan)
+    for k in range(1, modes_shown + 1):
+        shape = np.full_like(state.prebuckling.x, np.nan)
         if k <= len(modes):
             shape = modes[k - 1].reshape(shape.shape)
             shape = shape / np.linalg.norm(shape, axis=1).max()
@@ -49,7 +49,7 @@ def fields(state: BucklingState, shown: int) -> dict[str, np.ndarray]:
 def residual_norm(state: BucklingState) -> float:
     """The largest |K phi + mu G phi| / |K phi| of the modes, element by element; 0 where there are none."""
     worst, modes = 0.0, state.modes
-    stiff, loaded = products(state.rest.problem, modes.vectors, state.rest.x, state.sign)
+    stiff, loaded = products(state.prebuckling.problem, modes.vectors, state.prebuckling.x, state.sign)
     for factor, force, load in zip(modes.load_factors, stiff, loaded):
         worst = max(worst, float(np.linalg.norm(force - factor * load) / np.linalg.norm(force)))
     return worst

@@ -12,17 +12,17 @@ from restshape.analysis.buckling_matrices import products
 from restshape.analysis.correction import correction, largest_values, preconditioner
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.steady import SteadyAnalysis
-from restshape.sensitivity.buckling import SolvedBuckling, buckling_derivative
+from restshape.sensitivity.load_factor_derivative import SolvedBuckling, buckling_derivative
 
 
 class Buckling(SolvedBuckling, Protocol):
     """What a prediction needs of an analysis of buckling.
 
     Attributes:
-        rest: finds the equilibrium.
+        prebuckling: finds the equilibrium.
     """
 
-    rest: SteadyAnalysis
+    prebuckling: SteadyAnalysis
 
 
 class BucklingPrediction:
@@ -40,33 +40,33 @@ class BucklingPrediction:
         self.analysis = analysis
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
-        """Derivatives (2, 2 n + k k) of `values`; arguments as in `sensitivity.buckling.buckling_derivative`."""
+        """Derivatives (2, 2 n + k k) of `values`; arguments as in `buckling_derivative`."""
         return buckling_derivative(self.analysis, motion, tolerance)
 
     def values(self) -> np.ndarray:
         """What is predicted, at the last solution or prediction."""
         state = self.analysis.state
-        return np.concatenate([state.rest.x.ravel(), np.diag(state.modes.load_factors).ravel()])
+        return np.concatenate([state.prebuckling.x.ravel(), np.diag(state.modes.load_factors).ravel()])
 
     def set_values(self, values: np.ndarray) -> None:
         """Take predicted values for those of the mesh as it lies now; modes stay those of the last solution."""
         analysis, state = self.analysis, self.analysis.state
-        n = state.rest.x.size
-        analysis.rest.set_values(values[:n].reshape(state.rest.x.shape))
+        n = state.prebuckling.x.size
+        analysis.prebuckling.set_values(values[:n].reshape(state.prebuckling.x.shape))
         count = int(np.sqrt(len(values) - n))
         small = values[n:].reshape(count, count)
         # Beyond where the line meets 0 it means nothing.
         load_factors = np.maximum(0.0, np.linalg.eigvalsh(0.5 * (small + small.T)))
         analysis.state = replace(
             state,
-            rest=analysis.rest.state,
+            prebuckling=analysis.prebuckling.state,
             modes=replace(state.modes, load_factors=load_factors),
             predicted=True,
             report=EigenReport(0, False, state.report.age, ""),
         )
 
     @property
-    def shown(self) -> np.ndarray | None:
+    def prediction(self) -> np.ndarray | None:
         """The predicted load factors; None where there are none."""
         state = self.analysis.state
         return state.modes.load_factors if state.predicted else None
@@ -80,8 +80,8 @@ class BucklingPrediction:
 
         By a correction of displacement and modes with the kept preconditioner.
         """
-        state, solver = self.analysis.state, self.analysis.rest.solver
-        problem, rows, x = state.rest.problem, state.rest.system.rows, state.rest.x
+        state, solver = self.analysis.state, self.analysis.prebuckling.solver
+        problem, rows, x = state.prebuckling.problem, state.prebuckling.system.rows, state.prebuckling.x
         u, modes = x + correction(problem, x, solver, rows), state.modes.vectors
         stiff, loaded = products(problem, modes, u, state.sign)
         values = np.einsum("ki,ki->k", modes, loaded) / np.einsum("ki,ki->k", modes, stiff)

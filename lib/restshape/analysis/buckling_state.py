@@ -11,9 +11,9 @@ from restshape.analysis.buckling_matrices import BucklingMatrices
 from restshape.analysis.mode_tracking import ModeIds
 from restshape.analysis.settings import buckling_settings
 from restshape.analysis.steady import SteadyState
-from restshape.fem.balance import energy
+from restshape.fem.observer import area
 from restshape.fem.problem import PrestressedProblem
-from restshape.fem.quantity import area
+from restshape.fem.residuals import energy
 
 SIGNS = {"given": 1.0, "reversed": -1.0}
 
@@ -48,7 +48,7 @@ class BucklingState:
     """The load factors of an equilibrium.
 
     Args:
-        rest: the equilibrium whose stress loads the body.
+        prebuckling: the equilibrium whose stress loads the body.
         matrices: of the eigenproblem; None before the first solution.
         modes: load factors and modes; those of a prediction have the vectors of the last solution.
         most: the load factor beyond which there is none.
@@ -56,7 +56,7 @@ class BucklingState:
         report: of the last solve for them.
     """
 
-    rest: SteadyState[PrestressedProblem]
+    prebuckling: SteadyState[PrestressedProblem]
     matrices: BucklingMatrices | None = None
     modes: BucklingModes = field(default_factory=BucklingModes.none)
     most: float = np.inf
@@ -66,23 +66,23 @@ class BucklingState:
     @property
     def sign(self) -> float:
         """Of the load that is meant, -1 where it is turned round."""
-        return SIGNS[buckling_settings(self.rest.plan).load]
+        return SIGNS[buckling_settings(self.prebuckling.plan).load]
 
     def load_factor(self, k: int) -> float:
         """The k-th load factor, from 1; infinite where there is none, not a number where it is not computed."""
-        if k > buckling_settings(self.rest.plan).modes:
+        if k > buckling_settings(self.prebuckling.plan).modes:
             return float("nan")
         found = self.modes.load_factors
         return float(found[k - 1]) if k <= len(found) else float("inf")
 
 
-def most_load_factor(rest: SteadyState) -> float:
+def most_load_factor(prebuckling: SteadyState) -> float:
     """The load factor at which the mean strain is 1: linear elasticity knows nothing beyond; infinite without load.
 
     The square of the mean strain is twice the strain energy over the stiffness of the body.
     """
-    problem, size = rest.problem, area(rest.space)
-    strain = float(np.sqrt(2.0 * energy(problem, rest.x) / (problem.stiffest * size)))
+    problem, size = prebuckling.problem, area(prebuckling.problem.space)
+    strain = float(np.sqrt(2.0 * energy(problem, prebuckling.x) / (problem.stiffest * size)))
     # Supports may only carry the body somewhere else: what strain it then has is rounding.
-    carried = float(np.abs(rest.x).max()) / np.sqrt(size)
-    return 1.0 / strain if strain > ROUNDING * carried else np.inf
+    translation = float(np.abs(prebuckling.x).max()) / np.sqrt(size)
+    return 1.0 / strain if strain > ROUNDING * translation else np.inf

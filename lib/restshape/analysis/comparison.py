@@ -3,7 +3,7 @@
 import numpy as np
 import scipy.sparse as sp
 
-from restshape.algebra.gather import GatheredSystem, matrix_difference
+from restshape.algebra.gathering import GatheredSystem, matrix_difference
 from restshape.analysis.analysis import Comparison
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gather import whole_vector
+from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
-from restshape.fem.balance import Operation, stiffness_product, unconstrained_residual
 from restshape.fem.problem import Problem
+from restshape.fem.residuals import Operation, stiffness_product, unconstrained_residual
 
 ENOUGH, DELAY, MOST = 1e-4, 4, 200
 """Share of the squared energy that so many successive steps together add at the end; steps at most."""
@@ -26,15 +26,15 @@ def correction(problem: Problem, x: np.ndarray, solver: LinearSolver, rows: slic
         solver: its preconditioner is that of a mesh some frames ago.
         rows: this rank's, of n f.
     """
-    rest = -unconstrained_residual(problem, x).ravel()
-    rest[problem.boundary.constrained] = 0.0
+    residual = -unconstrained_residual(problem, x).ravel()
+    residual[problem.boundary.constrained] = 0.0
     kept = preconditioner(solver, rows)
     if not solver.symmetric:
-        return kept(rest).reshape(x.shape)
-    return conjugate_steps(stiffness_product(problem, x), kept, rest).reshape(x.shape)
+        return kept(residual).reshape(x.shape)
+    return conjugate_steps(stiffness_product(problem, x), kept, residual).reshape(x.shape)
 
 
-def conjugate_steps(product: Operation, precondition: Operation, rest: np.ndarray) -> np.ndarray:
+def conjugate_steps(product: Operation, precondition: Operation, residual: np.ndarray) -> np.ndarray:
     """About the solution (n,) of product(d) = rest: steps of conjugate gradients from 0.
 
     Each lowers the squared distance in the energy norm by what it gains. A single small gain says nothing of what is
@@ -44,14 +44,14 @@ def conjugate_steps(product: Operation, precondition: Operation, rest: np.ndarra
     Args:
         product: of a symmetric positive definite matrix with (n,).
         precondition: about its inverse.
-        rest: (n,) right side.
+        residual: (n,) right side.
 
     Source: docs/theory.md, section 9; Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952) 409; Strakos and Tichy,
     Electron. Trans. Numer. Anal. 13 (2002) 56.
     """
-    found, gains = np.zeros_like(rest), []
-    step = precondition(rest)
-    weight = float(rest @ step)
+    found, gains = np.zeros_like(residual), []
+    step = precondition(residual)
+    weight = float(residual @ step)
     for _ in range(MOST):
         force = product(step)
         stiffness = float(step @ force)
@@ -59,12 +59,12 @@ def conjugate_steps(product: Operation, precondition: Operation, rest: np.ndarra
             break
         length = weight / stiffness
         found += length * step
-        rest = rest - length * force
+        residual = residual - length * force
         gains.append(length * weight)
         if sum(gains[-DELAY:]) <= ENOUGH * sum(gains):
             break
-        z = precondition(rest)
-        weight, last = float(rest @ z), weight
+        z = precondition(residual)
+        weight, last = float(residual @ z), weight
         step = z + weight / last * step
     else:
         return np.full_like(found, np.nan)
@@ -85,7 +85,7 @@ def preconditioner(solver: LinearSolver, rows: slice) -> Operation:
         size = (rows.stop - rows.start, len(r))
         source, target = (PETSc.Vec().createWithArray(array[rows], size=size, comm=comm) for array in (r, full))
         pc.apply(source, target)
-        whole_vector(full, rows, comm)
+        gather_vector(full, rows, comm)
         source.destroy()
         target.destroy()
         return full

@@ -86,16 +86,16 @@ class EffectiveSystem:
         for operator in (self.operator, self.mass):
             operator.patch(0, changed)
 
-    def assemble(self, state: TimeState, shaking: np.ndarray) -> None:
+    def assemble(self, state: TimeState, base_acceleration: np.ndarray) -> None:
         """Make the matrix of the present shape, and the right side of the step from a state.
 
         Args:
             state: before the step.
-            shaking: (f,) the base's a' + a3 a.
+            base_acceleration: (f,) the base's a' + a3 a.
         """
         weights, products = self.weights, self._products
         weights.apply(state, products.stiff, products.inert)
-        products.inert -= shaking
+        products.inert -= base_acceleration
         np.multiply(self.body.static, weights.load, out=self.right)
         stiffness, mass = self.body.problem.integrals(STIFFNESS), self.body.mass.integrals
         terms = [part.term(products.stiff, weights.of_stiffness, -1.0) for part in stiffness]
@@ -104,7 +104,7 @@ class EffectiveSystem:
         self.b.stateIncrease()
         products.version = None
 
-    def right_side(self, state: TimeState, shaking: np.ndarray) -> None:
+    def right_side(self, state: TimeState, base_acceleration: np.ndarray) -> None:
         """Make the right side of the step from a state, on the matrix as it is; arguments as in `assemble`."""
         products, weights = self._products, self.weights
         if products.version != self.mass.version:
@@ -114,8 +114,8 @@ class EffectiveSystem:
         products.inert -= weights.of_mass * products.stiff
         products.multiply(self.mat, self.b)
         self.right += products.constant
-        if shaking.any():
-            self.right -= products.uniform(self.body) * shaking
+        if base_acceleration.any():
+            self.right -= products.uniform(self.body) * base_acceleration
         self.b.stateIncrease()
 
     def force(self) -> np.ndarray:
@@ -169,7 +169,7 @@ class StepProducts:
         """The inertia (n, f) of a body that moves as a whole: only a shaking base asks for it."""
         if self._uniform is None:
             self._uniform = body.mass.apply(np.ones_like(body.static))
-            self._uniform[body.held] = 0.0
+            self._uniform[body.constrained] = 0.0
         return self._uniform
 
     def force(self, mat: PETSc.Mat, solution: PETSc.Vec, own_b: np.ndarray) -> np.ndarray:

@@ -11,8 +11,8 @@ from restshape.algebra.newton_convergence import INDEFINITE, Outcome
 from restshape.analysis.load_stepping import LoadPath, step_load
 from restshape.analysis.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem
-from restshape.fem.balance import internal_norm
 from restshape.fem.problem import Problem
+from restshape.fem.residuals import internal_norm
 
 SCALE_SLACK = 1.1
 """A residual is measured against internal forces that are known up to this factor."""
@@ -48,7 +48,7 @@ class EquilibriumSearch:
     Args:
         equations: on the shape of the frame.
         newton: solves them.
-        goal: tells the residual over its scale to aim at with the preconditioner as it is; tolerance: to meet.
+        goal: reports the residual over its scale to aim at with the preconditioner as it is; tolerance: to meet.
         load_steps: that are tried at most.
 
     Attributes:
@@ -93,18 +93,18 @@ class EquilibriumSearch:
 
     def _stepped(self, start: np.ndarray, before: Outcome) -> LoadPath:
         """Load steps to this frame's solution from a state (n, f), after other runs of Newton's method."""
-        boundary, equations, at_rest = self.problem.boundary, self.equations, not start.any()
+        boundary, equations, from_zero = self.problem.boundary, self.equations, not start.any()
         constrained, prescribed = boundary.constrained, boundary.values.ravel()
 
         def put_on(x: np.ndarray, part: float) -> None:
-            held = (1.0 - part) * start.ravel() + part * prescribed
-            x.ravel()[constrained] = held[constrained]
-            if at_rest and equations.part != part:
+            boundary_values = (1.0 - part) * start.ravel() + part * prescribed
+            x.ravel()[constrained] = boundary_values[constrained]
+            if from_zero and equations.part != part:
                 equations.part = part
 
         try:
-            equations.part = 0.0 if at_rest else 1.0
-            lacking = equations.whole_residual(start)
+            equations.part = 0.0 if from_zero else 1.0
+            lacking = equations.full_residual(start)
             return step_load(self._attempt, start, lacking, put_on, before, self.load_steps)
         finally:
             equations.part = 1.0

@@ -1,11 +1,11 @@
-"""What an analysis is told of a frame."""
+"""What an analysis knows of a frame."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.mesh.lagrange_space import EdgeInterpolation, LagrangeSpace, interpolated
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import EdgeInterpolation, LagrangeSpace, interpolated
 from restshape.scene.model import Scene
 
 
@@ -16,11 +16,11 @@ class Frame:
     Args:
         mesh: nodes at their new places, of second order where the scene asks for it.
         changed_cells: (k,) int32 cells that flips have changed since the last frame.
-        old_mesh: the mesh before this one, when the mesh was made anew in this frame.
+        old_mesh: the mesh before this one, when the mesh is rebuilt in this frame.
         scene: with the values that hold now.
         hand: the gesture, and the place of the hand in its coordinates.
         interpolations: second order: what flips did to nodes in the middle of edges of the mesh solved on last.
-        settled: an edit has come to its end in this frame, or before it.
+        edit_ended: an edit has come to its end in this frame, or before it.
     """
 
     mesh: Mesh | LagrangeSpace
@@ -29,7 +29,7 @@ class Frame:
     scene: Scene
     hand: tuple[object, tuple[float, float]]
     interpolations: tuple[EdgeInterpolation, ...] = ()
-    settled: bool = False
+    edit_ended: bool = False
 
     def interpolate(self, field: np.ndarray) -> np.ndarray:
         """A field (n, f) of the last frame's solution, at nodes of flipped edges taken where they are now."""

@@ -1,4 +1,4 @@
-"""The lowest eigenfrequencies of a structure that is held, and how far frequencies are from others."""
+"""The lowest eigenfrequencies of a constrained structure, and how far frequencies are from others."""
 
 import numpy as np
 import scipy.sparse as sp

@@ -29,7 +29,9 @@ class Guess:
     def __call__(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> np.ndarray:
         """The guess (n, f) for the hand at (gesture, (c0, c1)); x (n, f) is the last solution."""
         ratio = self._ratio(hand)
-        return x if ratio == 0.0 else x + ratio * (self.last - self.before)
+        if ratio == 0.0 or self.last is None or self.before is None:
+            return x
+        return x + ratio * (self.last - self.before)
 
     def keep(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> None:
         """Remember the solution x (n, f) at this place of the hand."""
@@ -79,7 +81,7 @@ class CurvedGuess(Guess):
     def __call__(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> np.ndarray:
         """The guess (n, f) for the hand at (gesture, (c0, c1)); x (n, f) is the last solution."""
         weights = self._weights(hand)
-        if weights is None:
+        if weights is None or self.before is None or self.oldest is None:
             return super().__call__(x, hand)
         return weights[0] * x + weights[1] * self.before + weights[2] * self.oldest
 

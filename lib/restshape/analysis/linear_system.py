@@ -3,7 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gather import whole_vector
+from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.operator import Operator
 from restshape.fem.problem import Problem
@@ -41,7 +41,7 @@ class LinearSystem:
 
     def gather(self) -> None:
         """Fill `full` with all ranks' rows of the solution."""
-        whole_vector(self.full, self.rows, self.comm)
+        gather_vector(self.full, self.rows, self.comm)
 
 
 def auxiliary_solve(
@@ -77,8 +77,8 @@ def auxiliary_solve(
     norm = b.norm()
     if norm > 0.0:
         scale = norm * tolerance / solver.tolerance
-        solver.solve(mat, b, s, False, same_matrix=same_matrix, places=places, scale=scale, aside=True)
-        whole_vector(full, rows, comm)
+        solver.solve(mat, b, s, False, same_matrix=same_matrix, places=places, scale=scale, auxiliary=True)
+        gather_vector(full, rows, comm)
     for vector in (b, s):
         vector.destroy()
     return full.reshape(rhs.shape)

@@ -52,11 +52,11 @@ def step_load(
 
     Args:
         attempt: solves from a guess (n, 2) under an added load (n, 2), with line search or without; changes the guess,
-            and tells what speaks against the result.
+            and shows what speaks against the result.
         start: (n, 2) [m].
-        lacking: (n, 2) forces out of balance there [N].
-        put_on: sets the held unknowns of a guess to their values at a part of the load, and what else dead loads are
-            not.
+        lacking: (n, 2) residual forces there [N].
+        put_on: sets the constrained unknowns of a guess to their values at a part of the load, and what else dead loads
+            are not.
         before: runs of Newton's method that went before.
         most: steps that are tried.
     """

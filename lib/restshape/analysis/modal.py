@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.algebra.eigen import EigenSolver
+from restshape.algebra.first_use import made
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis import modal_output
 from restshape.analysis.analysis import Comparison, Context, RowValues
@@ -50,17 +51,21 @@ class ModalAnalysis:
     Source: docs/theory.md, section 7.
     """
 
-    estimated = "frequencies"
+    estimated_quantity = "frequencies"
     why_not = ""
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: Maker) -> None:
         self.context, self.make = context, make
         self.solver = EigenSolver(context.policy.solver, scene.solve.tolerance, context.calibration, context.stages)
         self.verified = VerifiedShape()
-        self.state = ModalState(plan)
+        self.state = ModalState(plan, scene)
         self.interrupted = False
-        self.predictor = ModalPrediction(self)
         self._estimate = FrequencyEstimate()
+
+    @property
+    def predictor(self) -> ModalPrediction:
+        """Predicts frames from the state."""
+        return ModalPrediction(self)
 
     @property
     def space(self) -> Space | None:
@@ -102,7 +107,7 @@ class ModalAnalysis:
             raise
         self.interrupted = False
         if self.state.report.inertia_checked:
-            self.verified.take(mesh)
+            self.verified.update(mesh)
         return self._report()
 
     def observe(self) -> dict[str, float]:
@@ -149,9 +154,9 @@ class ModalAnalysis:
 
     def _unchanged(self, frame: Frame) -> LinearReport:
         """A frame that is the last one again: solved only where the hand rests, and nothing has been verified yet."""
-        if frame.settled and self.solver.unchecked:
+        if frame.edit_ended and self.solver.unchecked:
             self.state = self._verify()
-            self.verified.take(self.state.space)
+            self.verified.update(made(self.state.space))
             return self._report()
         report = self.state.report
         report = replace(report, age=report.age + 1, missed_modes=0)
@@ -170,7 +175,7 @@ class ModalAnalysis:
         with self.context.stages("values"):
             stiffness, mass = state.matrices.assemble()
             rigid = state.body.free_rigid_motions()
-        verify = frame.settled or self.verified.due(frame.mesh)
+        verify = frame.edit_ended or self.verified.due(frame.mesh)
         search = self._search(state)
         found = search(stiffness, mass, rigid, state.count, rebind, verify)
         with self.context.stages("observe"):

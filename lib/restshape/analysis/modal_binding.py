@@ -10,7 +10,7 @@ from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.modal_output import observer
-from restshape.analysis.modal_state import ModalState
+from restshape.analysis.modal_state import BoundBody, ModalState
 from restshape.analysis.settings import modal_settings
 from restshape.application import application
 from restshape.fem.eigenproblem import Eigenproblem, Maker
@@ -33,26 +33,25 @@ def bound(
     Raises:
         UserError: the scene makes no sense for a vibrating body.
     """
-    old, before = state.body, state.modes.vectors
+    old, before = state.bound, state.modes.vectors
     with context.stages("pattern"):
         plan = planned(frame.scene, application(frame.scene.app))
         body = make(frame.scene, plan, frame.mesh, context.policy.lumped_mass)
         matrices = ModalMatrices(body)
     solver.tolerance = frame.scene.solve.tolerance
     mask = body.boundary.mask
-    carried = np.empty((0, mask.size))
-    if old is not None and old.axes == body.axes:
+    interpolated = np.empty((0, mask.size))
+    if old is not None and old.body.axes == body.axes:
         with context.stages("map"):
-            carried = _on_new_mesh(old, before, frame) if frame.mesh is not state.space else before
-        if carried.shape[1] != mask.size:
-            carried = np.empty((0, mask.size))
-    carried = np.where(mask.ravel() == 0, carried, 0.0)
-    solver.restart(carried if len(carried) and context.policy.transfer else None)
+            interpolated = _on_new_mesh(old.body, before, frame) if frame.mesh is not state.space else before
+        if interpolated.shape[1] != mask.size:
+            interpolated = np.empty((0, mask.size))
+    interpolated = np.where(mask.ravel() == 0, interpolated, 0.0)
+    solver.restart(interpolated if len(interpolated) and context.policy.transfer else None)
     modes = modal_settings(plan).modes
     found = observer(frame.scene.quantities, frame.mesh, modes)
-    return replace(
-        state, plan=plan, body=body, matrices=matrices, observer=found, count=max(state.count, modes)
-    ), carried
+    body_bound = BoundBody(body, matrices, found)
+    return replace(state, plan=plan, bound=body_bound, count=max(state.count, modes)), interpolated
 
 
 def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stages) -> np.ndarray:

@@ -3,7 +3,8 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gather import matrix_difference, whole_matrix
+from restshape.algebra.first_use import made
+from restshape.algebra.gathering import gather_matrix, matrix_difference
 from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.pencil import Deflation, Pencil
 from restshape.analysis.analysis import Comparison, Context
@@ -17,13 +18,13 @@ COLD = 1e-10
 
 def compare_cold(state: ModalState, context: Context, make: Maker) -> Comparison:
     """Largest differences of the matrices' entries and of frequencies from a solve with nothing kept; relative."""
-    body = make(state.scene, state.plan, state.space, context.policy.lumped_mass)
+    body = make(state.scene, state.plan, made(state.space), context.policy.lumped_mass)
     cold = ModalMatrices(body, "coo").assemble()
-    pairs = zip(state.matrices.gather(), (whole_matrix(mat, PETSc.COMM_SELF) for mat in cold))
+    pairs = zip(state.matrices.gather(), (gather_matrix(mat, PETSc.COMM_SELF) for mat in cold))
     entries = max(matrix_difference(*pair) for pair in pairs)
     chosen = state.modes.chosen
     pencil = Pencil(context.stages)
-    pencil.take(*cold, True)
+    pencil.set_matrices(*cold, True)
     pencil.factor(-1e-2 * float(state.modes.values[0]))
     deflation = Deflation(body.free_rigid_motions(), pencil)
     found = krylov_schur(pencil, deflation, None, int(chosen[-1]) + 1, COLD)

@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
-from restshape.algebra.gather import whole_matrix
+from restshape.algebra.gathering import gather_matrix
 from restshape.algebra.operator import Operator
 from restshape.fem.assembled import Assembled
 from restshape.fem.eigenproblem import Eigenproblem
@@ -33,9 +33,9 @@ class ModalMatrices:
 
     def assemble(self) -> tuple[PETSc.Mat, PETSc.Mat]:
         """K and M as the nodes lie; they belong to the operators."""
-        constrained, rest = self.problem.boundary.constrained, np.zeros(self.problem.boundary.mask.shape)
+        constrained, undeformed = self.problem.boundary.constrained, np.zeros(self.problem.boundary.mask.shape)
         stiffness, mass = (
-            Assembled(self.problem.integrals(kind), operator).tangent(rest)
+            Assembled(self.problem.integrals(kind), operator).tangent(undeformed)
             for kind, operator in zip((STIFFNESS, MASS), self.operators)
         )
         if len(constrained):
@@ -48,7 +48,7 @@ class ModalMatrices:
 
     def gather(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Copies of K and M as they stand, with the rows of prescribed unknowns."""
-        return tuple(whole_matrix(operator.mat, PETSc.COMM_SELF) for operator in self.operators)
+        return tuple(gather_matrix(operator.mat, PETSc.COMM_SELF) for operator in self.operators)
 
 
 def products(problem: Eigenproblem, modes: np.ndarray) -> np.ndarray:

@@ -9,8 +9,8 @@ from restshape.analysis.modal_state import ModalState
 from restshape.analysis.pitch import note
 from restshape.analysis.settings import modal_settings
 from restshape.errors import UserError
+from restshape.fem.observer import Function, Observer, area_at
 from restshape.fem.problem import Fields
-from restshape.fem.quantity import Function, Observer, area_at
 from restshape.fem.space import Space
 from restshape.scene.model import Quantity
 

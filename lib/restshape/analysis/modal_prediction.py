@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.eigen import EigenReport
+from restshape.algebra.first_use import made
 from restshape.analysis.correction import largest_values
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.modal_matrices import products
 from restshape.analysis.modal_state import ModalState, Modes, frequencies
 from restshape.analysis.mode_search import ModeSearch
 from restshape.analysis.settings import modal_settings
-from restshape.sensitivity.modal import SolvedModes, modal_derivative
+from restshape.sensitivity.frequency_derivative import SolvedModes, modal_derivative
 
 
 class ModalPrediction:
@@ -31,7 +32,7 @@ class ModalPrediction:
         self.analysis = analysis
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
-        """Derivatives (2, k, k + n f) of `values`; arguments as in `sensitivity.modal.modal_derivative`."""
+        """Derivatives (2, k, k + n f) of `values`; arguments as in `modal_derivative`."""
         return modal_derivative(self.analysis, motion, tolerance)
 
     def values(self) -> np.ndarray:
@@ -56,7 +57,7 @@ class ModalPrediction:
         self.analysis.state = replace(state, modes=modes, report=report)
 
     @property
-    def shown(self) -> np.ndarray | None:
+    def prediction(self) -> np.ndarray | None:
         """The predicted frequencies; None where there are none."""
         return self.analysis.state.frequencies if self.analysis.state.predicted else None
 
@@ -81,7 +82,7 @@ class ModalPrediction:
 
         stiff, heavy = weighed(vectors)
         values = np.einsum("ki,ki->k", vectors, stiff) / np.einsum("ki,ki->k", vectors, heavy)
-        missing = solver.pencil.solve_aside(np.ascontiguousarray(values[:, None] * heavy - stiff))
+        missing = solver.pencil.auxiliary_solve(np.ascontiguousarray(values[:, None] * heavy - stiff))
         # The rigid motions are those of the last solve: what is left of them is of higher order.
         solver.deflation.clean(missing)
         space = np.concatenate([vectors, missing])
@@ -96,7 +97,7 @@ class ModalPrediction:
         """
         if len(set(order)) != len(order):
             return state.modes
-        settings, solved = modal_settings(state.plan), state.solved
+        settings, solved = modal_settings(state.plan), made(state.solved)
         participation = solved.participation[order]
         # By rank, as a solve chooses; what had not converged is not predicted.
         search = ModeSearch(self.analysis.solver, state.body, settings.modes, settings.in_plane)

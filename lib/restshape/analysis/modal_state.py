@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 
 from restshape.algebra.eigen import EigenReport
+from restshape.algebra.first_use import made
 from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.mode_search import FoundModes
 from restshape.analysis.mode_tracking import ModeIds
 from restshape.fem.eigenproblem import Eigenproblem
-from restshape.fem.quantity import Observer
-from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace
+from restshape.fem.observer import Observer
+from restshape.fem.space import Space
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -54,31 +54,57 @@ class Modes:
 
 
 @dataclass(frozen=True, eq=False)
+class BoundBody:
+    """What is set up for a mesh and the values of a scene.
+
+    Args:
+        body: what vibrates; matrices: its.
+        observer: of the scene's quantities.
+    """
+
+    body: Eigenproblem
+    matrices: ModalMatrices
+    observer: Observer
+
+
+@dataclass(frozen=True, eq=False)
 class ModalState:
     """The last solution, or a prediction that was made from it.
 
     Args:
         scene, plan, space: of the last solution, the plane mesh as the space.
         topology, geometry: versions of the plane mesh.
-        body: what vibrates; matrices: its.
-        observer: of the scene's quantities.
+        bound: None before the first frame.
         modes: shown now; solved: those of the last solution, the same unless these are predicted.
         count: of the lowest modes that are solved for.
         report: of the last solve.
     """
 
     plan: Plan
-    scene: Scene | None = None
-    space: Mesh | LagrangeSpace | None = None
+    scene: Scene
+    space: Space | None = None
     topology: int = -1
     geometry: int = -1
-    body: Eigenproblem | None = None
-    matrices: ModalMatrices | None = None
-    observer: Observer | None = None
+    bound: BoundBody | None = None
     modes: Modes = field(default_factory=Modes.none)
     solved: Modes | None = None
     count: int = 0
     report: EigenReport = field(default_factory=lambda: EigenReport(0, False, 0, ""))
+
+    @property
+    def body(self) -> Eigenproblem:
+        """What vibrates."""
+        return made(self.bound).body
+
+    @property
+    def matrices(self) -> ModalMatrices:
+        """Of the body."""
+        return made(self.bound).matrices
+
+    @property
+    def observer(self) -> Observer:
+        """Of the scene's quantities."""
+        return made(self.bound).observer
 
     @property
     def predicted(self) -> bool:

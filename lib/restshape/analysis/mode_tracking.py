@@ -69,7 +69,7 @@ class ModeIds:
             sizes: (k,) phi^T M phi of the modes before, in the mass of now.
         """
         overlap = before @ heavy.T
-        # Carried to another mesh the old modes are not of unit mass any more; new ones are. A body that was thrown off
+        # Transferred to a new mesh old modes are not of unit mass any more; new ones are. A body that was thrown off
         # its old place takes nothing of its modes along.
         mac = overlap**2 / np.where(sizes > 0.0, sizes, np.inf)[:, None]
         rows, columns = linear_sum_assignment(-mac)

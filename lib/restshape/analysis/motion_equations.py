@@ -39,7 +39,7 @@ class MotionEquations(ResidualEquations):
         self.body, self.scheme = body, scheme
         self.of_mass = scheme.a0 + scheme.a1 * body.damping_of.alpha
         self.of_stiffness = scheme.a1 * body.damping_of.beta
-        self.applied, self.before = np.zeros_like(self.rest), self.rest
+        self.applied, self.before = np.zeros_like(self.undeformed), self.undeformed
         self.force_norm = self.load_norm = 0.0
 
     def begin(self) -> None:
@@ -48,31 +48,33 @@ class MotionEquations(ResidualEquations):
         super().begin()
         self.load_norm = float(np.linalg.norm(self.load()))
 
-    def start(self, state: TimeState, shaking: np.ndarray, next_shaking: np.ndarray) -> None:
+    def start(self, state: TimeState, base_acceleration: np.ndarray, next_base_acceleration: np.ndarray) -> None:
         """Begin a step from a state.
 
         Args:
             state: before the step.
-            shaking, next_shaking: (f,) the base's acceleration before and after the step.
+            base_acceleration, next_base_acceleration: (f,) the base's acceleration before and after the step.
         """
         step, body, mass, v = self.scheme, self.body, self.body.mass, state.v
         self.before = body.unknowns(state.y)
         self.dead = self.applied
         self._changes += 1
         # The forces of inertia, M a, before the step.
-        forces = -self.whole_residual(self.before) - body.damping(v)
-        if shaking.any():
-            forces -= mass.apply(np.zeros_like(v) + shaking)
+        forces = -self.full_residual(self.before) - body.damping(v)
+        if base_acceleration.any():
+            forces -= mass.apply(np.zeros_like(v) + base_acceleration)
         forces *= self.free
         pushed = step.a4 * v
         history = step.a3 * forces
         if state.a is not None:
             pushed = pushed + step.a5 * state.a
             history = mass.apply(step.a3 * state.a)
-        shaken = mass.apply(np.zeros_like(v) + next_shaking) if next_shaking.any() else self.rest
-        history += mass.apply(step.a2 * v) - shaken + body.damping(pushed)
+        base_force = (
+            mass.apply(np.zeros_like(v) + next_base_acceleration) if next_base_acceleration.any() else self.undeformed
+        )
+        history += mass.apply(step.a2 * v) - base_force + body.damping(pushed)
         history *= self.free
-        self.force_norm = float(max(np.linalg.norm(forces), np.linalg.norm(shaken)))
+        self.force_norm = float(max(np.linalg.norm(forces), np.linalg.norm(base_force)))
         self.dead = self.applied + history
 
     def assemble(self, x: np.ndarray, out: np.ndarray | None) -> PETSc.Mat:
@@ -97,7 +99,7 @@ class MotionEquations(ResidualEquations):
             energy += self.of_stiffness * Assembled(self.problem.integrals(REFERENCE)).energy(moved)
         return energy
 
-    def whole_energy(self, x: np.ndarray, v: np.ndarray) -> float:
+    def total_energy(self, x: np.ndarray, v: np.ndarray) -> float:
         """Internal and kinetic energy less the work of the dead loads [J]; x, v (n, f)."""
         dead, self.dead = self.dead, self.applied
         potential = super().energy(x)
@@ -157,7 +159,7 @@ class MotionSystem:
         """Take a body with other values on the same mesh, and other settings of the step."""
         self.operator.set_constraints(body.problem.boundary.mask)
         self.equations = MotionEquations(body, scheme, self.operator, self.stages)
-        self.newton.take(self.equations)
+        self.newton.set_equations(self.equations)
 
     def patch(self, changed: np.ndarray) -> None:
         """Take in the cells (k,) that flips have changed."""

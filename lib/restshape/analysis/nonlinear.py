@@ -7,7 +7,8 @@ from typing import cast
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gather import GatheredSystem, whole_matrix
+from restshape.algebra.first_use import made
+from restshape.algebra.gathering import GatheredSystem, gather_matrix
 from restshape.algebra.linear import COMPLETE, LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
@@ -20,10 +21,10 @@ from restshape.analysis.guess import CurvedGuess
 from restshape.analysis.residual_equations import ResidualEquations
 from restshape.analysis.steady import SteadyAnalysis, SteadyState
 from restshape.errors import ReplayProblem, UserError
-from restshape.fem.balance import energy
 from restshape.fem.problem import Problem
+from restshape.fem.residuals import energy
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace
 from restshape.policy import policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -68,12 +69,16 @@ class NonlinearState(SteadyState[Problem]):
         age: frames since the preconditioner was made.
     """
 
-    # All that a linear system is used for is overridden.
-    system: NonlinearSystem | None = None  # type: ignore[assignment]
     equations: ResidualEquations | None = None
     residual: float = 0.0
     believed: int = 0
     age: int = 0
+
+    # All that a linear system is used for is overridden.
+    @property
+    def system(self) -> NonlinearSystem:  # type: ignore[override]
+        """What outlives frames on the space."""
+        return cast(NonlinearSystem, super().system)
 
 
 class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
@@ -86,7 +91,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
         super().__init__(scene, plan, context, make)
-        self.state = NonlinearState(plan)
+        self.state = NonlinearState(plan, scene)
         self.guess = CurvedGuess(context.policy.extrapolate)
         self._made: list[Newton] = []
 
@@ -101,12 +106,12 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
             report = super().solve(frame)
         except (ReplayProblem, UserError):
             # The tangent that is assembled is that of the frame that failed.
-            if self.state.system:
-                self.state.system.newton.take(self.state.equations)
+            if self.state.equations:
+                self.state.system.newton.set_equations(self.state.equations)
             raise
         finally:
             self._destroy_unused()
-        return self._confirmed(report) if frame.settled and self.state.believed else report
+        return self._confirmed(report) if frame.edit_ended and self.state.believed else report
 
     def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
         """The s (n, f) of K s = rhs with the tangent K of the present state, on the kept preconditioner.
@@ -118,11 +123,11 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
     def set_values(self, x: np.ndarray) -> None:
         """Take unknowns x (n, f) for those of the space as it lies now, without a solve."""
         super().set_values(x)
-        self.state.equations.begin()
+        made(self.state.equations).begin()
         self.state = replace(self.state, residual=0.0)
 
     def row(self) -> RowValues:
-        """What the frame's row tells besides."""
+        """What the frame's row reports besides."""
         return rounding_note(self.state.residual, self.solver.tolerance)
 
     def residual_norm(self) -> float:
@@ -131,7 +136,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
         # Newton's last one was of these very unknowns, unless they were predicted.
         if not state.predicted:
             return state.residual
-        norm = float(np.linalg.norm(state.equations.whole_residual(state.x)))
+        norm = float(np.linalg.norm(made(state.equations).full_residual(state.x)))
         return norm / state.scale if state.scale else norm
 
     def tangent(self) -> PETSc.Mat:
@@ -155,7 +160,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
         problem, system, equations = state.problem, state.system, state.equations
         if equations is None or equations.problem is not problem:
             equations = ResidualEquations(problem, system.operator, stages)
-            system.newton.take(equations)
+            system.newton.set_equations(equations)
         with stages("values"):
             problem.update()
             equations.begin()
@@ -198,15 +203,15 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
 
     @property
     def _tests_factor(self) -> bool:
-        """Whether a test of stability makes a factor, for others cannot tell."""
+        """Whether a test of stability makes a factor, others show nothing."""
         return self.solver.kind in COMPLETE
 
     def _destroy_unused(self) -> None:
         """Free all of Newton's methods but the present one.
 
-        A SNES and the functions that it calls hold each other: it goes when it is told to.
+        A SNES and the functions that it calls hold each other: it is freed when it is reported to.
         """
-        kept = self.state.system.newton if self.state.system else None
+        kept = self.state.system.newton if self.state.bound else None
         for newton in self._made:
             if newton is not kept:
                 newton.destroy()
@@ -216,7 +221,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
 
     def warm_system(self) -> GatheredSystem:
         """The tangent and the solution as they stand, whole on every rank."""
-        matrix = whole_matrix(self.tangent(), self.context.comm)
+        matrix = gather_matrix(self.tangent(), self.context.comm)
         return GatheredSystem(matrix, self.x.ravel().copy(), energy(self.problem, self.x))
 
     def cold_system(self) -> GatheredSystem:
@@ -227,11 +232,12 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
         none = np.empty(0, dtype=np.int32)
         cold.solve(Frame(cast(Mesh | LagrangeSpace, state.space), none, None, state.scene, (None, (0.0, 0.0))))
         newton = cold.state.system.newton
-        matrix = whole_matrix(newton.tangent(self.x), context.comm)
+        matrix = gather_matrix(newton.tangent(self.x), context.comm)
         newton.destroy()
         return GatheredSystem(matrix, cold.x.ravel().copy())
 
 
 def rounding_note(residual: float, tolerance: float) -> RowValues:
-    """What a frame's row tells besides where rounding leaves more of the load, or of the forces, than the tolerance."""
+    """What a frame's row reports besides where rounding leaves more of the load, or of the forces, than the
+    tolerance."""
     return {"note": f"a tolerance of {tolerance:g} is out of reach of rounding"} if residual > tolerance else {}

@@ -2,10 +2,11 @@
 
 # More than 15 modules: here time steps and Newton's method of a frame meet, a module each.
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
-from restshape.algebra.gather import GatheredSystem, whole_matrix
+from restshape.algebra.gathering import GatheredSystem, gather_matrix
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
@@ -52,11 +53,15 @@ class NonlinearTransientState(TransientState):
         gain: of energy.
     """
 
-    # All that a linear system is used for is overridden.
-    system: MotionSystem | None = None  # type: ignore[assignment]
     scale: float = 0.0
     residual: float = 0.0
     gain: EnergyGain = EnergyGain()
+
+    # All that a linear system is used for is overridden.
+    @property
+    def system(self) -> MotionSystem:  # type: ignore[override]
+        """What outlives frames on the space."""
+        return cast(MotionSystem, super().system)
 
 
 class NonlinearTransientAnalysis(TransientAnalysis):
@@ -72,7 +77,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
         super().__init__(scene, plan, context, make)
-        self.state = NonlinearTransientState(plan)
+        self.state = NonlinearTransientState(plan, scene)
         self._made: list[Newton] = []
 
     def solve(self, frame: Frame) -> LinearReport:
@@ -92,10 +97,10 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         state = self.state
         if state.unsolved or state.scale == 0.0:
             return 0.0
-        return float(np.linalg.norm(state.system.equations.whole_residual(self.x))) / state.scale
+        return float(np.linalg.norm(state.system.equations.full_residual(self.x))) / state.scale
 
     def row(self) -> RowValues:
-        """What the frame's row tells besides."""
+        """What the frame's row reports besides."""
         return rounding_note(self.state.residual, self.solver.tolerance)
 
     # --- a new frame --------------------------------------------------------------------------------------------------
@@ -133,7 +138,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         if stale and steps:
             with self.context.stages("values"):
                 equations.begin()
-        before = self.whole_energy() if watched else 0.0
+        before = self.total_energy() if watched else 0.0
         self.state = replace(state, residual=0.0)
         report = super()._run(stale, new_system, steps)
         if watched:
@@ -143,7 +148,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
     def _watch(self, before: float) -> None:
         """Refuse a frame that has gained too much energy [J] from nothing."""
         gain = self.state.gain
-        gained = gain.gained + (self.whole_energy() - before)
+        gained = gain.gained + (self.total_energy() - before)
         largest = max(gain.largest, self.energy())
         self.state = replace(self.state, gain=replace(gain, gained=gained, largest=largest))
         if not gained <= GAIN * (largest - max(gained, 0.0)):
@@ -154,7 +159,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     def _destroy_unused(self) -> None:
         """Free all of Newton's methods but the present one; see `NonlinearSteadyAnalysis`."""
-        kept = self.state.system.newton if self.state.system else None
+        kept = self.state.system.newton if self.state.bound else None
         for newton in self._made:
             if newton is not kept:
                 newton.destroy()
@@ -168,7 +173,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         equations, newton, problem = system.equations, system.newton, self.problem
         time = state.time + scheme.dt
         with self.context.stages("values"):
-            equations.start(state, self._shaking(state.time), self._shaking(time))
+            equations.start(state, self._base_acceleration(state.time), self._base_acceleration(time))
         newton.begin(new_system, stale, system.places if self.solver.traits.rigid_motions else None)
         x = self._guess(state)
         least = least_scale(problem, x, self.solver.tolerance)
@@ -185,7 +190,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
                 )
         residual = max(self.state.residual, outcome.norm / scale if scale else 0.0)
         self.state = replace(self.state, scale=scale, residual=residual)
-        self._advance(scheme.after(state, x - problem.boundary.values))
+        self._set_motion(scheme.after(state, x - problem.boundary.values))
         return LinearReport(outcome.iterations, outcome.refreshed, self.solver.age, self.solver.name, outcome.newton)
 
     def _guess(self, state: TimeState) -> np.ndarray:
@@ -198,9 +203,9 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         gained = state.v - previous.v if same else 0.0
         return x + dt * (state.v + 0.5 * gained)
 
-    def whole_energy(self) -> float:
+    def total_energy(self) -> float:
         """Internal and kinetic energy less the work of the dead loads [J]: constant on a still base, undamped."""
-        return self.state.system.equations.whole_energy(self.x, self.v)
+        return self.state.system.equations.total_energy(self.x, self.v)
 
     # --- for comparison with other solves -----------------------------------------------------------------------------
 
@@ -208,7 +213,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         """The tangent and the solution of the last step as they stand, whole on every rank."""
         state = self.state
         solution = np.zeros(self.x.size) if state.unsolved else state.now.y.ravel().copy()
-        return GatheredSystem(whole_matrix(state.system.newton.tangent(self.x), self.context.comm), solution)
+        return GatheredSystem(gather_matrix(state.system.newton.tangent(self.x), self.context.comm), solution)
 
     def cold_system(self) -> GatheredSystem:
         """The tangent on a new pattern, and the last step's solution with a new factor and no guess."""
@@ -227,11 +232,11 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         equations.begin()
         solution = np.zeros_like(now.y)
         if not state.unsolved:
-            equations.start(before, self._shaking(before.time), self._shaking(now.time))
+            equations.start(before, self._base_acceleration(before.time), self._base_acceleration(now.time))
             x = equations.before.copy()
             newton.begin(True, False, cold.places)
             newton.solve(x, solver.tolerance * state.scale, state.scale, rounding=rounding(body.problem))
             solution = x - body.problem.boundary.values
-        matrix = whole_matrix(newton.tangent(self.x), context.comm)
+        matrix = gather_matrix(newton.tangent(self.x), context.comm)
         solver.ksp.destroy()
         return GatheredSystem(matrix, solution.ravel())

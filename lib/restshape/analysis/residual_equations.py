@@ -8,9 +8,9 @@ from petsc4py import PETSc
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.fem.assembled import Assembled
-from restshape.fem.balance import dead_loads
 from restshape.fem.entity_sets import cells_around
 from restshape.fem.problem import FOLLOWERS, INTERNAL, Problem
+from restshape.fem.residuals import dead_loads
 
 
 class ResidualEquations:
@@ -29,9 +29,9 @@ class ResidualEquations:
 
     def __init__(self, problem: Problem, operator: Operator, stages: Stages) -> None:
         self.problem, self.operator, self.stages = problem, operator, stages
-        self.potential, self.held = problem.symmetric, problem.boundary.constrained
+        self.potential, self.constrained = problem.symmetric, problem.boundary.constrained
         mask = problem.boundary.mask
-        self.dead, self.rest = np.zeros(mask.shape), np.zeros(mask.shape)
+        self.dead, self.undeformed = np.zeros(mask.shape), np.zeros(mask.shape)
         self.free = np.where(mask, 0.0, 1.0)
         # The part of the followers that is on: no dead load takes them away.
         self._part, self._changes = 1.0, 0
@@ -58,14 +58,14 @@ class ResidualEquations:
 
     def load(self) -> np.ndarray:
         """All loads (n, f) where the unknowns are 0."""
-        return -self.whole_residual(self.rest)
+        return -self.full_residual(self.undeformed)
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set this rank's rows of `out` (n, f) to the residual at the unknowns x (n, f)."""
         with self.stages("values"):
             self._residual(x, out, self._own_cells())
 
-    def whole_residual(self, x: np.ndarray) -> np.ndarray:
+    def full_residual(self, x: np.ndarray) -> np.ndarray:
         """The residual (n, f) at all nodes."""
         out = np.empty_like(self.dead)
         self._residual(x, out, None)

@@ -9,7 +9,8 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.sparse.linalg import spsolve
 
-from restshape.algebra.gather import GatheredSystem, whole_matrix, whole_vector
+from restshape.algebra.first_use import made
+from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator
@@ -24,10 +25,10 @@ from restshape.analysis.steady_predictor import SteadyPredictor
 from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.assembled import Assembled
-from restshape.fem.balance import dead_loads, energy, internal_norm, residual_norm
 from restshape.fem.error_estimate import RecoveryEstimate
+from restshape.fem.observer import Observer
 from restshape.fem.problem import INTERNAL, Fields, Problem
-from restshape.fem.quantity import Observer
+from restshape.fem.residuals import dead_loads, energy, internal_norm, residual_norm
 from restshape.fem.space import Space
 from restshape.mesh.transfer import transfer
 from restshape.scene.model import Quantity, Scene
@@ -40,15 +41,28 @@ P = TypeVar("P", bound=Problem)
 
 
 @dataclass(frozen=True, eq=False)
+class BoundProblem(Generic[P]):
+    """What is set up for a mesh and the values of a scene.
+
+    Args:
+        problem: of the scene on its space.
+        system: what outlives frames on the space.
+        observer: of the scene's quantities.
+    """
+
+    problem: P
+    system: LinearSystem
+    observer: Observer
+
+
+@dataclass(frozen=True, eq=False)
 class SteadyState(Generic[P]):
     """A solution, and what it was found with.
 
     Args:
         plan: which effects are on.
-        scene: whose values it is for; None before the first solution.
-        problem: of that scene on its space.
-        system: what outlives frames on the space.
-        observer: of the scene's quantities.
+        scene: whose values it is for.
+        bound: None before the first frame.
         x: (n, f) unknowns.
         topology, geometry: versions of the space that they were found at; -1: on none.
         scale: what residuals are measured against; None: the right side.
@@ -56,10 +70,8 @@ class SteadyState(Generic[P]):
     """
 
     plan: Plan
-    scene: Scene | None = None
-    problem: P | None = None
-    system: LinearSystem | None = None
-    observer: Observer | None = None
+    scene: Scene
+    bound: BoundProblem[P] | None = None
     x: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     topology: int = -1
     geometry: int = -1
@@ -67,15 +79,30 @@ class SteadyState(Generic[P]):
     predicted: bool = False
 
     @property
+    def problem(self) -> P:
+        """The scene's problem on its space."""
+        return made(self.bound).problem
+
+    @property
+    def system(self) -> LinearSystem:
+        """What outlives frames on the space."""
+        return made(self.bound).system
+
+    @property
+    def observer(self) -> Observer:
+        """Of the scene's quantities."""
+        return made(self.bound).observer
+
+    @property
     def space(self) -> Space | None:
-        """Where the unknowns live."""
-        return None if self.problem is None else self.problem.space
+        """Where the unknowns live; None before the first frame."""
+        return None if self.bound is None else self.bound.problem.space
 
 
 class SteadyAnalysis(Generic[P]):
     """The solution of a linear problem, frame after frame; an `analysis.Analysis`.
 
-    What is stale is read from the versions of mesh topology, node places and scene; nobody tells the analysis.
+    What is stale is read from the versions of mesh topology, node places and scene; nobody notifies the analysis.
 
     Args:
         scene: what the user wrote.
@@ -93,12 +120,11 @@ class SteadyAnalysis(Generic[P]):
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[P]) -> None:
         self.context, self.make = context, make
-        self.state: SteadyState[P] = SteadyState(plan)
+        self.state: SteadyState[P] = SteadyState(plan, scene)
         self.interrupted = False
         self.guess = Guess(context.policy.extrapolate)
         self.solver = self._make_solver(scene)
-        self.predictor = SteadyPredictor(self)
-        self.estimated = f"{make.unknowns[0].name} in the energy norm"
+        self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         self._observed: tuple[SteadyState[P] | None, dict[str, float]] = (None, {})
         self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)
 
@@ -120,6 +146,11 @@ class SteadyAnalysis(Generic[P]):
     def _directions(self) -> int:
         """Increments of the solution along which guesses are improved."""
         return self.context.policy.directions
+
+    @property
+    def predictor(self) -> SteadyPredictor:
+        """Predicts frames from the state."""
+        return SteadyPredictor(self)
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the unknowns `x` up to date with a frame.
@@ -161,7 +192,7 @@ class SteadyAnalysis(Generic[P]):
         return self.state.x
 
     @property
-    def problem(self) -> P | None:
+    def problem(self) -> P:
         """What was solved last."""
         return self.state.problem
 
@@ -222,9 +253,11 @@ class SteadyAnalysis(Generic[P]):
     @property
     def error_estimate(self) -> RecoveryEstimate:
         """The estimate on the problem's space, kept until there is another problem."""
-        if self._estimate[0] is not self.state.problem:
-            self._estimate = (self.state.problem, self.state.problem.error_estimate())
-        return self._estimate[1]
+        problem, estimate = self._estimate
+        if estimate is None or problem is not self.problem:
+            estimate = self.problem.error_estimate()
+            self._estimate = (self.problem, estimate)
+        return estimate
 
     # --- prediction ---------------------------------------------------------------------------------------------------
 
@@ -270,10 +303,10 @@ class SteadyAnalysis(Generic[P]):
             plan = planned(frame.scene, application(frame.scene.app))
             problem = self.make(frame.scene, plan, mesh)
             observer = problem.observer(self._observed_quantities(frame.scene.quantities))
-            system = before.system
             if new_mesh:
                 system = self._make_system(problem)
             else:
+                system = before.system
                 system.operator.set_constraints(problem.boundary.mask)
         x = before.x
         if new_mesh:
@@ -284,7 +317,7 @@ class SteadyAnalysis(Generic[P]):
             log.info("%s", "Cold start" if projected is None else f"Unknowns interpolated to {len(projected)} nodes")
             x = projected if projected is not None else np.zeros(problem.boundary.mask.shape)
             self.guess.restart()
-        self.state = replace(before, plan=plan, problem=problem, observer=observer, system=system, x=x)
+        self.state = replace(before, plan=plan, bound=BoundProblem(problem, system, observer), x=x)
 
     def _observed_quantities(self, quantities: dict[str, Quantity]) -> dict[str, Quantity]:
         """The quantities of the scene that the problem knows."""
@@ -311,7 +344,7 @@ class SteadyAnalysis(Generic[P]):
             dead_loads(problem, system.right)
             internal = Assembled(problem.integrals(INTERNAL), system.operator)
             system.mat = internal.system(problem.boundary.values, system.right)
-        # PETSc keeps a vector's norm until it is told that the array behind it has changed.
+        # PETSc keeps a vector's norm until it is notified that the array behind it has changed.
         system.b.stateIncrease()
         guess = self.guess(state.x, frame.hand)
         np.subtract(guess, problem.boundary.values, out=system.full.reshape(guess.shape))
@@ -332,7 +365,7 @@ class SteadyAnalysis(Generic[P]):
         """
         system, boundary, total = self.state.system, self.state.problem.boundary, None
         while True:
-            scale = self._force_scale(self._whole_solution()) if boundary.nonzero else None
+            scale = self._force_scale(self._gathered_solution()) if boundary.nonzero else None
             report = self.solver.solve(
                 system.mat,
                 system.b,
@@ -344,7 +377,7 @@ class SteadyAnalysis(Generic[P]):
                 scale=scale,
             )
             system.gather()
-            x = self._whole_solution()
+            x = self._gathered_solution()
             total = report if total is None else total.followed_by(report)
             if scale is None or scale <= SCALE_SLACK * self._force_scale(x) or not report.iterations:
                 return total, x, scale
@@ -355,11 +388,11 @@ class SteadyAnalysis(Generic[P]):
         return self.state.system.places if self.solver.traits.rigid_motions else None
 
     def _force_scale(self, x: np.ndarray) -> float:
-        """Internal forces at the unknowns x (n, f), but not less than what round-off lets a residual tell."""
+        """Internal forces at the unknowns x (n, f), but not less than what round-off lets a residual resolve."""
         least = ROUND_OFF / self.solver.tolerance * self.state.system.b.norm()
         return max(internal_norm(self.state.problem, x), least)
 
-    def _whole_solution(self) -> np.ndarray:
+    def _gathered_solution(self) -> np.ndarray:
         """The unknowns (n, f), prescribed ones included."""
         values = self.state.problem.boundary.values
         return self.state.system.full.reshape(values.shape) + values
@@ -373,12 +406,12 @@ class SteadyAnalysis(Generic[P]):
     def warm_system(self) -> GatheredSystem:
         """The matrix and the free part of the solution as they stand, whole on every rank."""
         state = self.state
-        matrix = whole_matrix(state.system.mat, self.context.comm)
+        matrix = gather_matrix(state.system.mat, self.context.comm)
         return GatheredSystem(matrix, state.system.full.copy(), energy(state.problem, state.x))
 
     def cold_system(self) -> GatheredSystem:
         """Matrix and solution of this frame with new pattern, values and factor, and no guess."""
-        comm, space = self.context.comm, self.state.space
+        comm, space = self.context.comm, self.problem.space
         problem = self.make(self.state.scene, self.state.plan, space)
         shape = problem.boundary.mask.shape
         operator = Operator(comm, shape[1], space.node_offsets, "coo")
@@ -386,5 +419,5 @@ class SteadyAnalysis(Generic[P]):
         right = np.zeros(shape)
         dead_loads(problem, right)
         mat = Assembled(problem.integrals(INTERNAL), operator).system(problem.boundary.values, right)
-        matrix = whole_matrix(mat, comm)
-        return GatheredSystem(matrix, spsolve(matrix.tocsc(), whole_vector(right.ravel(), operator.rows, comm)))
+        matrix = gather_matrix(mat, comm)
+        return GatheredSystem(matrix, spsolve(matrix.tocsc(), gather_vector(right.ravel(), operator.rows, comm)))

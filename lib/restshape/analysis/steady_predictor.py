@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.problem import Problem
-from restshape.sensitivity.static import design_derivative
+from restshape.sensitivity.steady_derivative import design_derivative
+
+
+class Predictable(Protocol):
+    """A state that knows whether it is a prediction."""
+
+    @property
+    def predicted(self) -> bool: ...
 
 
 class Steady(Protocol):
-    """What is predicted: an analysis whose state has unknowns `x` (n, f), a `problem`, and tells a prediction."""
+    """What is predicted: an analysis whose state has unknowns `x` (n, f), a `problem`, and reports a prediction."""
 
-    state: Any
-
+    @property
+    def state(self) -> Predictable: ...
     @property
     def problem(self) -> Problem: ...
     @property
@@ -53,7 +60,7 @@ class SteadyPredictor:
         self.analysis.set_values(values)
 
     @property
-    def shown(self) -> np.ndarray | None:
+    def prediction(self) -> np.ndarray | None:
         """The prediction that the analysis holds; None where it holds a solution."""
         return self.analysis.x if self.analysis.state.predicted else None
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from restshape.analysis.correction import conjugate_steps
-from restshape.fem.balance import Operation, stiffness_product
+from restshape.fem.residuals import Operation, stiffness_product
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.time_integration import Scheme, TimeState
 
@@ -12,7 +12,7 @@ def local_error(
     body: SemiDiscrete,
     scheme: Scheme,
     states: tuple[TimeState, TimeState],
-    shaken: tuple[np.ndarray, np.ndarray],
+    accelerations: tuple[np.ndarray, np.ndarray],
     precondition: Operation,
 ) -> np.ndarray:
     """The unknowns (n, f) by which a step is wrong that began in the right state.
@@ -25,28 +25,29 @@ def local_error(
         body: at the shape of the step.
         scheme: of the step, with an `error_factor`.
         states: that it leads from and to.
-        shaken: the base's accelerations (f,) at both.
+        accelerations: the base's accelerations (f,) at both.
         precondition: the kept preconditioner of the step's matrix K + a0 M + a1 C.
 
     Source: docs/theory.md, section 9; Zienkiewicz and Xie, Earthquake Engng Struct. Dyn. 20 (1991) 871; Shampine and
     Baca, J. Comput. Appl. Math. 11 (1984) 197.
     """
     before, now = states
+    assert scheme.error_factor is not None, "the scheme has no known error"
     if before.a is not None and now.a is not None:
         change = body.mass.apply(now.a - before.a)
     else:
         change = body.force(now.y) - body.force(before.y) - body.damping(now.v - before.v)
-        ground = shaken[1] - shaken[0]
+        ground = accelerations[1] - accelerations[0]
         if ground.any():
             change -= body.mass.apply(np.zeros_like(change) + ground)
-    change[body.held] = 0.0
+    change[body.constrained] = 0.0
     stiff = stiffness_product(body.problem, body.unknowns(now.y))
     of_stiffness = 1.0 + scheme.a1 * body.damping_of.beta
     of_mass = scheme.a0 + scheme.a1 * body.damping_of.alpha
 
     def product(d: np.ndarray) -> np.ndarray:
         heavy = body.mass.apply(np.ascontiguousarray(d.reshape(change.shape)))
-        heavy[body.held] = 0.0
+        heavy[body.constrained] = 0.0
         return of_stiffness * stiff(d) + of_mass * heavy.ravel()
 
     smoothed = conjugate_steps(product, precondition, scheme.a0 * change.ravel())

@@ -9,7 +9,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from restshape.algebra.gather import GatheredSystem, whole_matrix, whole_vector
+from restshape.algebra.first_use import made
+from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.analysis.analysis import Comparison, Context, RowValues
@@ -23,8 +24,8 @@ from restshape.analysis.velocity_projection import project_velocity
 from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.error_estimate import RecoveryEstimate
+from restshape.fem.observer import Observer
 from restshape.fem.problem import MASS, STIFFNESS, Fields, TransientProblem
-from restshape.fem.quantity import Observer
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.space import Space
 from restshape.fem.time_integration import Motion, TimeIntegration, TimeState
@@ -54,19 +55,32 @@ class EnergyAccount:
     remesh: float = 0.0
 
 
-# The fifteen that a step takes and gives, so that a failure takes back all of them.
+@dataclass(frozen=True, eq=False)
+class BoundMotion:
+    """What is set up for a mesh and the values of a scene.
+
+    Args:
+        body: the scene's problem on its space.
+        system: what outlives frames on the space.
+        observer: of the scene's quantities.
+        increments: what guesses are made of.
+    """
+
+    body: SemiDiscrete
+    system: EffectiveSystem
+    observer: Observer
+    increments: IncrementProjection
+
+
+# All that a step takes and gives, so that a failure takes back the whole of it.
 @dataclass(frozen=True, eq=False)
 class TransientState:
     """A motion, and what it was found with.
 
     Args:
         plan: which effects are on.
-        scene: whose values it is for; None before the first solution.
-        integration: in time.
-        body: the scene's problem on its space.
-        system: what outlives frames on the space.
-        observer: of the scene's quantities.
-        increments: what guesses are made of.
+        scene: whose values it is for.
+        in_time: how it is integrated; bound: both None before the first frame.
         now, previous: after the last step and before it.
         account: of energies.
         topology, geometry: versions of the space that it was found at; -1: on none.
@@ -76,12 +90,9 @@ class TransientState:
     """
 
     plan: Plan
-    scene: Scene | None = None
-    integration: TimeIntegration | None = None
-    body: SemiDiscrete | None = None
-    system: EffectiveSystem | None = None
-    observer: Observer | None = None
-    increments: IncrementProjection | None = None
+    scene: Scene
+    in_time: TimeIntegration | None = None
+    bound: BoundMotion | None = None
     now: TimeState = NOTHING
     previous: TimeState = NOTHING
     account: EnergyAccount = field(default_factory=EnergyAccount)
@@ -92,9 +103,29 @@ class TransientState:
     age: int = 0
 
     @property
+    def integration(self) -> TimeIntegration:
+        """How it is integrated in time."""
+        return made(self.in_time)
+
+    @property
+    def body(self) -> SemiDiscrete:
+        """The scene's problem on its space."""
+        return made(self.bound).body
+
+    @property
+    def system(self) -> EffectiveSystem:
+        """What outlives frames on the space."""
+        return made(self.bound).system
+
+    @property
+    def observer(self) -> Observer:
+        """Of the scene's quantities."""
+        return made(self.bound).observer
+
+    @property
     def space(self) -> Space | None:
-        """Where the unknowns live."""
-        return None if self.body is None else self.body.problem.space
+        """Where the unknowns live; None before the first frame."""
+        return None if self.bound is None else self.bound.body.problem.space
 
     @property
     def motion(self) -> Motion:
@@ -123,10 +154,10 @@ class TransientAnalysis:
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
         self.context, self.make = context, make
-        self.state = TransientState(plan)
+        self.state = TransientState(plan, scene)
         self.interrupted = False
         self.solver = self._make_solver(scene)
-        self.estimated = f"{make.unknowns[0].name} in the energy norm"
+        self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         # The largest unknowns that errors of time steps have been related to.
         self._largest = 0.0
         self._observed: tuple[TransientState | None, dict[str, float]] = (None, {})
@@ -162,7 +193,7 @@ class TransientAnalysis:
         try:
             stale, new_mesh = self._follow(frame)
             # The solver may have met the mesh of a frame that failed, which is gone.
-            steps = 0 if before.body is None else self.state.integration.steps
+            steps = 0 if before.bound is None else self.state.integration.steps
             report = self._run(stale, new_mesh or self.interrupted, steps)
         except (ReplayProblem, UserError):
             self.state, self.interrupted = before, True
@@ -173,14 +204,16 @@ class TransientAnalysis:
 
     def begin(self, x: np.ndarray, v: np.ndarray, time: float = 0.0) -> None:
         """Let the motion go on from unknowns x (n, f) and rates v (n, f) at a time [s]."""
-        self.state = replace(self.state, increments=self._no_increments(self.state))
+        bound = made(self.state.bound)
+        bound = replace(bound, increments=self._no_increments(bound.body, bound.system))
+        self.state = replace(self.state, bound=bound)
         self._enter(x - self.problem.boundary.values, v, time)
         account = self.state.account
         self.state = replace(self.state, account=replace(account, last=self.energy() if account.known else 0.0))
 
     def set_integration(self, **changes: Any) -> None:
         """Let the next steps be others: changes of the `TimeIntegration`, until the scene's settings are read again."""
-        self.state = replace(self.state, integration=replace(self.state.integration, **changes))
+        self.state = replace(self.state, in_time=replace(self.state.integration, **changes))
 
     # --- what is asked of a state -------------------------------------------------------------------------------------
 
@@ -188,7 +221,7 @@ class TransientAnalysis:
     def x(self) -> np.ndarray:
         """Unknowns (n, f) after the last step, relative to the base."""
         state = self.state
-        return state.now.y if state.body is None else state.body.unknowns(state.now.y)
+        return state.now.y if state.bound is None else state.body.unknowns(state.now.y)
 
     @property
     def v(self) -> np.ndarray:
@@ -201,7 +234,7 @@ class TransientAnalysis:
         return self.state.now.time
 
     @property
-    def body(self) -> SemiDiscrete | None:
+    def body(self) -> SemiDiscrete:
         """What moves."""
         return self.state.body
 
@@ -259,9 +292,11 @@ class TransientAnalysis:
     @property
     def error_estimate(self) -> RecoveryEstimate:
         """The estimate on the problem's space, kept until there is another problem."""
-        if self._estimate[0] is not self.state.body:
-            self._estimate = (self.state.body, self.problem.error_estimate())
-        return self._estimate[1]
+        body, estimate = self._estimate
+        if estimate is None or body is not self.body:
+            estimate = self.problem.error_estimate()
+            self._estimate = (self.body, estimate)
+        return estimate
 
     def _time_error(self) -> float:
         """The estimated error of the last step over the largest unknowns of a frame so far, or NaN."""
@@ -269,18 +304,19 @@ class TransientAnalysis:
         before, now, scheme = state.previous, state.now, state.integration.scheme
         if not before.time < now.time or before.y.shape != now.y.shape or scheme.error_factor is None:
             return float("nan")
-        shaken = self._shaking(before.time), self._shaking(now.time)
+        accelerations = self._base_acceleration(before.time), self._base_acceleration(now.time)
         kept = preconditioner(self.solver, state.system.rows)
-        error = local_error(state.body, scheme, (before, now), shaken, kept)
+        error = local_error(state.body, scheme, (before, now), accelerations, kept)
         self._largest = max(self._largest, float(np.linalg.norm(self.x, axis=1).max()))
         return float(np.linalg.norm(error, axis=1).max()) / self._largest if self._largest else float("nan")
 
     # --- a new frame --------------------------------------------------------------------------------------------------
 
     def _follow(self, frame: Frame) -> tuple[bool, bool]:
-        """Take up the frame's mesh and scene; tells whether the matrix is stale, and the mesh another one."""
+        """Take up the frame's mesh and scene; returns whether the matrix is stale, and the mesh another one."""
         mesh, before = frame.mesh, self.state
-        new_mesh, new_scene = mesh is not before.space, self.interrupted or frame.scene is not before.scene
+        new_mesh = mesh is not before.space
+        new_scene = self.interrupted or before.bound is None or frame.scene is not before.scene
         flipped = mesh.topology != before.topology
         if not (new_mesh or new_scene or flipped or mesh.geometry != before.geometry):
             return False, False
@@ -312,28 +348,26 @@ class TransientAnalysis:
     def _read(self, scene: Scene) -> None:
         """Take the settings of a scene, whose values may be others."""
         state = self.state
-        plan = planned(scene, application(scene.app)) if state.body is not None else state.plan
-        integration = self.make.time_integration(plan, state.integration, self.time)
+        plan = planned(scene, application(scene.app)) if state.bound is not None else state.plan
+        in_time = self.make.time_integration(plan, state.in_time, self.time)
         known = self.make.accounts_energy(scene.quantities)
         account = replace(state.account, known=known)
-        self.state = replace(state, plan=plan, integration=integration, account=account)
+        self.state = replace(state, plan=plan, in_time=in_time, account=account)
 
     def _bind(self, scene: Scene, mesh: Space, new_mesh: bool) -> None:
         """Set up what depends on the mesh topology or on the scene's values, and bring the motion there."""
         before, integration = self.state, self.state.integration
         with self.context.stages("pattern"):
             body = SemiDiscrete(self.make(scene, before.plan, mesh), integration.damping)
-            system, increments = before.system, before.increments
             if new_mesh:
                 system = self._make_system(body, integration)
+                increments = self._no_increments(body, system)
             else:
+                system, increments = before.system, made(before.bound).increments
                 system.bind(body, integration.scheme)
-        self.state = replace(before, body=body, system=system)
-        if new_mesh:
-            increments = self._no_increments(self.state)
         observer = body.problem.motion_observer(scene.quantities, body.mass)
-        self.state = replace(self.state, increments=increments, observer=observer)
-        if before.body is None:
+        self.state = replace(before, bound=BoundMotion(body, system, observer, increments))
+        if before.bound is None:
             first = body.problem.initial() - body.problem.boundary.values
             self._enter(first, np.zeros_like(first), 0.0)
         elif new_mesh:
@@ -367,8 +401,8 @@ class TransientAnalysis:
     def _enter(self, y: np.ndarray, v: np.ndarray, time: float) -> None:
         """Make y and v the state, at rest where prescribed, with the acceleration that equilibrium asks for."""
         body = self.state.body
-        y, v = (np.where(body.held, 0.0, values) for values in (y, v))
-        a = body.acceleration(y, v, self._shaking(time)) if self.state.integration.scheme.a5 else None
+        y, v = (np.where(body.constrained, 0.0, values) for values in (y, v))
+        a = body.acceleration(y, v, self._base_acceleration(time)) if self.state.integration.scheme.a5 else None
         now = TimeState(y, v, a, time)
         self.state = replace(self.state, now=now, previous=now)
 
@@ -407,8 +441,8 @@ class TransientAnalysis:
         scheme, factored = integration.scheme, self.state.factored
         time = state.time + scheme.dt
         with self.context.stages("values"):
-            shaking = self._shaking(time) + scheme.a3 * self._shaking(state.time)
-            (system.assemble if stale else system.right_side)(state, shaking)
+            base_acceleration = self._base_acceleration(time) + scheme.a3 * self._base_acceleration(state.time)
+            (system.assemble if stale else system.right_side)(state, base_acceleration)
         if stale:
             factored = self.solver.prepare(system.mat, new_system, integration.steps)
             self.state = replace(self.state, factored=factored)
@@ -419,39 +453,39 @@ class TransientAnalysis:
             system.full[:] = state.y.ravel()
             system.solution.stateIncrease()
             if guessed:
-                system.full += self.state.increments(system.force())
+                system.full += made(self.state.bound).increments(system.force())
                 system.solution.stateIncrease()
             report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale)
-        whole_vector(system.full, system.rows, self.context.comm)
+        gather_vector(system.full, system.rows, self.context.comm)
         y = system.full.reshape(state.y.shape).copy()
         if guessed:
-            self.state.increments.keep((y - state.y).ravel())
-        self._advance(scheme.after(state, y))
+            made(self.state.bound).increments.keep((y - state.y).ravel())
+        self._set_motion(scheme.after(state, y))
         return report
 
-    def _advance(self, now: TimeState) -> None:
+    def _set_motion(self, now: TimeState) -> None:
         """Take in the state after a step."""
         self.state = replace(self.state, previous=self.state.now, now=now, unsolved=False)
         if self.state.observer.watched:
             self.state.observer.step(self.x, self.state.motion)
 
-    def _no_increments(self, state: TransientState) -> IncrementProjection:
-        rows = state.system.rows
-        return IncrementProjection(state.body.static.size, rows.stop - rows.start, self.context.comm)
+    def _no_increments(self, body: SemiDiscrete, system: EffectiveSystem) -> IncrementProjection:
+        rows = system.rows
+        return IncrementProjection(body.static.size, rows.stop - rows.start, self.context.comm)
 
-    def _shaking(self, time: float) -> np.ndarray:
-        return self.state.integration.shaking(time, self.state.body.static.shape[1])
+    def _base_acceleration(self, time: float) -> np.ndarray:
+        return self.state.integration.base_acceleration(time, self.state.body.static.shape[1])
 
     # --- for comparison with other solves -----------------------------------------------------------------------------
 
     def matrices(self) -> tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]:
         """Stiffness, mass and damping of the free unknowns (ascending; f i + a at node i), whole on each rank."""
         body = self.state.body
-        free, zero, found = np.flatnonzero(~body.held.ravel()), np.zeros_like(body.static), []
+        free, zero, found = np.flatnonzero(~body.constrained.ravel()), np.zeros_like(body.static), []
         for kind in (STIFFNESS, MASS):
             terms = [part.term(zero) for part in body.problem.integrals(kind)]
             matrix = self.state.system.mass.assemble(terms, None)
-            found.append(whole_matrix(matrix, self.context.comm)[free][:, free])
+            found.append(gather_matrix(matrix, self.context.comm)[free][:, free])
         stiffness, mass = found
         return stiffness, mass, body.damping_of.alpha * mass + body.damping_of.beta * stiffness
 
@@ -462,19 +496,19 @@ class TransientAnalysis:
     def warm_system(self) -> GatheredSystem:
         """The matrix and the solution of the last step as they stand, whole on every rank."""
         system = self.state.system
-        return GatheredSystem(whole_matrix(system.mat, self.context.comm), system.full.copy())
+        return GatheredSystem(gather_matrix(system.mat, self.context.comm), system.full.copy())
 
     def cold_system(self) -> GatheredSystem:
         """Matrix and solution of the last step with new pattern, values and factor, and no guess."""
         state, comm, scheme = self.state, self.context.comm, self.state.integration.scheme
         cold = EffectiveSystem(comm, self._cold_body(), scheme, "coo")
         before, now = state.previous, state.now
-        cold.assemble(before, self._shaking(now.time) + scheme.a3 * self._shaking(before.time))
-        matrix, b = whole_matrix(cold.mat, comm), whole_vector(cold.right.ravel(), cold.rows, comm)
+        cold.assemble(before, self._base_acceleration(now.time) + scheme.a3 * self._base_acceleration(before.time))
+        matrix, b = gather_matrix(cold.mat, comm), gather_vector(cold.right.ravel(), cold.rows, comm)
         if state.unsolved:
             return GatheredSystem(matrix, np.zeros_like(b))
         return GatheredSystem(matrix, spsolve(matrix.tocsc(), b))
 
     def _cold_body(self) -> SemiDiscrete:
         state = self.state
-        return SemiDiscrete(self.make(state.scene, state.plan, state.space), state.integration.damping)
+        return SemiDiscrete(self.make(state.scene, state.plan, self.problem.space), state.integration.damping)

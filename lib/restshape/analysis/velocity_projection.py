@@ -5,9 +5,9 @@ from typing import cast
 import numpy as np
 
 from restshape.fem.mass import MassMatrix
+from restshape.mesh.lagrange_space import quadratic_basis
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.quadrature import DEGREE_4
-from restshape.mesh.space import quadratic_basis
 from restshape.mesh.transfer import Transfer
 
 
@@ -27,10 +27,10 @@ def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndar
     """
     mesh = new.space
     load = _quadratic_load(old, new, v) if mesh.cells.shape[1] == 6 else _linear_load(old, new, v)
-    carried = new.solve(load, consistent=True)
+    projected = new.solve(load, consistent=True)
     uniform = new.solve(new.apply(np.ones_like(mesh.X)), consistent=True)
-    missing, reach = old.momentum(v) - new.momentum(carried), new.momentum(uniform)
-    return carried + uniform * np.divide(missing, reach, out=np.zeros(2), where=reach > 0)
+    missing, reach = old.momentum(v) - new.momentum(projected), new.momentum(uniform)
+    return projected + uniform * np.divide(missing, reach, out=np.zeros(2), where=reach > 0)
 
 
 def _linear_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from restshape.fem.space import Space
-from restshape.mesh.space import LagrangeSpace
+from restshape.mesh.lagrange_space import LagrangeSpace
 
 SHARE = 0.05
 """Of a body's size: where nodes are farther than this from where they were at the last count, the next one is due."""
@@ -17,11 +17,11 @@ class VerifiedShape:
         self._far = 0.0
 
     def due(self, mesh: Space) -> bool:
-        """Tell whether a mesh is far from that shape, or has other nodes."""
+        """Whether a mesh is far from that shape, or has other nodes."""
         X = _corners(mesh)
         return X.shape != self._X.shape or float(np.abs(X - self._X).max()) > self._far
 
-    def take(self, mesh: Space) -> None:
+    def update(self, mesh: Space) -> None:
         """Take a mesh for the one that was counted on."""
         self._X = _corners(mesh).copy()
         self._far = SHARE * float(np.linalg.norm(np.ptp(self._X, axis=0)))

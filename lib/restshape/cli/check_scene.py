@@ -10,16 +10,16 @@ from pydantic import BaseModel
 
 from restshape.application import application
 from restshape.cli.options import print_table, read_scene, write_json
-from restshape.cli.quantity_words import quantity_rows
+from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError
 from restshape.mesh.sizing import refuse_endless
+from restshape.scene.descriptions import keys_in_words, listing, with_symbol
 from restshape.scene.model import Load, Scene, Support
 from restshape.scene.physics import Rows
 from restshape.scene.plan import Plan, plan
 from restshape.scene.renamed import notes
 from restshape.scene.scene_type import joined_sections
 from restshape.scene.script import Script, load_script
-from restshape.scene.words import keys_in_words, listing, with_symbol
 from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 
@@ -42,7 +42,7 @@ def check(args: argparse.Namespace) -> int:
             refuse_endless(outline, scene.mesh.size, scene.mesh.near)
         except UserError as error:
             raise scene.located(error) from error
-    data = held(scene, effects, outline)
+    data = scene_contents(scene, effects, outline)
     print_table(title, ("what", "held"), described(scene, effects, outline))
     return finish(args, scene, data, outline)
 
@@ -98,7 +98,7 @@ def names_of(outline: Outline) -> dict[str, list[str]]:
     return {kind: outline.names(kind) for kind in ("vertex", "edge", "hole", "region", "group")}
 
 
-def held(scene: Scene, effects: Plan, outline: Outline) -> dict[str, Any]:
+def scene_contents(scene: Scene, effects: Plan, outline: Outline) -> dict[str, Any]:
     """What the scene holds, for programs."""
     return {
         "scene": str(scene.path),
@@ -131,8 +131,8 @@ def summed(scene: Scene, effects: Plan, outline: Outline) -> tuple[dict[str, Any
     data, rows = {}, []
     for physics in application(scene.app).physics:
         if physics.summed:
-            more, told = physics.summed(scene, effects, float(outline.area()))
-            data, rows = data | more, rows + told
+            more, summed_rows = physics.summed(scene, effects, float(outline.area()))
+            data, rows = data | more, rows + summed_rows
     return data, rows
 
 
@@ -218,10 +218,10 @@ def print_edits(path: Path, edits: dict[str, Any], script: Script) -> None:
     if edits["refused"]:
         print()
         heads = ("line", "frame", "frames", "event", "why")
-        print_table("refused edits", heads, told_once(edits["refused"]), right=heads[:3])
+        print_table("refused edits", heads, grouped_refusals(edits["refused"]), right=heads[:3])
 
 
-def told_once(refused: list[dict[str, Any]]) -> list[tuple[int, int, int, str, str]]:
+def grouped_refusals(refused: list[dict[str, Any]]) -> list[tuple[int, int, int, str, str]]:
     """Line, first frame, number of frames, event and why of refused frames, a row for those of one event and reason."""
     alike: dict[tuple[int, str, str], list[int]] = {}
     for frame in refused:

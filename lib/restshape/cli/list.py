@@ -19,7 +19,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Prints applications, scenes and scripts."""
     open_json(args)
-    found = {name: held(app) for name, app in applications().items()}
+    found = {name: contents(app) for name, app in applications().items()}
     print_table("applications", ("name", "summary"), ((name, app["summary"]) for name, app in found.items()))
     print()
     rows = [
@@ -30,7 +30,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def held(app: Application) -> dict:
+def contents(app: Application) -> dict:
     """Summary, effects, scenes and scripts of an application."""
     scripts: dict[str, list[str]] = {}
     for path in sorted((app.folder / "edits").glob("*.jsonl")):

@@ -81,7 +81,7 @@ def require_mesh(scene: Scene, why: str) -> None:
     """Makes sure that a scene has a mesh.
 
     Raises:
-        UserError: its application needs none, and the command has no meaning for it, as `why` tells.
+        UserError: its application needs none, and the command has no meaning for it, as `why` reports.
     """
     if application(scene.app).session:
         do = "name a scene of another application; restshape replay tells times and residuals of this one"

@@ -1,4 +1,4 @@
-"""Which rank a process will be, told before MPI starts."""
+"""Which rank a process will be, reported before MPI starts."""
 
 import os
 
@@ -6,11 +6,11 @@ RANK_NAMES = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")
 
 
 def launched() -> bool:
-    """Tell whether an MPI launcher started this process: it may lend its ranks a terminal that nobody sees."""
+    """Whether an MPI launcher started this process: it may lend its ranks a terminal that nobody sees."""
     return any(os.environ.get(key) for key in RANK_NAMES)
 
 
 def first_rank() -> bool:
-    """Tell, before MPI starts, whether this process will be rank 0."""
+    """Before MPI starts: whether this process will be rank 0."""
     ranks = (os.environ.get(key) for key in RANK_NAMES)
     return next((rank for rank in ranks if rank), "0") == "0"

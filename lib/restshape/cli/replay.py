@@ -113,8 +113,8 @@ def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any
 
 
 def _note_unused(words: list[str]) -> None:
-    """Tell which words after -- PETSc has made no use of: misspelt ones, most often."""
-    from restshape.replay.petsc_words import unused
+    """Which words after -- PETSc has made no use of: misspelt ones, most often."""
+    from restshape.replay.petsc_options import unused
 
     if left := unused(words):
         print(f"note: PETSc made no use of these words after --: {' '.join(left)}", file=sys.stderr)
@@ -179,17 +179,17 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     if summary["predicted"]:
         ms = summary["predicted_ms"]["p50"]
         print(f"{summary['predicted']} frames predicted, {ms:.3f} ms each (p50), {1e3 / ms:,.0f} frames a second")
-    if rest := summary.get("rest"):
-        print(rested(rest))
+    if found := summary.get("rest"):
+        print(convergence_line(found))
     for line in estimates(summary):
         print(line)
     heads = ("quantity", "first", "last", "least", "largest")
     values = [(name, *_ends(v)) for name, v in summary["quantities"].items()]
     print_table("quantities (SI units)", heads, values, right=heads[1:])
-    if verdict := summary["constraint_status"]:
-        broken = verdict["violated_constraints"]
-        last = f"{verdict['last']} at the end{broken and ' for ' + broken}"
-        print(f"constraint status: {last}; holds in {verdict['holds']} frames, fails in {verdict['fails']}")
+    if status := summary["constraint_status"]:
+        violated = status["violated_constraints"]
+        last = f"{status['last']} at the end{violated and ' for ' + violated}"
+        print(f"constraint status: {last}; holds in {status['holds']} frames, fails in {status['fails']}")
     if application.report:
         application.report.print_tables(summary["rows"])
     if "parity" in summary:
@@ -200,27 +200,29 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
         )
 
 
-def rested(rest: dict[str, Any]) -> str:
-    """What a summary tells of coming to rest, in one line."""
-    frames = rest["converged"] + rest["not_converged"]
-    residual = "-" if rest["residual"] is None else f"{rest['residual']:.1e}"
+def convergence_line(found: dict[str, Any]) -> str:
+    """What a summary reports coming to rest, in one line."""
+    frames = found["converged"] + found["not_converged"]
+    residual = "-" if found["residual"] is None else f"{found['residual']:.1e}"
     return (
-        f"converged: {rest['converged']} of {frames} frames, {rest['tangent_positive_definite']} of them stable; "
+        f"converged: {found['converged']} of {frames} frames, {found['tangent_positive_definite']} of them stable; "
         f"largest residual {residual} of the weight (of the supports' forces without weight)"
     )
 
 
 def estimates(summary: dict[str, Any]) -> list[str]:
-    """What a summary tells of errors, a line each: of mesh, time steps and predictions."""
+    """What a summary reports errors, a line each: of mesh, time steps and predictions."""
     mesh, step = summary["estimate"], summary["estimate_time"]
     ahead, jump = summary["predicted_estimate"], summary["prediction_error"]
     lines = []
     if mesh["p50"] is not None:
-        lines.append(f"error estimate ({mesh['of']}): {_spread(mesh)}")
+        lines.append(f"error estimate ({mesh['of']}): {_distribution(mesh)}")
     if step["p50"] is not None:
-        lines.append(f"error estimate of single time steps (over the largest value of a frame so far): {_spread(step)}")
+        lines.append(
+            f"error estimate of single time steps (over the largest value of a frame so far): {_distribution(step)}"
+        )
     if ahead["p50"] is not None:
-        lines.append(f"predicted frames, estimated distance from the solution: {_spread(ahead)}")
+        lines.append(f"predicted frames, estimated distance from the solution: {_distribution(ahead)}")
     if jump["p50"] is not None:
         most = jump["max"]
         cents = f" ({1200 * log2(1 + most):.3g} cents)" if mesh["of"] == "frequencies" else ""
@@ -228,7 +230,7 @@ def estimates(summary: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _spread(found: dict[str, float]) -> str:
+def _distribution(found: dict[str, float]) -> str:
     return f"median {_percent(found['p50'])}, largest {_percent(found['max'])}"
 
 

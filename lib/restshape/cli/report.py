@@ -61,17 +61,26 @@ def run(args: argparse.Namespace) -> int:
 
 def _tables(recording: Any, application: Application | None) -> dict[str, Any]:
     """Prints the tables and gives them back for programs."""
-    from restshape.report.tables import estimate_table, level_table, quantity_table, refused, rest_counts, rows_of
+    from restshape.report.tables import (
+        convergence_counts,
+        estimate_table,
+        level_table,
+        quantity_table,
+        refused,
+        rows_of,
+    )
 
     levels, quantities, errors = level_table(recording), quantity_table(recording), estimate_table(recording)
-    stopped, rest = int(refused(recording).sum()), rest_counts(recording)
+    stopped, found = int(refused(recording).sum()), convergence_counts(recording)
     print(f"{recording.path}: {recording.summary}, {stopped} refused")
     if recording.old_names:
         names = ", ".join(f"{old} is {new}" for new, old in recording.old_names.items())
         print(f"note: columns of an earlier version have other names now: {names}")
-    if rest:
-        stable = rest["tangent_positive_definite"]
-        print(f"converged: {rest['converged']} frames, {stable} of them stable; not converged: {rest['not_converged']}")
+    if found:
+        stable = found["tangent_positive_definite"]
+        print(
+            f"converged: {found['converged']} frames, {stable} of them stable; not converged: {found['not_converged']}"
+        )
     print()
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations")
     keys = ("level", "frames", "p50", "p95", "p99", "iterations")
@@ -86,12 +95,12 @@ def _tables(recording: Any, application: Application | None) -> dict[str, Any]:
         print()
         heads = ("quantity", "first", "last", "min", "max")
         print_table("quantities", heads, map(_quantity, quantities), right=heads[1:])
-    told = {}
+    of_application = {}
     if application and application.report:
         rows = rows_of(recording)
         print()
         application.report.print_tables(rows)
-        told = application.report.summarised(rows)
+        of_application = application.report.summarised(rows)
     return {
         "frames": recording.n,
         "refused": stopped,
@@ -99,8 +108,8 @@ def _tables(recording: Any, application: Application | None) -> dict[str, Any]:
         "levels": levels,
         "quantities": quantities,
         "estimates": errors,
-        **({"rest": rest} if rest else {}),
-        **told,
+        **({"rest": found} if found else {}),
+        **of_application,
         "writer": recording.writer,
     }
 

@@ -12,15 +12,15 @@ from restshape.cli.options import add_scene, check_output, read_scene, write_jso
 
 if TYPE_CHECKING:
     from restshape.scene.model import Scene
-    from restshape.shape.compose import Composition
     from restshape.shape.outline import Outline
+    from restshape.shape.script_language import InterpretedLines
 
 SUMMARY = "write an edit script from lines such as 'hole window by 0.8 0 in 160 frames, hand-like'"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments of this command."""
-    from restshape.shape.compose import GRAMMAR
+    from restshape.shape.script_language import GRAMMAR
 
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     own = [f"of {name}:\n{app.lines.grammar}" for name, app in applications().items() if app.lines]
@@ -33,7 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Writes the script and tells how many frames it has and what of it will be refused; the exit code."""
+    """Writes the script and shows how many frames it has and what of it will be refused; the exit code."""
     scene = read_scene(args)
     check_output(args.out, "--out")
     made = _composed(scene, args)
@@ -49,14 +49,14 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _composed(scene: Scene, args: argparse.Namespace) -> Composition:
+def _composed(scene: Scene, args: argparse.Namespace) -> InterpretedLines:
     """The script that the lines describe."""
-    from restshape.shape.compose import compose, composed
+    from restshape.shape.script_language import interpreted, script_from_lines
 
     app = application(scene.app)
     if app.lines:
-        return composed(app.composer()(scene), args.lines)
-    return compose(scene, args.lines, args.seed, _imported_outline(scene))
+        return interpreted(app.interpreter()(scene), args.lines)
+    return script_from_lines(scene, args.lines, args.seed, _imported_outline(scene))
 
 
 def _imported_outline(scene: Scene) -> Outline | None:

@@ -1,4 +1,4 @@
-"""What is odd about a script, told before it is replayed many times: refused edits, another scene's name."""
+"""What is odd about a script, reported before it is replayed many times: refused edits, another scene's name."""
 
 from __future__ import annotations
 

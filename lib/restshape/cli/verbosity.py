@@ -2,11 +2,14 @@
 
 import argparse
 import logging
+import os
 import sys
 
 from restshape.cli.ranks import first_rank
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
+INHERITED = "RESTSHAPE_VERBOSE"
+"""Variable of the environment that tells the processes of a command how many -v it has."""
 
 
 def add_verbose(parser: argparse.ArgumentParser) -> None:
@@ -16,7 +19,7 @@ def add_verbose(parser: argparse.ArgumentParser) -> None:
         "--verbose",
         action="count",
         default=0,
-        help="log to stderr what was decided and why: mesh, preconditioner, load steps; -vv: each iteration too",
+        help="log to stderr what was decided and why: mesh, preconditioner, solution strategy; -vv: each iteration too",
     )
 
 
@@ -30,6 +33,18 @@ def set_verbosity(count: int) -> None:
     logger.addHandler(handler)
     logger.setLevel(LEVELS[min(count, len(LEVELS) - 1)])
     logger.propagate = False
+    os.environ[INHERITED] = str(count)
+
+
+def inherit_verbosity() -> None:
+    """Logs, in a process that a command has started, as the command does."""
+    set_verbosity(int(os.environ.get(INHERITED, "0")))
+
+
+def relay(text: str) -> None:
+    """Writes to stderr what such a process has written there, where -v asks for it."""
+    if os.environ.get(INHERITED):
+        print(text, end="", file=sys.stderr, flush=True)
 
 
 class StandardError(logging.Handler):

@@ -1,15 +1,16 @@
 """Values of a scene inside of cells, at the quadrature points where elements take them."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from restshape import _kernels
 from restshape.fem.entity_sets import cells_on
+from restshape.fem.nodal_values import Nodal, varies
 from restshape.fem.space import Space
-from restshape.fem.values import Nodal, varies
-from restshape.mesh.space import quadratic_basis
+from restshape.mesh.lagrange_space import quadratic_basis
+from restshape.scene.expressions import Value
 
 
 class Given(NamedTuple):
@@ -23,7 +24,7 @@ class Given(NamedTuple):
 
     where: str
     on: Sequence[str]
-    value: Any
+    value: Value
 
 
 class CellValues:

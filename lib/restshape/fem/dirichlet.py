@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.fem.values import Nodal, varies
+from restshape.fem.nodal_values import Nodal, varies
 from restshape.scene.expressions import Value
 
 AGREES = 1e-9

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.fem.values import Nodal
+from restshape.fem.nodal_values import Nodal
 
 SHAPES = {3: ("tri3", "edge2"), 6: ("tri6", "edge3")}
 """Shapes of cells and facets, by the nodes of a cell."""

@@ -12,7 +12,7 @@ from restshape.algebra.traits import Traits
 from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.integral import Integral
-from restshape.fem.quantity import Observer
+from restshape.fem.observer import Observer
 from restshape.fem.space import Space
 from restshape.fem.time_integration import TimeIntegration
 from restshape.scene.model import Quantity, Scene

@@ -3,9 +3,9 @@
 import numpy as np
 
 from restshape.fem.assembled import Assembled
-from restshape.fem.balance import dead_loads, energy, unconstrained_residual
 from restshape.fem.mass import MassMatrix
 from restshape.fem.problem import INTERNAL, REFERENCE, STIFFNESS, TransientProblem
+from restshape.fem.residuals import dead_loads, energy, unconstrained_residual
 from restshape.fem.time_integration import Rayleigh
 
 
@@ -18,7 +18,7 @@ class SemiDiscrete:
 
     Attributes:
         static: (n, f) loads less internal forces of the prescribed unknowns; linear problems alone use it.
-        held: (n, f) whether an unknown is prescribed.
+        constrained: (n, f) whether an unknown is prescribed.
 
     Raises:
         UserError: the problem refuses its mass.
@@ -26,7 +26,7 @@ class SemiDiscrete:
 
     def __init__(self, problem: TransientProblem, damping: Rayleigh) -> None:
         self.problem, self.damping_of, self.mass = problem, damping, MassMatrix(problem)
-        self.held = problem.boundary.mask.astype(bool)
+        self.constrained = problem.boundary.mask.astype(bool)
         shifted = problem.boundary.nonzero or problem.varies
         self._loaded = problem.loaded or shifted
         self._residual_counts = problem.loaded_inside or shifted or not problem.linear
@@ -41,7 +41,7 @@ class SemiDiscrete:
             dead_loads(problem, self.static)
             if self._residual_counts:
                 self.static -= Assembled(problem.integrals(INTERNAL)).residual(problem.boundary.values)
-            self.static[self.held] = 0.0
+            self.static[self.constrained] = 0.0
 
     def unknowns(self, y: np.ndarray) -> np.ndarray:
         """The unknowns (n, f), prescribed ones included."""

@@ -4,7 +4,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from restshape.mesh.space import EdgeInterpolation
+from restshape.mesh.lagrange_space import EdgeInterpolation
 from restshape.shape.outline import Outline
 
 

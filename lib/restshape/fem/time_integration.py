@@ -216,7 +216,7 @@ class TimeIntegration:
     damping: Rayleigh = Rayleigh()
     excitation: Excitation | None = None
 
-    def shaking(self, t: float, fields: int) -> np.ndarray:
+    def base_acceleration(self, t: float, fields: int) -> np.ndarray:
         """The base's acceleration (f,) at the time t [s]."""
         return np.zeros(fields) if self.excitation is None else self.excitation.acceleration(t)
 

@@ -7,8 +7,8 @@ from itertools import combinations as choose
 import numpy as np
 
 from restshape.guidance.force_space import LONGEST, combinations
-from restshape.guidance.searched import Searched
-from restshape.guidance.whole_way import may_alone, nearest_valid, places_within, stretch
+from restshape.guidance.searchable_design import SearchableDesign
+from restshape.guidance.valid_interval_search import may_alone, nearest_valid, places_within, stretch
 
 INSIDE = np.array([0.03, 0.15, 0.4, 0.8])
 """Where along the predicted span a combination is tested."""
@@ -39,7 +39,7 @@ WITHOUT = (0.0, 0.5, 1.0)
 
 
 @dataclass(frozen=True)
-class Suggestion:
+class Combination:
     """A way to make a design valid: slide t along a direction.
 
     Args:
@@ -69,7 +69,7 @@ class Suggestion:
 
     @property
     def beyond(self) -> bool:
-        """Tell whether its range may go on past the longest step."""
+        """Whether its range may go on past the longest step."""
         return self.span[1] >= LONGEST
 
 
@@ -109,30 +109,32 @@ class Search:
         simple: single freedoms hold.
     """
 
-    def __init__(self, searched: Searched, wanted: int, limits: Limits, alone: frozenset[int] = frozenset()) -> None:
+    def __init__(
+        self, searched: SearchableDesign, wanted: int, limits: Limits, alone: frozenset[int] = frozenset()
+    ) -> None:
         self.searched, self.test, self.modes = searched, searched.test, searched.modes
         self.wanted, self.limits = wanted, limits
         self.space = searched.space()
         self.tried: tuple[int, ...] = ()
         self.led = self.tested = self.mended = self.vain = 0
         self.alone, self.simple = alone, False
-        self._seen: dict[tuple[int, ...], Suggestion | None] = {}
+        self._seen: dict[tuple[int, ...], Combination | None] = {}
 
-    def run(self, most: int, shown: int, known: Sequence[tuple[int, ...]] = ()) -> list[Suggestion]:
+    def run(self, most: int, shown: int, known: Sequence[tuple[int, ...]] = ()) -> list[Combination]:
         """Suggestions of at most `most` modes, the most different first; none holds a combination of `known`.
 
         One number of modes comes after the other: what the full test confirms bars what holds it from then on.
         """
         if not len(self.space.h):
             return []
-        found: dict[tuple[int, ...], Suggestion] = {}
+        found: dict[tuple[int, ...], Combination] = {}
         for count in range(1, most + 1):
             rays = combinations(self.space, count, count, [*known, *found], self.limits.kept if count > 1 else 0)
             self.tried, self.led = (*self.tried, rays.tried[-1]), self.led + len(rays.modes)
             for one in self._of(list(rays.each()), count, most, shown):
                 found[one.modes] = one
             if count == 1:
-                found |= self._whole_ways(known, found)
+                found |= self._interval_search(known, found)
                 self.simple = any(len(modes) == 1 for modes in (*known, *found))
         if most > 1 and len(found) < shown:
             self._continue(found, known)
@@ -141,13 +143,13 @@ class Search:
         places = places_within(self.searched.parts, len(order))
         return [self._finer(least[k], places) for k in order]
 
-    def _of(self, rays: list, count: int, most: int, shown: int) -> list[Suggestion]:
+    def _of(self, rays: list, count: int, most: int, shown: int) -> list[Combination]:
         """Those of the rays of one number of modes that hold: all single ones are tested, some of the others."""
         if count == 1:
             # Few enough to be shown all are looked at as closely at once.
             tolerance = FINE if len(rays) <= shown else COARSE
             return [one for ray in rays if (one := self._tested(*ray, tolerance))]
-        found: list[Suggestion] = []
+        found: list[Combination] = []
         vectors, widths = np.zeros((len(rays), len(self.modes))), np.zeros(len(rays))
         for k, (modes, parts, span) in enumerate(rays):
             vectors[k, modes], widths[k] = parts, span[1] - span[0]
@@ -160,11 +162,11 @@ class Search:
                 break
         return found
 
-    def _whole_ways(
-        self, known: Sequence[tuple[int, ...]], found: dict[tuple[int, ...], Suggestion]
-    ) -> dict[tuple[int, ...], Suggestion]:
+    def _interval_search(
+        self, known: Sequence[tuple[int, ...]], found: dict[tuple[int, ...], Combination]
+    ) -> dict[tuple[int, ...], Combination]:
         """Single modes that hold away from where derivatives lead, both ways."""
-        more: dict[tuple[int, ...], Suggestion] = {}
+        more: dict[tuple[int, ...], Combination] = {}
         able = may_alone(self.space)
         left = [k for k in able if k not in self.alone and (k,) not in found and (k,) not in known]
         self.alone |= able.keys()
@@ -182,14 +184,14 @@ class Search:
 
     def _tested(
         self, modes: np.ndarray, parts: np.ndarray, span: np.ndarray, tolerance: float = COARSE
-    ) -> Suggestion | None:
+    ) -> Combination | None:
         """The suggestion along a ray, or None, kept for when it is asked for again."""
         key = tuple(int(k) for k in modes)
         if key not in self._seen:
             self._seen[key] = self.confirmed(modes, parts, span, tolerance=tolerance)
         return self._seen[key]
 
-    def _least(self, one: Suggestion) -> list[Suggestion]:
+    def _least(self, one: Combination) -> list[Combination]:
         """The smaller combinations within one that hold too, which are simpler; without any, itself."""
         for count in range(1, len(one.modes)):
             pairs = [(self._without(one, modes), modes) for modes in choose(one.modes, count)]
@@ -198,7 +200,7 @@ class Search:
                 return [each for each in smaller if each]
         return [one]
 
-    def _without(self, one: Suggestion, modes: tuple[int, ...]) -> Suggestion | None:
+    def _without(self, one: Combination, modes: tuple[int, ...]) -> Combination | None:
         """The suggestion along the same direction, with all but some of its modes left out, if it holds."""
         parts = np.array([one.parts[one.modes.index(k)] for k in modes])
         length = float(np.linalg.norm(parts))
@@ -209,7 +211,7 @@ class Search:
         t = float(places[np.argmax(good)])
         return self.confirmed(np.array(modes), parts / length, np.array([t, t]), (t,))
 
-    def _alone(self, modes: tuple[int, ...]) -> Suggestion | None:
+    def _alone(self, modes: tuple[int, ...]) -> Combination | None:
         """The suggestion along the ray of a combination, if it leads into the box and holds."""
         if modes in self._seen:
             return self._seen[modes]
@@ -217,7 +219,7 @@ class Search:
         ray = next(combinations(replace(space, K=K), len(modes), len(modes)).each(), None)
         return None if ray is None else self._tested(np.array(modes)[ray[0]], *ray[1:])
 
-    def _mended(self, modes: np.ndarray, parts: np.ndarray, span: np.ndarray) -> Suggestion | None:
+    def _mended(self, modes: np.ndarray, parts: np.ndarray, span: np.ndarray) -> Combination | None:
         """The suggestion along a direction that was looked for again where the first one enters the box."""
         if self.vain >= self.limits.mended - self.simple:
             return None
@@ -227,12 +229,12 @@ class Search:
         self.vain += one is None
         return one
 
-    def _to(self, modes: np.ndarray, end: np.ndarray) -> Suggestion | None:
+    def _to(self, modes: np.ndarray, end: np.ndarray) -> Combination | None:
         """The suggestion along the line to a change (k,) of modes, which may be valid."""
         length = float(np.linalg.norm(end))
         return self.confirmed(modes, end / length, np.array([length, 1.5 * length]), (length,), FINE)
 
-    def _continue(self, found: dict[tuple[int, ...], Suggestion], known: Sequence[tuple[int, ...]]) -> None:
+    def _continue(self, found: dict[tuple[int, ...], Combination], known: Sequence[tuple[int, ...]]) -> None:
         """Add what one more mode makes valid, by the forces at places that a single mode that fails has led to."""
         single = combinations(self.space, 1, 1, [*known, *found])
         failed = sorted(single.each(), key=lambda ray: ray[2][0] - ray[2][1])[: self.limits.continued]
@@ -262,7 +264,7 @@ class Search:
             ways.append((both[order], np.array([start[0], far])[order]))
         return ways
 
-    def _numbers(self, found: list[Suggestion]) -> tuple[np.ndarray, np.ndarray]:
+    def _numbers(self, found: list[Combination]) -> tuple[np.ndarray, np.ndarray]:
         vectors, widths = np.zeros((len(found), len(self.modes))), np.zeros(len(found))
         for k, one in enumerate(found):
             vectors[k, list(one.modes)], widths[k] = one.parts, one.span[1] - one.span[0]
@@ -275,7 +277,7 @@ class Search:
         span: np.ndarray,
         known: tuple[float, ...] = (),
         tolerance: float = COARSE,
-    ) -> Suggestion | None:
+    ) -> Combination | None:
         """The suggestion along a ray, or None if the full test holds nowhere that it is tried; `known` are places.
 
         Ends of its range are found up to `tolerance`.
@@ -305,9 +307,9 @@ class Search:
         shown = self._shown(direction, span, float(t[first]))
         numbers = tuple(int(k) for k in modes)
         names = self.modes.names(modes)
-        return Suggestion(numbers, tuple(map(float, parts)), direction, shown, span, outside, names, True)
+        return Combination(numbers, tuple(map(float, parts)), direction, shown, span, outside, names, True)
 
-    def _finer(self, one: Suggestion, places: int) -> Suggestion:
+    def _finer(self, one: Combination, places: int) -> Combination:
         """The same with its range looked at more closely, and the ends of that as they are shown."""
         span, bad = stretch(self.test, one.direction, one.span, one.t, self.wanted, places)
         outside = tuple(out if cut is None else cut for out, cut in zip(one.outside, bad))

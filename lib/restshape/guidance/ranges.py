@@ -31,7 +31,7 @@ class Ranges:
     tests: int
 
     def holds(self, t: float) -> bool:
-        """Tell whether a parameter lies in one of the ranges."""
+        """Whether a parameter lies in one of the ranges."""
         return bool(np.any((self.intervals[:, 0] <= t) & (t <= self.intervals[:, 1])))
 
 

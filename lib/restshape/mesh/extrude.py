@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 
 from restshape import _kernels
+from restshape.mesh.lagrange_space import EdgeInterpolation, LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import EdgeInterpolation, LagrangeSpace
 from restshape.mesh.thickness import Thickness
 from restshape.scene.expressions import Value
 from restshape.shape.outline import Outline
@@ -130,7 +130,7 @@ class Extrusion:
         return (np.asarray(cells, dtype=np.int32)[:, None] * block + np.arange(block)).ravel().astype(np.int32)
 
     def follow(self, changed: np.ndarray | None = None) -> np.ndarray:
-        """Go where the plane mesh is; tells which tetrahedra (k,) are others than before.
+        """Go where the plane mesh is; returns which tetrahedra (k,) are others than before.
 
         Args:
             changed: plane cells that flips have changed.

@@ -1,4 +1,4 @@
-"""Triangle meshes of outlines, made anew (level 3)."""
+"""Triangle meshes of outlines, generated from the outline (level 3)."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def generate(outline: Outline, spec: Any, ranks: int = 1) -> Mesh:
         if refined is not None:
             _kernels.smooth_fresh(*refined[1:], len(refined[0].points), SWEEPS)
             return assemble(outline, *refined, ranks)
-    # Also where CGAL fails: gmsh tells why, or finds a way.
+    # Also where CGAL fails: gmsh shows why, or finds a way.
     _refuse_crossing(outline, boundary, facets, facet_edge)
     runs, runs_of = _runs(boundary)
     inside = [i for i, around in enumerate(_on_border(outline)) if not around]

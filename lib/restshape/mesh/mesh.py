@@ -73,7 +73,7 @@ class Mesh:
     cell_type: ClassVar[str] = "tri3"
 
     interpolations: ClassVar[tuple] = ()
-    """What flips did to nodes of edges, of which there are none; see `restshape.mesh.space`."""
+    """What flips did to nodes of edges, of which there are none; see `restshape.mesh.lagrange_space`."""
 
     @classmethod
     def build(

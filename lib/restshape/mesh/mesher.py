@@ -74,7 +74,7 @@ def triangulate(
         _build_surface(np.concatenate([points, *around]), runs, loops, embedded_runs, embedded_points)
         _set_sizes(len(points), size, attractors)
         failed = ctypes.c_int()
-        # The wrapper raises a bare Exception, which cannot be told from an error of ours.
+        # The wrapper raises a bare Exception, which cannot be distinguished from an error of ours.
         gmsh.lib.gmshModelMeshGenerate(ctypes.c_int(2), ctypes.byref(failed))
         if failed.value:
             raise ReplayProblem(f"the shape cannot be meshed: {gmsh.logger.getLastError()}")

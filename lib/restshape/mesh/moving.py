@@ -12,13 +12,13 @@ import numpy as np
 from restshape import _kernels
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.generate import generate
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.relocate import BoundaryNodes, Extension, extension, motion
 from restshape.mesh.sizing import refuse_endless
-from restshape.mesh.space import LagrangeSpace
 from restshape.scene.model import MeshSpec
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
@@ -30,14 +30,14 @@ SWEEPS = 2
 """Spring sweeps a frame: even, so that they do not swing (thesis, 4.2.3)."""
 
 ROUNDS = 2
-"""Flips, each with a relocation, while triangles are distorted: springs pull better after flips."""
+"""Flips, each with a relocation, while triangles are of low quality: springs pull better after flips."""
 
 FRESH_SHARE = 0.75
-"""A mesh counts as distorted only below this share of its quality when new: else an awkward shape would be meshed anew
-in every frame."""
+"""A mesh counts as of low quality only below this share of its quality when new: else an awkward shape would be
+remeshed in every frame."""
 
 FRESH_AREA = 0.01
-"""A triangle counts as inverted only below this share of the smallest area when new: sizes may differ by much."""
+"""A triangle counts as invalid only below this share of the smallest area when new: sizes may differ by much."""
 
 NO_CELLS = np.empty(0, dtype=np.int32)
 
@@ -55,7 +55,7 @@ _reconnections = itertools.count(-1, -1)
 
 
 @dataclass(slots=True)
-class Advance:
+class MeshUpdate:
     """What a frame did to the mesh.
 
     Args:
@@ -76,7 +76,7 @@ class Advance:
     stages: dict[str, float] = field(default_factory=dict)
 
     @classmethod
-    def nothing(cls, min_quality: float = float("nan")) -> "Advance":
+    def nothing(cls, min_quality: float = float("nan")) -> "MeshUpdate":
         """An idle frame."""
         return cls(0, 0, NO_CELLS, min_quality)
 
@@ -107,7 +107,7 @@ class MovingMesh:
     Positions, and cells after flips, change in the arrays of ``mesh`` and ``space``; a reconstruction replaces them.
 
     Of second order ``space`` holds the nodes, else it is None. A triangle with a curved side that fails the bound on
-    its Jacobian counts as inverted. Of more than one level, of first order, ``nested`` holds the meshes, of which
+    its Jacobian counts as invalid. Of more than one level, of first order, ``nested`` holds the meshes, of which
     ``mesh`` is the coarsest, made so coarse that the finest has the size that is asked for.
 
     Args:
@@ -149,7 +149,7 @@ class MovingMesh:
         self._flip_everywhere = flip_everywhere
         self._order_of, self._scene, self.order = order_of, None, 1
         self._gesture: Gesture | None = None
-        self._carry: Extension | None = None
+        self._extend: Extension | None = None
         self._c = (0.0, 0.0)
         self._kept: Kept | None = None
         self.min_quality = float("nan")
@@ -178,7 +178,7 @@ class MovingMesh:
         if self._Psi is None:
             basis = None if self._gesture is None else self._gesture.basis
             if self.space:
-                self.space.hold(basis)
+                self.space.set_gesture(basis)
             if basis is None:
                 self._Psi = np.zeros((2, *self.mesh.X.shape))
             else:
@@ -199,7 +199,7 @@ class MovingMesh:
             self._flipper = Reconnection(self.mesh)
         return self._flipper
 
-    def advance(self, frame: EditFrame) -> Advance:
+    def update(self, frame: EditFrame) -> MeshUpdate:
         """What the frame did to the mesh, which now lies on the frame's outline.
 
         Raises:
@@ -208,12 +208,12 @@ class MovingMesh:
         """
         self._keep()
         try:
-            return self._advance(frame)
+            return self._update(frame)
         except (ReplayProblem, UserError):
-            self.take_back()
+            self.rollback()
             raise
 
-    def take_back(self) -> None:
+    def rollback(self) -> None:
         """Lay the mesh as it was before the last frame, which has no solution."""
         kept = self._kept
         if kept is None:
@@ -233,12 +233,12 @@ class MovingMesh:
             if self.space:
                 self.space.rebuild()
         if kept.X is not None and self.space:
-            self.space.take_back()
+            self.space.rollback()
         if kept.X is not None and self.nested:
             self.nested.follow()
 
     def _keep(self) -> None:
-        """Note what `take_back` restores; nodes and connectivity are copied when they are about to change."""
+        """Note what `rollback` restores; nodes and connectivity are copied when they are about to change."""
         self._kept = None
         mesh = self.__dict__.get("mesh")
         if mesh is not None and self.space:
@@ -246,7 +246,7 @@ class MovingMesh:
         versions = None if mesh is None else (mesh.outline, mesh.geometry, mesh.topology)
         self._kept = Kept(self.__dict__.copy(), versions)
 
-    def _advance(self, frame: EditFrame) -> Advance:
+    def _update(self, frame: EditFrame) -> MeshUpdate:
         order = self.order
         if frame.scene is not self._scene:
             self._scene, self.order = frame.scene, self._order_of(frame.scene)
@@ -254,58 +254,60 @@ class MovingMesh:
             return self._rest(frame)
         if frame.change == "move":
             if frame.gesture is self._gesture and frame.gesture.linear and frame.c == self._c:
-                return Advance.nothing(self.min_quality)
+                return MeshUpdate.nothing(self.min_quality)
             if not self.regenerate:
                 return self._follow(frame)
         else:
             self.spec = frame.scene.mesh
         return self._reconstruct(frame, {}, REASONS.get(frame.change, "other settings of the mesh"))
 
-    def _rest(self, frame: EditFrame) -> Advance:
+    def _rest(self, frame: EditFrame) -> MeshUpdate:
         """A frame in which the shape stays; taking hold makes the map of the gesture that begins."""
-        advance = Advance.nothing(self.min_quality)
+        mesh_update = MeshUpdate.nothing(self.min_quality)
         if frame.do in ("press", "pull") and frame.gesture is not None and not self.regenerate:
-            self._hold(frame, advance.stages)
-        return advance
+            self._begin_gesture(frame, mesh_update.stages)
+        return mesh_update
 
-    def _follow(self, frame: EditFrame) -> Advance:
+    def _follow(self, frame: EditFrame) -> MeshUpdate:
         """Relocate; flip, or reconstruct, where that is not enough."""
         stages: dict[str, float] = {}
         mesh = self.mesh
         if frame.gesture is not self._gesture or self._Psi is None:
-            self._hold(frame, stages)
+            self._begin_gesture(frame, stages)
         start = perf_counter()
         self._before[...] = mesh.X
         self._kept.X = self._before
-        verdict = self._place(frame)
+        placement = self._place(frame)
         stages["relocate"] = perf_counter() - start
         flips, changed, why = 0, NO_CELLS, ""
-        if verdict[1] or verdict[2]:
-            why = f"{verdict[1]} inverted, {verdict[2]} distorted triangles"
-            flips, changed, verdict = self._mend(frame, verdict, stages)
+        if placement[1] or placement[2]:
+            why = f"{placement[1]} invalid, {placement[2]} low-quality triangles"
+            flips, changed, placement = self._mend(frame, placement, stages)
             if flips:
                 mesh.topology = next(_reconnections)
-            if verdict[1]:
-                self._put_back()
-                return self._reconstruct(frame, stages, f"{why}; {verdict[1]} inverted after {flips} flips")
+            if placement[1]:
+                self._restore_positions()
+                return self._reconstruct(frame, stages, f"{why}; {placement[1]} invalid after {flips} flips")
         mesh.outline = frame.outline
         mesh.geometry += 1
-        if verdict[2]:
-            return self._reconstruct(frame, stages, f"{why}; {verdict[2]} distorted after {flips} flips")
+        if placement[2]:
+            return self._reconstruct(frame, stages, f"{why}; {placement[2]} of low quality after {flips} flips")
         if flips:
-            log.info("%4d Mesh level 2: %d edges flipped; %s; least quality %.3g", frame.index, flips, why, verdict[0])
-        self._c, self.min_quality = frame.c, verdict[0]
+            log.info(
+                "%4d Mesh level 2: %d edges flipped; %s; least quality %.3g", frame.index, flips, why, placement[0]
+            )
+        self._c, self.min_quality = frame.c, placement[0]
         if not self.nested:
-            return Advance(2 if flips else 1, flips, changed, verdict[0], None, stages)
+            return MeshUpdate(2 if flips else 1, flips, changed, placement[0], None, stages)
         self.nested.stamp()
         old = self._former() if flips else None
-        return Advance(2 if flips else 1, flips, self.nested.cells_in(changed), verdict[0], old, stages)
+        return MeshUpdate(2 if flips else 1, flips, self.nested.cells_in(changed), placement[0], old, stages)
 
-    def _put_back(self) -> None:
+    def _restore_positions(self) -> None:
         """Lay the nodes where the frame before left them."""
         self.mesh.X[...] = self._before
         if self.space:
-            self.space.put_back()
+            self.space.restore_positions()
 
     def _former(self) -> Mesh | LagrangeSpace:
         """What fields lived on before this frame, where its corners are now if its triangles bear that."""
@@ -319,26 +321,26 @@ class MovingMesh:
         return nested.finest
 
     def _place(self, frame: EditFrame) -> tuple[float, int, int]:
-        """Move the nodes to where the frame wants them; quality, inverted and distorted triangles there."""
-        quality, inverted, distorted = self._place_corners(frame)
+        """Move the nodes to where the frame wants them; quality, invalid and low-quality triangles there."""
+        quality, invalid, low_quality = self._place_corners(frame)
         if self.nested:
-            return quality, inverted + self.nested.place(frame.outline), distorted
+            return quality, invalid + self.nested.place(frame.outline), low_quality
         if not self.space:
-            return quality, inverted, distorted
+            return quality, invalid, low_quality
         if frame.gesture.linear:
             start = self._c_reference
-            unsound = self.space.place((frame.c[0] - start[0], frame.c[1] - start[1]))
+            invalid_curved = self.space.place((frame.c[0] - start[0], frame.c[1] - start[1]))
         else:
             self.space.bend(frame.outline)
-            unsound = self.space.place()
-        return quality, inverted + unsound, distorted
+            invalid_curved = self.space.place()
+        return quality, invalid + invalid_curved, low_quality
 
     def _place_corners(self, frame: EditFrame) -> tuple[float, int, int]:
-        """Move the corners; quality, inverted and distorted triangles there."""
+        """Move the corners; quality, invalid and low-quality triangles there."""
         mesh, (c0, c1) = self.mesh, frame.c
         if not frame.gesture.linear:
             target = self._boundary.values(frame.outline, frame.outline.points)
-            self._Psi[0] = self._carry(target - self._reference[self._boundary.nodes])
+            self._Psi[0] = self._extend(target - self._reference[self._boundary.nodes])
             c0, c1 = 1.0, 0.0
         else:
             c0, c1 = c0 - self._c_reference[0], c1 - self._c_reference[1]
@@ -351,29 +353,29 @@ class MovingMesh:
         return _kernels.move_and_check(self._reference, self._Psi, c0, c1, mesh.X, mesh.cells, *floors)
 
     def _mend(
-        self, frame: EditFrame, verdict: tuple[float, int, int], stages: dict[str, float]
+        self, frame: EditFrame, placement: tuple[float, int, int], stages: dict[str, float]
     ) -> tuple[int, np.ndarray, tuple[float, int, int]]:
-        """Flips, the cells they changed, and the verdict afterwards."""
+        """Flips, the cells they changed, and the placement afterwards."""
         start = perf_counter()
         X, flips, changed = self.mesh.X, 0, NO_CELLS
         self._kept.connectivity = {name: getattr(self.mesh, name).copy() for name in CONNECTIVITY}
-        if verdict[1]:
-            self._put_back()
+        if placement[1]:
+            self._restore_positions()
             flips, changed = self._reconnection.flip(X)
             if flips:
                 self._reconnect(changed)
-                verdict = self._place(frame)
+                placement = self._place(frame)
         for _ in range(ROUNDS):
-            if verdict[1] or not verdict[2]:
+            if placement[1] or not placement[2]:
                 break
             more, cells = self._reconnection.flip(X, self._flip_floor)
             if not more:
                 break
             self._reconnect(cells)
-            verdict = self._place(frame)
+            placement = self._place(frame)
             flips, changed = flips + more, np.union1d(changed, cells)
         stages["flip"] = perf_counter() - start
-        return flips, changed, verdict
+        return flips, changed, placement
 
     def _reconnect(self, changed: np.ndarray) -> None:
         """Let finer meshes, and nodes of second order, follow the flips that changed these cells."""
@@ -382,7 +384,7 @@ class MovingMesh:
         if self.space:
             self.space.reconnect(changed)
 
-    def _hold(self, frame: EditFrame, stages: dict[str, float]) -> None:
+    def _begin_gesture(self, frame: EditFrame, stages: dict[str, float]) -> None:
         """Take up a gesture: where the nodes lie now becomes its reference, and its map is made."""
         start = perf_counter()
         if frame.gesture is not self._gesture:
@@ -391,10 +393,10 @@ class MovingMesh:
         if frame.gesture.linear:
             self.Psi  # noqa: B018  made here, so that its time counts as the map's
         else:
-            self._carry = extension(self.mesh, self._boundary.nodes, self.relocation)
+            self._extend = extension(self.mesh, self._boundary.nodes, self.relocation)
             self._Psi = np.zeros((2, *self.mesh.X.shape))
             if self.space:
-                self.space.hold(None)
+                self.space.set_gesture(None)
         stages["map"] = perf_counter() - start
 
     def _set_reference(self, c: tuple[float, float]) -> None:
@@ -403,7 +405,7 @@ class MovingMesh:
         if self.space:
             self.space.refer()
 
-    def _reconstruct(self, frame: EditFrame, stages: dict[str, float], why: str) -> Advance:
+    def _reconstruct(self, frame: EditFrame, stages: dict[str, float], why: str) -> MeshUpdate:
         """Replace the mesh by a new one of the frame's outline; `why` is for the log."""
         start = perf_counter()
         old = None if frame.change == "start" else self._former()
@@ -415,9 +417,9 @@ class MovingMesh:
             mesh = self._broadcast(lambda: self._generate(frame.outline))
         criterion = self._chosen_criterion or self.spec.criterion
         quality_floor, area_floor = thresholds(criterion, self.spec.min_quality, mesh.X, mesh.edge_nodes)
-        quality, inverted, _ = _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)
-        if inverted or not len(mesh.cells):
-            raise ReplayProblem(f"no valid mesh of the shape: {inverted} of {len(mesh.cells)} triangles have no area")
+        quality, invalid, _ = _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)
+        if invalid or not len(mesh.cells):
+            raise ReplayProblem(f"no valid mesh of the shape: {invalid} of {len(mesh.cells)} triangles have no area")
         self._adopt(mesh)
         if area_floor:
             area_floor = min(area_floor, FRESH_AREA * areas(mesh.X, mesh.cells).min())
@@ -427,7 +429,7 @@ class MovingMesh:
         self.min_quality = quality
         stages["mesh"] = perf_counter() - start
         log.info("%4d Mesh level 3: %d triangles; %s; least quality %.3g", frame.index, len(mesh.cells), why, quality)
-        return Advance(3, 0, NO_CELLS, quality, old, stages)
+        return MeshUpdate(3, 0, NO_CELLS, quality, old, stages)
 
     def _generate(self, outline: Outline) -> Mesh:
         """A mesh of an outline, of nested ones the coarsest; without a size it has the usual number of triangles."""

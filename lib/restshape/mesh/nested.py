@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.mesh.lagrange_space import FRESH_MIN_JACOBIAN, MIN_JACOBIAN
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.quality import areas
 from restshape.mesh.reconnect import edges_between
-from restshape.mesh.space import FRESH_SOUND, SOUND
 from restshape.shape.outline import Outline
 
 BENT = ("arc", "spline", "polyline")
@@ -51,7 +51,7 @@ class Refined:
         """Values (n, f) at the nodes, from those (n_coarse, f) at the coarse ones: the means of their parents."""
         return 0.5 * (field[self.parents[:, 0]] + field[self.parents[:, 1]])
 
-    def spoilt(self, share: float) -> np.ndarray:
+    def low_jacobian_cells(self, share: float) -> np.ndarray:
         """Those (k,) of `curved_cells` of which a part has less than a share of a quarter of the area."""
         X, cells = self.mesh.X, self.mesh.cells.reshape(-1, 4, 3)[self.curved_cells]
         whole = areas(X, np.ascontiguousarray(cells[:, [0, 1, 2], [0, 1, 2]]))
@@ -62,14 +62,14 @@ class Refined:
 class NestedMesh:
     """A mesh that may move, and refinements of it, each nested in the one before.
 
-    Fields live on the finest one; its attribute `hierarchy` is this object. A cell of it is distorted as the coarse
-    cell is in which it lies, save along bent edges. After flips another hierarchy is made, by `reconnected`.
+    Fields live on the finest one; its attribute `hierarchy` is this object. A cell of it is of low quality as the
+    coarse cell is in which it lies, save along bent edges. After flips another hierarchy is made, by `reconnected`.
 
     Args:
         mesh: the coarsest; its nodes may move, in its own array.
         levels: number of meshes.
         straight: of each level but the finest, which facets on bent edges stay straight; by default those whose
-            triangles a bent side would spoil.
+            triangles a bent side would make invalid.
 
     Attributes:
         meshes: the coarsest first; steps: from each to the next.
@@ -99,27 +99,28 @@ class NestedMesh:
         return self.steps[level].prolonged(field)
 
     def follow(self) -> int:
-        """Go where the coarsest mesh is, with its versions; tells how many of its triangles bent sides spoil."""
-        unsound = self.place(self.meshes[0].outline)
+        """Go where the coarsest mesh is, with its versions; returns how many of its triangles bent sides make
+        invalid."""
+        invalid = self.place(self.meshes[0].outline)
         self.stamp()
-        return unsound
+        return invalid
 
     def place(self, outline: Outline, X: np.ndarray | None = None) -> int:
-        """Lay the nodes of all but the coarsest mesh; tells how many triangles bent sides spoil.
+        """Lay the nodes of all but the coarsest mesh; returns how many triangles bent sides make invalid.
 
         Args:
             outline: of which the bent edges are.
             X: (n_coarse, 2) where the coarsest mesh's nodes are [m]; default: where they are now.
         """
         X = self.meshes[0].X if X is None else X
-        on_curves, unsound = self._on_curves(outline), 0
+        on_curves, invalid = self._on_curves(outline), 0
         for step, rows in zip(self.steps, self._rows):
             fine = step.mesh
             np.add(X[step.parents[:, 0]], X[step.parents[:, 1]], out=fine.X)
             fine.X *= 0.5
             fine.X[step.curved] = on_curves[rows]
-            X, unsound = fine.X, unsound + len(step.spoilt(SOUND))
-        return unsound
+            X, invalid = fine.X, invalid + len(step.low_jacobian_cells(MIN_JACOBIAN))
+        return invalid
 
     def stamp(self) -> None:
         """Take the outline, and the version of the positions, from the coarsest mesh."""
@@ -174,7 +175,7 @@ def refine(mesh: Mesh, straight: np.ndarray | None = None, *, mend: bool = True)
     Args:
         mesh: whose nodes on the outline lie there.
         straight: (nf,) bool of facets whose middle stays between their ends; default: none.
-        mend: others stay straight, too, where a bent side would spoil a triangle.
+        mend: others stay straight, too, where a bent side would make invalid a triangle.
     """
     n, outline = len(mesh.X), mesh.outline
     facet_sides = edges_between(mesh.edge_nodes, mesh.facets)
@@ -207,10 +208,10 @@ def refine(mesh: Mesh, straight: np.ndarray | None = None, *, mend: bool = True)
     step = Refined(fine, parents, corner_number, side_number, straight, nothing, nothing)
     while True:
         _bend(step, mesh, facet_sides, bent & ~straight)
-        spoilt = step.spoilt(FRESH_SOUND) if mend else nothing
-        if not len(spoilt):
+        low_jacobian_cells = step.low_jacobian_cells(FRESH_MIN_JACOBIAN) if mend else nothing
+        if not len(low_jacobian_cells):
             return step
-        straight |= bent & np.isin(facet_sides, mesh.cell_edges[spoilt])
+        straight |= bent & np.isin(facet_sides, mesh.cell_edges[low_jacobian_cells])
 
 
 def _bend(step: Refined, mesh: Mesh, facet_sides: np.ndarray, curved: np.ndarray) -> None:

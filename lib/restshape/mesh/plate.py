@@ -112,7 +112,7 @@ class PlateMesh:
         return result
 
     def follow(self, changed: np.ndarray | None = None) -> np.ndarray:
-        """Go where the plane mesh is; tells which triangles (k,) are others than before: those that are given.
+        """Go where the plane mesh is; returns which triangles (k,) are others than before: those that are given.
 
         Raises:
             ReplayProblem: the thickness is not positive somewhere; all is as before.

@@ -1,4 +1,4 @@
-"""What triangles are held against: their areas, and the thresholds of the two criteria."""
+"""What triangles are measured by: their areas, and the thresholds of the two criteria."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ EQUILATERAL_RATIO = 2.0 * np.sqrt(3.0)
 """Longest edge over inscribed radius of an equilateral triangle."""
 
 AUTHOR_RATIO = 15.0
-"""The author's limit for longest edge x half perimeter / area: beyond it a triangle is distorted."""
+"""The author's limit for longest edge x half perimeter / area: beyond it a triangle is of low quality."""
 
 AUTHOR_AREA = 1e-5
 """The author's limit for area over the mean edge squared: below it a triangle is inverted."""
@@ -25,7 +25,7 @@ def areas(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
 
 
 def thresholds(criterion: str, min_quality: float, X: np.ndarray, edge_nodes: np.ndarray) -> tuple[float, float]:
-    """Quality below which a triangle is distorted, and area [m^2] up to which it is inverted.
+    """Quality below which a triangle is of low quality, and area [m^2] up to which it is inverted.
 
     Args:
         criterion: "quality" (min_quality, area 0) or "author" (the thresholds of the author's released code).

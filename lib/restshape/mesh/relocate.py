@@ -54,7 +54,7 @@ class BoundaryNodes:
 
 
 class Extension(Protocol):
-    """Carries displacements of the boundary into the mesh, linearly."""
+    """Extends displacements of the boundary into the mesh, linearly."""
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """Values (n, k) at all nodes from values (nb, k) at the boundary nodes."""
@@ -80,7 +80,7 @@ class HarmonicExtension:
 
         Strain then spreads away from where the field gathers it. A linear field has one gradient everywhere, and is
         reproduced as before. With a hole of radius 0.12 in a plate of 2 x 1 the map of a drag lasts 1.2 to 2.4 times as
-        far until a triangle is distorted; weights by area gain less and reproduce no linear function.
+        far until a triangle is of low quality; weights by area gain less and reproduce no linear function.
 
         Args:
             field: (n, k) values at all nodes.
@@ -137,7 +137,7 @@ class NoExtension:
 
 
 def extension(mesh: Mesh, nodes: np.ndarray, kind: str) -> Extension:
-    """The way of a kind to carry boundary displacements into a mesh.
+    """The way of a kind to extend boundary displacements into a mesh.
 
     Args:
         mesh: the mesh as it lies now.
@@ -159,10 +159,10 @@ def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str) -> np.ndarray:
 
     Source: docs/theory.md, section 3.
     """
-    carry = extension(mesh, BoundaryNodes(mesh).nodes, kind)
+    extend = extension(mesh, BoundaryNodes(mesh).nodes, kind)
     values = np.concatenate(list(boundary_basis), axis=1)
-    together = carry(values)
-    if isinstance(carry, HarmonicExtension):
-        carry.stiffen(together)
-        together = carry(values)
+    together = extend(values)
+    if isinstance(extend, HarmonicExtension):
+        extend.stiffen(together)
+        together = extend(values)
     return np.ascontiguousarray(together.reshape(len(mesh.X), 2, 2).transpose(1, 0, 2))

@@ -20,7 +20,7 @@ class Thickness:
 
     @property
     def varies(self) -> bool:
-        """Tell whether the thickness depends on the place."""
+        """Whether the thickness depends on the place."""
         return isinstance(self.value, Expression)
 
     def at(self, X: np.ndarray) -> np.ndarray:

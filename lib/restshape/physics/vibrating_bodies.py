@@ -2,8 +2,8 @@
 
 from restshape.analysis.analysis import Context
 from restshape.analysis.modal import ModalAnalysis
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace
 from restshape.physics.elasticity.vibrating_body import VibratingBody
 from restshape.physics.elasticity.vibrating_plane import VibratingPlane
 from restshape.physics.elasticity.vibrating_solid import VibratingSolid

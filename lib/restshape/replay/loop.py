@@ -9,7 +9,7 @@ from typing import Self, cast
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gather import bury
+from restshape.algebra.gathering import clean_up
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import NAMES, Stages
 from restshape.analysis.analysis import Analysis, Context, RowValues
@@ -17,13 +17,13 @@ from restshape.analysis.frame import Frame
 from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
-from restshape.fem.quantity import areas
+from restshape.fem.observer import areas
 from restshape.fem.space import Space
 from restshape.findings import encode_findings
 from restshape.mesh.importer import read_mesh
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.moving import Advance, MovingMesh
-from restshape.mesh.space import LagrangeSpace
+from restshape.mesh.moving import MeshUpdate, MovingMesh
 from restshape.policy import Policy
 from restshape.replay.columns import ESTIMATES
 from restshape.replay.constraints import (
@@ -33,7 +33,7 @@ from restshape.replay.constraints import (
     limits_of,
     violated_constraints,
 )
-from restshape.replay.prediction import PredictedFrames
+from restshape.replay.predicted_frames import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.sessions import Follower, own_session
@@ -132,8 +132,8 @@ class Replay:
         solved, self.solved = self.solved, False
         self.expected = None
         try:
-            advance = self.moving.advance(edit)
-            predicted = self.prediction is not None and self.prediction.show(edit, advance)
+            mesh_update = self.moving.update(edit)
+            predicted = self.prediction is not None and self.prediction.show(edit, mesh_update)
             if not edit.analysed:
                 report, self.known = self._no_report(), self.known and edit.change == "none"
             elif predicted:
@@ -141,7 +141,7 @@ class Replay:
                 # The system of the last solve is as it was.
                 self.solved = solved
             else:
-                report = self._solve(edit, advance, solved)
+                report = self._solve(edit, mesh_update, solved)
         except (ReplayProblem, UserError) as problem:
             if edit.index == 0 and isinstance(problem, UserError):
                 raise edit.scene.located(problem) from None
@@ -151,29 +151,31 @@ class Replay:
                 ) from problem
             refused = str(problem).replace("\n  try:", "; try:")
             log.info("%4d Frame refused: %s", edit.index, refused)
-            self.moving.take_back()
+            self.moving.rollback()
             if self.prediction:
                 self.prediction.rollback()
-                predicted = self.prediction.shown
+                predicted = self.prediction.active
             if edit.change != "none":
-                self.session.take_back()
-            advance, report = Advance.nothing(), self._no_report()
+                self.session.rollback()
+            mesh_update, report = MeshUpdate.nothing(), self._no_report()
         with self.stages("observe"):
             quantities = self.analysis.observe() if self.known else areas(self.moving.field_mesh, edit.scene.quantities)
-        for stage, seconds in advance.stages.items():
+        for stage, seconds in mesh_update.stages.items():
             self.stages.seconds[stage] += seconds
-        self.row = self._row(edit, advance, report, quantities) | {"predicted": int(predicted), "refused": refused}
+        self.row = self._row(edit, mesh_update, report, quantities) | {"predicted": int(predicted), "refused": refused}
         if self.known:
             self.row.update(joined(self.row, self.analysis.row()))
         self.row["findings"] = encode_findings(self.row["findings"])
-        level = logging.INFO if report.refreshed or advance.level > 1 else logging.DEBUG
+        level = logging.INFO if report.refreshed or mesh_update.level > 1 else logging.DEBUG
         if log.isEnabledFor(level):
             done = "predicted" if predicted else f"{report.newton} Newton steps, {report.iterations} Krylov iterations"
             rebuilt = f"; PC {report.preconditioner} rebuilt" if report.refreshed else ""
-            log.log(level, "%4d Frame %s: mesh level %d; %s%s", edit.index, edit.do, advance.level, done, rebuilt)
+            log.log(level, "%4d Frame %s: mesh level %d; %s%s", edit.index, edit.do, mesh_update.level, done, rebuilt)
         return self.row
 
-    def _row(self, edit: EditFrame, advance: Advance, report: LinearReport, quantities: dict[str, float]) -> RowValues:
+    def _row(
+        self, edit: EditFrame, mesh_update: MeshUpdate, report: LinearReport, quantities: dict[str, float]
+    ) -> RowValues:
         """What all applications report of a frame, but for times and whether it was predicted or refused."""
         violated = violated_constraints(self.limits, quantities) if quantities else ()
         return {
@@ -181,9 +183,9 @@ class Replay:
             "t": edit.t,
             "line": edit.line,
             "event": edit.do,
-            "level": advance.level,
-            "flips": advance.flips,
-            "min_quality": advance.min_quality,
+            "level": mesh_update.level,
+            "flips": mesh_update.flips,
+            "min_quality": mesh_update.min_quality,
             "pc_age": report.age,
             "pc_rebuilt": int(report.refreshed),
             "iterations": report.iterations,
@@ -198,28 +200,28 @@ class Replay:
             **{f"q_{name}": value for name, value in quantities.items()},
         }
 
-    def _solve(self, edit: EditFrame, advance: Advance, solved: bool) -> LinearReport:
-        """Solve a frame; `solved` tells whether the one before was."""
+    def _solve(self, edit: EditFrame, mesh_update: MeshUpdate, solved: bool) -> LinearReport:
+        """Solve a frame; `solved` shows whether the one before was."""
         mesh: Mesh | LagrangeSpace = self.moving.field_mesh
         hand = edit.gesture, (edit.c[0], edit.c[1])
         space = self.analysis.space
         interpolations = space.interpolations if isinstance(space, LagrangeSpace) else ()
         # Flips of a frame that failed are not known any more.
-        changed = advance.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
+        changed = mesh_update.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
         if self.prediction:
             self.prediction.start(edit)
         # On a new mesh, or one whose middle nodes have gone elsewhere, nothing is left to compare with.
-        stays = advance.level < 3 and advance.old_mesh is None and not interpolations
+        stays = mesh_update.level < 3 and mesh_update.old_mesh is None and not interpolations
         self.expected = self.prediction.predicted if self.prediction and stays else None
         report = self.analysis.solve(
-            Frame(mesh, changed, advance.old_mesh, edit.scene, hand, interpolations, edit.settled)
+            Frame(mesh, changed, mesh_update.old_mesh, edit.scene, hand, interpolations, edit.edit_ended)
         )
         self.solved = self.known = True
         if isinstance(mesh, LagrangeSpace) and mesh.interpolations:
             mesh.interpolations = ()
         if self.prediction:
             found = report.iterations or report.refreshed
-            idle = edit.change == "none" and not (self.prediction.shown or found)
+            idle = edit.change == "none" and not (self.prediction.active or found)
             self.prediction.set_expansion_point(edit, idle)
         return report
 
@@ -256,7 +258,7 @@ class Replay:
             self.recorder.frame(edit.t, mesh.X, *fields, row)
         row["ms_record"] = (perf_counter() - end) * 1e3
         if row["level"] > 1 or edit.change not in ("none", "move"):
-            bury(self.comm)
+            clean_up(self.comm)
 
     def _estimates(self, row: RowValues) -> dict[str, float]:
         """What is known of the error of the frame's answer; not numbers where it has none of its own."""

@@ -1,6 +1,6 @@
 """Reuse equals rebuild: each frame against a cold solve on the mesh that it was computed on."""
 
-from restshape.algebra.gather import bury
+from restshape.algebra.gathering import clean_up
 from restshape.replay.loop import Replay
 
 ENTRIES = 1e-13
@@ -27,7 +27,7 @@ class Parity:
         if not self.replay.solved or self.replay.row["predicted"]:
             return {}
         found = self.replay.analysis.compare_cold()
-        bury(self.replay.comm)
+        clean_up(self.replay.comm)
         self.entries, self.solution = max(self.entries, found.entries), max(self.solution, found.solution)
         return {"parity_entries": found.entries, "parity_solution": found.solution}
 

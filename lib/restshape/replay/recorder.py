@@ -177,7 +177,7 @@ class Recorder:
             self._check_alive()
 
     def _new_shape(self, shape: tuple[Any, ...]) -> None:
-        """Tells the process how the frames that follow are laid out.
+        """Reports the process how the frames that follow are laid out.
 
         Raises:
             ValueError: arrays do not fit the mesh.

@@ -118,7 +118,7 @@ class Writing:
             return
 
     def fail(self, error: OSError) -> None:
-        """Tells the solver why the file cannot be written, and how many frames are safe."""
+        """Reports the solver why the file cannot be written, and how many frames are safe."""
         number = error.errno or (errno.ENOSPC if "errno = 28" in str(error) else 0)
         safe = self.ring.counters[rings.SAFE]
         full = number in _NO_ROOM

@@ -24,7 +24,13 @@ class FieldInfo(NamedTuple):
     first_frame: int
 
 
-# More than 15 attributes: a file that is open, and what its parts, rows and fields are, read once.
+class StoredField(NamedTuple):
+    """Where a field's values are: its dataset of the file, and the row (n,) of it at which each frame begins."""
+
+    dataset: h5py.Dataset
+    starts: np.ndarray
+
+
 class Recording:
     """A recording opened for reading; close it, or use it in a ``with`` statement.
 
@@ -93,15 +99,13 @@ class Recording:
         if len(self._rows) < self.n or any(len(values) < self.n for values in self._steps.values()):
             raise ValueError("frames are missing")
         self.fields: dict[str, FieldInfo] = {}
-        self._stored: dict[str, str] = {}
-        self._field_starts: dict[str, np.ndarray] = {}
+        self._stored: dict[str, StoredField] = {}
         for group, where in (("PointData", "point_data"), ("CellData", "cell_data")):
             for name, dataset in sorted(self._root[group].items(), key=lambda item: item[1].attrs["order"]):
                 attributes = dataset.attrs
                 ((today, _),) = renamed({name: name}).items()
-                self._stored[today] = name
                 self.fields[today] = FieldInfo(where, int(attributes["components"]), int(attributes["first_frame"]))
-                self._field_starts[today] = steps[f"{group}Offsets"][name][: self.n]
+                self._stored[today] = StoredField(dataset, steps[f"{group}Offsets"][name][: self.n])
 
     @property
     def times(self) -> np.ndarray:
@@ -152,9 +156,8 @@ class Recording:
         i = self._frame(i)
         info = self.fields[name]
         counts = self._parts["NumberOfPoints" if info.where == "point_data" else "NumberOfCells"]
-        start = self._field_starts[name][i]
-        group = "PointData" if info.where == "point_data" else "CellData"
-        rows = self._root[group][self._stored[name]][start : start + counts[self.topology(i)]]
+        dataset, starts = self._stored[name]
+        rows = dataset[starts[i] : starts[i] + counts[self.topology(i)]]
         return np.ascontiguousarray(rows[:, : info.components]) if info.components else rows
 
     def verify(self) -> list[int]:

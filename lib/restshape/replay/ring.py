@@ -67,7 +67,7 @@ class Ring:
         self._map()
 
     def follow(self) -> None:
-        """Maps the memory anew where the other end has enlarged it."""
+        """Remaps the memory where the other end has enlarged it."""
         if os.fstat(self.fd).st_size != self.capacity + PAGE:
             self._map()
 

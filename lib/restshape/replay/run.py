@@ -1,28 +1,20 @@
 """Runs a whole replay and sums it up."""
 
-# More than 15 modules: a whole run reads, replays, checks and sums up, each by a module of its own.
-import csv
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from petsc4py import PETSc
 
 from restshape.analysis.analysis import RowValues
-from restshape.application import application
-from restshape.calibration import Calibration
-from restshape.errors import UserError
-from restshape.policy import policy
 from restshape.replay.columns import columns
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
-from restshape.replay.petsc_words import refusal
+from restshape.replay.petsc_options import refusal
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
+from restshape.replay.row_table import table_of_rows
 from restshape.replay.summary import summarise
-from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 from restshape.surroundings import petsc_options
 
 
@@ -54,7 +46,7 @@ def run_replay(
     check = Parity(replay) if parity else None
     rows, interrupted = [], False
     names = list(columns(list(request.scene.quantities), request.application.own_columns(request.scene)))
-    with _table(csv if first else None, names) as table:
+    with table_of_rows(csv if first else None, names) as table:
         try:
             for row in _frames(replay, request.petsc):
                 if check:
@@ -64,11 +56,13 @@ def run_replay(
                     table(row)
                 on_frame()
         except KeyboardInterrupt:
-            # The other ranks know nothing of it, and one that waits for this one cannot be told.
+            # The other ranks know nothing of it, and one that waits for this one cannot be determined.
             if comm.size > 1 or not rows:
                 raise
             interrupted = True
-    summary = summarise(rows, request.policy.name, comm.size, replay.analysis.estimated) | {"interrupted": interrupted}
+    summary = summarise(rows, request.policy.name, comm.size, replay.analysis.estimated_quantity) | {
+        "interrupted": interrupted
+    }
     if request.application.report:
         summary |= request.application.report.summarised(rows)
     if check:
@@ -97,54 +91,3 @@ def _frames(replay: Replay, petsc: Sequence[str]) -> Iterator[RowValues]:
             raise
         raise refusal(error, petsc) from error
     yield from frames
-
-
-def replay_files(
-    scene: Path, edits: Path, name: str, overrides: Sequence[str] = (), predict: str = "none"
-) -> dict[str, Any]:
-    """The summary of a replay of files under the policy `name`, for studies; nothing is recorded.
-
-    Args:
-        scene: scene file.
-        edits: edit script.
-        name: of the policy.
-        overrides: ``key=value`` as after --set.
-        predict: as after --predict.
-    """
-    read = load_scene(scene, overrides)
-    script = load_script(edits, read)
-    return run_replay(Request(read, script, application(read.app), policy(name), Calibration.load(), predict=predict))
-
-
-@contextmanager
-def _table(path: Path | None, names: list[str]) -> Iterator[Callable[[RowValues], None] | None]:
-    """A function that writes one row to the CSV file, line by line so that none is lost; None without a file."""
-    if path is None:
-        yield None
-        return
-    with _told(path):
-        file = path.open("w", newline="", buffering=1)
-    writer = csv.DictWriter(file, names, extrasaction="ignore")
-
-    def write(row: RowValues) -> None:
-        with _told(path):
-            writer.writerow(row)
-
-    try:
-        with _told(path):
-            writer.writeheader()
-        yield write
-    finally:
-        with _told(path):
-            file.close()
-
-
-@contextmanager
-def _told(path: Path) -> Iterator[None]:
-    """Turn a failure to write into a user's error."""
-    try:
-        yield
-    except OSError as error:
-        raise UserError(
-            f"cannot write: {error.strerror}", str(path), "choose a place with room that may be written"
-        ) from error

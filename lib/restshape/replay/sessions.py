@@ -4,9 +4,9 @@ from typing import Protocol, cast
 
 from restshape.application import Application
 from restshape.application import application as application_named
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.moving import Advance
-from restshape.mesh.space import LagrangeSpace
+from restshape.mesh.moving import MeshUpdate
 from restshape.scene.model import Scene
 from restshape.scene.script import Script
 from restshape.shape.outline import Outline
@@ -23,7 +23,7 @@ class Follower(Protocol):
     def field_mesh(self) -> Mesh | LagrangeSpace:
         """What the unknowns of the next solve live on."""
 
-    def advance(self, frame: EditFrame) -> Advance:
+    def update(self, frame: EditFrame) -> MeshUpdate:
         """Go where a frame leads; what that did.
 
         Raises:
@@ -31,7 +31,7 @@ class Follower(Protocol):
             UserError: the scene's new values make no sense; likewise.
         """
 
-    def take_back(self) -> None:
+    def rollback(self) -> None:
         """Be as before the last frame, which has no solution."""
 
 

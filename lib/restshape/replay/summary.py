@@ -25,16 +25,17 @@ def known(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
-def spread(rows: list[RowValues], column: str, predicted: bool) -> dict[str, float | None]:
+def distribution(rows: list[RowValues], column: str, predicted: bool) -> dict[str, float | None]:
     """Median and largest number in a column of the frames that were predicted, or not; None where there is none."""
     values = [row.get(column, np.nan) for row in rows if bool(row["predicted"]) == predicted]
     values = [value for value in values if np.isfinite(value)]
     return {"p50": float(np.median(values)), "max": max(values)} if values else {"p50": None, "max": None}
 
 
-def rest(rows: list[RowValues]) -> dict[str, Any]:
-    """How many frames are at rest, how many of these where a stable equilibrium is proven, how many are not, and the
-    largest residual; nothing of what does not come to rest. Frames that were not analysed, or refused, do not count.
+def convergence(rows: list[RowValues]) -> dict[str, Any]:
+    """How many frames have converged, how many of these where a stable equilibrium is proven, how many are not, and the
+    largest residual; nothing of what is not relaxed to equilibrium. Frames that were not analysed, or refused, do not
+    count.
 
     Args:
         rows: of all frames.
@@ -51,14 +52,14 @@ def rest(rows: list[RowValues]) -> dict[str, Any]:
     }
 
 
-def summarise(rows: list[RowValues], policy: str, ranks: int, estimated: str = "") -> dict[str, Any]:
+def summarise(rows: list[RowValues], policy: str, ranks: int, estimated_quantity: str = "") -> dict[str, Any]:
     """Counts, times and quantities of a replay from its rows; times leave out the first frame, made from nothing.
 
     Args:
         rows: of all frames.
         policy: its name.
         ranks: how many.
-        estimated: what the error estimates are of.
+        estimated_quantity: what the error estimates are of.
     """
     later = rows[1:]
     times = np.array([row["ms"] for row in later])
@@ -93,13 +94,13 @@ def summarise(rows: list[RowValues], policy: str, ranks: int, estimated: str = "
         "unknowns": rows[-1]["unknowns"] if rows else 0,
         "elements": rows[-1]["elements"] if rows else 0,
         "constraint_status": status_counts(rows),
-        "estimate": {**spread(rows, "estimate", False), "of": estimated},
-        "estimate_time": spread(rows, "estimate_time", False),
-        "predicted_estimate": spread(rows, "estimate", True),
-        "prediction_error": spread(rows, "prediction_error", False),
+        "estimate": {**distribution(rows, "estimate", False), "of": estimated_quantity},
+        "estimate_time": distribution(rows, "estimate_time", False),
+        "predicted_estimate": distribution(rows, "estimate", True),
+        "prediction_error": distribution(rows, "prediction_error", False),
         "quantities": {
             key[2:]: [known(row[key]) for row in rows] for key in (rows[0] if rows else {}) if key.startswith("q_")
         },
-        **({"rest": rested} if (rested := rest(rows)) else {}),
+        **({"rest": counts} if (counts := convergence(rows)) else {}),
         "rows": rows,
     }

@@ -164,7 +164,7 @@ class VtkHdfWriter:
     def _write_header(self) -> None:
         if "header" in self.own:
             del self.own["header"]
-        # The order of tables tells the order of what is in them.
+        # The order of tables reports the order of what is in them.
         text = json.dumps(self._header, allow_nan=False).encode()
         self.own.create_dataset("header", data=np.frombuffer(text, dtype="u1"))
 
@@ -308,7 +308,7 @@ class VtkHdfWriter:
         os.pwrite(self._space, status.encode()[:STATUS_BYTES].ljust(STATUS_BYTES), self._status.id.get_offset())
 
     def _discard(self) -> bool:
-        """Remove the file if no frame was made safe in it; tells whether that was so."""
+        """Remove the file if no frame was made safe in it; returns whether that was so."""
         if self._part is None:
             return False
         self._part.unlink(missing_ok=True)

@@ -60,8 +60,8 @@ class DrapeDrawing:
         space.set(xlim=(left - LEFT * width, right + RIGHT * width), aspect="equal")
         space.set_ylim(bottom - BELOW * width, top + ABOVE * width)
         space.set_axis_off()
-        aside = DrapeImage(space, camera, scenery)
-        draw_box(aside.still, space, camera, scenery.low, scenery.high, factor, unit)
+        from_side = DrapeImage(space, camera, scenery)
+        draw_box(from_side.still, space, camera, scenery.low, scenery.high, factor, unit)
         flat = (scenery.low[0], scenery.high[0], scenery.low[1], scenery.high[1])
         above.set(xlim=(factor * flat[0], factor * flat[1]), ylim=(factor * flat[2], factor * flat[3]))
         above.set(aspect="equal", anchor="SW")
@@ -71,7 +71,7 @@ class DrapeDrawing:
         place, (wide, high) = above.get_position(), above.figure.get_size_inches()
         above.set_xticks(factor * marks(*flat[:2], factor, int(np.clip(wide * place.width / EACH_X, 2, 4))))
         above.set_yticks(factor * marks(*flat[2:], factor, int(np.clip(high * place.height / EACH_Y, 2, 4))))
-        self.images = aside, DrapeImage(above, Camera.above(), scenery, factor)
+        self.images = from_side, DrapeImage(above, Camera.above(), scenery, factor)
         self._add_pattern(pattern)
 
     def _add_pattern(self, axes: Axes) -> None:
@@ -104,7 +104,7 @@ class DrapeDrawing:
         self.size.set_text(f"flat pattern\n{width:.4g} × {height:.4g} {unit}")
 
 
-def rest_words(recording: Recording, i: int) -> tuple[str, bool]:
+def convergence_words(recording: Recording, i: int) -> tuple[str, bool]:
     """What is known of a frame's rest, and whether it rests where it stays."""
     rests, stays = column(recording, "converged")[i], column(recording, "tangent_positive_definite")[i]
     residual = column(recording, "residual")[i]
@@ -135,7 +135,7 @@ def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeSc
     for i, panels in zip(map(int, chosen), grid):
         drawing = DrapeDrawing(panels, scenery)
         drawing.show(recording, i)
-        words, good = rest_words(recording, i)
+        words, good = convergence_words(recording, i)
         title = f" frame {i}, t = {recording.times[i]:.2f} s\n {words}"
         panels[0].set_title(title, loc="left", pad=3, color=INK if good else REFUSED)
     for panels in grid[len(chosen) :]:
@@ -216,7 +216,7 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery) -
     _legend(figure, recording, scenery, drawing)
     for i in map(int, chosen):
         drawing.show(recording, i)
-        words, good = rest_words(recording, i)
+        words, good = convergence_words(recording, i)
         caption.set_text(f" frame {i}, t = {recording.times[i]:.2f} s, {words}")
         caption.set_color(INK if good else REFUSED)
         canvas.draw()

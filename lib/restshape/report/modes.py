@@ -1,22 +1,23 @@
-"""Pictures of modes with their nodal lines, and of what moving the outline does to a tone."""
+"""Pictures of modes with their nodal lines."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
 from restshape.report.style import INK, length_unit, new_figure
 
 ACROSS = 3
 """Most pictures side by side."""
+QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
+"""Nodes of the four triangles that a second-order one is drawn as."""
 
 
 def draw_modes(
     path: Path,
     X: np.ndarray,
-    triangles: np.ndarray,
+    cells: np.ndarray,
     shapes: np.ndarray,
     names: Sequence[str],
     title: str,
@@ -28,11 +29,12 @@ def draw_modes(
 
     Args:
         path: picture file.
-        X: (n, 2) nodes [m]; triangles: (ne, 3) corners.
+        X: (n, 2) nodes [m]; cells: (ne, 3) or (ne, 6) nodes of triangles of first or second order.
         shapes: (k, n, 3) displacements of the nodes.
         names: (k,) captions; title: of the whole.
         bend: displacement [m] of the largest motion in the plane with which bodies are drawn; 0: as they rest.
     """
+    triangles = cells if cells.shape[1] == 3 else np.concatenate([cells[:, part] for part in QUARTERS])
     across = min(ACROSS, len(shapes))
     down = -(-len(shapes) // across)
     width, height = np.ptp(X, axis=0)
@@ -56,36 +58,4 @@ def draw_modes(
     for axes in grid[len(shapes) :]:
         axes.set_visible(False)
     figure.suptitle(title)
-    figure.savefig(path)
-
-
-def draw_outline_density(
-    path: Path, X: np.ndarray, triangles: np.ndarray, facets: np.ndarray, density: np.ndarray, title: str
-) -> None:
-    """Draw the outline in the colour of a density on it: red where taking material away raises the tone.
-
-    Args:
-        path: picture file.
-        X: (n, 2) nodes [m]; triangles: (ne, 3) corners; facets: (nf, 2) ends of the outline's pieces.
-        density: (n,) change of the frequency a unit of area that is added there [Hz/m^2].
-        title: of the picture.
-    """
-    width, height = np.ptp(X, axis=0)
-    factor, unit = length_unit(float(max(width, height)))
-    # Beside a flat body the scale would be shorter than its label.
-    flat = height < 0.5 * width
-    figure = new_figure(8.0, (1.9 if flat else 1.6) + 7.0 * min(1.4, height / width))
-    axes = figure.subplots()
-    axes.triplot(Triangulation(*(factor * X).T, triangles), color="#dddddd", lw=0.4)
-    # Corners have no normal, and sharp ones outshine all else.
-    values = -1e-6 * np.nanmean(density[facets], axis=1)
-    size = np.nanpercentile(np.abs(values), 95)
-    lines = LineCollection(factor * X[facets], array=values, cmap="RdBu_r", clim=(-size, size), linewidths=5)
-    axes.add_collection(lines)
-    axes.set_aspect("equal")
-    axes.set_xlabel(f"x [{unit}]")
-    axes.set_ylabel(f"y [{unit}]")
-    way = {"orientation": "horizontal", "aspect": 40} if flat else {"shrink": 0.8}
-    figure.colorbar(lines, ax=axes, label="change of the tone by what is rasped off [Hz/mm²]", **way)
-    axes.set_title(title)
     figure.savefig(path)

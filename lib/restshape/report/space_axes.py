@@ -21,7 +21,7 @@ SHORT = 0.3
 """Length in the picture, over that of the longest side, below which a side has two numbers."""
 SMALL, CLEAR = 7, 2.0
 """Size of numbers, and what is left free between them at least [points]."""
-OFFSET, LYING, BESIDE = 4.0, 19.0, 7.0
+OFFSET, PARALLEL, BESIDE = 4.0, 19.0, 7.0
 """Distances of numbers and of the name of a lying side from that side, and of the name of a steep one from numbers
 [points]."""
 
@@ -131,7 +131,7 @@ def _side(axes, camera, fixed, ends, numbered, factor, label, middle) -> list[An
     numbers = _texts(numbered, factor)
     look = {"fontsize": SMALL, **where}
     shown = [axes.annotate(number, place, xytext=OFFSET * out, **look) for number, place in zip(numbers, at(numbered))]
-    away, turned = LYING, {}
+    away, turned = PARALLEL, {}
     if abs(out[0]) > 0.4:
         # Numbers and name of a steep side are side by side.
         wide = max(map(_width, numbers))

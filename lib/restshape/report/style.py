@@ -1,4 +1,4 @@
-"""How pictures look: colours that colour-blind readers can tell apart, numbers with SI prefixes."""
+"""How pictures look: colours that colour-blind readers can distinguish, numbers with SI prefixes."""
 
 from math import floor, isfinite, log10
 

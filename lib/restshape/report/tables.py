@@ -36,7 +36,7 @@ def refused(recording: Recording) -> np.ndarray:
 
 
 def predicted(recording: Recording) -> np.ndarray:
-    """Whether each frame (n,) was foretold, and not solved."""
+    """Whether each frame (n,) was predicted, and not solved."""
     return column(recording, "predicted", 0.0) == 1
 
 
@@ -74,7 +74,7 @@ def level_table(recording: Recording) -> list[dict[str, Any]]:
 
 
 def estimate_table(recording: Recording) -> list[dict[str, Any]]:
-    """A row a kind of error that the recording tells: error, frames, p50, max; without frames that lack it."""
+    """A row a kind of error that the recording reports: error, frames, p50, max; without frames that lack it."""
     ahead = predicted(recording)
     kinds = (
         ("estimate, of the mesh", "estimate", ~ahead),
@@ -87,15 +87,15 @@ def estimate_table(recording: Recording) -> list[dict[str, Any]]:
         values = column(recording, name)[chosen]
         values = values[np.isfinite(values)]
         if len(values):
-            spread = {"p50": float(np.median(values)), "max": float(values.max())}
-            rows.append({"error": kind, "frames": len(values), **spread})
+            distribution = {"p50": float(np.median(values)), "max": float(values.max())}
+            rows.append({"error": kind, "frames": len(values), **distribution})
     return rows
 
 
-def rest_counts(recording: Recording) -> dict[str, int]:
-    """How many frames are at rest, how many of these where a stable equilibrium is proven, how many are not.
+def convergence_counts(recording: Recording) -> dict[str, int]:
+    """How many frames have converged, how many of these where a stable equilibrium is proven, how many are not.
 
-    Nothing where the recording is of what does not come to rest.
+    Nothing where the recording is of what is not relaxed to equilibrium.
     """
     if "converged" not in recording.table:
         return {}
@@ -120,7 +120,7 @@ def quantity_table(recording: Recording) -> list[dict[str, Any]]:
 
 
 def quantity_units(header: Mapping[str, Any]) -> dict[str, str]:
-    """Quantity -> unit, as far as the scene in the header tells."""
+    """Quantity -> unit, as far as the header's scene says."""
     scene = header.get("scene_values")
     given = scene.get("quantities", {}) if isinstance(scene, Mapping) else {}
     units = kind_units()

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self, TypeVar
 
 from pydantic import BaseModel, Field, model_validator
 
-from restshape.scene.expressions import Expression
+from restshape.scene.descriptions import listing
+from restshape.scene.expressions import Expression, Value
 from restshape.scene.units import UnitError
-from restshape.scene.values import Strict, number_of, only_one, value_of
-from restshape.scene.words import listing
+from restshape.scene.values import InSI, Length, Strict, only_one
 
-Place = tuple[value_of("length"), value_of("length"), value_of("length")]
-Direction = tuple[value_of("number"), value_of("number"), value_of("number")]
-Angles = tuple[value_of("angle"), value_of("angle"), value_of("angle")]
-Size = value_of("length")
+Size = Annotated[Value, InSI("length", formula=True)]
+Ratio = Annotated[Value, InSI("number", formula=True)]
+Turn = Annotated[Value, InSI("angle", formula=True)]
+Form = TypeVar("Form", bound=Strict)
+Place = tuple[Size, Size, Size]
+Direction = tuple[Ratio, Ratio, Ratio]
+Angles = tuple[Turn, Turn, Turn]
 ORIGIN = (0.0, 0.0, 0.0)
 POINTS = {"sphere": ("center",), "plane": ("point",), "box": ("center",), "capsule": ("start", "end")}
 """Keys that are places, by kind of body."""
@@ -64,7 +67,7 @@ class Body(Strict):
     plane: Plane | None = None
     box: Box | None = None
     capsule: Capsule | None = None
-    friction: value_of("number") = 0.0
+    friction: Ratio = 0.0
 
     @property
     def kind(self) -> str:
@@ -81,13 +84,13 @@ class Body(Strict):
         only_one(self, self.kinds)
         return self
 
-    def settled(self, parameters: dict[str, float]) -> Self:
+    def evaluated(self, parameters: dict[str, float]) -> Self:
         """The body with numbers in place of formulas.
 
         Raises:
             UnitError: a size is not positive, a normal has no direction, a formula gives no number.
         """
-        form = settled(self.form, parameters)
+        form = evaluated(self.form, parameters)
         _refuse_flat(self.kind, form)
         friction = number(self.friction, parameters)
         if friction < 0.0:
@@ -105,7 +108,7 @@ class Start(Strict):
     move: Place = ORIGIN
     turn: Angles = ORIGIN
     about: Place = ORIGIN
-    scatter: Annotated[number_of("length"), Field(ge=0)] = 0.0
+    scatter: Annotated[Length, Field(ge=0)] = 0.0
     seed: Annotated[int, Field(ge=0)] = 0
 
 
@@ -114,7 +117,7 @@ def bodies_of(scene: BaseModel) -> Mapping[str, Body]:
     return getattr(scene, "bodies", {})
 
 
-def number(value: Any, parameters: dict[str, float]) -> float:
+def number(value: Value, parameters: dict[str, float]) -> float:
     """A value as a number.
 
     Raises:
@@ -128,17 +131,21 @@ def number(value: Any, parameters: dict[str, float]) -> float:
     return found
 
 
-def settled(form: Strict, parameters: dict[str, float]) -> Any:
+def evaluated(form: Form, parameters: dict[str, float]) -> Form:
     """A copy of a model, of numbers and tuples of numbers, with numbers in place of formulas.
 
     Raises:
         UnitError: a formula gives no number.
     """
+    names = type(form).model_fields
+    return form.model_copy(update={name: _number_of(getattr(form, name), parameters) for name in names})
 
-    def each(value: Any) -> Any:
-        return tuple(map(each, value)) if isinstance(value, tuple) else number(value, parameters)
 
-    return form.model_copy(update={name: each(getattr(form, name)) for name in type(form).model_fields})
+def _number_of(value: Value | tuple[Value, ...], parameters: dict[str, float]) -> float | tuple[float, ...]:
+    """A number in place of a formula, and in tuples of them."""
+    if isinstance(value, tuple):
+        return tuple(number(part, parameters) for part in value)
+    return number(value, parameters)
 
 
 def _refuse_flat(kind: str, form: Any) -> None:

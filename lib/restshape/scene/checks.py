@@ -1,16 +1,13 @@
 """What models alone cannot check in a scene: names that refer to each other, coverage, sense."""
 
-import os.path
 from collections.abc import Iterable
-from pathlib import Path
-from typing import Any
 
 from restshape.application import Application
 from restshape.scene.bodies import bodies_of
 from restshape.scene.dimensions import formulas
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
 from restshape.scene.model import EdgeLoop, Load, Scene
-from restshape.scene.permits import may_name
+from restshape.scene.permits import outside
 from restshape.scene.source import Source, suggestion
 
 
@@ -61,11 +58,8 @@ def _check_file(key: tuple[str, str], file: str, source: Source) -> None:
         what, do = f"the recording names the file {file!r}, and no file but the recording is read", "replay its scene"
         raise source.error(key, what, do)
     path = source.path.parent / file
-    if file not in source.named and not may_name(path, source.path.parent):
-        link = " through a link" if Path(os.path.abspath(path)).is_relative_to(source.path.parent.absolute()) else ""
-        what = f"the file {file!r} lies outside of the scene's folder{link}"
-        do = f"put it beside the scene, or allow its folder: --allow-path {path.resolve().parent}"
-        raise source.error(key, what, do)
+    if file not in source.named and (refused := outside(file, source.path.parent)):
+        raise source.error(key, *refused)
     if not path.is_file():
         raise source.error(key, f"there is no file {str(path)!r}", "paths are relative to the scene's folder")
 
@@ -88,7 +82,7 @@ def _check_shape(scene: Scene, source: Source) -> None:
         kind = next(iter(type(edge).model_fields))
         for vertex in getattr(edge, kind):
             _refuse_absent(vertex, shape.vertices, "vertex", ("shape", "edges", name, kind), source)
-    loops = {("shape", "outline"): shape.outline}
+    loops: dict[tuple[str, ...], list[str]] = {("shape", "outline"): shape.outline}
     for key in ("holes", "regions"):
         for name, loop in getattr(shape, key).items():
             if isinstance(loop, EdgeLoop):
@@ -183,7 +177,7 @@ def _check_formulas(scene: Scene, source: Source) -> None:
             raise source.error(place, what, do)
 
 
-def refuse_places(place: tuple[str, ...], value: Any, what: str, source: Source) -> None:
+def refuse_places(place: tuple[str, ...], value: object, what: str, source: Source) -> None:
     """Refuses a formula of places where one number is wanted.
 
     Args:

@@ -68,10 +68,10 @@ def written_keys(raw: Mapping[str, Any]) -> Iterator[tuple[str, str, tuple[str, 
             yield from (("direction", key, ("supports", name, "fix")) for key in fix if isinstance(key, str))
 
 
-def _tables(named: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def _tables(named: object) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """The tables of a table of names."""
-    held = named.items() if isinstance(named, dict) else ()
-    yield from ((name, keys) for name, keys in held if isinstance(keys, dict))
+    entries = named.items() if isinstance(named, dict) else ()
+    yield from ((name, keys) for name, keys in entries if isinstance(keys, dict))
 
 
 def _keys(model: type[Strict] | None, core: type[Strict]) -> Meanings:

@@ -1,4 +1,4 @@
-"""Dimensions of formulas: what parameters that have units make of them, where that can be told."""
+"""Dimensions of formulas: what parameters that have units make of them, as far as they can be derived."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from restshape.scene.units import (
 )
 
 Known = Powers | None
-"""Powers of a value; None where nothing tells them, and any will do."""
+"""Powers of a value; None where nothing reports them, and any will do."""
 
 
 def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) -> None:
@@ -45,8 +45,7 @@ def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) ->
     Raises:
         UserError: the first formula that adds what cannot be added, or gives what is not wanted.
     """
-    named = {name: _powers(value) for name, value in written.items()}
-    named = {name: powers for name, powers in named.items() if powers is not None}
+    named = {name: powers for name, value in written.items() if (powers := _powers(value)) is not None}
     if not named:
         return
     for key, formula in formulas(scene):
@@ -57,14 +56,15 @@ def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) ->
             found = _of(_tree(formula.text), named)
         except UnitError as error:
             raise source.error(key, f"{formula.text!r} {error}", "give the parameters units that fit") from error
-        wanted = None if formula.wanted is None else _plain(DIMENSIONS[formula.wanted])
-        if None not in (found, wanted) and found != wanted:
+        if found is None or formula.wanted is None:
+            continue
+        if found != _plain(DIMENSIONS[formula.wanted]):
             units = ", ".join(f"{name} = {written[name]!r}" for name in sorted(formula.names.intersection(named)))
             what = f"{formula.text!r} is {article(spelled(found))} ({units}), but {article(formula.wanted)} is wanted"
             raise source.error(key, what, f"give the parameter another unit, as in {example}")
 
 
-def _powers(value: Any) -> Known:
+def _powers(value: object) -> Known:
     """The powers of a parameter that is written with a unit."""
     match = NUMBER_UNIT.match(value) if isinstance(value, str) else None
     if not (match and match[2]):
@@ -77,7 +77,7 @@ def _plain(powers: Powers) -> Powers:
     return tuple(0 if base == "rad" else power for base, power in zip(BASE, powers))
 
 
-def formulas(value: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Expression]]:
+def formulas(value: object, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Expression]]:
     """All formulas of a model, each with its key."""
     if isinstance(value, Expression):
         yield key, value
@@ -113,16 +113,15 @@ def _of(node: ast.expr, named: Mapping[str, Powers]) -> Known:
         case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
             return _same(_of_term(left, named), _of_term(right, named))
         case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as op, right=right):
-            one, other = _of(left, named), _of(right, named)
-            sign = -1 if isinstance(op, ast.Div) else 1
+            one, other, sign = _of(left, named), _of(right, named), -1 if isinstance(op, ast.Div) else 1
             return None if one is None or other is None else _sum(one, other, sign)
         case ast.BinOp(left=left, op=ast.Pow(), right=ast.Constant(value=int() as power)):
             powers = _of(left, named)
             return None if powers is None else tuple(power * p for p in powers)
         case ast.Call(func=ast.Name(id="abs" | "min" | "max"), args=arguments):
             found: Known = None
-            for one in arguments:
-                found = _same(found, _of_term(one, named))
+            for argument in arguments:
+                found = _same(found, _of_term(argument, named))
             return found
     return None
 
@@ -144,6 +143,6 @@ def _same(one: Known, other: Known) -> Known:
     Raises:
         UnitError: they are not of one kind.
     """
-    if None not in (one, other) and one != other:
+    if one is not None and other is not None and one != other:
         raise UnitError(f"adds {article(spelled(one))} and {article(spelled(other))}")
     return one if other is None else other

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Operand = Union["Dual", Array, float]
 
 
 class Dual:
@@ -34,24 +35,24 @@ class Dual:
     def __pos__(self) -> Dual:
         return self
 
-    def __add__(self, other: Any) -> Dual:
+    def __add__(self, other: Operand) -> Dual:
         other = dual(other)
         return Dual(self.value + other.value, self.rate + other.rate)
 
-    def __sub__(self, other: Any) -> Dual:
+    def __sub__(self, other: Operand) -> Dual:
         other = dual(other)
         return Dual(self.value - other.value, self.rate - other.rate)
 
-    def __mul__(self, other: Any) -> Dual:
+    def __mul__(self, other: Operand) -> Dual:
         other = dual(other)
         return Dual(self.value * other.value, self.rate * other.value + self.value * other.rate)
 
-    def __truediv__(self, other: Any) -> Dual:
+    def __truediv__(self, other: Operand) -> Dual:
         other = dual(other)
         ratio = self.value / other.value
         return Dual(ratio, (self.rate - ratio * other.rate) / other.value)
 
-    def __pow__(self, other: Any) -> Dual:
+    def __pow__(self, other: Operand) -> Dual:
         other = dual(other)
         power = self.value**other.value
         rate = other.value * self.value ** (other.value - 1.0) * self.rate
@@ -63,36 +64,36 @@ class Dual:
     __radd__ = __add__
     __rmul__ = __mul__
 
-    def __rsub__(self, other: Any) -> Dual:
+    def __rsub__(self, other: Operand) -> Dual:
         return dual(other) - self
 
-    def __rtruediv__(self, other: Any) -> Dual:
+    def __rtruediv__(self, other: Operand) -> Dual:
         return dual(other) / self
 
-    def __rpow__(self, other: Any) -> Dual:
+    def __rpow__(self, other: Operand) -> Dual:
         return dual(other) ** self
 
 
-def dual(number: Any) -> Dual:
+def dual(number: Operand) -> Dual:
     """The number as it is if dual, else as a constant."""
     return number if isinstance(number, Dual) else Dual(np.asarray(number, dtype=float))
 
 
-def _chain(function: Callable[[Array], Array], slope: Callable[[Array], Array]) -> Callable[[Any], Dual]:
-    def apply(a: Any) -> Dual:
+def _chain(function: Callable[[Array], Array], slope: Callable[[Array], Array]) -> Callable[[Operand], Dual]:
+    def apply(a: Operand) -> Dual:
         a = dual(a)
         return Dual(function(a.value), slope(a.value) * a.rate)
 
     return apply
 
 
-def _atan2(y: Any, x: Any) -> Dual:
+def _atan2(y: Operand, x: Operand) -> Dual:
     y, x = dual(y), dual(x)
     return Dual(np.arctan2(y.value, x.value), (x.value * y.rate - y.value * x.rate) / (x.value**2 + y.value**2))
 
 
-def _choose(first: Callable[[Array, Array], Any]) -> Callable[[Any, Any], Dual]:
-    def apply(a: Any, b: Any) -> Dual:
+def _choose(first: Callable[[Array, Array], NDArray[np.bool_]]) -> Callable[[Operand, Operand], Dual]:
+    def apply(a: Operand, b: Operand) -> Dual:
         a, b = dual(a), dual(b)
         chosen = first(a.value, b.value)
         return Dual(np.where(chosen, a.value, b.value), np.where(chosen, a.rate, b.rate))

@@ -12,8 +12,8 @@ from restshape.scene.model import Scene
 
 
 @dataclass(frozen=True)
-class Decision:
-    """What an effect settles for one scene.
+class ResolvedSettings:
+    """What an effect's settings resolve to for one scene.
 
     Args:
         settings: its keys, with nothing left open.
@@ -31,10 +31,10 @@ class Decision:
 
 
 @runtime_checkable
-class Deciding(Protocol):
+class SettingsResolver(Protocol):
     """An effect model with keys that the scene as a whole decides."""
 
-    def decide(self, scene: Scene) -> Decision:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The decision for a scene whose `mesh.order` is None where nobody has named one.
 
         Raises:
@@ -47,7 +47,7 @@ class Effect:
     """One physical effect that an application knows.
 
     Args:
-        model: pydantic model of the keys that ``[effects.NAME]`` may hold; it may be `Deciding`.
+        model: pydantic model of the keys that ``[effects.NAME]`` may hold; it may be `SettingsResolver`.
         summary: one line for people.
         required: the application makes no sense without it.
         fixed: the analysis is another one with it, so that an edit can switch it neither on nor off.
@@ -55,7 +55,7 @@ class Effect:
         transient: a frame goes on from the one before it, so that none can be left out.
         quantities: kinds of quantities that there are with it only.
         kernels: how the names of elements begin that are there for it alone.
-        carries: effects whose work is done again for what this one adds: its price is that of a scene without them.
+        repeats: effects whose work is done again for what this one adds: its price is that of a scene without them.
     """
 
     model: type[BaseModel]
@@ -66,11 +66,11 @@ class Effect:
     transient: bool = False
     quantities: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
-    carries: tuple[str, ...] = ()
+    repeats: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Implied:
+class DerivedEffect:
     """A part of the physics that no ``[effects.NAME]`` names: it follows from what else a scene holds.
 
     Args:

@@ -1,15 +1,15 @@
 """What all edit scripts share: time, places in the units of the script, numbers of frames, events without an object."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from pydantic.json_schema import SkipJsonSchema
 
 from restshape.scene.units import quantity
-from restshape.scene.values import Strict, number_of
+from restshape.scene.values import Strict, Time
 
 
-def _read_coordinate(raw: Any, info: ValidationInfo) -> float:
+def _read_coordinate(raw: float | str, info: ValidationInfo) -> float:
     """A length in metres: plain numbers are in the units of the script's header."""
     scale = (info.context or {}).get("scale", 1.0)
     return quantity(raw, "length") * (1.0 if isinstance(raw, str) else scale)
@@ -27,11 +27,12 @@ Frames = Annotated[int, Field(ge=1, le=1_000_000, strict=True)]
 
 
 class EventLine(Strict):
-    """What every event has: its edit time [s], the line it stands on (0 = not from a file), and room for a remark."""
+    """What every event has: what it does, its edit time [s], its line (0 = not from a file), and room for a remark."""
 
     line: SkipJsonSchema[int] = Field(default=0, exclude=True)
-    t: Annotated[number_of("time"), Field(ge=0)]
+    t: Annotated[Time, Field(ge=0)]
     note: str = ""
+    do: str
 
     @property
     def frame_count(self) -> int:

@@ -1,9 +1,9 @@
 """Formulas in a scene: read from text, evaluated on arrays, with nothing but arithmetic in them."""
 
 import ast
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from restshape.scene import duals
 from restshape.scene.duals import Dual
 from restshape.scene.units import in_si
+
+Number = TypeVar("Number", NDArray[np.float64], Dual)
 
 FUNCTIONS: dict[str, tuple[Callable[..., NDArray[np.float64]], int]] = {
     "sqrt": (np.sqrt, 1),
@@ -29,7 +31,7 @@ OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "
 COORDINATES = ("x", "y")
 CONSTANTS = {"pi": np.pi}
 LONGEST = 2000
-DEEPEST = 100
+MAX_DEPTH = 100
 
 
 class ExpressionError(ValueError):
@@ -114,14 +116,16 @@ class Expression:
         result = duals.dual(self._run(duals.FUNCTIONS, x, y, parameters))
         return np.array(np.broadcast_to(result.rate, np.shape(x.value)), dtype=np.float64)
 
-    def _run(self, functions: dict[str, Callable], x: Any, y: Any, parameters: dict[str, float]) -> Any:
+    def _run(
+        self, functions: Mapping[str, Callable[..., Number]], x: Number, y: Number, parameters: dict[str, float]
+    ) -> Number | float:
         """The formula in whatever arithmetic the coordinates and functions bring."""
         unknown = self.unknown(parameters)
         if unknown:
             raise ExpressionError(unknown)
         values = {name: np.float64(value) for name, value in (CONSTANTS | parameters).items()}
         with np.errstate(all="ignore"):
-            return eval(self._code, {"__builtins__": {}}, functions | self._numbers | values | {"x": x, "y": y})
+            return eval(self._code, {"__builtins__": {}}, {**functions, **self._numbers, **values, "x": x, "y": y})
 
 
 Value = float | Expression
@@ -129,7 +133,7 @@ Value = float | Expression
 
 def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
     """Refuses all that is not arithmetic, and collects the names."""
-    if depth > DEEPEST:
+    if depth > MAX_DEPTH:
         raise ExpressionError(f"{text!r} is nested too deeply")
     match node:
         case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
@@ -180,6 +184,7 @@ class _Numbers(ast.NodeTransformer):
     def visit_Constant(self, node: ast.Constant) -> ast.Name:
         """A name that no formula can hold, in place of the number."""
         name = f"#{len(self.values)}"
+        assert isinstance(node.value, int | float), "formulas hold no other constants"
         try:
             self.values[name] = np.float64(node.value)
         except OverflowError as error:

@@ -45,5 +45,5 @@ def _error(
         do = f'use one of: {", ".join(own)}, or app = "{other.name}"'
     else:
         do = f'leave it out, or use app = "{other.name}"'
-    told = f"knows no {what} {key!r}" if what == "direction" else f"has no {what} {key!r}"
-    return source.error(place, f"the application {application.name!r} {told}", do)
+    what_is_wrong = f"knows no {what} {key!r}" if what == "direction" else f"has no {what} {key!r}"
+    return source.error(place, f"the application {application.name!r} {what_is_wrong}", do)

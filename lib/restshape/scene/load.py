@@ -13,13 +13,13 @@ from restshape.errors import UserError
 from restshape.scene.checks import check_scene
 from restshape.scene.dimensions import check_units
 from restshape.scene.foreign import refuse_foreign
-from restshape.scene.model import FORMAT, VERSION, Scene
+from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
 from restshape.scene.plan import plan
-from restshape.scene.problems import user_error
 from restshape.scene.registered import checked_applications, installed_physics
 from restshape.scene.renamed import other_name
 from restshape.scene.scene_type import joined_sections, scene_type
 from restshape.scene.source import Source, read_text, split_key, suggestion
+from restshape.scene.validation_errors import user_error
 
 NAMED = ("parameters", "material", "supports", "loads", "quantities")
 NAMED_OF_SHAPE = ("vertices", "edges", "holes", "regions", "points", "groups")
@@ -42,7 +42,8 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     except tomllib.TOMLDecodeError as error:
         raise _syntax_error(error, path) from error
     _check_format(raw, path)
-    keys, named = [], []
+    keys: list[tuple[str, ...]] = []
+    named: list[str] = []
     for override in overrides:
         key, value = parse_override(override)
         put(raw, key, value, f"--set {override}")
@@ -67,7 +68,7 @@ def recorded_scene(raw: dict[str, Any], path: Path) -> Scene:
 
 
 def revise(scene: Scene, key: str, value: Any) -> Scene:
-    """The scene with one key changed, validated anew; it shares all other tables with the one given.
+    """The scene with one key changed, validated again; it shares all other tables with the one given.
 
     Args:
         scene: is left as it is.
@@ -91,7 +92,7 @@ def revise(scene: Scene, key: str, value: Any) -> Scene:
 
 
 def remade(scene: Scene, raw: dict[str, Any]) -> Scene:
-    """The scene of other plain tables in place of its own, validated anew.
+    """The scene of other plain tables in place of its own, validated again.
 
     Raises:
         UserError: they make no scene.
@@ -141,13 +142,14 @@ def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str) -> No
     tables = _named_tables()
     for depth, part in enumerate(key):
         last = depth == len(key) - 1
+        place: str | int = part
         if isinstance(here, list):
             if not part.isdigit() or int(part) >= len(here):
                 places = f"a list of {len(here)} entries"
                 raise UserError(
                     f"{'.'.join(key[:depth])} is {places}, so {part!r} is no place in it", where, "count from 0"
                 )
-            part = int(part)
+            place = int(part)
         elif not isinstance(here, dict):
             raise UserError(
                 f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
@@ -157,9 +159,9 @@ def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str) -> No
         if last:
             if (other := other_name(key)) and isinstance(here, dict):
                 here.pop(other[-1], None)
-            here[part] = value
+            here[place] = value
         else:
-            here = here[part] if isinstance(here, list) else here.setdefault(part, {})
+            here = here[int(part)] if isinstance(here, list) else here.setdefault(part, {})
 
 
 def _named_tables() -> set[tuple[str, ...]]:
@@ -202,6 +204,7 @@ def _scene(raw: dict[str, Any], source: Source) -> Scene:
         scene = kind.model_validate(raw)
     except ValidationError as error:
         raise user_error(error, source, kind) from error
+    assert app, "a scene without an application is not valid"
     effects = {}
     for name, settings in scene.effects.items():
         if name not in app.effects:
@@ -226,7 +229,7 @@ def _decided(scene: Scene, app: Application) -> Scene:
         planned = plan(scene, app)
     except UserError as error:
         raise scene.located(error) from None
-    update = {}
+    update: dict[str, MeshSpec | SolveSpec] = {}
     if scene.mesh.order != planned.order:
         update["mesh"] = scene.mesh.model_copy(update={"order": planned.order})
     if planned.tolerance is not None and "tolerance" not in scene.solve.model_fields_set:

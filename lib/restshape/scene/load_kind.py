@@ -26,6 +26,6 @@ class LoadKind:
     summary: str = ""
 
     @property
-    def meaning(self) -> Any:
+    def meaning(self) -> object:
         """What it is in all physics that have it."""
         return dimension_of(self.value)

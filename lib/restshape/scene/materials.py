@@ -8,10 +8,8 @@ from typing import Any
 MATERIALS: dict[str, dict[str, Any]] = tomllib.loads((files(__package__) / "materials.toml").read_text("utf-8"))
 """Keys of a material by its name, as a scene would hold them, and the source of their values."""
 
-NAMES = tuple(MATERIALS)
 
-
-def named(raw: Any, known: Mapping[str, Mapping[str, Any]], keys: Collection[str]) -> Any:
+def named(raw: object, known: Mapping[str, Mapping[str, Any]], keys: Collection[str]) -> Any:
     """The tables of a material with the values of the material that they name; values of their own come first.
 
     Args:
@@ -19,7 +17,9 @@ def named(raw: Any, known: Mapping[str, Mapping[str, Any]], keys: Collection[str
         known: values by name.
         keys: that the material may have: other values are left out.
     """
-    name = raw.get("name") if isinstance(raw, dict) else None
+    if not isinstance(raw, dict):
+        return raw
+    name = raw.get("name")
     if not isinstance(name, str) or name not in known:
         return raw
     values = {key: value for key, value in known[name].items() if key in keys}

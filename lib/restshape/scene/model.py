@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
     BeforeValidator,
@@ -15,27 +15,31 @@ from pydantic import (
 
 from restshape.errors import UserError
 from restshape.scene.load_kind import LoadKind
-from restshape.scene.materials import MATERIALS, NAMES, named
+from restshape.scene.materials import MATERIALS, named
 from restshape.scene.quantity import Quantity
 from restshape.scene.source import Source, split_key
 from restshape.scene.units import UnitError, quantity
-from restshape.scene.values import Entities, Length, Name, Point, Strict, number_of, only_one
+from restshape.scene.values import AnyNumber, Entities, Length, Name, Point, Strict, only_one
 
 FORMAT = "restshape-scene"
 VERSION = 1
+# A type checker cannot read the names from the file.
+if TYPE_CHECKING:
+    KnownName = str
+else:
+    KnownName = Literal[tuple(MATERIALS)]
 
 
 def _tag_by_key(keys: tuple[str, ...]) -> Discriminator:
-    """A discriminator that tells models apart by which of the keys is there."""
+    """A discriminator that distinguishes models by which of the keys is there."""
 
-    def tag(raw: Any) -> str | None:
-        held = [key for key in keys if (key in raw if isinstance(raw, dict) else hasattr(raw, key))]
-        return f"<{held[0]}>" if held else None
+    def tag(raw: object) -> str | None:
+        present = [key for key in keys if (key in raw if isinstance(raw, dict) else hasattr(raw, key))]
+        return f"<{present[0]}>" if present else None
 
     wanted = f"one of {', '.join(keys)} is wanted here"
-    return Discriminator(
-        tag, custom_error_type="kind", custom_error_message=wanted, custom_error_context={"keys": keys}
-    )
+    context: dict[str, Any] = {"keys": keys}
+    return Discriminator(tag, custom_error_type="kind", custom_error_message=wanted, custom_error_context=context)
 
 
 class LineSpec(Strict):
@@ -167,16 +171,16 @@ class Material(Strict):
 
     known: ClassVar[Mapping[str, Mapping[str, Any]]] = MATERIALS
 
-    name: Literal[NAMES] | None = None
+    name: KnownName | None = None
     region: Entities | None = None
 
     @model_validator(mode="before")
     @classmethod
-    def _take_the_named(cls, raw: Any) -> Any:
+    def _take_the_named(cls, raw: object) -> object:
         return named(raw, cls.known, cls.model_fields)
 
 
-def read_fix(raw: Any) -> Any:
+def read_fix(raw: object) -> dict[str, Any]:
     """What is constrained, as a table of values."""
     if isinstance(raw, list) and raw and all(isinstance(component, str) for component in raw):
         return dict.fromkeys(raw, 0.0)
@@ -222,7 +226,7 @@ class MeshSpec(Strict):
     """``[mesh]``: how fine, of which order (left out, the effects decide), and how it follows the shape.
 
     Solids over the plane outline have ``layers`` of tetrahedra. Of ``levels`` of nested meshes the finest has the sizes
-    given; the coarsest is what moves, flips and is made anew.
+    given; the coarsest is what moves, flips and is rebuilt.
     """
 
     size: Annotated[Length, Field(gt=0)] | None = None
@@ -238,7 +242,7 @@ class MeshSpec(Strict):
     unit: Annotated[float, BeforeValidator(lambda raw: _read_scale(raw)), Field(gt=0)] = 1.0
 
 
-def _read_scale(raw: Any) -> float:
+def _read_scale(raw: float | str) -> float:
     """Metres in one unit of an imported mesh, given as a number or as the name of a unit."""
     return quantity(f"1 {raw}" if isinstance(raw, str) and raw.strip().isalpha() else raw, "length")
 
@@ -261,7 +265,7 @@ class Scene(Strict):
     version: Literal[1]
     app: str
     title: str = ""
-    parameters: dict[Name, number_of(None)] = {}
+    parameters: dict[Name, AnyNumber] = {}
     shape: ShapeSpec = ShapeSpec()
     material: Annotated[dict[Name, Material], Field(min_length=1)] = {}
     effects: dict[str, dict[str, Any]] = {}

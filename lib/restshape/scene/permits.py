@@ -41,6 +41,16 @@ def may_name(file: Path, folder: Path) -> bool:
     return any(file.resolve().is_relative_to(home) for home in homes)
 
 
+def outside(file: str, folder: Path) -> tuple[str, str] | None:
+    """What is wrong with a file that a scene in a folder may not name, and what to do; None where it may."""
+    path = folder / file
+    if may_name(path, folder):
+        return None
+    link = " through a link" if Path(os.path.abspath(path)).is_relative_to(folder.absolute()) else ""
+    what = f"the file {file!r} lies outside of the scene's folder{link}"
+    return what, f"put it beside the scene, or allow its folder: --allow-path {path.resolve().parent}"
+
+
 def _shipped_meshes(folder: Path) -> list[Path]:
     """The folder of meshes beside the applications, where a scene's folder belongs to one of them."""
     roots = {known.folder.resolve().parent for known in applications().values()}

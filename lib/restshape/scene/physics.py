@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
+from types import GenericAlias
 from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, Field
@@ -15,7 +16,7 @@ from restshape.scene.quantity import QuantityKind
 from restshape.scene.values import Name
 
 if TYPE_CHECKING:
-    from restshape.scene.effect import Effect, Implied
+    from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.model import Material, Scene, Support
     from restshape.scene.solver import SolverPlan
     from restshape.scene.source import Source
@@ -47,7 +48,7 @@ class Section:
     @property
     def field(self) -> tuple[Any, Any]:
         """Its annotation and its default, for pydantic."""
-        kind: Any = dict[Name, self.model] if self.named else self.model
+        kind: Any = GenericAlias(dict, (Name, self.model)) if self.named else self.model
         if self.required:
             return kind, Field(description=self.summary)
         if self.optional:
@@ -61,7 +62,7 @@ class Invariant:
 
     Args:
         of: the value that stays, of a scene and the names of the effects that are on.
-        what: what is told of an edit that changes it.
+        what: what is reported of an edit that changes it.
         do: what to do about it.
     """
 
@@ -85,6 +86,7 @@ class PictureField:
     from_zero: bool = True
 
 
+# More than 15 attributes: each is a part of the declaration, of which a physics gives those that it has.
 @dataclass(frozen=True, eq=False)
 class Physics:
     """One physics, as scenes know it.
@@ -103,9 +105,9 @@ class Physics:
         sections: tables by key.
         events: of edit scripts by name, beside those that every session has.
         effects: by name; an application takes all or some.
-        implied: parts that follow from a scene without being named, by name.
+        derived: parts that follow from a scene without being named, by name.
         invariants: what cannot change during an edit.
-        pictured: fields of recordings that pictures show, by name, the most telling first.
+        pictured: fields of recordings that pictures show, by name, the most important first.
         orders: of elements; the usual one first.
         layered: bodies have a thickness of their own with layers of elements over it.
         nested: its fields, of first order, may live on a mesh nested in coarser ones.
@@ -129,7 +131,7 @@ class Physics:
     sections: Mapping[str, Section] = field(default_factory=dict)
     events: Mapping[str, type[EventLine]] = field(default_factory=dict)
     effects: Mapping[str, Effect] = field(default_factory=dict)
-    implied: Mapping[str, Implied] = field(default_factory=dict)
+    derived: Mapping[str, DerivedEffect] = field(default_factory=dict)
     invariants: tuple[Invariant, ...] = ()
     pictured: Mapping[str, PictureField] = field(default_factory=dict)
     orders: tuple[int, ...] = (1,)
@@ -141,7 +143,7 @@ class Physics:
     summed: Callable[[Scene, Any, float], tuple[dict[str, Any], Rows]] | None = None
     instead: Mapping[str, str] = field(default_factory=dict)
 
-    def checked_shape(self, scene: Scene, outline: Any) -> None:
+    def checked_shape(self, scene: Scene, outline: object) -> None:
         """Makes sure that a scene makes sense on its first outline.
 
         Raises:

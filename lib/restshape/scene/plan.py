@@ -6,7 +6,7 @@ from pydantic import BaseModel
 
 from restshape.application import Application
 from restshape.errors import UserError
-from restshape.scene.effect import Deciding, Decision, Implied
+from restshape.scene.effect import DerivedEffect, ResolvedSettings, SettingsResolver
 from restshape.scene.model import Scene
 from restshape.scene.solver import SolverPlan, joint
 
@@ -37,7 +37,7 @@ class Plan:
 
     Args:
         effects: in the application's order.
-        implied: effects that follow from the scene without being named, likewise.
+        derived: effects that follow from the scene without being named, likewise.
         solver: which equations there are, and how they are solved.
         order: of the elements.
         order_why: the reason.
@@ -46,7 +46,7 @@ class Plan:
     """
 
     effects: tuple[PlannedEffect, ...]
-    implied: tuple[PlannedEffect, ...]
+    derived: tuple[PlannedEffect, ...]
     solver: SolverPlan
     order: int = 1
     order_why: str = ""
@@ -55,7 +55,7 @@ class Plan:
 
     def on(self, name: str) -> bool:
         """Whether the effect is simulated."""
-        return any(effect.on for effect in (*self.effects, *self.implied) if effect.name == name)
+        return any(effect.on for effect in (*self.effects, *self.derived) if effect.name == name)
 
     def settings(self, name: str) -> BaseModel | None:
         """The effect's keys with defaults filled in; None when it is off or unknown."""
@@ -69,7 +69,7 @@ def plan(scene: Scene, application: Application) -> Plan:
         UserError: an effect cannot be had in this scene.
     """
     planned, warnings, tolerances = [], [], []
-    orders = [(scene.mesh.order, "the scene says so in mesh.order")]
+    orders: list[tuple[int | None, str]] = [(scene.mesh.order, "the scene says so in mesh.order")]
     for name, effect in application.effects.items():
         if name not in scene.effects and not effect.required:
             planned.append(PlannedEffect(name, False, f"the scene has no [effects.{name}]"))
@@ -84,13 +84,14 @@ def plan(scene: Scene, application: Application) -> Plan:
             warnings.append(f"effects.{name}: {decision.why if decision.warns is True else decision.warns}")
         tolerances += [decision.tolerance] if decision.tolerance is not None else []
     on = frozenset(effect.name for effect in planned if effect.on)
-    implied = tuple(_implied(name, effect, scene, on) for name, effect in application.implied.items())
+    derived = tuple(_derived(name, effect, scene, on) for name, effect in application.derived.items())
     settings = {effect.name: effect.settings for effect in planned}
     solver = joint([physics.solver(scene, on, settings) for physics in application.physics])
     usual = (application.orders[0], f"the usual one of {application.name}")
-    order, order_why = next((asked for asked in orders if asked[0] in application.orders), usual)
+    possible = ((order, why) for order, why in orders if order is not None and order in application.orders)
+    order, order_why = next(possible, usual)
     tolerance = min(tolerances, default=None)
-    return Plan(tuple(planned), implied, solver, order, order_why, tuple(warnings), tolerance)
+    return Plan(tuple(planned), derived, solver, order, order_why, tuple(warnings), tolerance)
 
 
 def as_written(scene: Scene) -> Scene:
@@ -99,7 +100,7 @@ def as_written(scene: Scene) -> Scene:
     return scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"order": order})})
 
 
-def _implied(name: str, effect: Implied, scene: Scene, on: frozenset[str]) -> PlannedEffect:
+def _derived(name: str, effect: DerivedEffect, scene: Scene, on: frozenset[str]) -> PlannedEffect:
     """Whether a scene calls for what it does not name."""
     why = effect.cause(scene, on)
     return PlannedEffect(name, bool(why), why or effect.idle, None, "follows" if why else "none")
@@ -127,6 +128,6 @@ def _on(scene: Scene, application: Application) -> frozenset[str]:
     return frozenset(name for name, effect in application.effects.items() if effect.required or name in scene.effects)
 
 
-def _decision(settings: BaseModel, scene: Scene) -> Decision:
-    """What an effect settles for the scene; its keys as they are if it has nothing to decide."""
-    return settings.decide(scene) if isinstance(settings, Deciding) else Decision(settings)
+def _decision(settings: BaseModel, scene: Scene) -> ResolvedSettings:
+    """What an effect's settings resolve to for the scene; its keys as they are if it has nothing to decide."""
+    return settings.resolve(scene) if isinstance(settings, SettingsResolver) else ResolvedSettings(settings)

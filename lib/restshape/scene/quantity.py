@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, create_model, field_validator, model_validator
 
 from restshape.scene.expressions import Expression, Value
-from restshape.scene.renamed import by_todays_names
+from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import SYMBOLS, UnitError, article, quantity, reads_as_quantity
 from restshape.scene.values import Strict, only_one
 
@@ -26,6 +26,7 @@ class QuantityKind:
         whole: it belongs to the whole body, not to a place.
         summary: what it is, for people.
         reductions: how values may become one; empty: in any way.
+        renamed: its key in version 0.1; empty: the same.
     """
 
     value: Any
@@ -34,9 +35,10 @@ class QuantityKind:
     whole: bool = False
     summary: str = ""
     reductions: tuple[str, ...] = ()
+    renamed: str = ""
 
     @property
-    def meaning(self) -> tuple[Any, ...]:
+    def meaning(self) -> tuple[str, str, bool]:
         """What it is in all physics that have it: they may differ in what may be chosen."""
         return self.dimension, self.reduce, self.whole
 
@@ -70,7 +72,7 @@ class Quantity(Strict):
     """
 
     kinds: ClassVar[Mapping[str, QuantityKind]] = {}
-    renamed = {"max": "limit", "min": "at_least", "reduce": "take", "reference": "exact"}
+    renamed: ClassVar[Mapping[str, str]] = {"max": "limit", "min": "at_least", "reduce": "take", "reference": "exact"}
 
     at: str | None = None
     reduce: Literal["max", "min", "mean", "sum", "absmax", "peak"] | None = None
@@ -85,14 +87,14 @@ class Quantity(Strict):
 
     @field_validator("max", "min", mode="before")
     @classmethod
-    def _read_limit(cls, raw: Any, info: ValidationInfo) -> float:
+    def _read_limit(cls, raw: float | str, info: ValidationInfo) -> float:
         """The largest or smallest value of a quantity that holds, in the unit of its kind."""
         kind = next((kind for kind in cls.kinds if info.data.get(kind) is not None), None)
         return quantity(raw, cls.kinds[kind].dimension if kind else None)
 
     @field_validator("reference", mode="before")
     @classmethod
-    def _read_reference(cls, raw: Any, info: ValidationInfo) -> Value:
+    def _read_reference(cls, raw: Expression | float | str, info: ValidationInfo) -> Value:
         """The value of a quantity by a closed form, a formula or a number in the unit of its kind."""
         if isinstance(raw, Expression) or (isinstance(raw, str) and not reads_as_quantity(raw)):
             return raw if isinstance(raw, Expression) else Expression(raw)
@@ -110,7 +112,7 @@ class Quantity(Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _reduce_as_usual(cls, raw: Any) -> Any:
+    def _reduce_as_usual(cls, raw: object) -> object:
         raw = by_todays_names(raw, cls.renamed)
         if isinstance(raw, dict) and "reduce" not in raw:
             kind = next((kind for kind in cls.kinds if kind in raw), None)
@@ -132,8 +134,12 @@ def quantity_type(kinds: Mapping[str, QuantityKind]) -> type[Quantity]:
     """The model of quantities that may be of these kinds, and of those that all scenes have."""
     kinds = {**kinds, **CORE}
     # Fields of the last base come first: a limit is read by the kind that has been read before it.
-    fields = {key: (kind.value | None, Field(None, description=kind.summary or None)) for key, kind in kinds.items()}
+    fields: dict[str, Any] = {
+        key: (kind.value | None, Field(None, description=kind.summary or None)) for key, kind in kinds.items()
+    }
     keys = create_model("Keys", __base__=Strict, **fields)
-    made = create_model("Quantity", __base__=(Quantity, keys), __doc__=Quantity.__doc__)
+    made = cast(type[Quantity], create_model("Quantity", __base__=(Quantity, keys), __doc__=Quantity.__doc__))
     made.kinds = kinds
+    made.renamed = {**Quantity.renamed, **{key: kind.renamed for key, kind in kinds.items() if kind.renamed}}
+    OLD_NAMES.update(made.renamed)
     return made

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from functools import cache
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from restshape.application import Application, applications
 from restshape.errors import UserError
@@ -37,7 +37,7 @@ def refuse_clashes(physics: Iterable[Physics]) -> None:
         UserError: two physics declare a key with different meanings, or one declares what all scenes have.
     """
     core = core_keys()
-    owners: dict[tuple[str, str], tuple[str, Any]] = {}
+    owners: dict[tuple[str, str], tuple[str, object]] = {}
     for one in physics:
         for what, meanings in declared_keys(one).items():
             for key, meaning in meanings.items():
@@ -50,7 +50,7 @@ def refuse_clashes(physics: Iterable[Physics]) -> None:
 
 def _refuse_clashes_within(app: Application) -> None:
     """Makes sure that each effect, event and column of an application is that of one of its physics."""
-    owners: dict[tuple[str, str], tuple[str, Any]] = {}
+    owners: dict[tuple[str, str], tuple[str, object]] = {}
     shared = shared_events(app)
     for one in app.physics:
         for key, model in one.events.items():

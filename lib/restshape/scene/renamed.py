@@ -1,4 +1,4 @@
-"""Keys that had another name in version 0.1: both are read, and a note tells the name of today."""
+"""Keys that had another name in version 0.1: both are read, and a note reports the name of today."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -9,7 +9,7 @@ OLD_NAMES: dict[str, str] = {}
 """Every renamed key by its name today: what version 0.1 called it."""
 
 
-def by_todays_names(raw: Any, renamed: Mapping[str, str]) -> Any:
+def by_todays_names(raw: object, renamed: Mapping[str, str]) -> Any:
     """Plain tables with their keys under the names of today, in their order.
 
     Args:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from types import GenericAlias
 from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, create_model
@@ -47,7 +48,7 @@ def known_materials(physics: Iterable[Physics]) -> dict[str, dict[str, Any]]:
     known = {name: dict(values) for name, values in MATERIALS.items()}
     for one in physics:
         for name, values in one.materials.items():
-            known[name] = known.get(name, {}) | values
+            known[name] = {**known.get(name, {}), **values}
     return known
 
 
@@ -55,16 +56,21 @@ def _scene_of(
     physics: Sequence[Physics], material: type[Material], support: type[Support], sections: Mapping[str, Section]
 ) -> type[Scene]:
     known = known_materials(physics)
-    name = (Literal[tuple(known)] | None, None)
+    name: tuple[Any, None] = (Literal[tuple(known)] | None, None)
     made = create_model("Material", __base__=material, __doc__=material.__doc__, name=name)
     made.known = known
     boundary = {component: dimension for one in physics for component, dimension in one.boundary.items()}
-    fields = {key: section.field for key, section in sections.items()}
-    fields["material"] = (Annotated[dict[Name, made], Field(min_length=1)], {})
-    fields["supports"] = (dict[Name, support_type(support, boundary)], {})
-    fields["loads"] = (dict[Name, load_type(_united(one.loads for one in physics))], {})
-    fields["quantities"] = (dict[Name, quantity_type(_united(one.quantities for one in physics))], {})
+    fields: dict[str, Any] = {key: section.field for key, section in sections.items()}
+    fields["material"] = (Annotated[_by_name(made), Field(min_length=1)], {})
+    fields["supports"] = (_by_name(support_type(support, boundary)), {})
+    fields["loads"] = (_by_name(load_type(_united(one.loads for one in physics))), {})
+    fields["quantities"] = (_by_name(quantity_type(_united(one.quantities for one in physics))), {})
     return create_model("Scene", __base__=Scene, __doc__=Scene.__doc__, **fields)
+
+
+def _by_name(model: type[Strict]) -> Any:
+    """The annotation of a table of tables of such keys by name."""
+    return GenericAlias(dict, (Name, model))
 
 
 def _mixed(core: type[Strict], models: Sequence[type[Strict]]) -> type[Any]:
@@ -78,7 +84,7 @@ def _mixed(core: type[Strict], models: Sequence[type[Strict]]) -> type[Any]:
 
 def _loosened(core: type[Strict], model: type[Strict]) -> type[Any]:
     """A model with the same keys, of which none is required, and no checks of several at once."""
-    keys = {
+    keys: dict[str, Any] = {
         key: (annotation_of(info) | None, Field(None, description=info.description))
         for key, info in model.model_fields.items()
         if key not in core.model_fields
@@ -96,15 +102,23 @@ def _united(added: Iterable[Mapping[str, Kind]]) -> dict[str, Kind]:
     return found
 
 
+def _table_type(keys: Mapping[str, Any]) -> Any:
+    """The annotation of a table that may hold some of these keys, and no others."""
+    # Type checkers know tables of fixed keys alone.
+    make: Any = TypedDict
+    table = make("Components", keys, total=False)
+    table.__pydantic_config__ = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
+    return table
+
+
 def support_type(support: type[Support], boundary: Mapping[str, str]) -> type[Support]:
     """The model of supports that may prescribe these components, each by its dimension."""
-    components = TypedDict("Components", {key: value_of(of) for key, of in boundary.items()}, total=False)
-    components.__pydantic_config__ = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
+    components = _table_type({key: value_of(of) for key, of in boundary.items()})
     schema = {
         "anyOf": [{"type": "array", "items": {"enum": list(boundary)}}, {"type": "object"}],
         "description": "components, with their values",
     }
-    fix = (Annotated[components, BeforeValidator(read_fix), WithJsonSchema(schema)], {})
+    fix: tuple[Any, dict[str, Any]] = (Annotated[components, BeforeValidator(read_fix), WithJsonSchema(schema)], {})
     made = create_model("Support", __base__=support, __doc__=support.__doc__, fix=fix)
     made.boundary = boundary
     return made
@@ -112,7 +126,9 @@ def support_type(support: type[Support], boundary: Mapping[str, str]) -> type[Su
 
 def load_type(kinds: Mapping[str, LoadKind]) -> type[Load]:
     """The model of loads of these kinds."""
-    fields = {key: (kind.value | None, Field(None, description=kind.summary or None)) for key, kind in kinds.items()}
+    fields: dict[str, Any] = {
+        key: (kind.value | None, Field(None, description=kind.summary or None)) for key, kind in kinds.items()
+    }
     made = create_model("Load", __base__=Load, __doc__=Load.__doc__, **fields)
     made.kinds = kinds
     return made

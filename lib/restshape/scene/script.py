@@ -13,10 +13,11 @@ from restshape.errors import UserError
 from restshape.scene.bodies import POINTS, Body, bodies_of
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
-from restshape.scene.problems import user_error
-from restshape.scene.source import Source, read_text, suggestion
+from restshape.scene.permits import outside
+from restshape.scene.source import Source, read_text, split_key, suggestion
 from restshape.scene.units import article, length_unit
-from restshape.scene.values import Name, Strict, number_of, only_one
+from restshape.scene.validation_errors import user_error
+from restshape.scene.values import Angle, Name, Number, Strict, only_one
 
 FORMAT = "restshape-edits"
 VERSION = 1
@@ -66,7 +67,7 @@ class Rotate(EventLine):
 
     do: Literal["rotate"]
     on: str
-    by: number_of("angle")
+    by: Angle
     about: Position | None = None
     frames: Frames = 1
 
@@ -76,7 +77,7 @@ class Scale(EventLine):
 
     do: Literal["scale"]
     on: str
-    factor: Annotated[number_of("number"), Field(gt=0)]
+    factor: Annotated[Number, Field(gt=0)]
     about: Position | None = None
     frames: Frames = 1
 
@@ -192,8 +193,8 @@ EVENTS: dict[str, type[EventLine]] = {
 }
 PLAIN_EVENTS: dict[str, type[EventLine]] = {"idle": Idle, "analyse": Analyse, "undo": Undo, "redo": Redo}
 """Events that every session has."""
-TAKING_HOLD = ("press", "pull")
-HELD = ("drag", "release", "idle", "set", "analyse")
+GRABBING = ("press", "pull")
+WHILE_GRABBED = ("drag", "release", "idle", "set", "analyse")
 """What may happen while the hand holds something."""
 
 
@@ -211,7 +212,7 @@ class Script:
     """
 
     header: Header
-    events: tuple[Event, ...]
+    events: tuple[EventLine, ...]
     torn: str | None = None
     error: UserError | None = None
     warnings: tuple[str, ...] = ()
@@ -220,13 +221,13 @@ class Script:
     @classmethod
     def empty(cls, scene: Scene) -> Self:
         """The script that leaves the scene's shape as it is."""
-        return cls(Header(format=FORMAT, version=VERSION, scene=scene.path.name), ())
+        return cls(Header(format="restshape-edits", version=1, scene=scene.path.name), ())
 
 
 def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = False) -> Script:
     """The edit script of a JSON Lines file.
 
-    A last line that is torn stops nothing: `Script.torn` tells of it, and the events before it are there.
+    A last line that is torn stops nothing: `Script.torn` reports it, and the events before it are there.
 
     Args:
         path: the file.
@@ -254,6 +255,7 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
     try:
         for number, line in lines[1:]:
             reader.event(number, line)
+            _refuse_outside(reader.events[-1], scene, path)
     except _Torn as torn:
         reader.torn, reader.error = str(torn.error), torn.error
     except UserError as error:
@@ -271,6 +273,20 @@ def events_of(application: Application) -> dict[str, type[EventLine]]:
 def shared_events(application: Application) -> dict[str, type[EventLine]]:
     """The events of its edit scripts that other applications have too."""
     return PLAIN_EVENTS if application.session else EVENTS
+
+
+def _refuse_outside(event: EventLine, scene: Scene | None, path: Path) -> None:
+    """Refuses an event that names a file which the scene may not name."""
+    if scene is None or not isinstance(event, Set):
+        return
+    value = event.value
+    for part in reversed(split_key(event.key)):
+        value = {part: value}
+    for table in ("shape", "mesh"):
+        held = value.get(table) if isinstance(value, dict) else None
+        file = held.get("file") if isinstance(held, dict) else None
+        if isinstance(file, str) and file not in scene._source.named and (refused := outside(file, scene.folder)):
+            raise UserError(refused[0], f"{path.name}: line {event.line}: {table}.file", refused[1])
 
 
 def _first_line() -> str:
@@ -306,17 +322,17 @@ class _Torn(Exception):
 
 @dataclass
 class _Reader:
-    """Reads a script line by line, and knows what is held."""
+    """Reads a script line by line, and knows what is grabbed."""
 
     path: Path
     whole: bool
     last: int
     known: dict[str, type[EventLine]]
     bodies: Mapping[str, Body]
-    events: list[Event] = field(default_factory=list)
+    events: list[EventLine] = field(default_factory=list)
     torn: str | None = None
     error: UserError | None = None
-    held: str | None = None
+    grabbed: str | None = None
     t: float = 0.0
     scale: float = 1.0
 
@@ -354,7 +370,7 @@ class _Reader:
         try:
             header = Header.model_validate(table)
         except ValidationError as error:
-            raise self.told(error, number, Header) from error
+            raise self.reported(error, number, Header) from error
         self.scale = length_unit(header.units, f"{self.path.name}: line {number}: units")
         return header
 
@@ -371,39 +387,39 @@ class _Reader:
         try:
             event = self.known[do].model_validate(table | {"line": number}, context={"scale": self.scale})
         except ValidationError as error:
-            found = self.told(error, number, self.known[do])
+            found = self.reported(error, number, self.known[do])
             if lifted := self.lifts(table, error):
                 found = UserError(found.what, found.where, lifted)
             raise found from error
         self.check_order(event, number)
         self.events.append(event)
 
-    def told(self, error: ValidationError, number: int, model: type[Strict]) -> UserError:
+    def reported(self, error: ValidationError, number: int, model: type[Strict]) -> UserError:
         """The error that names file, line and key."""
         return user_error(error, Source(Path(f"{self.path.name}: line {number}")), model)
 
     def lifts(self, table: dict[str, Any], error: ValidationError) -> str:
         """What to do where an event would take a body to a place in space; empty where it is not that."""
-        name = str(table.get("on", self.held))
+        name = str(table.get("on", self.grabbed))
         body = self.bodies.get(name)
         if body is None or not any(found["type"] == "too_long" for found in error.errors()):
             return ""
         keys = [f"bodies.{name}.{body.kind}.{key}.2" for key in POINTS[body.kind]]
         return f'leave out z: hands move bodies in x and y; "do": "set" of {" and of ".join(keys)} lifts this one'
 
-    def check_order(self, event: Event, number: int) -> None:
+    def check_order(self, event: EventLine, number: int) -> None:
         """Refuses time that runs backwards, and a hand that drags what it does not hold."""
         if event.t < self.t:
             self.fail(number, f"time runs backwards: t = {event.t:g} after t = {self.t:g}", "let t never decrease")
         self.t, what = event.t, article(event.do)
-        if self.held is None and event.do in ("drag", "release"):
+        if self.grabbed is None and event.do in ("drag", "release"):
             self.fail(number, f"there is {what} before a press or a pull", 'add {"do": "press", "on": ...} before it')
-        if self.held is not None and event.do not in HELD:
-            self.fail(number, f"there is {what} while {self.held!r} is still held", "add a release before it")
-        if event.do in TAKING_HOLD:
-            self.held = event.on
+        if self.grabbed is not None and event.do not in WHILE_GRABBED:
+            self.fail(number, f"there is {what} while {self.grabbed!r} is still held", "add a release before it")
+        if event.do in GRABBING:
+            self.grabbed = getattr(event, "on", None)
         elif event.do == "release":
-            self.held = None
+            self.grabbed = None
 
 
 def _refuse_constant(name: str) -> NoReturn:

@@ -238,7 +238,7 @@ def article(noun: str) -> str:
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
 
 
-def quantity(value: float | int | str, dimension: str | None) -> float:
+def quantity(value: object, dimension: str | None) -> float:
     """The value in SI units.
 
     Args:

@@ -1,13 +1,22 @@
 """Types of single values in scenes and scripts: numbers with units, formulas, points and names."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    WithJsonSchema,
+    model_validator,
+)
 from pydantic.fields import FieldInfo
+from pydantic_core import CoreSchema, core_schema
 
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.renamed import OLD_NAMES, by_todays_names
@@ -28,33 +37,26 @@ class Strict(BaseModel):
     renamed: ClassVar[Mapping[str, str]] = {}
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
         OLD_NAMES.update(cls.renamed)
 
     @model_validator(mode="before")
     @classmethod
-    def _read_old_names(cls, raw: Any) -> Any:
+    def _read_old_names(cls, raw: object) -> object:
         return by_todays_names(raw, cls.renamed)
 
 
-def only_one(model: Strict, keys: tuple[str, ...]) -> str:
+def only_one(model: Strict, keys: Collection[str]) -> str:
     """The one of these keys that the model holds.
 
     Raises:
         UnitError: none of them, or more than one.
     """
-    held = [key for key in keys if getattr(model, key) is not None]
-    if len(held) != 1:
-        found = " and ".join(held) if held else "none of them"
+    present = [key for key in keys if getattr(model, key) is not None]
+    if len(present) != 1:
+        found = " and ".join(present) if present else "none of them"
         raise UnitError(f"exactly one of {', '.join(keys)} is wanted here, but there is {found}")
-    return held[0]
-
-
-def _schema(dimension: str | None, formula: bool = False) -> dict[str, Any]:
-    """The JSON schema of a number with a unit."""
-    example = EXAMPLES[dimension].strip('"') if dimension else "12 mm"
-    text = f"a number in SI units or text such as {example}" + (", or a formula of x, y and the parameters" * formula)
-    return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": text}
+    return present[0]
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,42 @@ class Measured:
     """
 
     dimension: str | None
+
+
+@dataclass(frozen=True)
+class InSI(Measured):
+    """The annotation of a number with a unit of a dimension, in SI after validation.
+
+    Args:
+        formula: it may also be a formula that gives the number in SI units. Numbers in it may have units of their own,
+            as in ``3 mm * (1 - x/2)``.
+    """
+
+    formula: bool = False
+
+    def read(self, raw: Value | str) -> Value:
+        """The value of what a user has written."""
+        if self.formula and isinstance(raw, Expression):
+            return raw
+        if self.formula and isinstance(raw, str) and not reads_as_quantity(raw):
+            return Expression(raw, self.dimension)
+        return quantity(raw, self.dimension)
+
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
+        written = core_schema.plain_serializer_function_ser_schema(written_value) if self.formula else None
+        return core_schema.no_info_before_validator_function(self.read, handler(source), serialization=written)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        example = EXAMPLES[self.dimension].strip('"') if self.dimension else "12 mm"
+        text = f"a number in SI units or text such as {example}"
+        if self.formula:
+            text += ", or a formula of x, y and the parameters"
+        return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": text}
+
+
+def written_value(value: Value) -> float | str:
+    """A number or the text of a formula, as a scene would hold them."""
+    return value.text if isinstance(value, Expression) else value
 
 
 def dimension_of(annotation: Any) -> Any:
@@ -89,40 +127,15 @@ def annotation_of(field: FieldInfo) -> Any:
 
 def number_of(dimension: str | None) -> Any:
     """The type of a number with a unit of that dimension, in SI after validation."""
-    return Annotated[
-        float,
-        BeforeValidator(lambda raw: quantity(raw, dimension)),
-        WithJsonSchema(_schema(dimension)),
-        Measured(dimension),
-    ]
+    return Annotated[float, InSI(dimension)]
 
 
 def value_of(dimension: str) -> Any:
-    """The type of a number with a unit of that dimension, or of a formula that gives one in SI units.
-
-    Numbers in the formula may have units of their own, as in ``3 mm * (1 - x/2)``.
-    """
-
-    def read(raw: Any) -> Value:
-        if isinstance(raw, Expression):
-            return raw
-        if isinstance(raw, str) and not reads_as_quantity(raw):
-            return Expression(raw, dimension)
-        return quantity(raw, dimension)
-
-    def write(value: Value) -> float | str:
-        return value.text if isinstance(value, Expression) else value
-
-    return Annotated[
-        float | Expression,
-        BeforeValidator(read),
-        PlainSerializer(write),
-        WithJsonSchema(_schema(dimension, True)),
-        Measured(dimension),
-    ]
+    """The type of a number with a unit of that dimension, or of a formula that gives one in SI units."""
+    return Annotated[float | Expression, InSI(dimension, formula=True)]
 
 
-def _read_name(raw: Any) -> str:
+def _read_name(raw: object) -> str:
     """The name, if it may name something."""
     if not isinstance(raw, str):
         raise UnitError(f"a name is wanted here, not {raw!r}")
@@ -133,7 +146,7 @@ def _read_name(raw: Any) -> str:
     return raw
 
 
-def _read_entities(raw: Any) -> list[str]:
+def _read_entities(raw: object) -> list[str]:
     """One name or several, as a list."""
     names = [raw] if isinstance(raw, str) else raw
     if not isinstance(names, list) or not names or not all(isinstance(name, str) and name for name in names):
@@ -141,7 +154,12 @@ def _read_entities(raw: Any) -> list[str]:
     return names
 
 
-Length = number_of("length")
+Number = Annotated[float, InSI("number")]
+Length = Annotated[float, InSI("length")]
+Angle = Annotated[float, InSI("angle")]
+Time = Annotated[float, InSI("time")]
+AnyNumber = Annotated[float, InSI(None)]
+"""Of whatever dimension."""
 Point = tuple[Length, Length]
 Name = Annotated[str, BeforeValidator(_read_name)]
 Entities = Annotated[

@@ -1,1 +1,1 @@
-"""Derivatives of answers with respect to the design, and what they foretell."""
+"""Derivatives of answers with respect to the design, and what they predict."""

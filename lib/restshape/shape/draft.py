@@ -167,8 +167,8 @@ def add_loop(draft: Draft, name: str, kind: str, edges: list[str]) -> None:
             raise UserError(f"loop {name!r} names the edge {edge!r} twice")
     chain: list[tuple[str, bool]] = []
     first = draft.edges[edges[0]]
-    following = draft.edges[edges[1]] if len(edges) > 1 else first
-    at = first.start if first.end in (following.start, following.end) else first.end
+    next_edge = draft.edges[edges[1]] if len(edges) > 1 else first
+    at = first.start if first.end in (next_edge.start, next_edge.end) else first.end
     begin = at
     for edge_name in edges:
         edge = draft.edges[edge_name]

@@ -14,7 +14,7 @@ from ezdxf import units
 from restshape.errors import UserError
 from restshape.shape.curves import arc_centre
 from restshape.shape.outline import Outline
-from restshape.shape.soup import Curve, shape_data
+from restshape.shape.unordered_curves import Curve, shape_data
 
 NO_NAME = ("0", "Defpoints")
 IGNORED = ("TEXT", "MTEXT", "DIMENSION", "POINT", "LEADER")
@@ -41,7 +41,7 @@ def read_dxf(path: Path) -> dict[str, Any]:
         ) from error
     unit = int(drawing.header.get("$INSUNITS", 0))
     scale = units.conversion_factor(unit, units.M) if unit else 1e-3
-    soup: list[Curve] = []
+    loose_curves: list[Curve] = []
     for entity in drawing.modelspace():
         kind, layer = entity.dxftype(), entity.dxf.layer
         if kind in IGNORED:
@@ -57,8 +57,8 @@ def read_dxf(path: Path) -> dict[str, Any]:
         for points, form, bulge in found:
             xy = np.asarray(points, dtype=float)[:, :2] * scale
             region = label if label.lower().startswith("region") else None
-            soup.append(Curve(xy, form, label, bulge, f"{kind} on layer {layer}", region))
-    return shape_data(soup, path.name)
+            loose_curves.append(Curve(xy, form, label, bulge, f"{kind} on layer {layer}", region))
+    return shape_data(loose_curves, path.name)
 
 
 def _name(layer: str) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.shape.chain import Chain, chain_of, control_of
-from restshape.shape.gesture import Gesture, spread
+from restshape.shape.gesture import Gesture, extend_to_controls
 from restshape.shape.outline import Outline
 
 ZIGZAG = 16.0
@@ -50,7 +50,7 @@ def smooth(
     displacement[chain.controls] = step
     chosen = np.zeros(len(outline.points), dtype=bool)
     chosen[chain.controls] = True
-    moved = spread(outline, chosen, displacement)
+    moved = extend_to_controls(outline, chosen, displacement)
     none = np.zeros(len(outline.points), dtype=bool)
     return Gesture("smooth", np.stack([moved, np.zeros_like(moved)]), True, outline.points, none)
 

@@ -9,8 +9,11 @@ from restshape.errors import UserError
 from restshape.shape.geo_model import curves_of, gmsh_model
 from restshape.shape.geo_process import curves_apart
 from restshape.shape.geo_script import draw
-from restshape.shape.geo_words import MOST_BYTES
-from restshape.shape.soup import shape_data
+from restshape.shape.geo_tokens import MOST_BYTES
+from restshape.shape.unordered_curves import shape_data
+
+BOOLEAN = "Boolean"
+"""How the names of statements begin that OpenCASCADE may take any time for."""
 
 
 def read_geo(path: Path, trusted: bool = False) -> dict[str, Any]:
@@ -25,15 +28,17 @@ def read_geo(path: Path, trusted: bool = False) -> dict[str, Any]:
         trusted: gmsh runs the whole script, in a process of its own; otherwise only statements that draw are read.
 
     Raises:
-        UserError: unreadable, a statement that is not read, not in the plane, or open loops.
+        UserError: unreadable, a statement that is not read, not in the plane, open loops, or too long to read.
     """
     if trusted:
-        return shape_data(curves_apart(path), path.name)
+        return shape_data(curves_apart(path, "run"), path.name)
     text = _text(path)
+    if BOOLEAN in text:
+        return shape_data(curves_apart(path, "draw"), path.name)
     with gmsh_model(path) as gmsh:
         draw(gmsh, text, path.name)
-        soup = curves_of(gmsh.model, path.name)
-    return shape_data(soup, path.name)
+        loose_curves = curves_of(gmsh.model, path.name)
+    return shape_data(loose_curves, path.name)
 
 
 def _text(path: Path) -> str:

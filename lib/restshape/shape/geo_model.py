@@ -12,7 +12,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.shape.curves import bulge_through
-from restshape.shape.soup import Curve
+from restshape.shape.unordered_curves import Curve
 from restshape.surroundings import start_gmsh
 
 SPLINE_POINTS = 33
@@ -57,7 +57,7 @@ def curves_of(model: Any, where: str) -> list[Curve]:
     surfaces = {s: {abs(c) for _, c in model.getBoundary([(2, s)], oriented=False)} for _, s in model.getEntities(2)}
     bounding = set().union(*surfaces.values()) if surfaces else {c for _, c in model.getEntities(1)}
     regions = _regions(surfaces, names)
-    soup = []
+    loose_curves = []
     for tag in sorted(bounding):
         kind = model.getType(1, tag)
         low, high = (float(bound[0]) for bound in model.getParametrizationBounds(1, tag))
@@ -68,8 +68,8 @@ def curves_of(model: Any, where: str) -> list[Curve]:
         xy = np.ascontiguousarray(xyz[:, :2])
         label, region = names.get((1, tag), ""), regions.get(tag)
         for points, form, bulge in _pieces(kind, xy):
-            soup.append(Curve(points, form, label, bulge, f"curve {tag}", region))
-    return soup
+            loose_curves.append(Curve(points, form, label, bulge, f"curve {tag}", region))
+    return loose_curves
 
 
 def _pieces(kind: str, xy: np.ndarray) -> list[tuple[np.ndarray, str, float]]:

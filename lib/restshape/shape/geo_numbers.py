@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from restshape.shape.geo_words import Cursor
+from restshape.shape.geo_tokens import Cursor
 
 LONGEST = 100_000
 """Numbers in a list at most."""

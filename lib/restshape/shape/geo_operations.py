@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from restshape.shape.geo_numbers import Numbers
-from restshape.shape.geo_words import Cursor
+from restshape.shape.geo_tokens import Cursor
 
 Entities = list[tuple[int, int]]
 BOOLEANS = {

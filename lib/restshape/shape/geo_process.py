@@ -1,4 +1,7 @@
-"""A whole .geo script run by gmsh, in a process of its own: ``python -m restshape.shape.geo_process FILE OUT``."""
+"""A .geo file read in a process of its own: ``python -m restshape.shape.geo_process FILE OUT run|draw``.
+
+Neither a script that gmsh runs nor a Boolean of OpenCASCADE can be stopped in any other way.
+"""
 
 import dataclasses
 import json
@@ -12,22 +15,32 @@ from pathlib import Path
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.shape.geo_model import gmsh_model, opened_by_gmsh
-from restshape.shape.soup import Curve
+from restshape.shape.geo_model import curves_of, gmsh_model, opened_by_gmsh
+from restshape.shape.geo_script import draw
+from restshape.shape.unordered_curves import Curve
 
 LIMIT = 60.0
-"""Seconds that a script may run."""
+"""Seconds that reading may take."""
+REMEDIES = {
+    "run": "look for a loop without end",
+    "draw": "use fewer or simpler Booleans, or draw the outline without them",
+}
+"""What to do where that is not enough, by how the file is read."""
 
 
-def curves_apart(path: Path) -> list[Curve]:
-    """The curves that a script of gmsh's draws, which may run any command while it does.
+def curves_apart(path: Path, how: str) -> list[Curve]:
+    """The curves that a file draws.
+
+    Args:
+        path: of the file.
+        how: "run": gmsh runs it as the script that it is; "draw": only statements that draw are read.
 
     Raises:
         UserError: it fails, ends early, or runs too long.
     """
     with tempfile.TemporaryDirectory(prefix="restshape-") as folder:
         out = Path(folder) / "curves.json"
-        command = [sys.executable, "-P", "-m", "restshape.shape.geo_process", str(path.resolve()), str(out)]
+        command = [sys.executable, "-P", "-m", "restshape.shape.geo_process", str(path.resolve()), str(out), how]
         with subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True) as process:
             try:
                 process.wait(LIMIT)
@@ -35,28 +48,31 @@ def curves_apart(path: Path) -> list[Curve]:
                 os.killpg(process.pid, signal.SIGKILL)
                 if not isinstance(error, subprocess.TimeoutExpired):
                     raise
-                what, do = f"gmsh has not ended after {LIMIT:g} s", "look for a loop without end"
-                raise UserError(what, path.name, do) from None
-        told = json.loads(out.read_text()) if out.is_file() else {}
-    if "error" in told:
-        raise UserError(*told["error"])
-    if "curves" not in told:
+                raise UserError(f"gmsh has not ended after {LIMIT:g} s", path.name, REMEDIES[how]) from None
+        result = json.loads(out.read_text()) if out.is_file() else {}
+    if "error" in result:
+        raise UserError(*result["error"])
+    if "curves" not in result:
         what = f"gmsh ended with code {process.returncode} before it was done"
         raise UserError(what, path.name, "take Exit out of it")
-    return [Curve(**{**curve, "points": np.array(curve["points"])}) for curve in told["curves"]]
+    return [Curve(**{**curve, "points": np.array(curve["points"])}) for curve in result["curves"]]
 
 
 def main() -> int:
-    """Run the script named first, and write its curves, or what is wrong, into the file named second."""
-    path, out = map(Path, sys.argv[1:])
+    """Read the file named first, and write its curves, or what is wrong, into the file named second."""
+    path, out, how = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]
     try:
         with gmsh_model(path) as gmsh:
-            curves = opened_by_gmsh(gmsh, path)
+            if how == "run":
+                curves = opened_by_gmsh(gmsh, path)
+            else:
+                draw(gmsh, path.read_text(encoding="utf-8-sig"), path.name)
+                curves = curves_of(gmsh.model, path.name)
     except UserError as error:
-        told: dict[str, object] = {"error": [error.what, error.where, error.do]}
+        result: dict[str, object] = {"error": [error.what, error.where, error.do]}
     else:
-        told = {"curves": [{**dataclasses.asdict(curve), "points": curve.points.tolist()} for curve in curves]}
-    out.write_text(json.dumps(told))
+        result = {"curves": [{**dataclasses.asdict(curve), "points": curve.points.tolist()} for curve in curves]}
+    out.write_text(json.dumps(result))
     return 0
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from restshape.shape.geo_numbers import Numbers
 from restshape.shape.geo_operations import operation
-from restshape.shape.geo_words import Cursor, words_of
+from restshape.shape.geo_tokens import Cursor, tokens_of
 
 ENTITY_STEPS = 100
 """What an entity takes off the budget of words."""
@@ -45,7 +45,7 @@ def draw(gmsh: Any, text: str, where: str) -> None:
     Raises:
         UserError: naming the line of a statement that is not read, or that gmsh cannot make.
     """
-    GeoScript(gmsh, Cursor(words_of(text, where), where)).run()
+    GeoScript(gmsh, Cursor(tokens_of(text, where), where)).run()
 
 
 class GeoScript:
@@ -276,7 +276,7 @@ class GeoScript:
         self.cursor.expect("=")
         return tag
 
-    def _counted(self, what: str, values: list[float], counts: tuple[int, ...], line: int) -> None:
+    def _check_count(self, what: str, values: list[float], counts: tuple[int, ...], line: int) -> None:
         if len(values) not in counts:
             wanted = " or ".join(map(str, counts))
             raise self.cursor.error(f"{what} takes {wanted} numbers, not {len(values)}", "see gmsh's manual", line)
@@ -284,7 +284,7 @@ class GeoScript:
     def point(self, line: int) -> None:
         """``Point(t) = {x, y, z, size}``; the size says nothing about the outline."""
         tag, values = self._head(), self.numbers.list()
-        self._counted("Point", values, (3, 4), line)
+        self._check_count("Point", values, (3, 4), line)
         self.made(line, self.kernel.addPoint, *values[:3], 0.0, tag)
 
     def curve(self, line: int, call: str, least: int, most: int | None = None) -> None:
@@ -331,7 +331,7 @@ class GeoScript:
         tag, values = self._head(), self.numbers.list()
         if self.kernel is not self.gmsh.model.occ:
             raise self.cursor.error("the built-in kernel has no such surface", 'SetFactory("OpenCASCADE");', line)
-        self._counted(call.removeprefix("add"), values, counts, line)
+        self._check_count(call.removeprefix("add"), values, counts, line)
         if call == "addRectangle":
             self.made(line, self.kernel.addRectangle, *values[:5], tag, *values[5:])
         else:

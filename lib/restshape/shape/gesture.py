@@ -34,7 +34,7 @@ class Gesture:
         return self.reference + (c[0] * self.basis[0] + c[1] * self.basis[1])
 
 
-def spread(outline: Outline, chosen: np.ndarray, displacement: np.ndarray) -> np.ndarray:
+def extend_to_controls(outline: Outline, chosen: np.ndarray, displacement: np.ndarray) -> np.ndarray:
     """Displacements (k, 2) of all control points when the chosen ones are displaced.
 
     Inner points of a spline or polyline of which one end alone moves follow it linearly along the chord parameter.
@@ -66,7 +66,9 @@ def chosen_points(outline: Outline, entity: Entity) -> np.ndarray:
 def drag(outline: Outline, entity: Entity) -> Gesture:
     """The gesture of a drag: c is the displacement of the cursor [m]."""
     chosen = chosen_points(outline, entity)
-    basis = np.stack([spread(outline, chosen, np.broadcast_to(unit, outline.points.shape)) for unit in np.eye(2)])
+    basis = np.stack(
+        [extend_to_controls(outline, chosen, np.broadcast_to(unit, outline.points.shape)) for unit in np.eye(2)]
+    )
     return Gesture("drag", basis, True, outline.points, chosen)
 
 
@@ -74,14 +76,14 @@ def rotate(outline: Outline, entity: Entity, about: np.ndarray) -> Gesture:
     """The gesture of a turn about a point (2,): c = (cos(angle) - 1, sin(angle))."""
     chosen, arm = chosen_points(outline, entity), outline.points - about
     turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
-    basis = np.stack([spread(outline, chosen, arm), spread(outline, chosen, turned)])
+    basis = np.stack([extend_to_controls(outline, chosen, arm), extend_to_controls(outline, chosen, turned)])
     return Gesture("rotate", basis, True, outline.points, chosen)
 
 
 def scale(outline: Outline, entity: Entity, about: np.ndarray) -> Gesture:
     """The gesture of growing about a point (2,): c = (factor - 1, 0)."""
     chosen = chosen_points(outline, entity)
-    grown = spread(outline, chosen, outline.points - about)
+    grown = extend_to_controls(outline, chosen, outline.points - about)
     return Gesture("scale", np.stack([grown, np.zeros_like(grown)]), True, outline.points, chosen)
 
 

@@ -14,18 +14,18 @@ class Session(Protocol):
 
     Attributes:
         scene: as the events so far have left it.
-        held: what the hand holds; None where it holds nothing.
+        grabbed: what the hand holds; None where it holds nothing.
     """
 
     scene: Scene
 
     @property
-    def held(self) -> Any: ...
+    def grabbed(self) -> Any: ...
 
     def frames(self) -> Iterator[ScriptFrame]:
         """The frames of all events, the first before any."""
 
-    def take_back(self) -> None:
+    def rollback(self) -> None:
         """Undoes the last frame, whose solve has failed."""
 
 
@@ -36,4 +36,4 @@ class OwnSession(Session, Protocol):
     """
 
     def models(self) -> Any:
-        """What follows its frames in place of a mesh, with `mesh`, `field_mesh`, `advance(frame)`, `take_back()`."""
+        """What follows its frames in place of a mesh, with `mesh`, `field_mesh`, `advance(frame)`, `rollback()`."""

@@ -8,9 +8,9 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.shape.chain import Chain, chain_of, control_of, place_on
-from restshape.shape.gesture import Gesture, spread
+from restshape.shape.gesture import Gesture, extend_to_controls
 from restshape.shape.outline import Outline
-from restshape.shape.surgery import nearest
+from restshape.shape.topology_edits import nearest
 
 WEAKEST = 0.05
 """Least share of the hand's way that the curve's own points may make where it pulls: below, they would fly off."""
@@ -36,13 +36,13 @@ def pull(
         UserError: not a curve, a pin that is not on it, or nothing between the pins that could follow.
     """
     chain = chain_of(outline, on)
-    edge, s = _held(outline, on, chain, at)
+    edge, s = _grabbed_point(outline, on, chain, at)
     hand = place_on(outline, chain, edge, s)
     pinned = _pinned(outline, chain, hand, pins)
     weights = np.zeros(len(outline.points))
     weights[chain.controls] = _weights(chain, hand, chain.places[pinned])
     weights[chain.controls[pinned]] = 0.0
-    # A point of an edge is linear in its control points, so that one number tells how far it goes with them.
+    # A point of an edge is linear in its control points, so that one number shows how far it goes with them.
     share = outline.point(edge, s, np.column_stack([weights, np.zeros_like(weights)]))[0, 0]
     if share < WEAKEST:
         raise UserError(
@@ -52,13 +52,13 @@ def pull(
     weights /= share
     chosen = np.zeros(len(weights), dtype=bool)
     chosen[chain.controls] = True
-    basis = np.stack([spread(outline, chosen, weights[:, None] * unit) for unit in np.eye(2)])
+    basis = np.stack([extend_to_controls(outline, chosen, weights[:, None] * unit) for unit in np.eye(2)])
     gesture = Gesture("pull", basis, True, outline.points, np.zeros(len(weights), dtype=bool))
     x, y = outline.point(edge, s)[0].tolist()
     return gesture, (x, y)
 
 
-def _held(outline: Outline, on: str, chain: Chain, at: tuple[float, float] | None) -> tuple[int, float]:
+def _grabbed_point(outline: Outline, on: str, chain: Chain, at: tuple[float, float] | None) -> tuple[int, float]:
     """Edge and parameter of the point that the hand takes."""
     if at is not None:
         return nearest(outline, outline.entity(on), np.array(at))

@@ -116,7 +116,7 @@ class ScriptSession(ABC):
 
     @abstractmethod
     def _mark(self) -> None:
-        """Note the state that `take_back` restores."""
+        """Note the state that `rollback` restores."""
 
     @abstractmethod
     def _state(self) -> State:
@@ -128,10 +128,10 @@ class ScriptSession(ABC):
 
     def _do_idle(self, event: Any) -> Iterator[Step]:
         for _ in range(event.frames):
-            yield Step("none", **self._held())
+            yield Step("none", **self._grabbed())
 
     def _do_analyse(self, event: Any) -> Iterator[Step]:
-        yield Step("none", **self._held())
+        yield Step("none", **self._grabbed())
 
     def _do_undo(self, event: Any) -> Iterator[Step]:
         if not self._past:
@@ -154,7 +154,7 @@ class ScriptSession(ABC):
         if any(old is not new for old, new in zip(before, self._state())):
             self._past, self._future = (*self._past, before)[-UNDO_STEPS:], ()
 
-    def _held(self) -> dict[str, Any]:
+    def _grabbed(self) -> dict[str, Any]:
         """The gesture and coefficients of a frame in which nothing moves."""
         return {}
 
@@ -162,7 +162,7 @@ class ScriptSession(ABC):
         if isinstance(why, UserError):
             what = f"{why.where}: {why.what}" if why.where else why.what
             why = f"{what} ({why.do})" if why.do else what
-        return Step("none", why, **self._held())
+        return Step("none", why, **self._grabbed())
 
     def _refused(self, frames: int, why: str | UserError) -> Iterator[Step]:
         """All frames of an event that cannot be carried out."""

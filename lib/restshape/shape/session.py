@@ -15,9 +15,8 @@ from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
 from restshape.scene.script import Script
-from restshape.shape import body_hold, surgery
 from restshape.shape import gesture as gestures
-from restshape.shape.body_hold import BodyHold, hold_body
+from restshape.shape import rigid_body_drag, topology_edits
 from restshape.shape.build import outline_from_spec
 from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
@@ -25,6 +24,7 @@ from restshape.shape.handpath import resampled
 from restshape.shape.outline import Outline
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
+from restshape.shape.rigid_body_drag import RigidBodyDrag, begin_body_drag
 from restshape.shape.script_session import STILL, ScriptFrame, ScriptSession, State, Step
 from restshape.shape.sweep import sweep
 from restshape.shape.validity import MotionCheck, problem
@@ -40,16 +40,16 @@ class EditFrame(ScriptFrame):
     Args:
         outline: the valid shape of this frame.
         analysed: whether the script asks for a solution of this frame.
-        settled: nothing moves in it, or it is the last one of an event while no hand holds the shape.
+        edit_ended: nothing moves in it, or it is the last one of an event while no hand holds the shape.
     """
 
     outline: Outline
     analysed: bool = True
-    settled: bool = False
+    edit_ended: bool = False
 
 
 @dataclass(slots=True)
-class Hold:
+class Grab:
     """What the hand holds: a gesture, where it took hold, and the state before."""
 
     gesture: Gesture
@@ -80,13 +80,13 @@ class EditSession(ScriptSession):
         self.outline = outline if outline is not None else outline_from_spec(scene.shape, scene.folder)
         refuse_lost_names(scene, self.outline)
         self._columns = self._application.own_columns(scene)
-        self._hold: Hold | BodyHold | None = None
+        self._grab: Grab | RigidBodyDrag | None = None
         self._mark()
 
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> EditFrame:
-        settled = step.change == "none" or (self._hold is None and last)
-        told = (step.change, step.gesture, step.c, self.scene, step.refused)
-        return EditFrame(*when, *told, self.outline, analysed, settled)
+        edit_ended = step.change == "none" or (self._grab is None and last)
+        contents = (step.change, step.gesture, step.c, self.scene, step.refused)
+        return EditFrame(*when, *contents, self.outline, analysed, edit_ended)
 
     def _carried_out(self, event: Any) -> Iterator[Step]:
         if event.do in OF_SHAPE and event.on in bodies_of(self.scene):
@@ -96,21 +96,21 @@ class EditSession(ScriptSession):
         return super()._carried_out(event)
 
     @property
-    def held(self) -> Gesture | None:
+    def grabbed(self) -> Gesture | None:
         """The gesture of the hand that holds the shape; None where none does, or holds a body."""
-        return None if self._hold is None else self._hold.gesture
+        return None if self._grab is None else self._grab.gesture
 
-    def take_back(self) -> None:
+    def rollback(self) -> None:
         """Restores shape, scene and history as they were before the last step that changed any: it has no solution.
 
         The hand stays where it is, so that a drag moves on from the cursor.
         """
         self.outline, self.scene, c, self._past, self._future = self._before
-        if self._hold is not None:
-            self._hold.c = c
+        if self._grab is not None:
+            self._grab.c = c
 
     def _mark(self) -> None:
-        c = STILL if self._hold is None else self._hold.c
+        c = STILL if self._grab is None else self._grab.c
         self._before = self.outline, self.scene, c, self._past, self._future
 
     def _state(self) -> State:
@@ -118,7 +118,7 @@ class EditSession(ScriptSession):
 
     def _do_press(self, event: Any) -> Iterator[Step]:
         if event.on in bodies_of(self.scene):
-            self._hold = hold_body(self.outline, self.scene, event.on, event.at)
+            self._grab = begin_body_drag(self.outline, self.scene, event.on, event.at)
             yield Step("none")
             return
         try:
@@ -140,46 +140,46 @@ class EditSession(ScriptSession):
 
     def _take(self, gesture: Gesture, origin: tuple[float, float]) -> Step:
         """The hand takes hold, the cursor being at the origin."""
-        self._hold = Hold(gesture, MotionCheck(self.outline, gesture), origin, origin, (self.outline, self.scene))
+        self._grab = Grab(gesture, MotionCheck(self.outline, gesture), origin, origin, (self.outline, self.scene))
         return Step("none", gesture=gesture)
 
     def _do_drag(self, event: Any) -> Iterator[Step]:
         path = event.path if event.path is not None else (event.to,)
-        if self._hold is None:
+        if self._grab is None:
             yield from self._refused(event.frame_count, "nothing is held")
             return
         if event.frames is not None and event.frames != len(path):
-            path = resampled(self._hold.cursor, path, event.frames)
+            path = resampled(self._grab.cursor, path, event.frames)
         for cursor in path:
-            yield self._move_to(self._hold, cursor)
+            yield self._move_to(self._grab, cursor)
 
-    def _move_to(self, hold: Hold | BodyHold, cursor: tuple[float, float]) -> Step:
-        hold.cursor = cursor
-        c = (cursor[0] - hold.origin[0], cursor[1] - hold.origin[1])
-        if c == hold.c:
-            return Step("none", **self._held())
-        if isinstance(hold, BodyHold):
-            step = self._revised(lambda: hold.moved(self.scene, c))
-            hold.c = hold.c if step.refused else c
+    def _move_to(self, grab: Grab | RigidBodyDrag, cursor: tuple[float, float]) -> Step:
+        grab.cursor = cursor
+        c = (cursor[0] - grab.origin[0], cursor[1] - grab.origin[1])
+        if c == grab.c:
+            return Step("none", **self._grabbed())
+        if isinstance(grab, RigidBodyDrag):
+            step = self._revised(lambda: grab.moved(self.scene, c))
+            grab.c = grab.c if step.refused else c
             return step
-        wrong = hold.check.problem(c)
+        wrong = grab.check.problem(c)
         if wrong is not None:
-            return Step("none", wrong, gesture=hold.gesture, c=hold.c)
-        hold.c = c
-        self.outline = self.outline.moved(hold.gesture.points(c))
-        return Step("move", gesture=hold.gesture, c=c)
+            return Step("none", wrong, gesture=grab.gesture, c=grab.c)
+        grab.c = c
+        self.outline = self.outline.moved(grab.gesture.points(c))
+        return Step("move", gesture=grab.gesture, c=c)
 
     def _do_release(self, event: Any) -> Iterator[Step]:
-        hold, self._hold = self._hold, None
-        if hold is None:
+        grab, self._grab = self._grab, None
+        if grab is None:
             yield Step("none", "nothing is held")
             return
-        self._remember(hold.before)
+        self._remember(grab.before)
         yield Step("none")
 
     def _do_rotate(self, event: Any) -> Iterator[Step]:
         if event.on in bodies_of(self.scene):
-            yield from self._change_body(event, body_hold.turned, lambda part: part * event.by)
+            yield from self._change_body(event, rigid_body_drag.turned, lambda part: part * event.by)
             return
 
         def coefficients(part: float) -> tuple[float, float]:
@@ -190,7 +190,7 @@ class EditSession(ScriptSession):
 
     def _do_scale(self, event: Any) -> Iterator[Step]:
         if event.on in bodies_of(self.scene):
-            yield from self._change_body(event, body_hold.scaled, lambda part: 1.0 + part * (event.factor - 1.0))
+            yield from self._change_body(event, rigid_body_drag.scaled, lambda part: 1.0 + part * (event.factor - 1.0))
             return
         yield from self._turn(event, gestures.scale, lambda part: (part * (event.factor - 1.0), 0.0))
 
@@ -220,7 +220,7 @@ class EditSession(ScriptSession):
         for i in range(1, frames + 1):
             c = coefficients(i / frames)
             wanted = self.outline.moved(gesture.points(c))
-            # Curves that bend are sampled anew: the samples of the motion are those of the shape before it.
+            # Curves that bend are resampled: the samples of the motion are those of the shape before it.
             wrong = check.problem(c) or problem(wanted)
             if wrong is not None:
                 yield Step("none", wrong, gesture=gesture, c=reached)
@@ -242,7 +242,7 @@ class EditSession(ScriptSession):
         gesture = gestures.bend(self.outline)
         for i in range(1, event.frames + 1):
             bulge = goal if i == event.frames else start + (goal - start) * i / event.frames
-            wanted = surgery.as_arc(self.outline, edge, bulge)
+            wanted = topology_edits.as_arc(self.outline, edge, bulge)
             wrong = problem(wanted)
             change = "none"
             if wrong is None:
@@ -256,8 +256,12 @@ class EditSession(ScriptSession):
         if len(edges.edges) != 1 or edges.vertices or edges.loops:
             raise UserError(f"{event.on} is not one edge")
         edge = edges.edges[0]
-        goal = event.bulge if event.through is None else surgery.bulge_of(self.outline, edge, np.array(event.through))
-        surgery.as_arc(self.outline, edge, goal)
+        goal = (
+            event.bulge
+            if event.through is None
+            else topology_edits.bulge_of(self.outline, edge, np.array(event.through))
+        )
+        topology_edits.as_arc(self.outline, edge, goal)
         return edge, goal
 
     def _do_set(self, event: Any) -> Iterator[Step]:
@@ -277,10 +281,10 @@ class EditSession(ScriptSession):
 
     def _change_body(self, event: Any, change: Any, amount: Callable[[float], float]) -> Iterator[Step]:
         """A body whose form is that at first, turned or scaled by the amount of the part of the event that is done."""
-        kind, form = body_hold.form_of(self.scene, event.on)
+        kind, form = rigid_body_drag.form_of(self.scene, event.on)
 
         def revised(part: float) -> Scene:
-            return body_hold.with_form(self.scene, event.on, kind, change(kind, form, amount(part), event.about))
+            return rigid_body_drag.with_form(self.scene, event.on, kind, change(kind, form, amount(part), event.about))
 
         yield from self._revise_evenly(event.frames, revised)
 
@@ -289,7 +293,7 @@ class EditSession(ScriptSession):
         before = self._state()
         for i in range(1, frames + 1):
             yield self._revised(lambda part=i / frames: revised(part))
-        if self._hold is None:
+        if self._grab is None:
             self._remember(before)
 
     def _revised(self, revised: Callable[[], Scene]) -> Step:
@@ -303,7 +307,7 @@ class EditSession(ScriptSession):
         except UserError as error:
             self.scene = before
             return self._refusal(error)
-        return Step(self._scene_change(before, self.scene), **self._held())
+        return Step(self._scene_change(before, self.scene), **self._grabbed())
 
     def _refuse_new_columns(self) -> None:
         """Refuses what would show numbers, such as a further mode, that the replay's table has no column for."""
@@ -314,16 +318,18 @@ class EditSession(ScriptSession):
 
     def _do_insert(self, event: Any) -> Iterator[Step]:
         at = None if event.at is None else np.array(event.at)
-        yield self._cut(lambda: surgery.insert(self.outline, event.on, event.name, at, event.s))
+        yield self._cut(lambda: topology_edits.insert(self.outline, event.on, event.name, at, event.s))
 
     def _do_delete(self, event: Any) -> Iterator[Step]:
-        yield self._cut(lambda: surgery.delete(self.outline, event.on))
+        yield self._cut(lambda: topology_edits.delete(self.outline, event.on))
 
     def _do_hole(self, event: Any) -> Iterator[Step]:
         if event.name in bodies_of(self.scene):
             yield self._refusal(UserError(f"a body has the name {event.name!r} already", do="choose another name"))
             return
-        yield self._cut(lambda: surgery.add_hole(self.outline, event.name, event.center, event.radius, event.polygon))
+        yield self._cut(
+            lambda: topology_edits.add_hole(self.outline, event.name, event.center, event.radius, event.polygon)
+        )
 
     def _cut(self, operation: Any) -> Step:
         """One frame of an edit that gives another layout."""
@@ -359,6 +365,6 @@ class EditSession(ScriptSession):
         effects = [{e.name for e in plan(scene, self._application).effects if e.on} for scene in (old, new)]
         return "values" if old.mesh == new.mesh and effects[0] == effects[1] else "mesh"
 
-    def _held(self) -> dict[str, Any]:
-        gesture = self.held
-        return {} if gesture is None else {"gesture": gesture, "c": self._hold.c}
+    def _grabbed(self) -> dict[str, Any]:
+        gesture = self.grabbed
+        return {} if gesture is None else {"gesture": gesture, "c": self._grab.c}

@@ -69,7 +69,7 @@ def test_a_reference_of_cloth_survives_its_file(tmp_path):
 
 
 def play(job, seconds):
-    """What a job tells, run here."""
+    """What a job reports, run here."""
     return Outcome([], found=json.loads(json.dumps(measure(request(job), **job.details))))
 
 
@@ -94,7 +94,7 @@ def test_all_ways_of_bending_are_held_against_morleys_triangles(strip):
         assert by[kind, 2.0] > by[None, 2.0]
     # Two thirds of the size, and about two thirds of the error: Morley's triangles are of first order.
     assert by[None, 2.0] / by[None, 3.0] == pytest.approx(2.0 / 3.0, abs=0.2)
-    # The clock of a busy machine tells nothing: let a frame take as long as it has triangles.
+    # The clock of a busy machine shows nothing: let a frame take as long as it has triangles.
     timed = replace(strip, records=[r | {"frame_ms": 1e-2 * r["elements"]} for r in strip.records])
     (line,) = values_lines(timed)
     assert line.endswith("The most accurate is `morley`.") and "`hinge`" in line and "`nonlinear`" in line

@@ -9,7 +9,7 @@ from restshape_studies.accuracy.grid import Grid
 from restshape_studies.accuracy.state import Sampled, State
 
 from restshape.mesh.generate import generate
-from restshape.mesh.space import LagrangeSpace
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.shape.build import outline_from_spec
 

@@ -64,7 +64,7 @@ def test_an_error_that_the_reference_cannot_tell_is_no_reason_to_pick():
     with pytest.raises(UserError, match="the reference itself is known to 2 % only"):
         picks(vague, None, 0.01)
     assert [r["frame_ms"] for r in picks(vague, None, 0.03)] == [3.0, 5.0]
-    # Both are as good as the reference can tell: the faster one comes first.
+    # Both are as good as the reference can report: the faster one comes first.
     assert [r["frame_ms"] for r in picks(vague, 16.0, None)] == [3.0]
 
 

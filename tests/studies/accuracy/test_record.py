@@ -1,4 +1,4 @@
-"""What is said of points from what their processes told: failures, doubts, effectivity."""
+"""What is said of points from what their processes reported: failures, doubts, effectivity."""
 
 from types import SimpleNamespace
 
@@ -18,7 +18,7 @@ TRUTH = Truth(
 
 
 def frame(index: int, error: float, reuse: float, sag: float, estimate: float | None = None) -> dict:
-    """A sampled frame as a process tells it."""
+    """A sampled frame as a process reports it."""
     parts = {"discretisation": error, "reuse": reuse, "algebraic": 0.0}
     own = {"discretisation": 0.1, "reuse": -0.02, "algebraic": 0.01}
     told = {"index": index, "errors": {"energy": error}, "parts": {"energy": parts}, "quantities": {"sag": sag}}
@@ -26,7 +26,7 @@ def frame(index: int, error: float, reuse: float, sag: float, estimate: float | 
 
 
 def told(*frames: dict, **other: object) -> Outcome:
-    """What a process told of its point."""
+    """What a process reported of its point."""
     found = {"frames": list(frames), "refused": {}, "lost": {}, "tight_tolerance": 1e-9}
     found |= {"frame_ms": 3.0, "total_s": 0.1, "unknowns": 10, "elements": 9, "timed_frames": 4, "replayed": 8}
     return Outcome([], found=found | other)

@@ -31,7 +31,7 @@ KEYS = ["size", "order", "policy", "tolerance", "error", "parts", "frame_ms", "t
 
 
 def play(job: Job, seconds: float) -> Outcome:
-    """What a job tells, run here."""
+    """What a job reports, run here."""
     told = json.loads(json.dumps(measure(request(job), **job.details)))
     return Outcome([], found=told)
 

@@ -11,7 +11,7 @@ from restshape_studies.bench.process import pin
 from restshape_studies.bench.reuse import Case, Plan, compare, event_totals, frames_a_second, medians, ratios
 from restshape_studies.bench.size import LARGE, exponents, measure, mesh_size, size_record, sizes
 from restshape_studies.bench.size import drag as plate_drag
-from restshape_studies.commands.bench import regret_line
+from restshape_studies.commands.bench import hindsight_line
 from restshape_studies.pictures.policies import draw_policies
 from restshape_studies.pictures.scaling import draw_scaling
 from small_scenes import across, drag, plate, write_scene, write_script
@@ -23,7 +23,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def row(level=1, ms=1.0, **other):
-    """A frame as a replay tells it."""
+    """A frame as a replay reports it."""
     times = {f"ms_{stage}": 0.1 for stage in (*STAGES, "python")}
     counts = {"refused": "", "pc_rebuilt": 0, "iterations": 2, "unknowns": 1000, "elements": 900, "rss_mb": 100.0}
     counts |= {
@@ -142,18 +142,18 @@ def test_regret_is_a_ratio_of_costs_and_never_below_one(tmp_path):
     script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 6)))
     found = reuse.hindsight(Job(str(scene), str(script), "auto"), run)
     assert found["ratio"] == pytest.approx(found["run"] / found["best"]) and found["ratio"] > 1 - 1e-9
-    assert f"{found['ratio']:.3f} times" in regret_line(found)
+    assert f"{found['ratio']:.3f} times" in hindsight_line(found)
 
 
 def test_regret_that_cannot_be_measured_loses_nothing(tmp_path):
     def play(job):
-        if job.regret:
+        if job.hindsight_cost:
             raise UserError("a frame has several solves")
         return Outcome([row(3), row(1)])
 
-    found = compare(Case("a", tmp_path, tmp_path), Plan(("auto",), 1, regret=True), lambda words: None, play)
+    found = compare(Case("a", tmp_path, tmp_path), Plan(("auto",), 1, hindsight_cost=True), lambda words: None, play)
     assert found["auto"]["regret"] == {"problem": "a frame has several solves"} and found["auto"]["fps"] > 0
-    assert "several solves" in regret_line(found["auto"]["regret"])
+    assert "several solves" in hindsight_line(found["auto"]["regret"])
 
 
 def test_a_replay_that_ends_early_is_no_result(tmp_path):

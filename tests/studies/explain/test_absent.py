@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from counted import begin_log, happened, tally, watched
+from counted_replays import begin_log, happened, tally, watched
 from small_scenes import CLAMPED, HOLE, PULLED, STEEL, across, block, drag, head, meshed, write_scene, write_script
 
 from restshape import _kernels
@@ -166,7 +166,7 @@ def _logged():
 def test_every_effect_that_can_be_left_out_has_a_case():
     apps = [application(name) for name in APPLICATIONS]
     optional = {(app.name, name) for app in apps for name, effect in app.effects.items() if not effect.required}
-    assert set(CASES) == optional | {(app.name, name) for app in apps for name in app.implied}
+    assert set(CASES) == optional | {(app.name, name) for app in apps for name in app.derived}
 
 
 def rows_of(folder, text):

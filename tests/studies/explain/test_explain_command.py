@@ -36,7 +36,7 @@ def found(tmp_path_factory):
 
 def test_every_effect_and_every_part_of_a_frame_has_a_row(found):
     app = application("plane")
-    assert [row["effect"] for row in found] == [*app.effects, *app.implied, *PARTS]
+    assert [row["effect"] for row in found] == [*app.effects, *app.derived, *PARTS]
     assert sum(row["share"] for row in found) == pytest.approx(1.0, abs=1e-9)
     assert {row["frames"] for row in found} == {4}
     on = {row["effect"]: row["kind"] for row in found if row["on"] and row["kind"] != "part"}
@@ -106,7 +106,7 @@ def test_cloth_on_a_ball_is_told_what_can_be_told_of_it(tmp_path):
     assert main([*words, "--json", str(tmp_path / "found.json")]) == 0
     rows = {row["effect"]: row for row in json.loads((tmp_path / "found.json").read_text())}
     app = application("cloth")
-    assert list(rows) == [*app.effects, *app.implied, *PARTS]
+    assert list(rows) == [*app.effects, *app.derived, *PARTS]
     assert [name for name, row in rows.items() if row["on"]] == [*app.effects, "friction", *PARTS]
     assert sum(row["share"] for row in rows.values()) == pytest.approx(1.0, abs=1e-9)
     assert all(-row["spread"] <= row["share"] <= 1.0 + row["spread"] for row in rows.values())

@@ -1,11 +1,11 @@
-"""The plan of solvers tells the truth: matrices are of the kind that it says, and PETSc does what it says, no more.
+"""The plan of solvers reports the truth: matrices are of the kind that it says, and PETSc does what it says, no more.
 
 Held against the entries of the assembled matrices, their eigenvalues by LAPACK, PETSc's own types and event counts.
 """
 
 import numpy as np
 import pytest
-from counted import begin_log, happened, watched
+from counted_replays import begin_log, happened, watched
 from petsc4py import PETSc
 from small_scenes import (
     CLAMPED,
@@ -22,7 +22,7 @@ from small_scenes import (
     write_script,
 )
 
-from restshape.algebra.gather import whole_matrix
+from restshape.algebra.gathering import gather_matrix
 from restshape.application import application
 from restshape.scene.load import load_scene
 from restshape.scene.plan import as_written, plan
@@ -68,7 +68,7 @@ def test_solvers_are_those_of_the_plan(tmp_path, name):
     assert happened(rows, KINDS[first.factor]) > 0 == happened(rows, KINDS[other])
     assert (happened(rows, "SNESSolve") > 0) == (equations == "nonlinear")
     if first.krylov:
-        at_rest = replay.analysis.rest if name == "buckling" else replay.analysis
+        at_rest = replay.analysis.prebuckling if name == "buckling" else replay.analysis
         solver = at_rest.solver
         assert solver.ksp.getType() == first.krylov and solver.kind == first.factor
         _holds_of(at_rest.warm_system().matrix.toarray(), first.matrix)
@@ -84,8 +84,8 @@ def test_load_factors_come_from_an_indefinite_factor(tmp_path):
     _, replay = watched(path)
     pencil = replay.analysis.solver.pencil
     parts = (pencil.mass, pencil.stiffness)
-    stiffness, geometric = (whole_matrix(part, PETSc.COMM_SELF).toarray() for part in parts)
-    free = np.flatnonzero(replay.analysis.state.rest.problem.boundary.mask.ravel() == 0)
+    stiffness, geometric = (gather_matrix(part, PETSc.COMM_SELF).toarray() for part in parts)
+    free = np.flatnonzero(replay.analysis.state.prebuckling.problem.boundary.mask.ravel() == 0)
     beyond = 1.01 * replay.analysis.load_factors[-1]
     _holds_of((stiffness + beyond * geometric)[np.ix_(free, free)], INDEFINITE)
 

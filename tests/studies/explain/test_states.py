@@ -1,7 +1,7 @@
 """Effects switch with the state of the body, frame by frame: what a frame does not need, it does not compute."""
 
 import pytest
-from counted import begin_log, happened, kernels, watched
+from counted_replays import begin_log, happened, kernels, watched
 from small_scenes import (
     CLAMPED,
     HEAD,
@@ -113,7 +113,7 @@ def test_stability_is_looked_at_only_where_it_is_due(tmp_path):
     rows = rows_of(tmp_path, text)
     factored = {row["index"]: sum(row["events"][name] for name in NUMERIC) for row in rows}
     dragged = [row for row in rows if row["event"] == "drag"]
-    # A small step from a stable equilibrium is believed; the hand's release is where the tangent is factored anew.
+    # A small step from a stable equilibrium is believed; the hand's release is where the tangent is factored again.
     assert sum(not factored[row["index"]] for row in dragged) >= len(dragged) - 1
     (release,) = (row for row in rows if row["event"] == "release")
     assert factored[release["index"]] == 1

@@ -1,4 +1,4 @@
-"""What the fuzz asks of the command itself: exit code, message, recording, JSON and CSV; what is wrong is told."""
+"""What the fuzz asks of the command itself: exit code, message, recording, JSON and CSV; what is wrong is reported."""
 
 import json
 

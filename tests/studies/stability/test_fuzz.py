@@ -1,4 +1,5 @@
-"""Random scenes and edits never break: a small share, the same in each run; what breaks is told, kept, made small."""
+"""Random scenes and edits never break: a small share, the same in each run; what breaks is reported, kept, made
+small."""
 
 import json
 import os

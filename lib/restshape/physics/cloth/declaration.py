@@ -2,8 +2,8 @@
 
 from typing import Literal
 
+from restshape.physics.cloth.derived_effects import CLOTH as DERIVED
 from restshape.physics.cloth.effects import EFFECTS, cloth_columns
-from restshape.physics.cloth.implied import CLOTH as IMPLIED
 from restshape.physics.cloth.material_keys import ClothMaterial
 from restshape.physics.cloth.scene_checks import check_cloth
 from restshape.physics.cloth.solver_plan import cloth_plan
@@ -35,7 +35,7 @@ CLOTH = Physics(
         "start": Section(Start, "where the flat cloth lies at first", optional=True, words=start_words),
     },
     effects=EFFECTS,
-    implied=IMPLIED,
+    derived=DERIVED,
     nested=True,
     check=check_cloth,
     columns=cloth_columns,

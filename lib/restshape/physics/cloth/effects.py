@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 from restshape.errors import UserError
 from restshape.physics.cloth.body_columns import body_columns
 from restshape.physics.cloth.thin_bodies import borne, may_come_through
-from restshape.scene.effect import Decision, Effect
+from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -33,7 +33,7 @@ class ClothKeys(Strict):
     hinges: Literal["plate", "strip"] = "plate"
     membrane: Literal["stvk", "corotated"] = "stvk"
 
-    def decide(self, scene: Scene) -> Decision:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same keys, with a warning where bodies are there that nothing touches.
 
         Morley's triangles of cloth that does not resist bending would have slopes that nothing holds: it has none.
@@ -49,7 +49,7 @@ class ClothKeys(Strict):
             raise UserError(f"nothing holds the cloth, and {what}", "effects.gravity", do)
         limp = [name for name, material in scene.material.items() if material.bending in (0.0, (0.0, 0.0))]
         if self.bending != "morley" or not limp:
-            return Decision(self, warns=through and f"cloth {through}")
+            return ResolvedSettings(self, warns=through and f"cloth {through}")
         if len(limp) < len(scene.material):
             raise UserError(
                 "one part of the cloth does not resist bending, and others do",
@@ -57,7 +57,7 @@ class ClothKeys(Strict):
                 'give it a little, such as bending = "1e-12 N m", or set effects.cloth.bending = "hinge"',
             )
         why = "nothing bends, for no material has a bending stiffness"
-        return Decision(self.model_copy(update={"bending": "none"}), why, warns=through and f"cloth {through}")
+        return ResolvedSettings(self.model_copy(update={"bending": "none"}), why, warns=through and f"cloth {through}")
 
 
 class SpaceGravityKeys(Strict):
@@ -86,7 +86,7 @@ class ContactKeys(Strict):
     stiffness: Annotated[number_of("body force"), Field(gt=0)] | None = None
     slip: Annotated[number_of("length"), Field(gt=0)] = 1e-4
 
-    def decide(self, scene: Scene) -> Decision:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The stiffness, where the scene names none: half of the thickness bears ten times the cloth's weight, or more.
 
         Raises:
@@ -100,7 +100,7 @@ class ContactKeys(Strict):
             )
         warning = may_come_through(scene, self.thickness)
         if self.stiffness is not None:
-            return Decision(self, warns=warning)
+            return ResolvedSettings(self, warns=warning)
         gravity = SpaceGravityKeys.model_validate(scene.effects["gravity"]).size if "gravity" in scene.effects else 0.0
         weight = gravity * max(material.rho * material.thickness for material in scene.material.values())
         if weight == 0.0:
@@ -117,21 +117,21 @@ class ContactKeys(Strict):
             f"({1e3 * self.thickness:.3g} mm) is pushed back by {times:.3g} times its weight"
         )
         why = "; ".join(filter(None, (why, cause)))
-        return Decision(self.model_copy(update={"stiffness": stiffness}), why, warns=warning)
+        return ResolvedSettings(self.model_copy(update={"stiffness": stiffness}), why, warns=warning)
 
 
 class DrapeKeys(Strict):
-    """Keys of ``[effects.drape]``: the way to rest.
+    """Keys of ``[effects.drape]``: the solution strategy.
 
     Args:
         tolerance: cloth is in equilibrium where the norm of the residual is at most so much of that of its weight,
             both over free nodes: another name of solve.tolerance, which it is where left out, or 1e-4 without either.
-        strategy: "kinetic", steps in time that begin anew at each peak of the kinetic energy; "rayleigh", steps with
+        strategy: "kinetic", steps in time that restart at each peak of the kinetic energy; "rayleigh", steps with
             Rayleigh damping; "newton", with a line search on the energy; "stabilised", the same with the stabilised
             tangent; "cg", nonlinear conjugate gradients; "auto" takes kinetic damping with a soft membrane where cloth
-            starts anew, then quasi-Newton steps, then Newton's method.
+            restarts, then quasi-Newton steps, then Newton's method.
         steps: most steps in a frame.
-        levels: how many of the nested meshes of mesh.levels, the finest among them, lead a cloth that starts anew to
+        levels: how many of the nested meshes of mesh.levels, the finest among them, lead a cloth that restarts to
             rest, from coarse to fine; left out, all.
     """
 
@@ -144,7 +144,7 @@ class DrapeKeys(Strict):
     steps: Annotated[int, Field(ge=1)] = 3_000
     levels: Annotated[int, Field(ge=1)] | None = None
 
-    def decide(self, scene: Scene) -> Decision:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same keys with the tolerance and the number of nested meshes filled in.
 
         Raises:
@@ -166,7 +166,7 @@ class DrapeKeys(Strict):
                 f"set mesh.levels to {self.levels} or more",
             )
         settings = self.model_copy(update={"levels": self.levels or there, "tolerance": rest})
-        return Decision(settings, tolerance=rest)
+        return ResolvedSettings(settings, tolerance=rest)
 
 
 def cloth_columns(scene: Scene) -> dict[str, Any]:

@@ -52,7 +52,7 @@ class ClothEstimate:
     """The recovery-based estimate of cloth: tensions and moments against smoother ones, in the energy norm.
 
     Hinges have no curvatures: theirs are those of surfaces fitted to the nodes around each triangle. They are also too
-    stiff or too soft by what the mesh makes of them, which no smoothness tells; but the energies of hinges and of these
+    stiff or too soft by what the mesh makes of them, which no smoothness shows; but the energies of hinges and of these
     curvatures differ by that, and where loads decide on the moments curvatures are off by as much.
 
     Args:
@@ -121,7 +121,7 @@ class ClothEstimate:
     def _off(self, smooth: np.ndarray, x: np.ndarray) -> float:
         """Twice the energy [J] that hinges have wrong by their stiffness, of curvatures of energies `smooth` (ne,)."""
         around, hinged = (self._patches.sums(energy) for energy in (smooth, self.problem.bending_energies(x)))
-        # No more than all of it: where hinges hardly bend, their stiffness is not to be told.
+        # No more than all of it: where hinges hardly bend, their stiffness cannot be determined.
         off = np.minimum(np.abs(around - hinged), hinged)
         share = np.divide(off, hinged, out=np.zeros_like(off), where=hinged > 0.0)
         return float(2.0 * smooth @ share**2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.scene.bodies import Start, settled
+from restshape.scene.bodies import Start, evaluated
 
 
 def rotation(angles: tuple[float, float, float]) -> np.ndarray:
@@ -29,7 +29,7 @@ class InitialPlacement:
     """
 
     def __init__(self, start: Start | None, parameters: dict[str, float]) -> None:
-        self.start = settled(start or Start(), parameters)
+        self.start = evaluated(start or Start(), parameters)
         self.rotation = rotation(self.start.turn)
 
     def places(self, X: np.ndarray) -> np.ndarray:

@@ -28,7 +28,7 @@ class MaterialPlace:
         return cls(morley.X.copy(), morley.normals()) if morley else cls(mesh.X.copy(), None)
 
 
-class CarriedCloth:
+class AdvectedCloth:
     """Cloth at unknowns x (n, 3) with its nodes at one place, to be taken to others along the cloth.
 
     Positions are right to first order in the way of the material, slopes but for curvatures times it; all is where the

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from restshape.fem.materials import names_by_region, require_value
+from restshape.fem.region_materials import names_by_region, require_value
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS

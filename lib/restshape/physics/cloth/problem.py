@@ -9,8 +9,8 @@ import numpy as np
 from restshape.algebra.traits import Traits
 from restshape.fem.assembled import Assembled
 from restshape.fem.integral import Integral
+from restshape.fem.observer import Observer
 from restshape.fem.problem import INTERNAL, STIFFNESS, Fields, Unknown
-from restshape.fem.quantity import Observer
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
 from restshape.physics.cloth.bending import QUADRATIC, bending_of
@@ -150,7 +150,7 @@ class ClothProblem:
         return self.contact.update_friction(self.corners(x)) if self.contact else 0.0
 
     def follow_friction(self, x: np.ndarray) -> bool:
-        """Let friction follow to x (n, 3); tells whether there is contact, whose energy it changes."""
+        """Let friction follow to x (n, 3); returns whether there is contact, whose energy it changes."""
         self.update_friction(x)
         return self.contact is not None
 
@@ -202,7 +202,7 @@ class ClothProblem:
 
     def energy(self, x: np.ndarray) -> float:
         """Potential energy [J] at x (n, 3), of weight too."""
-        # Bending is summed by itself first, as it is told by itself.
+        # Bending is summed by itself first, as it is reported by itself.
         total = Assembled([self.membrane.integral(self.X)]).energy(x) + self.bending_energy(x)
         return total + Assembled(self._contact()).energy(x)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.fem.entity_sets import observed_nodes
-from restshape.fem.quantity import Observer, area_at, reduction
+from restshape.fem.observer import Observer, area_at, reduction
 from restshape.mesh.mesh import Mesh
 from restshape.scene.model import Quantity
 
@@ -79,16 +79,16 @@ def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable
 def _displacement(
     problem: ObservedCloth, quantity: Quantity, nodes: np.ndarray | slice
 ) -> Callable[[np.ndarray], float]:
-    take = reduction(problem.mesh, quantity, nodes)
+    reduce = reduction(problem.mesh, quantity, nodes)
     flat = np.column_stack([problem.mesh.X, np.zeros(len(problem.mesh.X))])
 
     def moved(x: np.ndarray) -> np.ndarray:
         return (problem.corners(x) - flat)[nodes]
 
     if quantity.displacement == "magnitude":
-        return lambda x: take(np.linalg.norm(moved(x), axis=1))
+        return lambda x: reduce(np.linalg.norm(moved(x), axis=1))
     column = AXES.index(quantity.displacement)
-    return lambda x: take(moved(x)[:, column])
+    return lambda x: reduce(moved(x)[:, column])
 
 
 def _energy(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:

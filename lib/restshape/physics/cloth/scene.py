@@ -89,7 +89,7 @@ def set_contact(problem: ClothProblem, arguments: ClothArguments) -> None:
 
 def touched(scene: Scene) -> list[tuple[_kernels.Body, float]]:
     """The scene's bodies where they are now, each with its coefficient of friction."""
-    bodies = [body.settled(scene.parameters) for body in scene.bodies.values()]
+    bodies = [body.evaluated(scene.parameters) for body in scene.bodies.values()]
     return [(kernel_body(body), body.friction) for body in bodies]
 
 

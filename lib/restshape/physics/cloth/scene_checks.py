@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from restshape.scene.bodies import settled
+from restshape.scene.bodies import evaluated
 from restshape.scene.checks import refuse_places
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
@@ -52,8 +52,8 @@ def _check_bodies(scene: Scene, source: Source) -> None:
         if name in entities:
             what = f"the name {name!r} stands for a body and for a part of the shape, which is {entities[name]!r}"
             raise source.error(("bodies", name), what, "rename one of the two")
-    whole = [(("bodies", name), body.settled) for name, body in scene.bodies.items()]
-    whole += [] if scene.start is None else [(("start",), partial(settled, scene.start))]
+    whole = [(("bodies", name), body.evaluated) for name, body in scene.bodies.items()]
+    whole += [] if scene.start is None else [(("start",), partial(evaluated, scene.start))]
     for key, settle in whole:
         try:
             settle(scene.parameters)

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
-from restshape.scene.implied import On
+from restshape.scene.derived_effects import On
 from restshape.scene.model import Scene
 from restshape.scene.solver import DEFINITE, SolverPlan, System
 
 
 def cloth_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
-    """The plan of cloth that comes to rest: F(x) = 0, the gradient of an energy."""
+    """The plan of cloth that is relaxed to equilibrium: F(x) = 0, the gradient of an energy."""
     steps = System(
         "steps in time",
         DEFINITE,

@@ -6,7 +6,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.fem.entity_sets import facets_on, nodes_on
-from restshape.fem.values import Nodal
+from restshape.fem.nodal_values import Nodal
 from restshape.mesh.hinges import border_cells, normals
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.boundary import ClothSupports

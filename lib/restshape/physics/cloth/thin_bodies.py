@@ -19,7 +19,7 @@ def borne(scene: Scene) -> tuple[float, str]:
     All of a cloth may come to lie on one thin body, which has little of its area below it.
     """
     sides = _sides(scene)
-    loads = {name: SPARE * _concentration(sides, body) for name, body in _settled(scene).items()}
+    loads = {name: SPARE * _concentration(sides, body) for name, body in _evaluated_bodies(scene).items()}
     most = max(loads, key=loads.__getitem__, default="")
     if not most or loads[most] <= BORNE:
         return BORNE, ""
@@ -29,15 +29,19 @@ def borne(scene: Scene) -> tuple[float, str]:
 def may_come_through(scene: Scene, thickness: float) -> str:
     """A warning of bodies thin enough to come through between nodes, for these alone touch; empty without any."""
     size = scene.mesh.size or 0.0
-    thin = [name for name, body in _settled(scene).items() if min(_diameters(body)) + 2.0 * thickness < SPREAD * size]
+    thin = [
+        name
+        for name, body in _evaluated_bodies(scene).items()
+        if min(_diameters(body)) + 2.0 * thickness < SPREAD * size
+    ]
     if not thin:
         return ""
     names = ", ".join(f"bodies.{name}" for name in thin)
     return f"cloth touches with its nodes alone, between which {names} may come through: make mesh.size smaller"
 
 
-def _settled(scene: Scene) -> dict[str, Body]:
-    return {name: body.settled(scene.parameters) for name, body in scene.bodies.items()}
+def _evaluated_bodies(scene: Scene) -> dict[str, Body]:
+    return {name: body.evaluated(scene.parameters) for name, body in scene.bodies.items()}
 
 
 def _sides(scene: Scene) -> tuple[float, float]:

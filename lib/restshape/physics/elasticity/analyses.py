@@ -13,7 +13,7 @@ from restshape.scene.plan import Plan
 
 
 def steady_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis:
-    """The analysis of a solid at rest; arguments as of any `Analysis`."""
+    """The analysis of a static solid; arguments as of any `Analysis`."""
     if plan.solver.equations == "nonlinear":
         return NonlinearSteadyAnalysis(scene, plan, context, PlaneSolid)
     if plan.on("buckling"):

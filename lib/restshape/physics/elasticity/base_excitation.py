@@ -1,4 +1,4 @@
-"""Ground that shakes at one frequency."""
+"""Base excitation at one frequency."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 
-class GroundMotion:
+class HarmonicExcitation:
     """Harmonic motion of the ground: displacement -A / w^2 sin(w t), acceleration A sin(w t) along a direction.
 
     Args:
@@ -16,7 +16,7 @@ class GroundMotion:
         before, now: the motion until this time [s]; where the frequency changes, the phase goes on.
     """
 
-    def __init__(self, settings: Any, before: GroundMotion | None = None, now: float = 0.0) -> None:
+    def __init__(self, settings: Any, before: HarmonicExcitation | None = None, now: float = 0.0) -> None:
         direction = np.array(settings.direction, dtype=float)
         self.omega = 2 * pi * settings.frequency
         size = settings.acceleration if settings.acceleration is not None else -settings.displacement * self.omega**2

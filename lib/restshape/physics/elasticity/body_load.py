@@ -4,9 +4,9 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.fem.entity_sets import cells_on
-from restshape.fem.materials import require_value
+from restshape.fem.nodal_values import evaluate, rates, varies
+from restshape.fem.region_materials import require_value
 from restshape.fem.space import Space
-from restshape.fem.values import evaluate, rates, varies
 from restshape.scene.model import Load, Scene
 
 
@@ -30,7 +30,7 @@ class BodyLoads:
         self.of_cells = [(name, load) for name, load in given if not (smooth and varies(load.body))]
         self.of_nodes = [(name, load) for name, load in given if smooth and varies(load.body)]
         self.varies = any(varies(load.body) for _, load in given)
-        self._spread = _kernels.Element("mass_tri6") if self.of_nodes else None
+        self._consistent = _kernels.Element("mass_tri6") if self.of_nodes else None
 
     def add_to_cells(self, params: np.ndarray) -> None:
         """Add the forces (ne, 2) [N/m^3] on cells to the columns 3 and 4 of parameters (ne, p)."""
@@ -72,7 +72,7 @@ class BodyLoads:
             nodes = np.unique(space.cells[cells])
             force = np.zeros_like(space.X)
             force[nodes] = self._value(name, load, nodes)
-            self._spread.residual(space.X, force, space.cells, thickness, total, cells)
+            self._consistent.residual(space.X, force, space.cells, thickness, total, cells)
         out += sign * total
 
     def add_node_rates(self, dX: np.ndarray, out: np.ndarray) -> None:
@@ -86,7 +86,7 @@ class BodyLoads:
             force, force_rate, total = np.zeros((3, *out.shape))
             force[nodes] = self._value(name, load, nodes)
             force_rate[nodes] = rates(load.body, space.X[nodes], dX[nodes], self.scene.parameters, where)
-            self._spread.design(space.X, dX, force, cells, share, total, dx=force_rate)
+            self._consistent.design(space.X, dX, force, cells, share, total, dx=force_rate)
             out -= total
 
     def _value(self, name: str, load: Load, nodes: np.ndarray) -> np.ndarray:

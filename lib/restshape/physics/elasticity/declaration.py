@@ -5,15 +5,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from restshape.physics.elasticity.derived_effects import GRAIN, LARGE, SOLID
 from restshape.physics.elasticity.goal import Goal, goal_words
-from restshape.physics.elasticity.implied import GRAIN, LARGE, SOLID
 from restshape.physics.elasticity.material_keys import ElasticMaterial
 from restshape.physics.elasticity.modal_effect import IN_PLANE_MODES, MODAL, modal_columns
 from restshape.physics.elasticity.motion_effects import IN_MOTION
 from restshape.physics.elasticity.scene_checks import check_goals, check_solids
 from restshape.physics.elasticity.solid_effects import AT_REST, buckling_columns
 from restshape.physics.elasticity.solver_plan import solid_plan, vibration_plan
-from restshape.scene.implied import REGIONS
+from restshape.scene.derived_effects import REGIONS
 from restshape.scene.load_kind import AREAS, CURVES, POINTS, LoadKind
 from restshape.scene.model import Scene
 from restshape.scene.physics import Invariant, Physics, PictureField, Section
@@ -72,7 +72,7 @@ QUANTITIES = {
 GOALS = {"goal": Section(Goal, "curves that the deformed shape is measured against", named=True, words=goal_words)}
 
 
-def following_pressures(scene: Scene, on: frozenset[str]) -> dict[str, list[str]]:
+def follower_loads(scene: Scene, on: frozenset[str]) -> dict[str, list[str]]:
     """Where each pressure acts that follows the boundary: the pattern of the tangent depends on it."""
     loads = scene.loads.items() if LARGE in on else ()
     return {name: list(load.on) for name, load in loads if load.pressure is not None}
@@ -88,10 +88,10 @@ PLANE_SOLIDS = Physics(
     quantities=QUANTITIES,
     sections=GOALS,
     effects=AT_REST,
-    implied=SOLID,
+    derived=SOLID,
     invariants=(
         Invariant(
-            following_pressures,
+            follower_loads,
             "which pressures follow the boundary, and where, cannot change during an edit",
             "make it two scenes, or give the load in both and set it to 0",
         ),
@@ -121,7 +121,7 @@ FREE_VIBRATIONS = Physics(
     quantities=QUANTITIES,
     sections=GOALS,
     effects={"modal": MODAL},
-    implied={"in_plane_modes": IN_PLANE_MODES, "grain": GRAIN, "regions": REGIONS},
+    derived={"in_plane_modes": IN_PLANE_MODES, "grain": GRAIN, "regions": REGIONS},
     orders=(2, 1),
     layered=True,
     check=check_goals,

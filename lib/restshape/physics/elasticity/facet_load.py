@@ -4,8 +4,8 @@ import numpy as np
 
 from restshape.fem.entity_sets import facets_on
 from restshape.fem.facets import LENGTH_RULE, FacetSamples
+from restshape.fem.nodal_values import Nodal, evaluate, rates, varies
 from restshape.fem.space import Space
-from restshape.fem.values import Nodal, evaluate, rates, varies
 from restshape.scene.model import Load
 
 

@@ -6,8 +6,8 @@ from restshape import _kernels
 from restshape.fem.entity_sets import facets_on, nodes_on
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
+from restshape.fem.nodal_values import evaluate, rates
 from restshape.fem.space import Space
-from restshape.fem.values import evaluate, rates
 from restshape.physics.elasticity.body_load import BodyLoads
 from restshape.physics.elasticity.facet_load import FacetLoad
 from restshape.scene.model import Load, Scene
@@ -57,7 +57,7 @@ class PlaneLoads:
             for p in self.tractions
         ]
 
-    def following(self, part: float = 1.0) -> list[Integral]:
+    def follower(self, part: float = 1.0) -> list[Integral]:
         """The pressures on the deformed boundary, or a part of them."""
         # A part of the thickness takes a part of the load.
         X = self.space.X

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import ConfigDict, Field
 
 from restshape.errors import UserError
-from restshape.scene.effect import Decision, Effect, Implied
+from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, number_of
 
@@ -28,7 +28,7 @@ class ModalKeys(Strict):
     in_plane: bool = False
     a4: Annotated[number_of("frequency"), Field(gt=0)] = 440.0
 
-    def decide(self, scene: Scene) -> Decision:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The order of the elements: the second, where the scene names none, for the first is far too stiff in bending.
 
         Raises:
@@ -39,8 +39,12 @@ class ModalKeys(Strict):
                 raise UserError(
                     "plates have elements of the first order only", "mesh.order", "set it to 1, or leave it out"
                 )
-            return Decision(self, "plates have no layers: mesh.layers means nothing" if scene.mesh.layers else "", 1)
-        return Decision(self, "" if scene.mesh.order else "second-order elements, for the first bend too stiffly", 2)
+            return ResolvedSettings(
+                self, "plates have no layers: mesh.layers means nothing" if scene.mesh.layers else "", 1
+            )
+        return ResolvedSettings(
+            self, "" if scene.mesh.order else "second-order elements, for the first bend too stiffly", 2
+        )
 
 
 def modal_columns(scene: Scene) -> dict[str, Any]:
@@ -71,4 +75,4 @@ def _only_normal(raw: dict[str, Any], _: frozenset[str]) -> dict[str, Any]:
 
 
 MODAL = Effect(ModalKeys, "free vibrations", required=True)
-IN_PLANE_MODES = Implied("modes in the plane", _in_plane, "modes in the plane are passed over", _only_normal)
+IN_PLANE_MODES = DerivedEffect("modes in the plane", _in_plane, "modes in the plane are passed over", _only_normal)

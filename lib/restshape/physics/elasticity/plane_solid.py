@@ -10,7 +10,7 @@ from restshape.errors import UserError
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
-from restshape.fem.materials import by_cell, table_by_region
+from restshape.fem.observer import Observer
 from restshape.fem.problem import (
     CONSISTENT,
     FOLLOWERS,
@@ -25,11 +25,11 @@ from restshape.fem.problem import (
     TransientProblem,
     Unknown,
 )
-from restshape.fem.quantity import Observer
+from restshape.fem.region_materials import by_cell, table_by_region
 from restshape.fem.space import Space
 from restshape.fem.supports import dirichlet_of
 from restshape.fem.time_integration import Newmark, Rayleigh, TimeIntegration
-from restshape.physics.elasticity.base_excitation import GroundMotion
+from restshape.physics.elasticity.base_excitation import HarmonicExcitation
 from restshape.physics.elasticity.body_load import require_density
 from restshape.physics.elasticity.loads import PlaneLoads
 from restshape.physics.elasticity.quantities import MotionQuantities, PlaneQuantities
@@ -141,7 +141,7 @@ class PlaneSolid(TransientProblem):
         if kind == LOADS:
             return self.loads.on_edges()
         if kind == FOLLOWERS:
-            return self.loads.following(part)
+            return self.loads.follower(part)
         if kind == STIFFNESS:
             return [Integral(self.element, X, cells, self.stiffness_params)]
         if kind == REFERENCE:
@@ -207,7 +207,7 @@ class PlaneSolid(TransientProblem):
         scheme = Newmark(settings.beta, settings.gamma, settings.time_step)
         excitation = None
         if ground is not None:
-            excitation = GroundMotion(ground, before.excitation if before else None, now)
+            excitation = HarmonicExcitation(ground, before.excitation if before else None, now)
         return TimeIntegration(scheme, settings.steps, Rayleigh.of(plan.settings("damping")), excitation)
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Plane solids whose stress at rest changes their stiffness, as buckling wants it."""
+"""Plane solids whose prebuckling stress changes their stiffness, as buckling wants it."""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -7,13 +7,13 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.fem.integral import Integral
-from restshape.fem.quantity import Observer
+from restshape.fem.observer import Observer
 from restshape.physics.elasticity.plane_solid import PlaneSolid
 from restshape.scene.model import Quantity
 
 
 class PrestressedSolid(PlaneSolid):
-    """A linear solid at rest that knows the geometric stiffness of its displacements.
+    """A linear static solid that knows the geometric stiffness of its displacements.
 
     Arguments as in `PlaneSolid`.
 
@@ -40,5 +40,5 @@ class PrestressedSolid(PlaneSolid):
         return _kernels.Element(self.small.name.replace("linear_elastic", "geometric"))
 
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
-        """What evaluates those quantities that the displacement tells; load factors are the analysis's to tell."""
+        """What evaluates those quantities that the displacement gives; load factors are the analysis's to report."""
         return super().observer({name: q for name, q in quantities.items() if q.load_factor is None})

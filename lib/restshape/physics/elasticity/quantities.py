@@ -9,11 +9,11 @@ from typing import Protocol
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.fem.balance import unconstrained_residual
 from restshape.fem.entity_sets import cells_around, observed_nodes
+from restshape.fem.observer import Function, area, cells_at, reduction
 from restshape.fem.problem import Problem
-from restshape.fem.quantity import Function, area, cells_at, reduction
 from restshape.fem.recovery import NodalFlux
+from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.stress import COMPONENTS, PlaneStresses
 from restshape.physics.elasticity.target_curves import GoalDistance
 from restshape.scene.model import Quantity
@@ -23,7 +23,7 @@ ELSEWHERE = {
     "mode": ("only free vibrations have frequencies", 'use app = "metallophone"'),
     "load_factor": ("without buckling there are no load factors", 'add [effects.buckling] to a scene of app = "solid"'),
 }
-"""Quantities that a solid at rest or in motion has not: why, and what to do."""
+"""Quantities that a static solid or in motion has not: why, and what to do."""
 
 
 class ObservedSolid(Problem, Protocol):
@@ -88,7 +88,7 @@ class PlaneQuantities:
         self._nodal = None
 
     def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
-        """The energy of that kind in the cells; a solid at rest has one kind only."""
+        """The energy of that kind in the cells; a static solid has one kind only."""
         if kind != "strain":
             raise UserError(f"a solid at rest has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"')
         return lambda x, *_: self.solid.energies(x)[cells].sum()

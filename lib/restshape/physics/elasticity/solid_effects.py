@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from restshape.errors import UserError
-from restshape.scene.effect import Decision, Effect
+from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict
 
@@ -26,7 +26,7 @@ class SolidKeys(BaseModel):
     model: Literal["plane_stress", "plane_strain"] = "plane_stress"
     element: Literal["auto", "displacement", "mean_dilatation"] = "auto"
 
-    def decide(self, scene: Scene) -> Decision:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The element for a scene, and its order; why, where the material is nearly incompressible.
 
         Raises:
@@ -42,13 +42,13 @@ class SolidKeys(BaseModel):
         cause = f"nu = {nu:g} of material.{name} is above {NEARLY_INCOMPRESSIBLE} in plane strain"
         if mean:
             why = f"mean dilatation on second-order triangles, for {cause if stiff else 'the scene asks for it'}"
-            return Decision(settings, why, 2)
+            return ResolvedSettings(settings, why, 2)
         if not stiff:
-            return Decision(settings)
+            return ResolvedSettings(settings)
         if order == 1:
             why = f"first-order triangles lock, for {cause}: leave out mesh.order, or set it to 2"
-            return Decision(settings, why, warns=True)
-        return Decision(settings, f"displacement elements as the scene asks, slow to converge, for {cause}", 2)
+            return ResolvedSettings(settings, why, warns=True)
+        return ResolvedSettings(settings, f"displacement elements as the scene asks, slow to converge, for {cause}", 2)
 
     def _refuse_senseless(self, order: int | None) -> None:
         if self.model == "plane_stress":
@@ -95,7 +95,7 @@ class BucklingKeys(Strict):
     modes: Annotated[int, Field(ge=1, le=20)] = 3
     load: Literal["given", "reversed"] = "given"
 
-    def decide(self, scene: Scene) -> Decision:
+    def resolve(self, scene: Scene) -> ResolvedSettings:
         """The order of the elements: the second, where the scene names none, for the first bend too stiffly.
 
         Raises:
@@ -116,8 +116,10 @@ class BucklingKeys(Strict):
             )
         if scene.mesh.order == 1:
             why = "first-order triangles bend too stiffly: load factors come out too large; leave out mesh.order"
-            return Decision(self, why, 2, warns=True)
-        return Decision(self, "" if scene.mesh.order else "second-order elements, for the first bend too stiffly", 2)
+            return ResolvedSettings(self, why, 2, warns=True)
+        return ResolvedSettings(
+            self, "" if scene.mesh.order else "second-order elements, for the first bend too stiffly", 2
+        )
 
 
 def buckling_columns(scene: Scene) -> dict[str, Any]:
@@ -134,4 +136,4 @@ GRAVITY = Effect(PlaneGravityKeys, "weight of the body", drives=True)
 LARGE_DEFORMATION = Effect(LargeDeformationKeys, "large displacements and rotations, pressures that follow", fixed=True)
 BUCKLING = Effect(BucklingKeys, "critical load factors and modes of buckling", fixed=True, quantities=("load_factor",))
 AT_REST = {"solid": ELASTICITY, "gravity": GRAVITY, "large_deformation": LARGE_DEFORMATION, "buckling": BUCKLING}
-"""Effects of solids at rest."""
+"""Effects of Static solids."""

@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 from typing import Any
 
-from restshape.physics.elasticity.implied import LARGE
-from restshape.scene.implied import On
+from restshape.physics.elasticity.derived_effects import LARGE
+from restshape.scene.derived_effects import On
 from restshape.scene.model import Scene
 from restshape.scene.solver import DEFINITE, INDEFINITE, UNSYMMETRIC, SolverPlan, System
 
 
 def solid_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
-    """The plan of solids at rest or in motion."""
+    """The plan of Static solids or in motion."""
     moving = "dynamics" in on
     displaced = _displacement(scene, on, moving)
     if LARGE in on:

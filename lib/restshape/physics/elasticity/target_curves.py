@@ -32,13 +32,13 @@ class GoalDistance:
     Args:
         goal: of a scene.
         facets: (nf, 2) nodes of the facets, or (nf, 3) with mid-side nodes last.
-        take: "mean", half the mean of either direction along the curves' lengths, or "max", the larger maximum.
+        reduce: "mean", half the mean of either direction along the curves' lengths, or "max", the larger maximum.
     """
 
-    def __init__(self, goal: Goal, facets: np.ndarray, take: str) -> None:
+    def __init__(self, goal: Goal, facets: np.ndarray, reduce: str) -> None:
         curve = goal_curve(goal)
         self.starts, self.ends = np.ascontiguousarray(curve[:-1]), np.ascontiguousarray(curve[1:])
-        self.curve, self.take = np.ascontiguousarray(curve), take
+        self.curve, self.reduce = np.ascontiguousarray(curve), reduce
         # A second-order facet counts as two straight pieces.
         pieces = facets if facets.shape[1] == 2 else np.concatenate([facets[:, [0, 2]], facets[:, [2, 1]]])
         self.nodes, pieces = np.unique(pieces, return_inverse=True)
@@ -51,7 +51,7 @@ class GoalDistance:
         starts, ends = own[self.pieces[:, 0]], own[self.pieces[:, 1]]
         there = _kernels.distances(own, self.starts, self.ends)
         back = _kernels.distances(self.curve, starts, ends)
-        if self.take == "max":
+        if self.reduce == "max":
             return float(max(there.max(), back.max()))
         lengths = np.hypot(*(ends - starts).T)
         mean = 0.5 * (lengths @ (there[self.pieces[:, 0]] + there[self.pieces[:, 1]])) / lengths.sum()

@@ -14,8 +14,8 @@ from restshape.fem.integral import Integral
 from restshape.fem.problem import INTERNAL, MASS, STIFFNESS, Fields, Unknown
 from restshape.fem.space import Space
 from restshape.fem.supports import dirichlet_of
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace
 from restshape.physics.elasticity.mode_estimate import RecoveryModeEstimate
 from restshape.physics.elasticity.vibrating_materials import materials_by_region
 from restshape.scene.model import Scene

@@ -1,7 +1,7 @@
 """What materials give to bodies that vibrate: moduli, density and thickness by region."""
 
 from restshape.errors import UserError
-from restshape.fem.materials import names_by_region, require_value
+from restshape.fem.region_materials import names_by_region, require_value
 from restshape.fem.space import Space
 from restshape.scene.expressions import Value
 from restshape.scene.model import Material, Scene

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from restshape.fem.materials import by_cell
+from restshape.fem.region_materials import by_cell
 from restshape.mesh.extrude import Extrusion
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.space import LagrangeSpace
 from restshape.physics.elasticity.mode_estimate import SolidModeEstimate
 from restshape.physics.elasticity.stiffness import lame, solid_params, stiffness_of
 from restshape.physics.elasticity.vibrating_body import VibratingBody

@@ -10,9 +10,9 @@ from restshape.fem.cell_samples import CellValues, Given
 from restshape.fem.elements import CONDUCTION, HEAT_CAPACITY, LUMPED_HEAT_CAPACITY
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.integral import Integral
-from restshape.fem.materials import by_cell, table_by_region
+from restshape.fem.observer import Observer
 from restshape.fem.problem import Fields, Inertia, TransientProblem, Unknown
-from restshape.fem.quantity import Observer
+from restshape.fem.region_materials import by_cell, table_by_region
 from restshape.fem.space import Space
 from restshape.fem.supports import dirichlet_of
 from restshape.fem.time_integration import Theta, TimeIntegration

@@ -5,8 +5,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from restshape.scene.derived_effects import On
 from restshape.scene.effect import Effect
-from restshape.scene.implied import On
 from restshape.scene.load_kind import AREAS, CURVES, LoadKind
 from restshape.scene.model import Material, Scene
 from restshape.scene.physics import Invariant, Physics, PictureField

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from restshape.fem.balance import unconstrained_residual
 from restshape.fem.entity_sets import cells_around, observed_nodes
+from restshape.fem.observer import Function, area, cells_at, reduction
 from restshape.fem.problem import Inertia, Problem
-from restshape.fem.quantity import Function, area, cells_at, reduction
+from restshape.fem.residuals import unconstrained_residual
 from restshape.fem.time_integration import Motion
 from restshape.physics.heat.surface import SurfaceHeat
 from restshape.scene.model import Quantity

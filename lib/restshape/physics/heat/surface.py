@@ -6,8 +6,8 @@ from restshape.fem.elements import SURFACE_HEAT
 from restshape.fem.entity_sets import facets_on
 from restshape.fem.facets import SHAPES, FacetSamples
 from restshape.fem.integral import Integral
+from restshape.fem.nodal_values import Nodal, varies
 from restshape.fem.space import Space
-from restshape.fem.values import Nodal, varies
 from restshape.scene.model import Scene
 
 

@@ -11,8 +11,8 @@ from restshape.physics.elasticity.stiffness import plane_stress, stiffness_of
 class PlateModeEstimate(RecoveryModeEstimate):
     """Of a plate, from its moments alone.
 
-    The element does not conform, so that its frequencies come out too low or too high: this tells how much they may be
-    wrong, not which way. Shear has little part in it.
+    The element does not conform, so that its frequencies come out too low or too high: this reports how much they may
+    be wrong, not which way. Shear has little part in it.
     """
 
     def __init__(self, body: EstimatedBody) -> None:

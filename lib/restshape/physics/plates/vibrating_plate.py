@@ -34,7 +34,7 @@ class VibratingPlate(VibratingBody):
         self.update()
 
     def update(self) -> None:
-        """Tell the elements which sides may twist: those of the boundary along which no support holds the rotation."""
+        """Give the elements which sides may twist: those of the boundary along which no support holds the rotation."""
         mask, topology = self.boundary.mask, self.space.topology
         if topology == self._topology and not mask[:, 1:].any():
             return

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.weak_calls import weak_call
 from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.frame import Frame
 from restshape.errors import ReplayProblem, UserError
@@ -19,6 +20,7 @@ from restshape.physics.cloth.error_estimate import ClothEstimate
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.binding import bind
 from restshape.physics.cloth.relaxation.comparison import compare_cold
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.options import RelaxationOptions, Watch
 from restshape.physics.cloth.relaxation.relaxing import relax
 from restshape.physics.cloth.relaxation.row import Row
@@ -47,7 +49,7 @@ class RelaxationAnalysis:
     Source: docs/theory.md, section "Cloth".
     """
 
-    estimated = "strain of the cloth in the energy norm"
+    estimated_quantity = "strain of the cloth in the energy norm"
     predictor = None
     why_not = "cloth is not predicted yet: all its frames are solved"
 
@@ -105,7 +107,11 @@ class RelaxationAnalysis:
     def _options(self, scene: Scene, new_values: bool) -> RelaxationOptions:
         """How the cloth of a scene is relaxed."""
         known = None if new_values else self.state.plan
-        return RelaxationOptions.of(self.context, scene, known, lambda *iterate: self.watch(*iterate))
+        return RelaxationOptions.of(self.context, scene, known, weak_call(self._note))
+
+    def _note(self, solver: EquilibriumSolver, x: np.ndarray, residual: float) -> None:
+        """Hand on an iterate to who watches now."""
+        self.watch(solver, x, residual)
 
     @property
     def _preconditioner(self) -> str:

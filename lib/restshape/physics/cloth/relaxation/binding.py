@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,8 @@ from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 
+log = logging.getLogger("restshape.physics")
+
 
 def bind(
     before: RelaxationState, frame: Frame, new_mesh: bool, options: RelaxationOptions, origin: RelaxationState | None
@@ -28,7 +31,7 @@ def bind(
 
     Args:
         before: the last equilibrium.
-        frame: what is told of it.
+        frame: as an analysis knows it.
         new_mesh: the mesh, or its connectivity, is another one.
         options: of the frame's scene.
         origin: the equilibrium of other cloth on the same mesh to start from instead, its friction included.
@@ -48,6 +51,7 @@ def bind(
         state = moved_material(before, arguments)
         if cold:
             state = replace(state, x=state.problem.flat(arguments.start))
+    log.info("Relaxation from %s", "the initial placement" if cold and not origin else "the last positions")
     problem, notes = state.problem, ()
     state = replace(state, plan=options.plan, bodies=options.bodies)
     if cold and problem.contact:
@@ -99,7 +103,7 @@ def moved_corners(before: RelaxationState, frame: Frame, scene: Scene) -> np.nda
     """Positions (corners, 3) of the last frame: along the cloth, or, on a new mesh, by their displacements."""
     problem = before.problem
     if frame.mesh is problem.mesh:
-        return before.carried().corners_at(frame.mesh.X, problem.corner_number)
+        return before.advected().corners_at(frame.mesh.X, problem.corner_number)
     placement = InitialPlacement(scene.start, scene.parameters)
     moved = problem.corners(before.x) - placement.places(problem.mesh.X)
     return placement.places(frame.mesh.X) + transfer(problem.mesh, frame.mesh, moved)
@@ -109,7 +113,7 @@ def moved_material(before: RelaxationState, arguments: ClothArguments) -> Relaxa
     """The state with moved nodes, other values, supports and bodies on the same topology."""
     problem = before.problem
     # Material that has come elsewhere takes the place that the cloth has there.
-    cloth = before.carried()
+    cloth = before.advected()
     problem.set_values(arguments.fabric, arguments.supports, arguments.g)
     sides = problem.morley.side_number if problem.morley else None
     x = cloth.unknowns_at(problem.place, sides)

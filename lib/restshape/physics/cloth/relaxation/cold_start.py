@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -15,6 +16,8 @@ from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH, EquilibriumSolver
 from restshape.physics.cloth.relaxation.report import ConvergenceReport
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem
+
+log = logging.getLogger("restshape.physics")
 
 SOFT = (0.01, 0.05)
 """Parts of the membrane's stiffness that cloth falls with at first: soft cloth finds its folds in large steps."""
@@ -104,6 +107,8 @@ def stiffen(
         # Stiff triangles of a coarse mesh would not let the cloth fold.
         for part in SOFT if level == 0 else SOFT[-1:]:
             solver.problem.soften(part)
+            nodes = len(solver.problem.mesh.X)
+            log.info("Cold start: mesh of %d nodes, membrane stiffness times %g", nodes, part)
             if level == 0 and part == SOFT[0]:
                 solver.damp(x, ROUGH, report)
             rounds = ROUNDS if level < last else LAST_ROUNDS
@@ -119,6 +124,7 @@ def stiffen(
 def restart_soft(solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
     """Soft for a while, from positions x (n, 3), which are changed, that a stiff membrane leaves in small steps."""
     for part in SOFT:
+        log.info("Stiffness continuation from a saddle: membrane stiffness times %g", part)
         solver.problem.soften(part)
         # Beside an unstable equilibrium forces are small, and grow at first.
         solver.damp(x, min(ROUGH, 0.1 * solver.residual_norm(x)), report)

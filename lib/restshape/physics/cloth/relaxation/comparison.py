@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from restshape.algebra.gather import matrix_difference, whole_matrix
+from restshape.algebra.gathering import gather_matrix, matrix_difference
 from restshape.analysis.analysis import Comparison
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
@@ -30,12 +30,12 @@ def compare_cold(state: RelaxationState, make_solver: Callable[[ClothProblem, st
     """
     solver, comm = state.solver, state.solver.comm
     cold = make_solver(_cold_problem(state), "drape_cold_")
-    warm, fresh = (whole_matrix(each.newton.tangent(state.x), comm) for each in (solver, cold))
+    warm, fresh = (gather_matrix(each.newton.tangent(state.x), comm) for each in (solver, cold))
     x, goal = state.x.copy(), solver.goal
     cold.goal = FARTHER * goal
     found = cold.refine(x, ConvergenceReport())
     # Loose cloth turns on its way; the mean of both tangents is good to third order.
-    mean = 0.5 * (fresh + whole_matrix(cold.newton.tangent(x), comm))
+    mean = 0.5 * (fresh + gather_matrix(cold.newton.tangent(x), comm))
     forces = (mean @ (state.x - x).ravel()).reshape(x.shape) * state.problem.boundary.free
     distance = float(np.linalg.norm(forces)) / solver.scale(state.x) if found else cold.residual_norm(x)
     if not state.report.converged:

@@ -93,7 +93,7 @@ class ClothEquations:
         return self.tangents.operator.rows
 
     @property
-    def held(self) -> np.ndarray:
+    def constrained(self) -> np.ndarray:
         """Unknowns, of all 3 n, that are constrained."""
         return self.problem.boundary.constrained
 

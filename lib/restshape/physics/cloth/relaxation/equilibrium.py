@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -13,10 +14,13 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
+from restshape.algebra.weak_calls import weak_call
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.equations import ClothEquations
 from restshape.physics.cloth.relaxation.report import FALLS, ConvergenceReport
+
+log = logging.getLogger("restshape.physics")
 
 NEAR = 1e-3
 """Residual over load at which Newton's method takes over."""
@@ -48,7 +52,7 @@ class EquilibriumSolver:
         prefix: of options in PETSc's database.
 
     Attributes:
-        on_iterate: called with positions (n, 3) and residual over load at each iterate of any method.
+        on_iterate: called with this solver, positions (n, 3) and residual over load at each iterate of any method.
 
     Source: docs/theory.md, section "Cloth".
     """
@@ -73,8 +77,8 @@ class EquilibriumSolver:
         self.descent = Descent(comm, f"{prefix}descent_", self.equations, shape, rows, reach=reach)
         self._newton = Newton(comm, f"{prefix}newton_", linear, shape, rows) if linear else None
         self._met, self._noted = -1, 0
-        self.on_iterate: Callable[[np.ndarray, float], None] = lambda *_: None
-        self._moving.on_step = self.descent.on_step = self.note
+        self.on_iterate: Callable[[EquilibriumSolver, np.ndarray, float], None] = lambda *_: None
+        self._moving.on_step = self.descent.on_step = weak_call(self.note)
         # Friction that followed at peaks alone would be none for what slides ever faster and has no peak.
         self._moving.on_move = problem.follow_friction
 
@@ -92,7 +96,7 @@ class EquilibriumSolver:
     def newton(self) -> Newton | None:
         """Newton's method for the problem as it is now."""
         if self._newton and self._met != self.problem.stiffness_version:
-            self._newton.take(self.equations)
+            self._newton.set_equations(self.equations)
             self._newton.begin(self._met < 0, False, self.places)
             self._met = self.problem.stiffness_version
         return self._newton
@@ -138,11 +142,21 @@ class EquilibriumSolver:
             # From where it has come to, other methods may get on.
             report.why = str(problem)
         report.residual = self.residual_norm(x)
-        report.steps += self._moving.snes.getIterationNumber()
-        report.iterations += self._moving.iterations
+        moving, steps = self._moving, self._moving.snes.getIterationNumber()
+        report.steps += steps
+        report.iterations += moving.iterations
+        log.info(
+            "TS kinetic damping to %g: %d steps, %d kinetic-energy peaks, %d rejected, dt %.1e, residual/load %.3e",
+            goal,
+            steps,
+            len(moving.resets),
+            moving.rejected,
+            moving.time_step,
+            report.residual,
+        )
 
     def descend(self, x: np.ndarray, goal: float, most: int, report: ConvergenceReport) -> bool:
-        """Quasi-Newton steps from x (n, 3), which is changed, on a fresh tangent every few steps; tells of success."""
+        """Quasi-Newton steps from x (n, 3), which is changed, on a fresh tangent every few steps; returns success."""
         equations, failed, taken = self.equations, 0, 0
         least = equations.inertia = equations.supporting_inertia
         report.why = ""
@@ -155,6 +169,13 @@ class EquilibriumSolver:
             report.factors, report.iterations = report.factors + 1, report.iterations + steps
             report.steps, taken = report.steps + steps, taken + max(steps, 1)
             report.residual = norm / self.scale(x)
+            log.info(
+                "SNES descent to %g on a new tangent: %d steps, inertia %.3e, residual over load %.3e",
+                goal,
+                steps,
+                equations.inertia,
+                report.residual,
+            )
             if not self.is_valid(x):
                 x[:] = before
             if report.residual <= goal:
@@ -173,13 +194,15 @@ class EquilibriumSolver:
         return False
 
     def refine(self, x: np.ndarray, report: ConvergenceReport) -> bool:
-        """Newton's method from x (n, 3) near an equilibrium, which it is set to where one is found; tells whether."""
+        """Newton's method from x (n, 3) near an equilibrium, which it is set to where one is found; returns whether."""
         scale, start = self.scale(x), x.copy()
         try:
             outcome = self.newton.solve(x, self.goal * scale, scale, searched=True, rounding=self.rounding)
-        except ReplayProblem:
+        except ReplayProblem as problem:
+            log.info("Newton refinement failed: %s", problem)
             x[:] = start
             return False
+        log.info("Newton refinement %s: %d iterations", outcome.why or "converged", outcome.newton)
         report.newton += outcome.newton
         report.steps += outcome.newton
         report.iterations += outcome.iterations
@@ -241,8 +264,8 @@ class EquilibriumSolver:
         return self.problem.contact.slip if self.problem.contact else np.inf
 
     def note(self, x: np.ndarray, norm: float) -> bool:
-        """Hand on an iterate x (n, 3) and its residual's norm [N]; tells whether the cloth falls without end."""
-        self.on_iterate(x, norm / self.scale(x))
+        """Hand on an iterate x (n, 3) and its residual's norm [N]; returns whether the cloth falls without end."""
+        self.on_iterate(self, x, norm / self.scale(x))
         self._noted += 1
         # Looked at in every step it would cost a twentieth of it.
         return self._noted % MEMORY == 0 and self.problem.falls(x)

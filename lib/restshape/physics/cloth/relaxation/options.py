@@ -54,7 +54,7 @@ class RelaxationOptions:
     def of(cls, context: Context, scene: Scene, known: Plan | None, watch: Watch) -> RelaxationOptions:
         """The options of a scene, whose plan may be known already."""
         plan = known or planned(scene, application(scene.app))
-        bodies = tuple(body.settled(scene.parameters) for body in scene.bodies.values())
+        bodies = tuple(body.evaluated(scene.parameters) for body in scene.bodies.values())
         return cls(context, plan, scene, bodies, watch)
 
     @property
@@ -80,7 +80,7 @@ class RelaxationOptions:
         """A solver of a problem, with a prefix of options in PETSc's database."""
         context, settings, complete = self.context, self.settings, "direct"
         if context.policy.name == "auto":
-            # A complete factor tells how to leave an unstable equilibrium, and on one rank alone there is one.
+            # A complete factor shows how to leave an unstable equilibrium, and on one rank alone there is one.
             complete = "stale" if context.comm.size == 1 else "auto"
         linear = LinearSolver(
             context.comm,
@@ -100,5 +100,5 @@ class RelaxationOptions:
         solver = EquilibriumSolver(
             problem, context.comm, context.stages, linear, settings.tolerance, steps, backend, prefix
         )
-        solver.on_iterate = lambda x, residual: self.watch(solver, x, residual)
+        solver.on_iterate = self.watch
         return solver

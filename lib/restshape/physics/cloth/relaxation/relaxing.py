@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,8 @@ from restshape.physics.cloth.relaxation.report import ConvergenceReport
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.relaxation.strategies import STRATEGIES
+
+log = logging.getLogger("restshape.physics")
 
 ESCAPES = 5
 """Saddles of the energy that are left in one frame before the cloth is said to rest on one."""
@@ -42,8 +45,16 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
         raise ReplayProblem("the cloth's positions are no numbers")
     if report.converged:
         _stabilise(state, x, options, report)
+    log.info("Relaxation %s: %d steps, residual over load %.3e", _outcome(report), report.steps, report.residual)
     problem = state.problem
     return replace(state, x=x, report=report, place=problem.place, friction=friction_of(problem))
+
+
+def _outcome(report: ConvergenceReport) -> str:
+    """How a relaxation has ended, for the log."""
+    if not report.converged:
+        return f"not converged ({report.why})"
+    return "converged" if report.stable else "converged, stability not proven"
 
 
 def _stabilise(state: RelaxationState, x: np.ndarray, options: RelaxationOptions, report: ConvergenceReport) -> None:
@@ -54,9 +65,12 @@ def _stabilise(state: RelaxationState, x: np.ndarray, options: RelaxationOptions
         report.stable = saddle.is_stable(x)
         if report.stable or strategy != "auto" or report.steps >= most:
             return
+        log.info("Tangent is not positive definite: the equilibrium is a saddle of the energy")
         if not saddle.escape(x):
+            log.info("Saddle kept: no mode leads off it")
             # Nothing but a motion that hardly anything resists, such as turning about a pin.
             return
+        log.info("Saddle escape along the lowest mode")
         report.converged = False
         converge(solver, x, min(most, SHORT), report)
         if not report.converged:

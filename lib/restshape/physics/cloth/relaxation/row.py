@@ -1,4 +1,4 @@
-"""What a frame's row tells of cloth."""
+"""What a frame's row reports cloth."""
 
 from __future__ import annotations
 

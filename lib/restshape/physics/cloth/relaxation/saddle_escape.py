@@ -3,7 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gather import whole_matrix
+from restshape.algebra.gathering import gather_matrix
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import STIFFER, EquilibriumSolver
 
@@ -16,7 +16,7 @@ FAINT = 1e-4
 
 
 class SaddleEscape:
-    """Tells whether equilibria of one cloth are stable, and leaves those that are not.
+    """Whether equilibria of one cloth are stable, and leaves those that are not.
 
     Args:
         solver: of the equilibria.
@@ -32,7 +32,7 @@ class SaddleEscape:
         solver = self.solver
         if solver.comm.size == 1:
             return solver.newton.definite(x)
-        whole = whole_matrix(solver.newton.tangent(x), solver.comm)
+        whole = gather_matrix(solver.newton.tangent(x), solver.comm)
         matrix = PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data), comm=PETSc.COMM_SELF)
         pc = PETSc.PC().create(PETSc.COMM_SELF)
         pc.setType("cholesky")
@@ -73,7 +73,7 @@ class SaddleEscape:
             for _ in range(INVERSE_STEPS):
                 nodal.put(mass[:, None] * mode, rows[0])
                 rows[1].set(0.0)
-                solver.linear.solve(matrix, *rows, False, same_matrix=True, places=solver.places, aside=True)
+                solver.linear.solve(matrix, *rows, False, same_matrix=True, places=solver.places, auxiliary=True)
                 mode = nodal.values(rows[1]).copy()
                 if not (size := np.abs(problem.corners(mode)).max()):
                     break

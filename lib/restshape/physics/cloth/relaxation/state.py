@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from restshape.fem.quantity import Observer
+from restshape.fem.observer import Observer
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.contact import FrictionHistory
-from restshape.physics.cloth.material_motion import CarriedCloth, MaterialPlace
+from restshape.physics.cloth.material_motion import AdvectedCloth, MaterialPlace
 from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.report import ConvergenceReport
@@ -55,8 +55,8 @@ class RelaxationState:
         """Of the cloth."""
         return None if self.problem is None else self.problem.mesh
 
-    def carried(self) -> CarriedCloth:
+    def advected(self) -> AdvectedCloth:
         """The cloth at these positions, to be taken to other places of its nodes."""
         corners = self.problem.membrane.corners
         nodes = self.problem.morley.cells if self.problem.morley else corners
-        return CarriedCloth(self.place, corners, nodes, self.x)
+        return AdvectedCloth(self.place, corners, nodes, self.x)

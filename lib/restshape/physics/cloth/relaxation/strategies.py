@@ -19,7 +19,7 @@ FREELY = 1e-6
 ALPHA, BETA = 4.0, 1e-3
 """Rayleigh damping [1/s], [s]: about half of the critical one of a cloth that swings by half a metre."""
 LONG = 150
-"""Steps of conjugate gradients between which friction follows: they begin anew with each run."""
+"""Steps of conjugate gradients between which friction follows: they restart with each run."""
 ROUNDS = 200
 """Runs of a method, between which friction follows, after which it is given up."""
 

@@ -1,0 +1,25 @@
+"""What -vv logs of a relaxation agrees with itself and with the frame's row."""
+
+import csv
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+STRIP = Path(__file__).parents[1] / "scenes/strip.toml"
+
+
+def test_a_relaxation_logs_its_strategy_and_why_it_ends(tmp_path):
+    rows = tmp_path / "rows.csv"
+    command = [sys.executable, "-m", "restshape.cli.main", "replay", str(STRIP), "--csv", str(rows), "-vv"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    with rows.open() as file:
+        (row,) = csv.DictReader(file)
+    assert re.search(r"^physics: Cold start: mesh of \d+ nodes, membrane stiffness times 0.01$", done.stderr, re.M)
+    damped = re.search(r"^physics: TS kinetic damping .*: (\d+) steps, (\d+) kinetic-energy peaks", done.stderr, re.M)
+    monitored = re.findall(r"^algebra: +(\d+) TS dt \S+ Function norm", done.stderr, re.M)
+    assert len(monitored) == int(damped[1]) + 1
+    assert len(re.findall("TS kinetic-energy peak", done.stderr)) == int(damped[2]) > 0
+    (refined,) = re.findall(r"^physics: Newton refinement converged: (\d+) iterations$", done.stderr, re.M)
+    (ended,) = re.findall(r"^physics: Relaxation converged: (\d+) steps", done.stderr, re.M)
+    assert int(refined) < int(ended) and row["converged"] == row["tangent_positive_definite"] == "1"

@@ -1,0 +1,196 @@
+"""Findings on a piece of furniture in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from math import ceil
+
+import numpy as np
+from restshape_apps.furniture.physics import plank_findings as kinds
+from restshape_apps.furniture.physics.plank_findings import joint_planks, load_case
+from restshape_apps.furniture.shape.planks import Piece
+
+from restshape.findings import OMITTED, Finding
+from restshape.replay.constraints import LIMIT, formatted_constraint, value_and_bound
+
+SHOWN = 3
+"""Names of one kind that are shown; of more it is said how many there are."""
+
+FAULTS = {
+    "slant": "{0} lies too flat on {1}",
+    "length": "{0} has no length left",
+    "gap": "{0} is not flush with {1}",
+    "missed": "{0} misses {1}",
+    "foot": "{0} does not stand flat on {1}",
+    "behind": "{0} comes to {1} from behind",
+    kinds.FAR_SLANT: "{0} does not point at {1}",
+}
+"""What is said of what is lost, by its detail."""
+
+Worst = Collection[Finding]
+"""Findings whose amount is the worst of several frames."""
+
+
+def phrases(findings: Sequence[Finding], worst: Worst = ()) -> tuple[str, ...]:
+    """What is wrong, a phrase a kind, and one for each violated limit of a quantity.
+
+    Args:
+        findings: of a frame.
+        worst: those whose amount is the worst of several frames: it is "up to" that.
+    """
+    groups: dict[str, list[Finding]] = {}
+    for one in findings:
+        groups.setdefault(one.kind, []).append(one)
+    found: list[str] = []
+    for kind, group in groups.items():
+        if kind == LIMIT:
+            found += [formatted_constraint(one, one in worst) for one in group if one.detail != OMITTED]
+        elif kind == kinds.FALLS:
+            found.append(_falls(group, [one.subjects for one in groups.get(kinds.APART, ())]))
+        else:
+            found.append(PHRASES[kind](group, worst))
+    return tuple(found)
+
+
+def amount(finding: Finding) -> str:
+    """The amount that a finding has, as its phrase shows it; empty without one."""
+    if finding.value is None or finding.bound is None:
+        return ""
+    if finding.kind == kinds.WEAK:
+        return _share(finding.value)
+    return value_and_bound(finding)[0] if finding.kind == LIMIT else _two_lengths(finding)[0]
+
+
+def amount_beyond_reach(finding: Finding, worst: bool = False) -> str:
+    """How far an end is from a plank, farther than joints reach."""
+    far, reach = _two_lengths(finding)
+    plank, side, other = finding.subjects
+    more = "up to " if worst else ""
+    return f"{plank} {side} is {more}{far} mm from {other}, beyond the reach of {reach} mm of joints"
+
+
+def joint_name(piece: Piece, joint: int) -> str:
+    """What a joint is called: the plank whose end it holds, on the one whose face it is at."""
+    return " on ".join(joint_planks(piece, joint))
+
+
+def held_by_springs(piece: Piece, cases: Sequence[int]) -> str:
+    """Loads under which contacts act as springs that also pull; empty without any."""
+    if not cases:
+        return ""
+    under = _listed([_load(load_case(piece, case)) for case in cases])
+    return f"forces under {under} are of feet that springs hold: with feet that only push no equilibrium was found"
+
+
+def uncounted(piece: Piece, bent: Sequence[int], twisted: Sequence[int]) -> str:
+    """Joints with moments that the status does not count, more than their fasteners bear; empty without any."""
+    parts = [
+        f"{how} {_listed([joint_name(piece, k) for k in joints])}"
+        for how, joints in (("bends joint", bent), ("twists joint", twisted))
+        if joints
+    ]
+    return f"not in the verdict: what {' and '.join(parts)} is more than the fasteners bear" if parts else ""
+
+
+def _apart(findings: list[Finding], worst: Worst) -> str:
+    nearest = next((one for one in findings if one.detail == kinds.NEAREST), None)
+    parts = [_part(one) for one in findings if one.detail == kinds.PART]
+    omitted = _omitted(findings)
+    gap = f" ({amount_beyond_reach(nearest, nearest in worst)})" if nearest else ""
+    return f"in {_count(len(parts) + omitted)} parts: {_listed(parts, omitted)}{gap}"
+
+
+def _lost(findings: list[Finding], worst: Worst) -> str:
+    lost = [_fault(one, one in worst) for one in findings if one.subjects]
+    return f"lost: {_listed(lost, _omitted(findings))}" if lost else "a joint is lost"
+
+
+def _fault(one: Finding, worst: bool) -> str:
+    """What is said of a fault, with how far the two planks of a joint are from each other if joints do not reach."""
+    words = FAULTS[one.detail].format(*one.subjects)
+    if one.value is None or one.bound is None or one.value <= one.bound:
+        return words
+    return f"{words}, {'up to ' if worst else ''}{_two_lengths(one)[0]} mm from it"
+
+
+def _overlapping(findings: list[Finding], worst: Worst) -> str:
+    pairs = [" and ".join(one.subjects) for one in findings if one.subjects]
+    return f"overlapping: {_listed(pairs, _omitted(findings))}" if pairs else "planks overlap"
+
+
+def _falls(findings: list[Finding], parts: Sequence[tuple[str, ...]]) -> str:
+    """Loads that it falls under, and which of the parts, in their order."""
+    cases = list(dict.fromkeys(_load(one.case) for one in findings if one.case))
+    if not cases:
+        return "falls"
+    falling = {one.subjects: one for one in findings if one.subjects}
+    order = sorted(falling.values(), key=lambda one: parts.index(one.subjects) if one.subjects in parts else len(parts))
+    return f"falls under {_listed(cases)}" + (f": {_listed([_part(one) for one in order])}" if order else "")
+
+
+def _weak(findings: list[Finding], worst: Worst) -> str:
+    joints = [
+        f"{' on '.join(one.subjects)} at {'up to ' if one in worst else ''}{amount(one)}"
+        f" of its {'shear ' if one.detail == kinds.SHEAR else ''}strength"
+        + (f" under {_load(one.case)}" if one.case != kinds.WEIGHTS else "")
+        for one in findings
+        if one.subjects
+    ]
+    return f"weak: joint {_listed(joints, _omitted(findings))}" if joints else "a joint is weak"
+
+
+def _unbalanced(findings: list[Finding], worst: Worst) -> str:
+    cases = [_load(one.case) for one in findings if one.case]
+    return f"no equilibrium was found{' under ' + _listed(cases, _omitted(findings)) if cases else ''}"
+
+
+PHRASES: dict[str, Callable[[list[Finding], Worst], str]] = {
+    kinds.APART: _apart,
+    kinds.LOST: _lost,
+    kinds.OVERLAPPING: _overlapping,
+    kinds.WEAK: _weak,
+    kinds.UNBALANCED: _unbalanced,
+}
+
+
+def _omitted(findings: Iterable[Finding]) -> int:
+    """How many findings there are besides."""
+    return sum(int(one.value or 0) for one in findings if one.detail == OMITTED)
+
+
+def _two_lengths(finding: Finding) -> tuple[str, str]:
+    """Value and bound [m] in mm, with as many digits as distinguish them."""
+    lengths = finding.value, finding.bound
+    texts = [tuple(_digits(1e3 * length, n) for length in lengths) for n in (4, 8, 17)]
+    return next((pair for pair in texts if pair[0] != pair[1]), texts[-1])
+
+
+def _digits(value: float, count: int) -> str:
+    """A number with so many digits, without a power of ten."""
+    return np.format_float_positional(value, count, unique=False, fractional=False, trim="-")
+
+
+def _load(case: str) -> str:
+    """What a load case is called in a phrase."""
+    return "its weights" if case == kinds.WEIGHTS else case
+
+
+def _part(one: Finding) -> str:
+    """What a part of the piece is called."""
+    more = int(one.value or 1) - 1
+    return f"{one.subjects[0]} with {more} more" if more else one.subjects[0]
+
+
+def _count(number: int) -> str:
+    return {2: "two", 3: "three"}.get(number, str(number))
+
+
+def _share(use: float) -> str:
+    """A use of more than 1, which does not look like 1."""
+    return f"{ceil(use * 100) / 100:.2f}" if use < 100 else f"{use:.3g}"
+
+
+def _listed(names: Sequence[str], omitted: int = 0) -> str:
+    """Names, the first of them where there are many."""
+    more = len(names) + omitted - len(names[:SHOWN])
+    return ", ".join(names[:SHOWN]) + (f" and {more} more" if more > 0 else "")

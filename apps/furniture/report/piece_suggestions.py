@@ -1,0 +1,80 @@
+"""Pictures of suggestions: the piece that was let go, and beside it what each suggestion would do."""
+
+from __future__ import annotations
+
+from math import ceil
+from pathlib import Path
+from textwrap import shorten, wrap
+
+import numpy as np
+from restshape_apps.furniture.guidance.design import Suggestion
+from restshape_apps.furniture.report import guided
+from restshape_apps.furniture.report.furniture import DesignDirectionView, bounds, draw_piece, slenderness
+from restshape_apps.furniture.report.piece_frames import FEW, LETTERS, caption, pieces, shown_piece
+from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
+from restshape_apps.furniture.session.plank_session import PlankFrame
+
+from restshape.replay.recording import Recording
+from restshape.report.frames import scene_name
+from restshape.report.style import REFUSED, new_figure
+from restshape.report.tables import rows_of
+
+LINES = 4
+"""Lines of a title for what a suggestion does."""
+MEANING = (
+    "orange: what a suggestion moves, lengthens or adds, where it is shown; arrows: which way, short ones drawn longer"
+)
+
+
+def searches(recording: Recording) -> np.ndarray:
+    """Indices of the frames in which suggestions were found, of those that report the same the first."""
+    told = [same[0] for same in guided.searches(rows_of(recording))]
+    return np.array([row["index"] for row in told if row["suggestions"]], dtype=int)
+
+
+def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
+    """Writes the suggestions of a frame as a PNG.
+
+    Args:
+        recording: of furniture.
+        i: a frame in which suggestions were found.
+        path: of the picture.
+    """
+    (frame,) = pieces(recording, [i])
+    furniture, _, case = shown_piece(recording, frame)
+    suggestion_list = frame.design.suggestion_list.found
+    direction_views = [_direction_view(suggestion, frame) for suggestion in suggestion_list]
+    ends = [end for direction_view in direction_views if (end := direction_view.end(furniture))]
+    box = bounds(furniture.moved(), *ends)
+    across, count = min(ACROSS, 1 + len(suggestion_list)), 1 + len(suggestion_list)
+    down = ceil(count / across)
+    figure = new_figure(width_of(across), EACH * (1.0 + slenderness(*box)) * down)
+    panels = figure.subplots(down, across, squeeze=False).ravel()
+    push = furniture.piece.pushes[case - 1].name if case else ""
+    words, _ = caption(recording, i, push)
+    few = len(furniture.piece.planks) <= FEW
+    names = [plank.name for plank in furniture.piece.planks if few]
+    draw_piece(panels[0], furniture, words, None, case, few, box, names)
+    panels[0].set_title(words, fontsize=8.5, loc="left", color=REFUSED)
+    for number, (axes, suggestion, direction_view) in enumerate(zip(panels[1:], suggestion_list, direction_views), 1):
+        draw_piece(axes, furniture, _title(number, suggestion), direction_view, case, False, box)
+    name = shorten(scene_name(recording), 80, placeholder=" …")
+    finish_sheet(figure, panels, count, across, f"{name}: suggestions in frame {i}\n{MEANING}")
+    figure.savefig(path)
+
+
+def _direction_view(suggestion: Suggestion, frame: PlankFrame) -> DesignDirectionView:
+    """What is drawn of a suggestion."""
+    if suggestion.piece is not None:
+        return DesignDirectionView(np.zeros((len(frame.design.piece.planks), 8)), piece=suggestion.piece)
+    return DesignDirectionView(suggestion.direction, suggestion.t)
+
+
+def _title(number: int, suggestion: Suggestion) -> str:
+    """What a suggestion does, its range, and whether something else is still wrong with it."""
+    lines = wrap(f"{number}: {suggestion.words}", LETTERS, max_lines=LINES, placeholder=" …")
+    if suggestion.range_words:
+        lines += wrap(suggestion.range_words, LETTERS, max_lines=2, placeholder=" …")
+    if not suggestion.valid:
+        lines += wrap(f"in part; still {suggestion.rest}", LETTERS, max_lines=2, placeholder=" …")
+    return "\n".join(lines)

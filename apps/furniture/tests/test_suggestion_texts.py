@@ -1,0 +1,230 @@
+"""What suggestions say: amounts with units and directions, ranges that stay while they are followed, and why none."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from furniture_scenes import write_edits
+from restshape_apps.furniture.guidance.amounts import along, amount, in_words, named, room_words
+from restshape_apps.furniture.guidance.design import Design, Guidance
+from restshape_apps.furniture.physics.furniture import UNSTABLE, WEAK, Furniture
+from restshape_apps.furniture.pieces import PIECES, SCENES, chair, drawn, scales, shelf_1, table
+from restshape_apps.furniture.shape.plank_edits import added
+from restshape_apps.furniture.shape.planks import FREEDOMS, Plank
+from small_scenes import make_replay, rows_of
+
+SAID = re.compile(
+    r"(?P<plank>\S+) (?P<moved>moved |turned |)(?P<number>[\d.]+) (?P<unit>mm|deg) ?(?P<longer>longer|shorter|)"
+)
+"""One change of a plank, as suggestions report it."""
+
+INVALID = [name for name, make in PIECES.items() if Furniture(make()).test().flaws & (UNSTABLE | WEAK)]
+
+
+def test_numbers_have_units() -> None:
+    assert [amount(0.0123456, "m"), amount(1.5, "m"), amount(np.pi / 180.0, "rad")] == ["12.3 mm", "1500 mm", "1 deg"]
+    assert amount(0.0123456, "m", 6) == "12.3456 mm"
+
+
+def test_directions_are_those_of_the_room() -> None:
+    assert room_words(np.array([0.0, -1.0, 0.0])) == "-y"
+    assert room_words(np.array([0.6, 0.0, -0.8])) == "-z and +x"
+
+
+def test_words_tell_what_a_board_does() -> None:
+    # Drawn upwards with its width along y: its x is up, its z against x.
+    piece = replace(
+        table(), planks=(Plank.between("post", (0, 0, 0), (0, 0, 1), (0, 0.1, 0), 0.02),), joints=(), feet=()
+    )
+    change = np.zeros((1, 8))
+    for number, value, said in (
+        (2, -0.02, "post moved 20 mm along its -z (towards +x)"),
+        (4, np.radians(3.1), "post turned 3.1 deg about its +y (about +y)"),
+        (6, 0.012, "post 12 mm longer along its x (at -z and at +z)"),
+        (7, -0.5, "post 500 mm shorter along its y (at -y and at +y)"),
+    ):
+        change[:] = 0.0
+        change[0, number] = value
+        assert in_words(piece, change) == said
+    change[0, 0] = 0.1
+    assert named(piece, change) == "post: length y + post: move x"
+
+
+@pytest.mark.parametrize("name", INVALID)
+def test_amounts_are_those_of_the_piece_that_is_shown(name) -> None:
+    piece = PIECES[name]()
+    design = Design(piece)
+    found = design.suggestion_list.found
+    assert found
+    assert len({suggestion.words for suggestion in found}) == len(found)
+    for suggestion in found:
+        if suggestion.piece is not None:
+            continue
+        parts = suggestion.words.split("; ")
+        assert len(parts) == np.count_nonzero(suggestion.direction)
+        for part in parts:
+            said = SAID.match(part)
+            k, number = piece.index(said["plank"]), freedom(part)
+            alone = np.zeros_like(suggestion.direction)
+            alone[k, number] = suggestion.t * suggestion.direction[k, number]
+            after = design.furniture.moved(alone)
+            assert done(piece.planks[k], after.planks[k], said) == pytest.approx(float(said["number"]), rel=6e-3)
+        first = SAID.match(parts[0])
+        assert float(first["number"]) == pytest.approx(
+            suggestion.t * (1e3 if suggestion.unit == "m" else 180 / np.pi), rel=6e-3
+        )
+
+
+def freedom(part: str) -> int:
+    """The number of the design parameter that words are about."""
+    kind = "turn" if " turned " in part else "move" if " moved " in part else "length"
+    axis = re.search(r"(?:along|about) its [+-]?(\w)", part)[1]
+    return FREEDOMS.index(f"{kind} {axis}")
+
+
+def done(before: Plank, after: Plank, said: re.Match) -> float:
+    """What a plank has done, in mm or degrees, as measured on the two of them."""
+    if said["unit"] == "deg":
+        turn = before.axes.T @ after.axes
+        return float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))))
+    if said["longer"]:
+        axis = "xyz".index(re.search(r"along its (\w)", said.string)[1])
+        grown = float(after.size[axis] - before.size[axis])
+        return 1e3 * (grown if said["longer"] == "longer" else -grown)
+    axis = "xyz".index(re.search(r"along its [+-](\w)", said.string)[1])
+    sign = 1.0 if f"its +{'xyz'[axis]}" in said.string else -1.0
+    return 1e3 * sign * float(before.axes[:, axis] @ (after.centre - before.centre))
+
+
+@pytest.mark.parametrize("make", [table, shelf_1, scales], ids=lambda make: make.__name__)
+def test_the_range_that_is_shown_while_sliding_is_the_one_that_was_told(make) -> None:
+    design = Design(make())
+    for suggestion in design.suggestion_list.found:
+        if suggestion.piece is not None:
+            continue
+        way = design.followed(suggestion)
+        ranges = way.ranges
+        assert ranges.holds(suggestion.t)
+        low, high = next(pair for pair in ranges.intervals if pair[0] <= suggestion.t <= pair[1])
+        assert low == pytest.approx(suggestion.span[0], abs=4e-6 * way.high)
+        # Between the few tests of a list narrow gaps may hide; none is wider than what was reported.
+        assert high <= suggestion.span[1] + 4e-6 * way.high
+        assert suggestion.beyond[1] == (suggestion.span[1] >= way.high * (1.0 - 1e-9))
+        unit = {"m": "mm", "rad": "deg"}[suggestion.unit]
+        assert suggestion.range_words.startswith("valid from ") and f" {unit}" in suggestion.range_words
+        assert ("or beyond" in suggestion.range_words) == suggestion.beyond[1]
+
+
+def test_turned_and_lengthened_planks_have_different_units() -> None:
+    units = {
+        suggestion.name.split(": ")[1].split()[0]: suggestion.unit
+        for suggestion in Design(table()).suggestion_list.found
+        if suggestion.unit
+    }
+    assert {units[kind] for kind in units if kind != "turn"} == {"m"}
+    assert units.get("turn", "rad") == "rad"
+
+
+def test_why_there_is_no_suggestion() -> None:
+    one = Design(scales(kilograms=6.0), Guidance(freedoms=1)).suggestion_list
+    assert one.found == ()
+    assert re.match(r"\d+ combinations of at most 1 freedoms tried", one.why)
+    assert "effects.guidance.freedoms" in one.why
+    piece = chair()
+    seat, stretcher = (piece.index(name) for name in ("seat", "stretcher"))
+    raised = np.zeros((len(piece.planks), 8))
+    raised[stretcher, 2] = float(
+        piece.planks[stretcher].axes[:, 2] @ (piece.planks[seat].centre - piece.planks[stretcher].centre)
+    )
+    assert "overlap" in Design(Furniture(piece).moved(raised)).suggestion_list.why
+    assert Design(table(kilograms=1.0)).suggestion_list.why == ""
+
+
+def test_a_replay_tells_ranges_as_they_were_listed_and_marks_open_ends(tmp_path) -> None:
+    choose = {"do": "choose", "number": 1}, {"do": "slide", "to": 0.5, "frames": 3}
+    rows = rows_of(make_replay(SCENES / "table.toml", write_edits(tmp_path, *choose, scene="table.toml")))
+    listed = json.loads(rows[0]["suggestions"])[0]
+    low, high = listed["range"]
+    assert listed["words"] in rows[1]["note"]
+    assert [row["at"] for row in rows[2:]] == pytest.approx(
+        np.linspace(listed["t"], 0.5 * (low + high), 4)[1:], abs=2e-6
+    )
+    for row in rows[2:]:
+        assert (row["range_low"], row["range_high"]) == pytest.approx((low, high), abs=4e-6)
+        assert row["ranges"].endswith(" or beyond")
+    assert listed["beyond"] and high == pytest.approx(0.5 * drawn("table").size, rel=1e-6)
+
+
+def test_a_replay_tells_why_there_are_no_suggestions(tmp_path) -> None:
+    overrides = ["parameters.load=6.0", "effects.guidance.freedoms=1"]
+    path = write_edits(tmp_path, {"do": "idle"}, scene="scales.toml")
+    rows = rows_of(make_replay(SCENES / "scales.toml", path, overrides=overrides))
+    assert rows[0]["suggested"] == 0
+    assert "combinations of at most 1 freedoms tried" in rows[0]["no_suggestions"]
+
+
+SUPPORT = re.compile(
+    r"a plank of ([\d.]+) mm by ([\d.]+) mm between (\S+|the floor) and (\S+|the floor), its middle at \((.+)\) mm, "
+    r"its length along (.+), its width along (.+?)(?:, ([\d.]+) mm thick)?"
+    r"(?:, of (\w+))?(?:, not joined to (\S+) beside it)?"
+)
+AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+
+
+def test_lines_are_axes_of_the_room_or_directions() -> None:
+    assert along(np.array([0.0, -1.0, 0.0])) == "along y"
+    # Whichever way along them.
+    assert along(np.array([0.6, 0.0, -0.8])) == along(np.array([-0.6, 0.0, 0.8])) == "along (-0.6, 0, 0.8)"
+
+
+@pytest.mark.parametrize("name", ["cantilever", "table", "shelf-1", "bookshelf", "turned"])
+def test_a_support_plank_can_be_drawn_again_from_its_words(name) -> None:
+    piece = PIECES["cantilever" if name == "turned" else name]()
+    if name in ("cantilever", "turned"):
+        piece = replace(piece, weights=tuple(replace(w, force=(0, 0, 2 * w.force[2])) for w in piece.weights))
+    if name == "turned":
+        q = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
+        piece = replace(piece, planks=tuple(replace(p, centre=q @ p.centre, axes=q @ p.axes) for p in piece.planks))
+    suggestion_list = [
+        suggestion for suggestion in Design(piece).suggestion_list.found if suggestion.name == "a support plank"
+    ]
+    assert suggestion_list
+    for suggestion in suggestion_list:
+        made = suggestion.piece.planks[-1]
+        *said, middle, length, width, thick, wood, beside = SUPPORT.fullmatch(suggestion.words).groups()
+        x, y = (
+            np.array(AXES.get(way) or [float(part) for part in way.strip("()").split(",")]) for way in (length, width)
+        )
+        long, wide = (float(part) / 1e3 for part in said[:2])
+        centre = np.array([float(part) for part in middle.split(",")]) / 1e3
+        ends = centre - 0.5 * long * x, centre + 0.5 * long * x
+        again = Plank.between("again", *ends, wide * y, float(thick or 1e3 * piece.planks[0].size[2]) / 1e3)
+        corners, others = again.corners(), made.corners()
+        away = np.linalg.norm(corners[:, None] - others, axis=2).min(axis=1)
+        # Millimetres, and three digits of a size and a direction.
+        assert away.max() < 2e-3
+        assert (thick is None) == (len({p.size[2] for p in piece.planks}) == 1)
+        assert wood is None
+        drawn_again = added(piece, replace(made, name="again"), piece.reach)
+        assert len(drawn_again.joints) - len(suggestion.piece.joints) == (beside is not None)
+        if beside:
+            joint = drawn_again.joints[-1]
+            assert beside in (drawn_again.planks[joint.i].name, drawn_again.planks[joint.j].name)
+
+
+def test_a_support_plank_tells_its_thickness_and_wood_where_there_are_several() -> None:
+    piece = PIECES["shelf-1"]()
+    support = next(
+        suggestion for suggestion in Design(piece).suggestion_list.found if suggestion.name == "a support plank"
+    )
+    assert "thick" not in support.words and "of mdf" not in support.words
+    top = len(piece.planks) - 1
+    other = replace(piece.planks[top], wood="oak", size=piece.planks[top].size * [1, 1, 1.01])
+    support = next(
+        suggestion
+        for suggestion in Design(replace(piece, planks=(*piece.planks[:top], other))).suggestion_list.found
+        if suggestion.name == "a support plank"
+    )
+    assert ", its width along x, 12 mm thick, of mdf" in support.words

@@ -1,0 +1,25 @@
+"""Callbacks of objects that own who calls them: a PETSc solver that kept its owner alive would never be freed.
+
+Python's collector does not see through PETSc: such a circle stays for the life of the process, with all its matrices.
+"""
+
+from collections.abc import Callable
+from typing import Any
+from weakref import WeakMethod
+
+
+def weak_call(method: Callable) -> Callable:
+    """A function that calls a bound method and does not keep its object alive.
+
+    Raises:
+        ReferenceError: on a call, when the object is gone.
+    """
+    reference, name = WeakMethod(method), method.__qualname__
+
+    def call(*arguments: Any) -> Any:
+        found = reference()
+        if found is None:
+            raise ReferenceError(f"the owner of a callback is gone: {name}")
+        return found(*arguments)
+
+    return call

@@ -1,0 +1,58 @@
+"""Values of a scene, numbers or expressions of the place, evaluated at nodes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from restshape.errors import ReplayProblem
+from restshape.scene.duals import Dual
+from restshape.scene.expressions import Expression, Value
+
+
+def varies(value: Value | Sequence[Value]) -> bool:
+    """Whether a value, or any component of it, is an expression of the place."""
+    if isinstance(value, (list, tuple)):
+        return any(varies(component) for component in value)
+    return isinstance(value, Expression)
+
+
+class Nodal:
+    """A scalar value of the scene as a function of places (n, 2) [m]."""
+
+    def __init__(self, value: Value, parameters: dict[str, float], where: str) -> None:
+        self.value, self.parameters, self.where = value, parameters, where
+
+    def __call__(self, X: np.ndarray) -> np.ndarray:
+        if not isinstance(self.value, Expression):
+            return np.full(len(X), self.value)
+        with np.errstate(all="ignore"):
+            result = np.broadcast_to(self.value.evaluate(X[:, 0], X[:, 1], self.parameters), len(X))
+        if not np.all(np.isfinite(result)):
+            bad = X[np.flatnonzero(~np.isfinite(result))[0]]
+            raise ReplayProblem(
+                f"{self.where}: the expression is not a finite number at x = {bad[0]:g} m, y = {bad[1]:g} m"
+            )
+        return result
+
+    def rate(self, X: np.ndarray, dX: np.ndarray) -> np.ndarray:
+        """How fast (n,) the value changes at places X (n, 2) [m] that move with dX (n, 2)."""
+        if not isinstance(self.value, Expression):
+            return np.zeros(len(X))
+        with np.errstate(all="ignore"):
+            result = self.value.rate(Dual(X[:, 0], dX[:, 0]), Dual(X[:, 1], dX[:, 1]), self.parameters)
+        if not np.all(np.isfinite(result)):
+            bad = X[np.flatnonzero(~np.isfinite(result))[0]]
+            raise ReplayProblem(f"{self.where}: the expression has no derivative at x = {bad[0]:g} m, y = {bad[1]:g} m")
+        return result
+
+
+def evaluate(values: Sequence[Value], X: np.ndarray, parameters: dict[str, float], where: str) -> np.ndarray:
+    """A vector value of the scene at places X (n, 2) [m]: (n, 2)."""
+    return np.column_stack([Nodal(value, parameters, where)(X) for value in values])
+
+
+def rates(
+    values: Sequence[Value], X: np.ndarray, dX: np.ndarray, parameters: dict[str, float], where: str
+) -> np.ndarray:
+    """How fast (n, 2) a vector value of the scene changes at places X (n, 2) [m] that move with dX (n, 2)."""
+    return np.column_stack([Nodal(value, parameters, where).rate(X, dX) for value in values])

@@ -1,0 +1,112 @@
+"""Quantities of interest: numbers that a scene asks for, evaluated by functions that a physics gives."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import cast
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.errors import UserError
+from restshape.fem.averages import mean_over
+from restshape.fem.space import PlaneSpace, Space
+from restshape.scene.model import Quantity
+
+Function = Callable[..., float]
+"""Of a state, in whatever form its analysis hands it on."""
+
+
+def largest_size(values: np.ndarray) -> float:
+    """The largest size among values."""
+    return np.max(np.abs(values))
+
+
+# Of a single solution the peak over a frame's time steps is its largest size.
+REDUCTIONS: dict[str, Callable[[np.ndarray], float]] = {
+    "max": np.max,
+    "min": np.min,
+    "mean": np.mean,
+    "sum": np.sum,
+    "absmax": largest_size,
+    "peak": largest_size,
+}
+
+
+def reduction(space: PlaneSpace, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
+    """What makes one number of values (k,) at nodes (k,): a mean counts lengths and areas, not nodes."""
+    # Where the scene says nothing of it, it is reduced as is usual for its kind.
+    how = cast(str, quantity.reduce)
+    return mean_over(space, quantity.at, nodes) if how == "mean" else REDUCTIONS[how]
+
+
+def area(space: Space, cells: np.ndarray | slice = slice(None)) -> float:
+    """The area [m^2] of cells of a space in the plane, at rest."""
+    return _kernels.total_area(space.X, space.cells[cells])
+
+
+def areas(space: Space, quantities: Mapping[str, Quantity]) -> dict[str, float]:
+    """The quantities that the mesh alone gives, which are areas, by name; not a number for all others."""
+    known = {name: space.cells_of(q.at) if q.at else slice(None) for name, q in quantities.items() if q.area}
+    return {name: area(space, known[name]) if name in known else np.nan for name in quantities}
+
+
+def cells_at(space: Space, name: str, quantity: Quantity) -> np.ndarray | slice:
+    """The cells (k,) that a quantity of this name is taken over; all of them where it names no place.
+
+    Raises:
+        UserError: there is no cell there.
+    """
+    if quantity.at is None:
+        return slice(None)
+    cells = space.cells_of(quantity.at)
+    if len(cells) == 0:
+        raise UserError(f"{quantity.at!r} holds no cell of the mesh", f"quantities.{name}.at", "name a region")
+    return cells
+
+
+def area_at(space: Space, name: str, quantity: Quantity) -> Function:
+    """The area [m^2] of the cells that a quantity of this name is taken over, whatever the state.
+
+    Raises:
+        UserError: there is no cell there.
+    """
+    cells = cells_at(space, name, quantity)
+    return lambda *_: area(space, cells)
+
+
+class Observer:
+    """Evaluates the quantities of a scene, and their peaks over the time steps of a frame.
+
+    Args:
+        functions: by name.
+        refresh: called before each evaluation, so that functions may share what they compute.
+        peaks: names of those of which the largest size over the time steps counts.
+    """
+
+    def __init__(
+        self, functions: Mapping[str, Function], refresh: Callable[[], None] = lambda: None, peaks: Iterable[str] = ()
+    ) -> None:
+        self.functions, self.refresh = dict(functions), refresh
+        self.watched = tuple(peaks)
+        self._peaks: dict[str, float] = {}
+
+    def __call__(self, *state: object) -> dict[str, float]:
+        """All quantities at a state."""
+        self.refresh()
+        return {name: self._value(name, function, state) for name, function in self.functions.items()}
+
+    def begin(self) -> None:
+        """Forget the peaks: a new frame begins."""
+        self._peaks.clear()
+
+    def step(self, *state: object) -> None:
+        """Take in the state after a time step."""
+        self.refresh()
+        for name in self.watched:
+            self._peaks[name] = max(self._peaks.get(name, 0.0), abs(float(self.functions[name](*state))))
+
+    def _value(self, name: str, function: Function, state: tuple[object, ...]) -> float:
+        if name not in self.watched:
+            return float(function(*state))
+        if name not in self._peaks:
+            self._peaks[name] = abs(float(function(*state)))
+        return self._peaks[name]

@@ -1,0 +1,96 @@
+"""What a problem's integrals say together: loads, residuals, their rates, and how large all that is."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from restshape.fem.assembled import Assembled
+from restshape.fem.problem import FOLLOWERS, INTERNAL, LOADS, STIFFNESS, Problem
+
+Operation = Callable[[np.ndarray], np.ndarray]
+
+
+def dead_loads(problem: Problem, out: np.ndarray) -> None:
+    """Set `out` (n, f) to the loads on points and facets that do not follow; 0 at prescribed unknowns."""
+    out[:] = 0.0
+    Assembled(problem.integrals(LOADS)).residual(problem.boundary.values, out)
+    np.negative(out, out=out)
+    problem.add_nodal_loads(out, 1.0)
+    problem.boundary.zero(out)
+
+
+def unconstrained_residual(problem: Problem, x: np.ndarray, cells: np.ndarray | None = None) -> np.ndarray:
+    """Internal less all applied forces or fluxes (n, f) at x (n, f), reactions not taken out.
+
+    Args:
+        cells: (k,) int32 that alone count; None: all.
+    """
+    kinds = (INTERNAL, LOADS, FOLLOWERS)
+    out = Assembled(integral for kind in kinds for integral in problem.integrals(kind)).residual(x, None, cells)
+    problem.add_nodal_loads(out, -1.0, cells)
+    return out
+
+
+def residual_norm(problem: Problem, x: np.ndarray) -> float:
+    """The norm of the residual at free unknowns at x (n, f)."""
+    rest = unconstrained_residual(problem, x)
+    problem.boundary.zero(rest)
+    return float(np.linalg.norm(rest))
+
+
+def internal_norm(problem: Problem, x: np.ndarray) -> float:
+    """Half the norm of the internal forces or fluxes at all nodes, prescribed ones too, at x (n, f).
+
+    Half, for loads and the reactions that balance them are both in it.
+    """
+    return 0.5 * float(np.linalg.norm(Assembled(problem.integrals(STIFFNESS)).residual(x)))
+
+
+def energy(problem: Problem, x: np.ndarray) -> float:
+    """The energy of the unknowns x (n, f) without that of loads; of linear problems half of x . K x."""
+    return Assembled(problem.integrals(STIFFNESS)).energy(x)
+
+
+def stiffness_product(problem: Problem, x: np.ndarray) -> Operation:
+    """The function from rates (n f,) of unknowns to those of internal forces at x (n, f), 0 where prescribed."""
+    assembled = Assembled(problem.integrals(STIFFNESS))
+
+    def product(d: np.ndarray) -> np.ndarray:
+        d = np.ascontiguousarray(d.reshape(x.shape))
+        out = assembled.residual(d) if problem.linear else assembled.tangent_product(x, d)
+        problem.boundary.zero(out)
+        return out.ravel()
+
+    return product
+
+
+def tangent_product(problem: Problem, x: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """The rates (n, f) of the residual when the unknowns x (n, f) change with d (n, f), prescribed ones too."""
+    integrals = [*problem.integrals(INTERNAL), *problem.integrals(FOLLOWERS)]
+    return Assembled(integrals).tangent_product(x, d)
+
+
+def design_rates(problem: Problem, x: np.ndarray, dX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The rates (n, f) of the residual, and those (n, f) of the prescribed unknowns, when nodes move.
+
+    The unknowns are constant where free and follow their supports where prescribed. Elements carry dual numbers; loads
+    enter them linearly, so that the rate of one whose value varies with the place is its element's residual.
+
+    Args:
+        problem: on the space as it lies.
+        x: (n, f) unknowns.
+        dX: (n, d) rates of the nodes' places.
+
+    Raises:
+        ReplayProblem: a value of the scene has no derivative somewhere.
+
+    Source: docs/theory.md, "The design derivative": f_i of the thesis's (5.11).
+    """
+    prescribed = problem.boundary.rate(problem.space.X, dX)
+    moved = prescribed if np.any(prescribed) else None
+    out = np.zeros_like(x)
+    for kind in (INTERNAL, LOADS, FOLLOWERS):
+        for integral in problem.integrals(kind):
+            integral.add_design_product(x, dX, out, None if kind == LOADS else moved)
+    problem.add_nodal_load_rates(dX, out)
+    return out, prescribed

@@ -1,0 +1,41 @@
+"""Parts of cloth that follow from a scene without being named among its effects."""
+
+from restshape.physics.elasticity.derived_effects import GRAIN
+from restshape.scene.derived_effects import MOVING_SUPPORTS, REGIONS, On, Tables, cause_of, listed
+from restshape.scene.effect import DerivedEffect
+from restshape.scene.model import Scene
+
+
+def _rough(scene: Scene) -> list[str]:
+    """Bodies with friction."""
+    return [name for name, body in scene.bodies.items() if body.friction != 0]
+
+
+def _smooth_bodies(raw: Tables, _: On) -> Tables:
+    return {**raw, "bodies": {name: {**body, "friction": 0.0} for name, body in raw.get("bodies", {}).items()}}
+
+
+def _mirrors(scene: Scene) -> str:
+    return listed("supports", [name for name, support in scene.supports.items() if support.symmetry])
+
+
+FRICTION = DerivedEffect(
+    "friction of bodies",
+    cause_of(lambda scene, _: listed("bodies", _rough(scene)), "anchors hold what touches them"),
+    "no body has friction",
+    _smooth_bodies,
+    needs="contact",
+)
+SYMMETRY = DerivedEffect(
+    "planes of symmetry",
+    cause_of(lambda scene, _: _mirrors(scene), "half of the cloth stands for both"),
+    "no edge is on a plane of symmetry",
+)
+CLOTH = {
+    "friction": FRICTION,
+    "grain": GRAIN,
+    "symmetry": SYMMETRY,
+    "moving_supports": MOVING_SUPPORTS,
+    "regions": REGIONS,
+}
+"""What follows from scenes of cloth."""

@@ -1,0 +1,121 @@
+"""Which frames of a replay are predicted, and from where."""
+
+import logging
+
+import numpy as np
+
+from restshape.analysis.analysis import Analysis, Predictor
+from restshape.errors import ReplayProblem, UserError
+from restshape.mesh.moving import MeshUpdate, MovingMesh
+from restshape.policy import Policy
+from restshape.sensitivity.linear_prediction import Prediction
+from restshape.shape.protocol import Session
+from restshape.shape.session import EditFrame
+
+log = logging.getLogger("restshape.replay")
+
+SPRINGS = "not predicted: nodes that springs relax do not follow the hand linearly"
+ARC = "not predicted: bending an arc is not linear"
+
+
+class PredictedFrames:
+    """Shows the frames of a drag by the design derivative, and says which ones must be solved.
+
+    A frame in which a hand takes hold of the shape is solved, and the derivatives are solved for; so is one that flips
+    edges or makes a new mesh, or in which values are set. All others while the hand holds are predicted from the last
+    of these. On release the frame is solved, from its prediction.
+
+    Args:
+        analysis: with a predictor.
+        moving: the mesh.
+        session: the edits.
+        policy: what is reused.
+
+    Raises:
+        UserError: the analysis has no predictor, or the policy makes a new mesh in each frame.
+
+    Source: docs/theory.md, "The design derivative".
+    """
+
+    def __init__(self, analysis: Analysis, moving: MovingMesh, session: Session, policy: Policy) -> None:
+        if analysis.predictor is None:
+            raise UserError(analysis.why_not, "--predict linear", "leave it out")
+        if policy.regenerate:
+            raise UserError(
+                f"the policy {policy.name} makes a new mesh in each frame, so that there is nothing to predict on",
+                "--predict linear",
+                "choose another policy, or leave it out",
+            )
+        self.predictor: Predictor = analysis.predictor
+        self.moving, self.session = moving, session
+        self.made: Prediction | None = None
+        self.active = False
+        self.note = ""
+        self._before: np.ndarray | None = None
+        self._c = (0.0, 0.0)
+
+    @property
+    def distance(self) -> float:
+        """How far the hand is from where the predictions start, in its coefficients."""
+        start = self.made.c if self.made is not None else self._c
+        return float(np.hypot(self._c[0] - start[0], self._c[1] - start[1]))
+
+    @property
+    def predicted(self) -> np.ndarray | None:
+        """The prediction that the analysis holds, for `Predictor.error` after the next solve; None: there is none."""
+        return self.predictor.prediction
+
+    def show(self, edit: EditFrame, mesh_update: MeshUpdate) -> bool:
+        """Whether a frame is shown without a solve; the analysis then holds its predicted values."""
+        made = self.made
+        if made is None or edit.gesture is not made.gesture or mesh_update.level > 1 or edit.do == "analyse":
+            return False
+        if edit.change == "move":
+            self.predictor.set_values(made(edit.c))
+            self._c, self.active = edit.c, True
+        return self.active and edit.change in ("move", "none")
+
+    def start(self, edit: EditFrame) -> None:
+        """Let the solve of a frame start at its prediction, where there is one."""
+        self._before = None
+        if self.made is not None and edit.change == "move" and edit.gesture is self.made.gesture:
+            self._before = self.predictor.values()
+            self.predictor.set_values(self.made(edit.c))
+
+    def rollback(self) -> None:
+        """Show again what was shown before the last frame, whose solve has failed."""
+        if self._before is not None:
+            self.predictor.set_values(self._before)
+        self.note, self._before = "", None
+
+    def set_expansion_point(self, edit: EditFrame, idle: bool) -> None:
+        """Take a frame that has been solved to predict the next ones from.
+
+        Args:
+            edit: the frame.
+            idle: nothing was solved in it, for all is as before.
+        """
+        self.note, self._before = "", None
+        gesture = self.session.grabbed
+        kept = self.made is not None and self.made.gesture is gesture and idle
+        self.active = False
+        if kept:
+            return
+        self.made = None
+        if gesture is None or edit.gesture is not gesture:
+            if edit.change == "move" and edit.gesture is not None and not edit.gesture.linear:
+                self.note = ARC
+                log.info("%4d Frames %s", edit.index, self.note)
+            return
+        if self.moving.relocation == "laplacian":
+            self.note = SPRINGS
+            log.info("%4d Frames %s", edit.index, self.note)
+            return
+        try:
+            s = self.predictor.derivative(self.moving.field_motion, edit.scene.solve.tolerance)
+        except ReplayProblem as problem:
+            self.note = f"not predicted: {problem}"
+            log.info("%4d Frames %s", edit.index, self.note)
+            return
+        log.info("%4d Expansion point of the frames that follow", edit.index)
+        self.made = Prediction(gesture, edit.c, self.predictor.values(), s)

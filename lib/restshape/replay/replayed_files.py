@@ -1,0 +1,30 @@
+"""Replays of scene and script files, for studies."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.policy import policy
+from restshape.replay.request import Request
+from restshape.replay.run import run_replay
+from restshape.scene.load import load_scene
+from restshape.scene.script import load_script
+
+
+def replay_files(
+    scene: Path, edits: Path, name: str, overrides: Sequence[str] = (), predict: str = "none"
+) -> dict[str, Any]:
+    """The summary of a replay of files under the policy `name`, for studies; nothing is recorded.
+
+    Args:
+        scene: scene file.
+        edits: edit script.
+        name: of the policy.
+        overrides: ``key=value`` as after --set.
+        predict: as after --predict.
+    """
+    read = load_scene(scene, overrides)
+    script = load_script(edits, read)
+    return run_replay(Request(read, script, application(read.app), policy(name), Calibration.load(), predict=predict))

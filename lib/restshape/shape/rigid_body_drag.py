@@ -1,0 +1,131 @@
+"""Bodies under the hand: moved in the plane, turned about the vertical, made larger."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.scene.bodies import POINTS, bodies_of, evaluated
+from restshape.scene.load import revise
+from restshape.scene.model import Scene
+
+if TYPE_CHECKING:
+    from restshape.shape.gesture import Gesture
+    from restshape.shape.outline import Outline
+
+SIZES = {"sphere": ("radius",), "plane": (), "box": ("half", "radius"), "capsule": ("radius",)}
+"""Keys that are sizes, by kind of body."""
+
+STILL = (0.0, 0.0)
+Form = dict[str, np.ndarray]
+
+
+def form_of(scene: Scene, name: str) -> tuple[str, Form]:
+    """The kind of a body and the numbers of its keys, of formulas what they give."""
+    body = bodies_of(scene)[name]
+    numbers = evaluated(body.form, scene.parameters)
+    return body.kind, {key: np.array(getattr(numbers, key)) for key in type(numbers).model_fields}
+
+
+def with_form(scene: Scene, name: str, kind: str, form: Form) -> Scene:
+    """The scene whose body has these numbers; a formula whose number stays is kept.
+
+    Raises:
+        UserError: they make no body.
+    """
+    written, (_, before) = scene.raw["bodies"][name][kind], form_of(scene, name)
+    found = {key: _kept(written.get(key), before[key], value) for key, value in form.items()}
+    return revise(scene, f"bodies.{name}.{kind}", found)
+
+
+def _kept(written: Any, before: np.ndarray, value: np.ndarray) -> Any:
+    """Numbers, and in place of each that is what it was before what is written for it."""
+    if value.ndim == 0:
+        return written if written is not None and value == before else value.item()
+    parts = written if isinstance(written, (list, tuple)) else [None] * len(value)
+    return [_kept(part, old, new) for part, old, new in zip(parts, before, value)]
+
+
+def place_of(scene: Scene, name: str) -> tuple[float, float]:
+    """Where a body is in the plane [m]: the mean of its places."""
+    x, y, _ = _centre(*form_of(scene, name)).tolist()
+    return x, y
+
+
+def turned(kind: str, form: Form, angle: float, about: tuple[float, float] | None) -> Form:
+    """The form turned by an angle [rad] about the vertical through a point [m], else its own place."""
+    c, s = np.cos(angle), np.sin(angle)
+    R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    axis = _axis(kind, form, about)
+    form = form | {key: axis + R @ (form[key] - axis) for key in POINTS[kind]}
+    if kind == "plane":
+        return form | {"normal": R @ form["normal"]}
+    # The last of a box's turns is that about z.
+    return form | {"rotate": form["rotate"] + (0.0, 0.0, angle)} if kind == "box" else form
+
+
+def scaled(kind: str, form: Form, factor: float, about: tuple[float, float] | None) -> Form:
+    """The form made larger about a point of the plane [m], else its own place, at its height.
+
+    Raises:
+        UserError: it has no size.
+    """
+    if not SIZES[kind]:
+        raise UserError(f"a {kind} has no size", do="move it, or turn it")
+    axis = _axis(kind, form, about)
+    points = {key: axis + factor * (form[key] - axis) for key in POINTS[kind]}
+    return form | points | {key: factor * form[key] for key in SIZES[kind]}
+
+
+def _centre(kind: str, form: Form) -> np.ndarray:
+    return np.mean([form[key] for key in POINTS[kind]], axis=0)
+
+
+def _axis(kind: str, form: Form, about: tuple[float, float] | None) -> np.ndarray:
+    """The point (3,) about which a form turns or grows, at its own height."""
+    centre = _centre(kind, form)
+    return centre if about is None else np.array([*about, centre[2]])
+
+
+@dataclass(slots=True)
+class RigidBodyDrag:
+    """A body that the hand holds: where it took hold, and the state before.
+
+    Args:
+        name: of the body.
+        kind, form: of it at the press.
+        origin, cursor: where the hand took hold, and where it is [m].
+        before: shape and scene before the press.
+        c: way of the hand that the body has gone [m].
+    """
+
+    gesture: ClassVar[Gesture | None] = None
+
+    name: str
+    kind: str
+    form: Form
+    origin: tuple[float, float]
+    cursor: tuple[float, float]
+    before: tuple[Outline, Scene]
+    c: tuple[float, float] = STILL
+
+    def moved(self, scene: Scene, c: tuple[float, float]) -> Scene:
+        """The scene with the body where it was at the press, plus a way c [m]; its sizes stay as they are now.
+
+        Raises:
+            UserError: the body is there no more.
+        """
+        if self.name not in bodies_of(scene) or bodies_of(scene)[self.name].kind != self.kind:
+            raise UserError(f"the body {self.name!r} is there no more")
+        points: dict[str, Any] = {key: self.form[key] + (*c, 0.0) for key in POINTS[self.kind]}
+        return with_form(scene, self.name, self.kind, form_of(scene, self.name)[1] | points)
+
+
+def begin_body_drag(outline: Outline, scene: Scene, name: str, at: tuple[float, float] | None) -> RigidBodyDrag:
+    """A hand that takes hold of a body at a point [m], else at its own place."""
+    kind, form = form_of(scene, name)
+    origin = place_of(scene, name) if at is None else at
+    return RigidBodyDrag(name, kind, form, origin, origin, (outline, scene))

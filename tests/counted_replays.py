@@ -1,0 +1,99 @@
+"""Replays whose frames are counted: unknowns, matrix entries, kernel calls, PETSc's events, stages."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from petsc4py import PETSc
+from restshape_studies.bench.events import EventCounts
+from restshape_studies.explain.filled import stored
+from restshape_studies.explain.paired import Counted
+from slepc4py import SLEPc
+
+from restshape import _kernels
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.policy import policy
+from restshape.replay.request import Request
+from restshape.scene.load import load_scene
+from restshape.scene.script import Script, load_script
+
+EVENTS = (
+    "RestshapePattern",
+    "RestshapePatch",
+    "RestshapeValues",
+    "MatCholFctrSym",
+    "MatCholFctrNum",
+    "MatICCFactorSym",
+    "MatLUFactorSym",
+    "MatLUFactorNum",
+    "MatILUFactorSym",
+    "PCSetUp",
+    "PCApply",
+    "KSPSolve",
+    "KSPGMRESOrthog",
+    "MatMult",
+    "MatMultAdd",
+    "MatSolve",
+    "SNESSolve",
+    "SNESFunctionEval",
+    "SNESJacobianEval",
+    "EPSSolve",
+)
+
+
+class Watched(Counted):
+    """A replay whose rows hold what PETSc did in the frame's time (`events`), and which stages took some (`stages`)."""
+
+    events: EventCounts
+
+    def _record(self, edit: Any, row: dict[str, Any], end: float) -> None:
+        row["events"] = self.events.since_last()
+        row["stages"] = sorted(name for name, seconds in self.stages.seconds.items() if seconds > 0.0)
+        super()._record(edit, row, end)
+        self.events.since_last()
+
+
+def begin_log() -> None:
+    """Let PETSc count, with the events of all its parts known by their names."""
+    PETSc.Log.begin()
+    for part in (PETSc.KSP, PETSc.SNES, SLEPc.EPS):
+        part().create(PETSc.COMM_SELF).destroy()
+
+
+def watched(
+    scene: Path, script: Path | None = None, overrides: Sequence[str] = (), name: str = "auto", predict: str = "none"
+) -> tuple[list[dict[str, Any]], Watched]:
+    """The rows of a replay in this process, and the replay.
+
+    Each row has besides `calls`, `calls_beside`, `events`, `stages`, and `entries` of the replay's matrices.
+    """
+    read = load_scene(scene, overrides)
+    edits = load_script(script, read) if script else Script.empty(read)
+    asked = Request(read, edits, application(read.app), policy(name), Calibration.load(), (), predict)
+    replay = Watched.of(asked, PETSc.COMM_WORLD)
+    replay.events = EventCounts(EVENTS)
+    replay.events.since_last()
+    before, rows = stored()[1], []
+    _kernels.reset_calls()
+    for row in replay.frames():
+        rows.append({**row, "entries": stored()[1] - before})
+        _kernels.reset_calls()
+    return rows, replay
+
+
+def kernels(rows: list[dict[str, Any]], purpose: str = "") -> set[str]:
+    """Names of the kernels that were called in the frames' time, for a purpose if one is named."""
+    return {name for row in rows for name, calls in row["calls"].items() if not purpose or purpose in calls}
+
+
+def happened(rows: list[dict[str, Any]], event: str) -> int:
+    """How often an event was logged in the frames' time."""
+    return sum(row["events"][event] for row in rows)
+
+
+def tally(rows: list[dict[str, Any]]) -> list[tuple[Any, ...]]:
+    """All that is counted, frame by frame."""
+    return [
+        (row["unknowns"], row["elements"], row["entries"], row["calls"], row["events"], row["stages"]) for row in rows
+    ]
