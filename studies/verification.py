@@ -7,12 +7,15 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any
 
-from restshape.application import applications
+from restshape.application import Application, applications
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
+    from restshape_studies.accuracy.scale import StudyScale
     from restshape_studies.stability.case import Case
     from restshape_studies.stability.random_scenes import RandomScenes
+
+    from restshape.scene.model import Scene
 
 GROUP = "restshape.verification"
 FrameCheck = Callable[[Any, dict[str, Any]], str]
@@ -52,6 +55,7 @@ class Verification:
         hard_cases: path of its hard cases by name.
         thesis: path of the function that gives its rows of the thesis's tables.
         parameters: what studies of accuracy vary besides mesh, order, tolerance and policy.
+        scale: path of the function that gives the `StudyScale` of a scene, of it, its application and an element order.
         random_scenes: path of the scenes and edits that a fuzz draws of it.
         study: path of the study of accuracy of scenes without a mesh: of a case, a function that announces, a folder
             for pages and the command, it prints tables, writes pages, and gives records and the scene's title.
@@ -62,6 +66,7 @@ class Verification:
     hard_cases: str = ""
     thesis: str = ""
     parameters: tuple[StudyParameter, ...] = ()
+    scale: str = "restshape_studies.accuracy.scale:scale_of"
     random_scenes: str = ""
     study: str = ""
     frame_check: str = ""
@@ -77,6 +82,10 @@ class Verification:
     def thesis_rows(self, timed: bool = True) -> list[dict[str, Any]]:
         """The thesis's numbers beside ours, measured now; not `timed`: those alone that no clock decides."""
         return _attribute(self.thesis)(timed) if self.thesis else []
+
+    def study_scale(self, scene: "Scene", application: Application, order: int) -> "StudyScale":
+        """How large studies of accuracy of a scene may be."""
+        return _attribute(self.scale)(scene, application, order)
 
     def load_random_scenes(self) -> "RandomScenes":
         """The scenes and edits that a fuzz draws, imported now; there must be some."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from restshape_apps.furniture.scene.declaration import PLANKS
 from restshape_apps.furniture.session.grammar import GRAMMAR
 
-from restshape.application import Application, Reporting, ScriptLines
+from restshape.application import Application, Editing, Reporting, ScriptLines
 
 application = Application(
     name="furniture",
@@ -17,8 +17,14 @@ application = Application(
     folder=Path(__file__).parent,
     physics=(PLANKS,),
     analysis="restshape_apps.furniture.analysis.furnishing:FurnitureAnalysis",
-    session="restshape_apps.furniture.session.plank_session:PlankSession",
-    check="restshape_apps.furniture.cli.check_planks:checked",
+    editing=Editing(
+        session="restshape_apps.furniture.session.plank_session:PlankSession",
+        replayed="restshape_apps.furniture.session.plank_session:replayed_planks",
+        events="restshape.scene.script:PLAIN_EVENTS",
+        check="restshape.scene.checks:check_parameters",
+        held="restshape_apps.furniture.cli.check_planks:checked",
+        meshed=False,
+    ),
     lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.plank_language:PlankInterpreter"),
     report=Reporting(
         summary="restshape_apps.furniture.report.guided:summary",

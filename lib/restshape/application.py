@@ -37,6 +37,63 @@ class ScriptLines:
 
 
 @dataclass(frozen=True)
+class Editing:
+    """What edit scripts edit, and what follows it from frame to frame; each but the last a path ``module:attribute``.
+
+    Args:
+        session: makes the `Session` of a scene, a script, the application and, where the shape is not the scene's own,
+            its outline.
+        replayed: makes the session and what follows its frames, a `Follower`, of a scene, a script, the application, a
+            policy and a communicator.
+        events: of its scripts by name, besides those that physics add.
+        check: of a scene, the application and its source; raises a `UserError` of what makes no sense.
+        held: of a scene and its plan, what the scene holds: for programs, as rows for people, and its outline if any.
+        meshed: what is edited has a mesh, which frames reuse.
+    """
+
+    session: str
+    replayed: str
+    events: str
+    check: str
+    held: str
+    meshed: bool = True
+
+    def make_session(self, *scene_script_application: Any) -> Any:
+        """The session, whose maker is imported now."""
+        return _attribute(self.session)(*scene_script_application)
+
+    def start(self, scene: Scene, script: Any, application: Application, policy: Any, comm: Any) -> tuple[Any, Any]:
+        """The session and what follows its frames."""
+        return _attribute(self.replayed)(scene, script, application, policy, comm)
+
+    def shared_events(self) -> Mapping[str, type[EventLine]]:
+        """The events of its scripts by name, besides those that physics add."""
+        return _attribute(self.events)
+
+    def check_scene(self, scene: Scene, application: Application, source: Any) -> None:
+        """Makes sure that a scene makes sense.
+
+        Raises:
+            UserError: it does not.
+        """
+        _attribute(self.check)(scene, application, source)
+
+    def checked(self, scene: Scene, effects: Any) -> tuple[dict[str, Any], list[tuple[str, str]], Any]:
+        """What a scene holds: for programs, as rows for people, and its outline; None without one."""
+        return _attribute(self.held)(scene, effects)
+
+
+SHAPES = Editing(
+    session="restshape.shape.session:EditSession",
+    replayed="restshape.replay.shapes:replayed_shape",
+    events="restshape.scene.script:EVENTS",
+    check="restshape.scene.checks:check_shaped",
+    held="restshape.cli.check_scene:checked_shape",
+)
+"""Scripts that edit an outline, whose mesh follows."""
+
+
+@dataclass(frozen=True)
 class Reporting:
     """What is reported of replays besides what all have; each a path ``module:attribute`` of a function.
 
@@ -90,10 +147,7 @@ class Application:
         folder: holds ``scenes/*.toml`` and ``edits/*.jsonl``.
         physics: what its scenes may say, each declared once for all applications that have it.
         analysis: path ``module:attribute`` of its analysis class, imported at the first solve.
-        session: path ``module:attribute`` of the maker of an `OwnSession` of a scene, a script and this application;
-            empty where what is edited has an outline and a mesh.
-        check: path ``module:attribute`` of the function that gives what a scene with a session of its own holds, of a
-            scene and its plan: for programs, and as rows for people.
+        editing: what its scripts edit.
         lines: what `restshape script` understands; None: what it understands of shapes.
         report: None: nothing but what all have.
         explain: path ``module:attribute`` of what each part of a frame is, by its name, in `restshape explain`.
@@ -106,8 +160,7 @@ class Application:
     folder: Path
     physics: tuple[Physics, ...]
     analysis: str
-    session: str = ""
-    check: str = ""
+    editing: Editing = SHAPES
     lines: ScriptLines | None = None
     report: Reporting | None = None
     explain: str = ""
@@ -155,14 +208,6 @@ class Application:
         """Whether a frame of a scene goes on from the one before it, so that none can be left out."""
         on = (effect for name, effect in self.effects.items() if effect.required or name in scene.effects)
         return any(effect.transient for effect in on)
-
-    def make_session(self) -> Callable[..., Any]:
-        """The maker of an `OwnSession`, imported now."""
-        return _attribute(self.session)
-
-    def checked(self, scene: Scene, effects: Any) -> tuple[dict[str, Any], list[tuple[str, str]]]:
-        """What a scene with a session of its own holds: for programs, and as rows for people."""
-        return _attribute(self.check)(scene, effects)
 
     def interpreter(self) -> Callable[..., Any]:
         """The composer of its edit scripts, imported now."""

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from restshape_studies.accuracy.setting import (
-    kind_of,
     present,
     refusal,
+    scale_of,
     scaled,
     shown,
     study_parameters,
@@ -33,19 +33,7 @@ COARSER = 1.5
 """How many times as coarse as the reference the second one is, from which its own error is reported."""
 COARSE_FACTOR = 2.0
 """The same for time steps and other factors, which must leave whole numbers whole."""
-MOST_UNKNOWNS = {"plane": 1.3e5, "motion": 2.5e4, "space": 2.2e4, "cloth": 4e4}
-"""Of the reference, about."""
-CORNERS = {"plane": 16.0, "motion": 4.0, "space": 4.0, "cloth": 1.0}
-"""How many times as fine it is at the corners of the shape, where stresses may be singular."""
 MOST_CORNERS = 60
-TOLERANCES = {
-    "plane": (1e-10, 1e-8, 1e-6),
-    "motion": (1e-10, 1e-8, 1e-6),
-    "space": (1e-7, 1e-6),
-    "cloth": (1e-7, 1e-6, 1e-5),
-}
-"""Of the reference, the next where rounding does not let a frame reach the first. Modes are those of bodies in space,
-whose frequencies are right to the square of it."""
 FEWEST = 2
 """Frames that hold an edit, at least."""
 MODULE = "restshape_studies.accuracy.replays"
@@ -57,7 +45,7 @@ class Plan:
 
     Args:
         factor: of the scene's mesh size; order: of the elements; corners: how many times as fine at corners.
-        policy: "rebuild", or "refactor" for motion, which goes on from frame to frame, and cloth, whose folds do.
+        policy: "rebuild", or "refactor" for motion and folds, which go on from frame to frame.
         tolerances: of the solver, the next where one cannot be reached.
         turned: keys of study parameters and the values that they have in it, for people.
         overrides: ``key=value`` of all but sizes.
@@ -106,7 +94,7 @@ def planned(path: Path, given: Sequence[str], application: Application, finest: 
         UserError: no reference can be had.
     """
     scene = load_scene(path, given)
-    kind = kind_of(scene, application)
+    scale = scale_of(scene, application)
     turned, overrides, coarse = {}, (), ()
     for parameter in study_parameters(scene, application):
         if parameter.reference is None:
@@ -126,10 +114,10 @@ def planned(path: Path, given: Sequence[str], application: Application, finest: 
         raise UserError(f"the reference cannot be had: {next(iter(whys.values()))}", str(path), "see restshape check")
     overrides, coarse = ((*some, f"mesh.order={order}") for some in (overrides, coarse))
     fine = load_scene(path, (*given, *overrides))
-    affordable = sqrt(unknowns(fine, application, 1.0, order) / MOST_UNKNOWNS[kind])
+    affordable = sqrt(unknowns(fine, application, 1.0, order) / scale.reference)
     factor = max(finest / FINER, affordable)
-    policy = "refactor" if application.transient(fine) or application.has("cloth") else "rebuild"
-    return Plan(factor, order, CORNERS[kind], policy, TOLERANCES[kind], turned, overrides, coarse)
+    policy = "refactor" if scale.continues else "rebuild"
+    return Plan(factor, order, scale.corners, policy, scale.tolerances, turned, overrides, coarse)
 
 
 def _fine(scene: Scene, application: Application, parameter: StudyParameter) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.accuracy.distance import Reference
 from restshape_studies.accuracy.sampling import SparseSession, changing, spread
+from restshape_studies.accuracy.setting import scale_of
 from restshape_studies.accuracy.state import Sampled, State, state_of
 
 from restshape.algebra.gathering import clean_up
@@ -21,7 +22,6 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
 from restshape.errors import ReplayProblem, UserError
-from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
 from restshape.policy import Policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -33,11 +33,8 @@ Row = dict[str, Any]
 TIGHT = (1e-3, 1e-2, 1e-1)
 """Shares of a point's tolerance that its tight replays are tried with, the next where a frame has no solution."""
 
-TIGHTEST, CLOTH_TIGHTEST = 1e-12, 1e-8
-"""Tolerance beyond which rounding decides; of cloth, whose forces are small differences of tensions."""
-
 FARTHER = 0.1
-"""Share of the tolerance to which cloth that is solved from where it rests goes on."""
+"""Share of the tolerance to which what is solved from where it is goes on."""
 
 TIMED = 12
 """Frames, about, that are timed of a replay that keeps nothing from frame to frame, and is slow for that."""
@@ -215,7 +212,7 @@ def _tight(
         tolerance: in place of shares of the setting's.
     """
     own = request.scene.solve.tolerance
-    least = CLOTH_TIGHTEST if request.application.has("cloth") else TIGHTEST
+    least = scale_of(request.scene, request.application).tightest
     chosen = [tolerance] if tolerance else [max(least, share * own) for share in TIGHT]
     states: dict[int, State] = {}
     fresh: dict[int, State] = {}
@@ -242,7 +239,7 @@ def _tight(
 class Afresh:
     """Solves frames of a replay once more from nothing: new pattern, values and factor, and no guess.
 
-    Cloth begins where it rests, for from nothing it may find other folds, which are as right; and goes on from there.
+    What has folds begins where it is, for from nothing it may find others, which are as right; and goes on from there.
 
     Args:
         request: of the replay.
@@ -259,24 +256,25 @@ class Afresh:
             ReplayProblem: it has no solution from nothing.
         """
         scene, kept = replay.session.scene, replay.analysis
-        folded = isinstance(kept, RelaxationAnalysis)
-        if folded:
-            scene = revise(scene, "solve.tolerance", max(CLOTH_TIGHTEST, FARTHER * scene.solve.tolerance))
+        scale = scale_of(scene, self.request.application)
+        if scale.continues:
+            scene = revise(scene, "solve.tolerance", max(scale.tightest, FARTHER * scene.solve.tolerance))
         policy = replace(replay.policy, solver="direct")
         make = self.request.application.make_analysis()
         planned = plan(scene, self.request.application)
         context = Context(replay.comm, policy, self.request.calibration, Stages())
         analysis = make(scene, planned, context)
-        if folded:
+        if scale.continues:
             analysis.start_from(kept)
         none = np.empty(0, dtype=np.int32)
         analysis.solve(Frame(replay.moving.field_mesh, none, None, scene, (None, (0.0, 0.0)), edit_ended=True))
         row = {f"q_{name}": value for name, value in analysis.observe().items()}
+        before, now = kept.solution(), analysis.solution()
         for name, quantity in scene.quantities.items():
             if quantity.kind == "mode":
                 # The number that a mode was followed by is not known from nothing, its place among the others is.
-                place = np.flatnonzero(kept.numbers == quantity.mode)
-                row[f"q_{name}"] = analysis.frequencies[place[0]] if len(place) else np.nan
+                place = np.flatnonzero(before.ids == quantity.mode)
+                row[f"q_{name}"] = now.values[place[0]] if len(place) else np.nan
         self.states[replay.row["index"]] = state_of(analysis, replay.session.outline.points, row)
         del analysis
         clean_up(replay.comm)

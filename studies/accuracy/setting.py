@@ -6,6 +6,7 @@ from math import sqrt
 from pathlib import Path
 from typing import Any
 
+from restshape_studies.accuracy.scale import StudyScale
 from restshape_studies.verification import StudyParameter, verification
 
 from restshape.application import Application
@@ -22,9 +23,6 @@ TOLERANCES = (1e2, 1e-2)
 """Factors of the scene's tolerance."""
 LOOSEST = 0.1
 """Largest tolerance that is tried."""
-
-MOST = {"plane": 4e4, "motion": 1e4, "space": 1.2e4, "cloth": 6e3}
-"""Unknowns, about, of the finest setting of an order that is tried unasked: see `kind_of`."""
 
 
 @dataclass(frozen=True)
@@ -142,29 +140,21 @@ def scaled(scene: Scene, factor: float) -> tuple[str, ...]:
 
 def default_sizes(scene: Scene, application: Application, order: int) -> tuple[float, ...]:
     """The factors of the mesh size that are tried unasked: finer ones as far as they are quickly computed."""
-    most = MOST[kind_of(scene, application)]
+    most = scale_of(scene, application, order).finest
     fine = [factor for factor in SIZES if unknowns(scene, application, factor, order) <= most]
     return tuple(fine) or SIZES[:1]
 
 
-def kind_of(scene: Scene, application: Application) -> str:
-    """What a frame costs depends on: "space" for layers of elements, "motion" for time steps, "cloth", else "plane"."""
-    if application.has("cloth"):
-        return "cloth"
-    return "space" if application.layered else "motion" if application.transient(scene) else "plane"
+def scale_of(scene: Scene, application: Application, order: int | None = None) -> StudyScale:
+    """How large studies of a scene may be, with elements of an order; by default of the usual one."""
+    return verification(application.name).study_scale(scene, application, order or application.orders[0])
 
 
 def unknowns(scene: Scene, application: Application, factor: float, order: int) -> float:
     """About how many unknowns the first shape has at a factor of the scene's mesh size."""
     outline = outline_from_spec(scene.shape, scene.folder)
     triangles = outline.area() / (0.433 * (factor * scene.mesh.size) ** 2)
-    nodes = triangles * (0.5 if order == 1 else 2.0)
-    if application.has("cloth"):
-        # Morley's triangles: three a node and three an edge, of which there are three times as many.
-        return 12.0 * nodes
-    if not application.layered:
-        return 2.0 * nodes
-    return 3.0 * nodes * (order * (scene.mesh.layers or 1) + 1)
+    return scale_of(scene, application, order).per_node * triangles * (0.5 if order == 1 else 2.0)
 
 
 def refusal(path: Path, overrides: Sequence[str]) -> str:

@@ -8,10 +8,7 @@ from typing import Any
 import numpy as np
 from restshape_studies.accuracy.grid import Grid, Places
 
-from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
-
-SPECTRA = {"frequencies": "mode_", "load_factors": "buckling_mode_"}
-"""Attribute of an analysis that has eigenvalues, and how the fields of their modes are named."""
+from restshape.analysis.analysis import Analysis
 
 
 @dataclass(frozen=True)
@@ -21,13 +18,13 @@ class State:
     Args:
         grid: the plane mesh of the fields.
         outline: (k, 2) control points of the shape [m].
-        displacement: (n, 2) [m], of cloth (n, 3); None where there are modes only.
+        displacement: (n, 2) [m], of cloth (n, 3), or (n, 1) a temperature [K]; None where there are modes only.
         velocity: (n, 2) [m/s] of what moves, else None.
         spectrum: what `values` are, "frequencies" or "load_factors"; empty where there are none.
         values: (k,) ascending.
         shapes: (modes, n, d) fields of the modes.
-        stiffness: (ne, 4) lambda [Pa], mu [Pa], thickness [m] and, of what moves, mass [kg/m^2] of each cell; None
-            without a displacement, and of cloth.
+        stiffness: (ne, 4) moduli of the energy, as of `Problem.energy_moduli`, and, of what moves, mass [kg/m^2] of
+            each cell; None without a displacement, and of cloth.
         large: strains are Green's, for the deformation is large.
         row: of the frame.
         curvature: (ne, 3, 3) second derivatives xx, yy and twice xy of each coordinate of cloth [1/m].
@@ -53,7 +50,7 @@ class State:
         return {key[2:]: float(value) for key, value in self.row.items() if key.startswith("q_")}
 
 
-def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
+def state_of(analysis: Analysis, outline: np.ndarray, row: dict[str, Any]) -> State:
     """The solution that an analysis has just found.
 
     Args:
@@ -61,41 +58,33 @@ def state_of(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
         outline: (k, 2) control points of the shape [m].
         row: of the frame, with the quantities as q_NAME.
     """
-    if isinstance(analysis, RelaxationAnalysis):
-        return _cloth(analysis, outline, row)
-    spectrum = next((name for name in SPECTRA if hasattr(analysis, name)), "")
-    values, shapes = np.empty(0), np.empty((0, len(analysis.space.X), 2))
-    if spectrum:
-        values = np.array(getattr(analysis, spectrum), dtype=float)
-        points, _ = analysis.fields()
-        names = [f"{SPECTRA[spectrum]}{k}" for k in range(1, len(values) + 1)]
-        shapes = np.stack([points[name] for name in names if name in points]) if len(values) else shapes
-    displacement = velocity = stiffness = solid = None
-    if spectrum != "frequencies":
-        body = getattr(analysis, "body", None)
-        displacement, stiffness = analysis.x.copy(), np.zeros((len(analysis.space.cells), 4))
-        solid = body.problem if body else analysis.problem
-        stiffness[:, :3] = solid.stiffness_params[..., :3]
-        if body:
-            velocity = analysis.v.copy()
-            stiffness[:, 3:] = body.mass.params
-    grid = Grid.of(analysis.space)
-    large = solid is not None and not solid.linear
-    return State(grid, outline.copy(), displacement, velocity, spectrum, values, shapes, stiffness, large, dict(row))
-
-
-def _cloth(analysis: Any, outline: np.ndarray, row: dict[str, Any]) -> State:
-    """The positions, as displacements from the flat pattern, that cloth rests at."""
-    grid, displacement = Grid.of(analysis.space), analysis.fields()[0]["displacement"]
-    shape, fabric = (len(grid.cells), 3, 3), analysis.problem.fabric
-    stiffness = np.stack([np.broadcast_to(part, shape) for part in (fabric.membrane, fabric.bending)], axis=1)
-    curvature, none = analysis.error_estimate.curvatures(analysis.x), np.empty((0, len(grid.X), 3))
-    state = State(grid, outline.copy(), displacement, None, "", np.empty(0), none, None, True, dict(row))
-    return replace(state, curvature=curvature, sheet=stiffness)
+    found, stiffness, grid = analysis.solution(), None, Grid.of(analysis.space)
+    if found.moduli is not None:
+        mass = np.zeros(len(found.moduli)) if found.mass is None else found.mass
+        stiffness = np.column_stack([found.moduli, mass])
+    shapes = found.shapes if len(found.shapes) else np.empty((0, len(grid.X), 2))
+    state = State(
+        grid,
+        outline.copy(),
+        found.field,
+        found.rate,
+        found.spectrum,
+        found.values,
+        shapes,
+        stiffness,
+        found.large,
+        dict(row),
+    )
+    return replace(state, curvature=found.curvature, sheet=found.sheet)
 
 
 def strains(gradient: np.ndarray, large: bool) -> np.ndarray:
-    """Strains (m, 2, 2), small ones or Green's, of displacement gradients (m, 2, 2), or (m, 3, 2) of surfaces."""
+    """Strains (m, 2, 2), small ones or Green's, of displacement gradients (m, 2, 2), or (m, 3, 2) of surfaces.
+
+    Of the gradient (m, 1, 2) of a scalar it is the first row.
+    """
+    if gradient.shape[1] == 1:
+        return np.concatenate([gradient, np.zeros_like(gradient)], axis=1)
     plane = gradient[:, :2]
     strain = 0.5 * (plane + plane.transpose(0, 2, 1))
     # Turns alone are no strain, however far.

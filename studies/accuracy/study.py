@@ -11,7 +11,7 @@ from restshape_studies.accuracy.front import mark_pareto
 from restshape_studies.accuracy.record import Truth, record, truth_of
 from restshape_studies.accuracy.reference import COARSER, MODULE, Plan, planned, quicker, solve
 from restshape_studies.accuracy.sampling import begun, sampled
-from restshape_studies.accuracy.setting import Choice, Omission, Setting, kind_of, settings
+from restshape_studies.accuracy.setting import Choice, Omission, Setting, scale_of, settings
 from restshape_studies.bench.job import Job, Outcome, run
 
 from restshape.application import Application, application
@@ -19,9 +19,6 @@ from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 from restshape.scene.script import Script, load_script
-
-FRAMES = {"plane": 40, "motion": 6, "space": 24, "cloth": 8}
-"""Frames of a script that are replayed unasked, from the first that changes the shape on."""
 
 SECONDS = 30.0
 REFERENCE_SECONDS = 120.0
@@ -73,7 +70,7 @@ class Asked:
         """Number of frames that are replayed; None for all."""
         if self.frames is not None:
             return self.frames or None
-        return begun(scene, script, FRAMES[kind_of(scene, app)])
+        return begun(scene, script, scale_of(scene, app).frames)
 
 
 @dataclass

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from time import perf_counter, process_time
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from petsc4py import PETSc
@@ -17,6 +17,7 @@ from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.model import Scene
+from restshape.scene.plan import plan
 
 COUNTED = {"factors": "MatCholFctrNum", "applications": "MatSolve"}
 
@@ -88,10 +89,10 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
         energies.
     """
     PETSc.Log.begin()
-    replay = Replay.of(request, PETSc.COMM_WORLD)
-    analysis = replay.analysis
-    if not isinstance(analysis, RelaxationAnalysis):
+    if not plan(request.scene, request.application).on("drape"):
         raise UserError("the scene has no cloth that comes to rest", str(request.scene.path), "name one of couture")
+    replay = Replay.of(request, PETSc.COMM_WORLD)
+    analysis = cast(RelaxationAnalysis, replay.analysis)
     counts = EventCounts(tuple(COUNTED.values()))
     begun, trace, over = process_time(), Trace(analysis, seconds), ""
     try:

@@ -17,6 +17,7 @@ from restshape.analysis.modal import ModalAnalysis
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
+from restshape.scene.plan import plan
 
 OURS = "restshape"
 BELOW = -0.05
@@ -146,9 +147,9 @@ def measure(request: Request) -> Row:
     Raises:
         UserError: it does not, or nothing is dragged.
     """
-    replay = Replay.of(request, PETSc.COMM_WORLD)
-    if not isinstance(replay.analysis, ModalAnalysis):
+    if plan(request.scene, request.application).solver.equations != "eigenvalues":
         raise UserError("the scene has no eigenproblem", str(request.scene.path), 'choose one of "metallophone"')
+    replay = Replay.of(request, PETSc.COMM_WORLD)
     contest, size = Contest(request), None
     for row in replay.frames():
         analysis = replay.analysis

@@ -4,13 +4,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from statistics import median
-from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 from restshape_studies.bench.job import Job, Outcome, Row, run
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.analysis import Analysis
 from restshape.errors import UserError
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -127,7 +126,7 @@ def measure(request: Request) -> Row:
     for found, true in zip(ahead.frames(), behind.frames()):
         if not (found["predicted"] and found["level"]) or true["refused"]:
             continue
-        x, exact = (answer(replay.analysis) for replay in (ahead, behind))
+        x, exact = (answer(replay.analysis)[1] for replay in (ahead, behind))
         way.append(ahead.prediction.distance)
         size = float(np.linalg.norm(exact))
         error.append(float(np.linalg.norm(x - exact)) / size if size > 0.0 else 0.0)
@@ -136,21 +135,19 @@ def measure(request: Request) -> Row:
     farthest = max(way, default=0.0)
     return {
         "way": way,
-        "of": "frequencies, norm over all" if modal(ahead.analysis) else "displacement, norm over all nodes",
+        "of": answer(ahead.analysis)[0],
         "error": error,
         "quantities": {name[2:]: _relative(pairs) for name, pairs in quantities.items()},
         "at": {str(s): max((e for w, e in zip(way, error) if w <= s * farthest), default=0.0) for s in SHARES},
     }
 
 
-def modal(analysis: Any) -> bool:
-    """Whether what is solved for are modes."""
-    return isinstance(analysis, ModalAnalysis)
-
-
-def answer(analysis: Any) -> np.ndarray:
-    """What is predicted: frequencies [Hz] of modes, whose own size and number mean nothing, or a displacement [m]."""
-    return analysis.frequencies if modal(analysis) else analysis.x
+def answer(analysis: Analysis) -> tuple[str, np.ndarray]:
+    """What is predicted, and what it is: a field, or frequencies [Hz] of modes, whose own size means nothing."""
+    found = analysis.solution()
+    if found.field is None:
+        return f"{found.spectrum}, norm over all", found.values
+    return f"{found.name}, norm over all nodes", found.field
 
 
 def _relative(pairs: Sequence[tuple[float, float]]) -> list[float]:

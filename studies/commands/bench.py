@@ -171,7 +171,7 @@ def _cases(args: argparse.Namespace) -> list[Any]:
 
     if args.edits and len(args.scenes) != 1:
         raise UserError("a script belongs to one scene", "--edits", "name one scene")
-    meshed = [app for app in applications().values() if not app.session]
+    meshed = [app for app in applications().values() if app.editing.meshed]
     installed = [path for app in meshed for path in app.scenes() if script_of(path)]
     paths = args.scenes or installed
     stems = [path.stem for path in paths]

@@ -22,6 +22,16 @@ def edits_with(scene: Table, values: st.SearchStrategy[list[Table]]) -> Parts:
     return small_moves(scene), gestures(names), single_edits(names), values
 
 
+def always(scene: Table) -> bool:
+    """Of any scene."""
+    return True
+
+
+def never(scene: Table) -> bool:
+    """Of no scene."""
+    return False
+
+
 @dataclass(frozen=True)
 class RandomScenes:
     """Scenes of an application at random, and edits of them, of which most make sense.
@@ -30,10 +40,10 @@ class RandomScenes:
         scenes: tables of scenes.
         edits: kinds of edits of a scene, a list of events each.
         heads: what the first lines of scripts may hold besides.
-        predictable: its frames can be predicted.
+        predictable: whether frames of a scene can be predicted.
     """
 
     scenes: st.SearchStrategy[Table]
     edits: Callable[[Table], Parts] = outline_edits
     heads: tuple[Table, ...] = ({}, {}, {}, ON_DEMAND)
-    predictable: bool = True
+    predictable: Callable[[Table], bool] = always

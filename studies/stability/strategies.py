@@ -54,7 +54,7 @@ def examples(draw: st.DrawFn, apps: Sequence[str], damaged: bool) -> Example:
         edits = spliced(edits, draw(st.lists(splices, min_size=1, max_size=3)))
     policy = draw(st.sampled_from(list(POLICIES)[::-1]))
     # What cannot be predicted is asked for at times, for it is refused.
-    can = known.predictable and policy != "rebuild" and "analysis" not in lines[0]
+    can = known.predictable(scene) and policy != "rebuild" and "analysis" not in lines[0]
     predict = draw(st.sampled_from(["none", "linear"])) if can or draw(st.integers(0, 19)) == 19 else "none"
     written = draw(st.integers(1, WRITTEN_SHARE)) == WRITTEN_SHARE
     return Example(app, text, edits, policy, predict, harm, written)

@@ -14,17 +14,23 @@ from restshape.physics.elasticity.vibrating_plane import VibratingPlane
 from restshape.physics.elasticity.vibrating_solid import VibratingSolid
 from restshape.physics.plates.vibrating_plate import VibratingPlate
 
-# Cloth is loaded by weight and contact alone, which are internal; what it is made of comes without its scene.
-OF_LOADS = {
+DEFAULTS = {
     "load_steps",
     "loaded",
-    "loaded_inside",
     "add_nodal_loads",
     "add_nodal_load_rates",
     "objection",
-    "scene",
+    "energy_moduli",
+    "initial",
+    "name_in_time",
+    "accounts_energy",
+    "traits",
+    "blank_fields",
     "cell_scalars",
+    "definite",
+    "rigid_motions",
 }
+"""What a problem may inherit from the protocol as it stands there."""
 
 
 def members(protocol: type) -> set[str]:
@@ -36,8 +42,9 @@ def members(protocol: type) -> set[str]:
 
 def given(made: type) -> set[str]:
     """Names that objects of a class have: of the class, of its annotations, and those that its methods set."""
-    found = set(dir(made))
-    for base in made.__mro__:
+    found = set(DEFAULTS)
+    for base in (base for base in made.__mro__ if not getattr(base, "_is_protocol", False)):
+        found |= set(vars(base))
         found |= set(vars(base).get("__annotations__", {}))
         methods = [value for value in vars(base).values() if inspect.isfunction(value)]
         found |= {
@@ -47,15 +54,15 @@ def given(made: type) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    "made, protocol, without",
+    "made, protocol",
     [
-        (PlaneSolid, TransientProblem, set()),
-        (PrestressedSolid, TransientProblem, set()),
-        (ClothProblem, Problem, OF_LOADS),
-        (VibratingPlane, Eigenproblem, set()),
-        (VibratingSolid, Eigenproblem, set()),
-        (VibratingPlate, Eigenproblem, set()),
+        (PlaneSolid, TransientProblem),
+        (PrestressedSolid, TransientProblem),
+        (ClothProblem, Problem),
+        (VibratingPlane, Eigenproblem),
+        (VibratingSolid, Eigenproblem),
+        (VibratingPlate, Eigenproblem),
     ],
 )
-def test_physics_give_what_the_protocol_names(made, protocol, without):
-    assert members(protocol) - given(made) == without
+def test_physics_give_what_the_protocol_names(made, protocol):
+    assert members(protocol) - (given(made) - DEFAULTS) <= DEFAULTS

@@ -1,9 +1,11 @@
 """Transfer of fields between meshes: exact for linear ones, second order for smooth ones."""
 
 import numpy as np
+import pytest
 from mesh_samples import holed_mesh, l_mesh, shaken
 
 from restshape import _kernels
+from restshape.mesh.extrude import Extrusion
 from restshape.mesh.quality import areas
 from restshape.mesh.transfer import Transfer, transfer
 
@@ -47,3 +49,9 @@ def test_old_nodes_give_old_values_back():
     field = np.random.default_rng(0).normal(size=(len(mesh.X), 3))
     assert np.allclose(transfer(mesh, mesh, field), field, atol=1e-12)
     assert areas(mesh.X, mesh.cells).min() > 0
+
+
+def test_cells_of_another_dimension_are_refused():
+    body = Extrusion(l_mesh(2), 1, 0.1)
+    with pytest.raises(ValueError, match="triangles in the plane, not between cells 'tet4'"):
+        transfer(body, body, body.X)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import Field
 
-from restshape.application import Application
+from restshape.application import Application, Editing
 from restshape.cli.schema import scene_schema, script_schema
 from restshape.errors import UserError
 from restshape.scene.effect import Effect
@@ -56,13 +56,21 @@ ROPES = Physics(
     quantities={"tension": QuantityKind(Literal[True], "force", "max")},
     effects={"weight": Effect(Air, "they are heavy", required=True), "wind": Effect(Air, "it blows")},
 )
+ROPE_EDITING = Editing(
+    session="nowhere:nothing",
+    replayed="nowhere:nothing",
+    events="restshape.scene.script:PLAIN_EVENTS",
+    check="restshape.scene.checks:check_parameters",
+    held="nowhere:nothing",
+    meshed=False,
+)
 HANGING = Application(
     name="hanging",
     summary="ropes",
     folder=Path(__file__).parent,
     analysis="",
     physics=(ROPES,),
-    session="nowhere:nothing",
+    editing=ROPE_EDITING,
 )
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "hanging"\n'
 ROPE = '[parameters]\nl = "50 cm"\n[ropes.a]\nlength = "2*l"\nmass = "300 g"\n'

@@ -9,5 +9,6 @@ verification = Verification(
     parameters=(
         StudyParameter("effects.cloth.bending", values=("morley", "hinge", "nonlinear"), reference="morley", grid=True),
     ),
+    scale="restshape_verification.couture.scale:scale_of",
     random_scenes="restshape_verification.couture.random_scenes:SCENES",
 )

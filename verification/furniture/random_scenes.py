@@ -3,7 +3,7 @@
 from typing import Any
 
 from hypothesis import strategies as st
-from restshape_studies.stability.random_scenes import Parts, RandomScenes
+from restshape_studies.stability.random_scenes import Parts, RandomScenes, never
 from restshape_studies.stability.shape_strategies import Table, numbers
 
 FASTENERS = ["nail-thesis", "nail-experiment", "screw", "nail", "dowel"]
@@ -222,4 +222,4 @@ def edits(scene: Table) -> Parts:
     return plank_gestures(names), plank_edits(names), choices(), plank_sets(scene)
 
 
-SCENES = RandomScenes(plank_scenes(), edits=edits, predictable=False)
+SCENES = RandomScenes(plank_scenes(), edits=edits, predictable=never)

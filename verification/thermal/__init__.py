@@ -5,6 +5,7 @@ from restshape_studies.verification import StudyParameter, Verification
 verification = Verification(
     validation="restshape_verification.thermal.validation:CASES",
     hard_cases="restshape_verification.thermal.stability:CASES",
+    random_scenes="restshape_verification.thermal.random_scenes:SCENES",
     parameters=(
         StudyParameter(
             "effects.storage.time_step",

@@ -23,6 +23,7 @@ from restshape_apps.furniture.session.boards import Boards
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.frame import Frame
+from restshape.analysis.solution import Solution
 from restshape.errors import ReplayProblem
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -252,6 +253,10 @@ class FurnitureAnalysis:
         """A valid range as text; an end that is as far as was looked at is marked."""
         ends = (low, low <= self.way.low), (high, high >= self.way.high)
         return " to ".join(f"{value:.6g}{' or beyond' if is_open else ''}" for value, is_open in ends)
+
+    def solution(self) -> Solution:
+        """Nothing: rigid planks have no field over a plane."""
+        return Solution()
 
     def fields(self) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
         """Displacements (8 n, 3) [m] of corners under the weights; use of the worst joint of each plank, and

@@ -15,8 +15,8 @@ from restshape.scene.plan import Plan
 from restshape.scene.script import Script
 
 
-def checked(scene: Scene, effects: Plan) -> tuple[dict[str, Any], list[tuple[str, str]]]:
-    """What the scene holds: for programs, and as rows for people.
+def checked(scene: Scene, effects: Plan) -> tuple[dict[str, Any], list[tuple[str, str]], None]:
+    """What the scene holds: for programs, as rows for people, and no outline.
 
     Raises:
         UserError: planks make no piece, or a quantity is of an end that nothing joins.
@@ -26,7 +26,7 @@ def checked(scene: Scene, effects: Plan) -> tuple[dict[str, Any], list[tuple[str
         require_places(scene.quantities, design.piece)
     except UserError as error:
         raise scene.located(error) from error
-    return held_piece(scene, effects, design), described_piece(scene, effects, design)
+    return held_piece(scene, effects, design), described_piece(scene, effects, design), None
 
 
 def held_piece(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:

@@ -45,6 +45,9 @@ class MovingBoards:
         """Where fields live."""
         return self.mesh
 
+    def solved(self) -> None:
+        """Nothing: planks have no edges that flip."""
+
     def update(self, frame: PlankFrame) -> MeshUpdate:
         """Take in a frame."""
         start = perf_counter()

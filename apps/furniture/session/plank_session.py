@@ -61,10 +61,6 @@ class PlankSession(ScriptSession):
         self._chosen: tuple[Design, Suggestion] | None = None
         self._mark()
 
-    def models(self) -> MovingBoards:
-        """What makes a model of each frame."""
-        return MovingBoards()
-
     @property
     def grabbed(self) -> DesignDirection | None:
         """The parameter under the hand; None where there is none."""
@@ -341,3 +337,14 @@ def _with_own_names(piece: Piece) -> Piece:
         count += 1
         name = f"{last.name}-{count}"
     return replace(piece, planks=(*others, replace(last, name=name)))
+
+
+def replayed_planks(
+    scene: Scene, script: Script, application: Application, *_: Any
+) -> tuple[PlankSession, MovingBoards]:
+    """The session of a script, and what makes a model of each of its frames.
+
+    Raises:
+        UserError: planks make no piece.
+    """
+    return PlankSession(scene, script, application), MovingBoards()

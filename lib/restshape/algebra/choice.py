@@ -42,7 +42,8 @@ class Prior:
     """What is expected of a preconditioner before the replay has counted anything.
 
     Measured on the plate whose hole is dragged (2,000, 18,000 and 70,000 unknowns; guesses extrapolated, 1e-6) and on
-    boxes of first-order tetrahedra constrained on one side (2,200, 6,600 and 21,000 unknowns).
+    boxes of first-order tetrahedra constrained on one side (2,200, 6,600 and 21,000 unknowns): two and three unknowns a
+    node.
 
     Args:
         filled: nonzeros of the factor, or of the matrices of all grids; of the unknowns (complete) or of the matrix.
@@ -124,17 +125,28 @@ class Size:
         nonzeros: of the matrix.
         dimension: that the problem declares.
         ranks: that share it.
+        fields: unknowns a node that the problem declares; 0: those of elastic bodies, as priors were measured on.
     """
 
     unknowns: int
     nonzeros: float
     dimension: int = 2
     ranks: int = 1
+    fields: int = 0
+
+    @property
+    def share(self) -> float:
+        """Unknowns a node over those of elastic bodies in that dimension."""
+        return self.fields / self.dimension if self.fields else 1.0
 
     @property
     def width(self) -> float:
         """Nonzeros of a row over those of first-order triangles, in the plane; never less than 1."""
-        return max(1.0, self.nonzeros / (ROW * self.unknowns)) if self.dimension == 2 and self.unknowns else 1.0
+        return (
+            max(1.0, self.nonzeros / (ROW * self.share * self.unknowns))
+            if self.dimension == 2 and self.unknowns
+            else 1.0
+        )
 
 
 class Prices(NamedTuple):
@@ -278,7 +290,8 @@ class Choice:
     def _scale(self, candidate: Candidate, size: Size) -> float:
         """Iterations that the prior expects of a fresh preconditioner."""
         prior = candidate.prior(size.dimension)
-        fresh, doublings = prior.fresh(size.unknowns), math.log2(size.ranks)
+        # Patterns of nodes are what iterations and fill hang on, whatever the number of unknowns a node.
+        fresh, doublings = prior.fresh(size.unknowns / size.share), math.log2(size.ranks)
         if candidate.kind == "cholesky":
             return fresh + prior.block * doublings
         if candidate.kind in ("icc", "ilu"):
@@ -290,4 +303,5 @@ class Choice:
         if candidate.kind != "cholesky":
             return prior.filled(size.nonzeros)
         wider = size.width**WIDER_FILL
-        return max(size.nonzeros / 2.0, wider * size.ranks * prior.filled(size.unknowns / size.ranks))
+        rows = size.unknowns / size.share / size.ranks
+        return max(size.nonzeros / 2.0, wider * size.ranks * size.share**2 * prior.filled(rows))

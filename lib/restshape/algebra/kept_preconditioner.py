@@ -37,7 +37,7 @@ class KeptPreconditioner:
         self.candidate: Candidate | None = ILU if method == "ilu" and named is None else None
         self.ready = self.pattern_changed = False
         self.filled = 0.0
-        self.handle, self.size = 0, Size(0, 0.0, traits.dimension)
+        self.handle, self.size = 0, Size(0, 0.0, traits.dimension, fields=traits.fields)
         self._given: list[str] = []
         self._set(ILU.levels)
 
@@ -61,7 +61,7 @@ class KeptPreconditioner:
         before = self.size
         self.handle = mat.handle
         filled = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
-        self.size = Size(mat.getSize()[0], filled, self.traits.dimension, self.ranks)
+        self.size = Size(mat.getSize()[0], filled, self.traits.dimension, self.ranks, self.traits.fields)
         return self.size != before
 
     def begin_system(self) -> None:
@@ -147,7 +147,7 @@ class KeptPreconditioner:
 
     def _set(self, levels: int) -> None:
         self._forget_options()
-        self._given = set_preconditioner(self.ksp, self.kind, levels)
+        self._given = set_preconditioner(self.ksp, self.kind, levels, self.traits.pivots)
 
     def _forget_options(self) -> None:
         """Take out of PETSc's database what was put there for a set-up: it is not what the user said."""

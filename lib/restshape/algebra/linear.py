@@ -120,7 +120,7 @@ class LinearSolver:
         """Set what iterates, and what ends it."""
         direct = self.method == "direct" and self.comm.size == 1
         self.ksp.setType("preonly" if direct else self.traits.krylov)
-        if not self.symmetric:
+        if self.traits.krylov == "gmres":
             self.ksp.setGMRESRestart(RESTART)
             # The true residual is what GMRES sees with the preconditioner on the right.
             self.ksp.setPCSide(PETSc.PC.Side.RIGHT)
@@ -149,7 +149,7 @@ class LinearSolver:
         """Solve mat x = b from the guess in x.
 
         Args:
-            mat: symmetric positive definite, or not symmetric where the solver knows so.
+            mat: as the traits say.
             b: right side.
             x: guess on entry (but for `direct`), solution on return.
             new_system: the mesh is another one, so that no old preconditioner fits.

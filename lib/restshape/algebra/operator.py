@@ -1,11 +1,15 @@
 """The stiffness operator: nonzero pattern kept over a topology, values refreshed each frame."""
 
+from collections.abc import Sequence
 from itertools import groupby
 
 import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
+
+Block = np.ndarray | tuple[np.ndarray, np.ndarray]
+"""Cells (m, k) int32; a pair where the nodes of unknowns are others than those of X: cells, and dofs (m, kd) int32."""
 
 
 class Operator:
@@ -17,7 +21,8 @@ class Operator:
         node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
         backend: `csr` (one rank, the library's own patchable pattern), `bcsr` (one rank, blocks of nodes, for solvers
             by products and relaxation) or `coo` (PETSc's COO assembly); by default csr on one rank and coo on several.
-        symmetric: and positive definite, which PETSc is informed of.
+        symmetric: every matrix is, which PETSc is informed of.
+        definite: and positive definite.
 
     Attributes:
         version: another one whenever pattern, constraints or values may be others.
@@ -30,8 +35,9 @@ class Operator:
         node_offsets: np.ndarray,
         backend: str | None = None,
         symmetric: bool = True,
+        definite: bool = True,
     ) -> None:
-        self.comm, self.fields, self.symmetric = comm, fields, symmetric
+        self.comm, self.fields, self.symmetric, self.definite = comm, fields, symmetric, symmetric and definite
         offsets = np.ascontiguousarray(node_offsets, dtype=np.int32)
         self.rows = slice(int(offsets[comm.rank]) * fields, int(offsets[comm.rank + 1]) * fields)
         self.backend = backend or ("csr" if comm.size == 1 else "coo")
@@ -39,9 +45,12 @@ class Operator:
         self.mat = PETSc.Mat()
         self._generation, self.version = -1, 0
 
-    def set_topology(self, blocks: list[np.ndarray], mask: np.ndarray) -> None:
-        """Make a new pattern for blocks of cells (ne, nn) int32; `mask` (n * f,) uint8 marks constrained unknowns."""
-        self.core.set_topology(blocks)
+    def set_topology(self, blocks: Sequence[Block], mask: np.ndarray) -> None:
+        """Make a new pattern for blocks of cells (ne, nn) int32; `mask` (n * f,) uint8 marks constrained unknowns.
+
+        A pair of arrays is cells whose X elements read, and the nodes (ne, nd) whose unknowns they have.
+        """
+        self.core.set_topology(list(blocks))
         self.set_constraints(mask)
 
     def set_constraints(self, mask: np.ndarray) -> None:
@@ -74,7 +83,9 @@ class Operator:
         if self.core.generation != self._generation:
             self._generation = self.core.generation
             self.mat = self.core.mat
-            self.mat.setOption(PETSc.Mat.Option.SPD, self.symmetric)
+            self.mat.setOption(PETSc.Mat.Option.SPD, self.definite)
+            if self.symmetric and not self.definite:
+                self.mat.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return self.mat
 
     def _add(self, terms: list[tuple], rhs: np.ndarray | None) -> None:

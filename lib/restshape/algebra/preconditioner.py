@@ -6,7 +6,7 @@ from petsc4py import PETSc
 FACTORS = ("cholesky", "lu", "icc", "ilu")
 
 
-def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int) -> list[str]:
+def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = False) -> list[str]:
     """Give a solver a preconditioner; what PETSc's options say of it goes first.
 
     On several ranks a factor is that of the ranks' own rows (block Jacobi), so that the bits repeat.
@@ -15,6 +15,7 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int) -> list[str]:
         ksp: without a set-up, or just reset.
         kind: PETSc's type.
         levels: of fill, where incomplete.
+        pivots: a complete factor exchanges rows: MUMPS makes it, for PETSc's own do not.
 
     Returns: names of options that were put into PETSc's database, to be taken out after the set-up.
     """
@@ -24,11 +25,13 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int) -> list[str]:
         # Block Jacobi as additive Schwarz without overlap: petsc4py 3.18 gives the blocks' solvers for that only.
         pc.setType("asm")
         pc.setASMOverlap(0)
-        wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels)}
+        wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels, pivots)}
     else:
         pc.setType(kind)
         if kind == "gamg":
             wanted = {"pc_gamg_reuse_interpolation": True}
+        elif kind in ("cholesky", "lu") and pivots:
+            pc.setFactorSolverType("mumps")
         elif kind in ("cholesky", "lu"):
             pc.setFactorOrdering("amd")
         elif kind in FACTORS:
@@ -43,7 +46,9 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int) -> list[str]:
     return given
 
 
-def _factor_options(kind: str, levels: int) -> dict[str, object]:
+def _factor_options(kind: str, levels: int, pivots: bool) -> dict[str, object]:
+    if kind in ("cholesky", "lu") and pivots:
+        return {"sub_pc_factor_mat_solver_type": "mumps"}
     if kind in ("cholesky", "lu"):
         return {"sub_pc_factor_mat_ordering_type": "amd"}
     return {"sub_pc_factor_levels": levels, "sub_pc_factor_shift_type": "positive_definite"}

@@ -9,8 +9,9 @@ class Traits:
 
     Args:
         symmetric: each equals its transpose.
-        definite: where the problem is stable, each is positive definite.
-        fields: unknowns a node.
+        definite: where the problem is stable, each is positive definite; symmetric ones that are not may have zeros on
+            the diagonal, as those with a pressure do.
+        fields: unknowns a node, on which the fill of factors hangs.
         dimension: 2 for bodies in the plane, 3 for bodies and sheets in space: what patterns of nodes are like.
         rigid_motions: rigid motions of the body are nearly in the null space; else constants are.
     """
@@ -29,4 +30,9 @@ class Traits:
     @property
     def krylov(self) -> str:
         """PETSc's type of the iteration that serves with any preconditioner."""
-        return "cg" if self.symmetric else "gmres"
+        return "cg" if self.symmetric and self.definite else "gmres"
+
+    @property
+    def pivots(self) -> bool:
+        """Whether a complete factor must exchange rows: one of a symmetric matrix that is not definite."""
+        return self.symmetric and not self.definite

@@ -9,6 +9,7 @@ from petsc4py import PETSc
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import Stages
 from restshape.analysis.frame import Frame
+from restshape.analysis.solution import Solution
 from restshape.calibration import Calibration
 from restshape.fem.problem import Fields
 from restshape.fem.space import Space
@@ -125,6 +126,9 @@ class Analysis(Protocol):
 
     def errors(self) -> dict[str, float]:
         """Error estimates of the state by column: `estimate` of the mesh, `estimate_time` of time steps."""
+
+    def solution(self) -> Solution:
+        """The state, as who compares answers of different settings sees it."""
 
     def fields(self) -> Fields:
         """What a recording shows of the state."""

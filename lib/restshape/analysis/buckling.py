@@ -14,12 +14,13 @@ from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.buckling_binding import bound, flipped
 from restshape.analysis.buckling_comparison import compare_cold
-from restshape.analysis.buckling_output import fields, observed, residual_norm, row
+from restshape.analysis.buckling_output import fields, observer, residual_norm, row
 from restshape.analysis.buckling_prediction import BucklingPrediction
 from restshape.analysis.buckling_state import BucklingModes, BucklingState, most_load_factor
 from restshape.analysis.frame import Frame
 from restshape.analysis.mode_tracking import ModeIds, normalise_signs
 from restshape.analysis.settings import buckling_settings
+from restshape.analysis.solution import Solution, stacked_modes
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.analysis.verified_shape import VerifiedShape
 from restshape.errors import ReplayProblem, UserError
@@ -123,11 +124,17 @@ class BucklingAnalysis:
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the state; a load factor that there is not is infinite."""
-        return self.prebuckling.observe() | observed(self.state)
+        return self.prebuckling.observe() | observer(self.state.prebuckling.scene.quantities)(self.state)
 
     def row(self) -> RowValues:
         """Columns of a frame's row that only buckling has."""
         return row(self.state, self.modes_shown, self.solver)
+
+    def solution(self) -> Solution:
+        """The prebuckling displacement, the load factors and their modes."""
+        values = np.array(self.load_factors, dtype=float)
+        shapes = stacked_modes(self.fields()[0], "buckling_mode_", len(values))
+        return replace(self.prebuckling.solution(), spectrum="load_factors", values=values, shapes=shapes)
 
     def fields(self) -> Fields:
         """Displacement and equivalent stress, and the modes, the largest displacement of each 1."""

@@ -1,17 +1,24 @@
 """What is shown of buckling: quantities, columns of a row, modes, and how far they are from solving their equation."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from restshape.algebra.buckling_solver import BucklingSolver
 from restshape.analysis.analysis import RowValues
 from restshape.analysis.buckling_matrices import products
 from restshape.analysis.buckling_state import BucklingState
+from restshape.fem.observer import Function, Observer
+from restshape.scene.model import Quantity
 
 
-def observed(state: BucklingState) -> dict[str, float]:
-    """The scene's quantities that are load factors, by name; infinite where there is none."""
-    quantities = state.prebuckling.scene.quantities.items()
-    return {name: state.load_factor(q.load_factor) for name, q in quantities if q.load_factor is not None}
+def observer(quantities: Mapping[str, Quantity]) -> Observer:
+    """What evaluates the quantities that are load factors, of a state; infinite where there is no such factor."""
+    return Observer({name: _factor(q.load_factor) for name, q in quantities.items() if q.load_factor is not None})
+
+
+def _factor(number: int) -> Function:
+    return lambda state: state.load_factor(number)
 
 
 def row(state: BucklingState, modes_shown: int, solver: BucklingSolver) -> RowValues:

@@ -6,6 +6,7 @@ from petsc4py import PETSc
 from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.operator import Operator
+from restshape.algebra.traits import Traits
 from restshape.fem.problem import Problem
 
 
@@ -16,7 +17,7 @@ class LinearSystem:
         comm: PETSc communicator.
         problem: on the mesh.
         backend: of the operator.
-        symmetric: whether the solver takes matrices for symmetric.
+        traits: what the solver takes matrices for.
 
     Attributes:
         rows: this rank's, of all n f unknowns.
@@ -25,18 +26,19 @@ class LinearSystem:
         mat: as it was assembled last.
     """
 
-    def __init__(self, comm: PETSc.Comm, problem: Problem, backend: str | None, symmetric: bool) -> None:
-        X, mask = problem.space.X, problem.boundary.mask
+    def __init__(self, comm: PETSc.Comm, problem: Problem, backend: str | None, traits: Traits) -> None:
+        mask = problem.boundary.mask
         fields = mask.shape[1]
         self.comm = comm
-        self.operator = Operator(comm, fields, problem.space.node_offsets, backend, symmetric=symmetric)
+        known = {"symmetric": traits.symmetric, "definite": traits.definite}
+        self.operator = Operator(comm, fields, problem.space.node_offsets, backend, **known)
         self.operator.set_topology(problem.blocks(), mask)
         self.rows = rows = self.operator.rows
         self.right, self.full = np.zeros(mask.shape), np.zeros(mask.size)
         size = (rows.stop - rows.start, mask.size)
         self.b = PETSc.Vec().createWithArray(self.right.ravel()[rows], size=size, comm=comm)
         self.solution = PETSc.Vec().createWithArray(self.full[rows], size=size, comm=comm)
-        self.places = X[rows.start // fields : rows.stop // fields]
+        self.places = problem.space.dof_X[rows.start // fields : rows.stop // fields]
         self.mat: PETSc.Mat | None = None
 
     def gather(self) -> None:

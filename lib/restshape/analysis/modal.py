@@ -21,6 +21,7 @@ from restshape.analysis.modal_prediction import ModalPrediction
 from restshape.analysis.modal_state import ModalState
 from restshape.analysis.mode_search import ModeSearch
 from restshape.analysis.settings import modal_settings
+from restshape.analysis.solution import Solution, stacked_modes
 from restshape.analysis.verified_shape import VerifiedShape
 from restshape.errors import ReplayProblem, UserError
 
@@ -117,6 +118,12 @@ class ModalAnalysis:
     def row(self) -> RowValues:
         """Columns of a frame's row that only modes have."""
         return modal_output.row(self.state)
+
+    def solution(self) -> Solution:
+        """The frequencies [Hz], and the modes."""
+        values = np.array(self.frequencies, dtype=float)
+        shapes = stacked_modes(self.fields()[0], "mode_", len(values))
+        return Solution(spectrum="frequencies", values=values, ids=self.state.ids, shapes=shapes)
 
     def fields(self) -> Fields:
         """Displacements of the middle surface in each mode, the largest 1; of the cells the size of the first one."""

@@ -51,11 +51,13 @@ class NonlinearSystem:
     ) -> None:
         mask = problem.boundary.mask
         fields = mask.shape[1]
-        self.operator = Operator(comm, fields, problem.space.node_offsets, backend, symmetric=solver.symmetric)
+        self.operator = Operator(
+            comm, fields, problem.space.node_offsets, backend, solver.symmetric, solver.traits.definite
+        )
         self.operator.set_topology(problem.blocks(), mask)
         self.rows = rows = self.operator.rows
         self.newton = Newton(comm, prefix, solver, mask.shape, rows)
-        self.places = problem.space.X[rows.start // fields : rows.stop // fields]
+        self.places = problem.space.dof_X[rows.start // fields : rows.stop // fields]
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,7 @@ from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
 from restshape.analysis.linear_system import LinearSystem, auxiliary_solve
+from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.steady_predictor import SteadyPredictor
 from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
@@ -221,6 +222,12 @@ class SteadyAnalysis(Generic[P]):
         """Columns of the frame's row that only this analysis has: none."""
         return {}
 
+    def solution(self) -> Solution:
+        """The unknowns, and what their energy is measured by."""
+        problem = self.problem
+        name = problem.unknowns[0].name
+        return Solution(name, self.x.copy(), moduli=moduli_of(problem), large=not problem.linear)
+
     def fields(self) -> Fields:
         """What a recording shows of the last solution."""
         return self.state.problem.fields(self.state.x)
@@ -325,7 +332,7 @@ class SteadyAnalysis(Generic[P]):
 
     def _make_system(self, problem: Problem) -> LinearSystem:
         """What outlives frames on a new mesh."""
-        return LinearSystem(self.context.comm, problem, self.context.policy.backend, self.solver.symmetric)
+        return LinearSystem(self.context.comm, problem, self.context.policy.backend, self.solver.traits)
 
     def _flip(self, frame: Frame) -> None:
         """Follow flipped edges: with the pattern and, where such edges have nodes, with the last solutions."""

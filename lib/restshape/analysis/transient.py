@@ -19,6 +19,7 @@ from restshape.analysis.correction import preconditioner
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
 from restshape.analysis.increment_subspace import IncrementProjection
+from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.time_error import local_error
 from restshape.analysis.velocity_projection import project_velocity
 from restshape.application import application
@@ -267,6 +268,15 @@ class TransientAnalysis:
     def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has: none."""
         return {}
+
+    def solution(self) -> Solution:
+        """The unknowns and, of second order in time, their rates, and what their energies are measured by."""
+        state, problem, name = self.state, self.problem, self.problem.unknowns[0].name
+        found = Solution(name, self.x.copy(), moduli=moduli_of(problem), large=not problem.linear)
+        if state.integration.scheme.order < 2:
+            return found
+        mass = np.array(np.broadcast_to(state.body.mass.params, (len(problem.space.cells), 1)))[:, 0]
+        return replace(found, rate=self.v.copy(), mass=mass)
 
     def fields(self) -> Fields:
         """What a recording shows of the unknowns after the last step."""

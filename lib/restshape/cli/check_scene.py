@@ -28,23 +28,26 @@ def check(args: argparse.Namespace) -> int:
     """Prints what the scene holds and which edits would be refused; 1 if any would be."""
     scene = read_scene(args)
     app = application(scene.app)
-    effects = plan(scene, app)
-    title = f"{scene.path}: {scene.title}".rstrip(": ")
-    if app.session:
-        data, rows = app.checked(scene, effects)
-        print_table(title, ("what", "held"), rows)
-        return finish(args, scene, data)
+    data, rows, outline = app.editing.checked(scene, plan(scene, app))
+    print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), rows)
+    return finish(args, scene, data, outline)
+
+
+def checked_shape(scene: Scene, effects: Plan) -> tuple[dict[str, Any], Rows, Outline]:
+    """What a scene with an outline holds: for programs, as rows for people, and the outline.
+
+    Raises:
+        UserError: the outline or the mesh makes no sense.
+    """
     outline = starting_outline(scene)
-    for physics in app.physics:
+    for physics in application(scene.app).physics:
         physics.checked_shape(scene, outline)
     if scene.mesh.size and not scene.mesh.file:
         try:
             refuse_endless(outline, scene.mesh.size, scene.mesh.near)
         except UserError as error:
             raise scene.located(error) from error
-    data = scene_contents(scene, effects, outline)
-    print_table(title, ("what", "held"), described(scene, effects, outline))
-    return finish(args, scene, data, outline)
+    return scene_contents(scene, effects, outline), described(scene, effects, outline), outline
 
 
 def finish(args: argparse.Namespace, scene: Scene, data: dict[str, Any], outline: Outline | None = None) -> int:

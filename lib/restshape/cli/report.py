@@ -135,7 +135,7 @@ def _draw(recording: Any, folder: Path, args: argparse.Namespace, application: A
     from restshape.report.timeline import draw_timeline
 
     cloth = shows_cloth(recording)
-    own, meshed = (application.report, not application.session) if application else (None, True)
+    own, meshed = (application.report, application.editing.meshed) if application else (None, True)
     if (cloth or own) and args.scale is not None:
         what = own.true_scale if own else "cloth is drawn where it lies"
         raise UserError(f"{what}, not exaggerated", "--scale", "leave --scale out")

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from restshape.algebra.operator import Block
 from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.integral import Integral
 from restshape.fem.problem import Fields
@@ -43,8 +44,8 @@ class Eigenproblem(Protocol):
     boundary: Dirichlet
     materials: Sequence[Material]
 
-    def blocks(self) -> list[np.ndarray]:
-        """Entities (m, k) int32 that have a tangent, one array a block of the operators."""
+    def blocks(self) -> Sequence[Block]:
+        """Entities (m, k) int32 that have a tangent, an array, or a pair with dofs, a block of the operator."""
 
     def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral]:
         """Those of `fem.problem.STIFFNESS` or of `fem.problem.MASS`."""

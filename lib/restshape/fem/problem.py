@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from restshape.algebra.operator import Block
 from restshape.algebra.traits import Traits
 from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.error_estimate import RecoveryEstimate
@@ -55,24 +56,25 @@ class Problem(Protocol):
 
     Attributes:
         name: of the physics, before the options of its solvers in PETSc's database.
-        scene: whose values it has.
         space: nodes and cells of the unknowns, by reference; its nodes may move.
         unknowns: fields of each node, in the order of the columns.
         cell_scalars: names of the fields of the cells, numbers, where `blank_fields` is inherited.
         boundary: prescribed unknowns.
-        symmetric: whether every tangent is symmetric.
+        symmetric: whether every tangent is symmetric; definite: and positive definite where the problem is stable.
+        rigid_motions: whether rigid motions are nearly in the null space of tangents; else constants are.
         linear: whether the integrals are linear in the unknowns.
         varies: whether `update` has anything to do when nodes move.
         stiffest: of all coefficients of the stiffness, integrated over the thickness, the largest.
     """
 
     name: str
-    scene: Scene
     space: Space
     unknowns: tuple[Unknown, ...]
     cell_scalars: tuple[str, ...] = ()
     boundary: Dirichlet
     symmetric: bool
+    definite: bool = True
+    rigid_motions: bool = False
     linear: bool
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None: ...
@@ -88,8 +90,8 @@ class Problem(Protocol):
 
     @property
     def loaded(self) -> bool:
-        """Whether there is any load."""
-        return bool(self.scene.loads)
+        """Whether there is any load; what has loads at nodes must report by itself."""
+        return self.loaded_inside or bool(self.integrals(LOADS))
 
     @property
     def loaded_inside(self) -> bool:
@@ -98,8 +100,8 @@ class Problem(Protocol):
     def update(self) -> None:
         """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
 
-    def blocks(self) -> list[np.ndarray]:
-        """Entities (m, k) int32 that have a tangent, one array a block of the operator."""
+    def blocks(self) -> Sequence[Block]:
+        """Entities (m, k) int32 that have a tangent, an array, or a pair with dofs, a block of the operator."""
 
     def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral]:
         """The integrals of a kind at the present places of the nodes; none where the problem has none of it.
@@ -123,14 +125,22 @@ class Problem(Protocol):
         """What speaks against unknowns x (n, f) that solve the equations, for people; empty where nothing does."""
         return ""
 
+    def energy_moduli(self) -> np.ndarray | None:
+        """lambda, mu and thickness h, (3,) or (ne, 3), of the energy h (lambda tr(e)^2 + 2 mu e : e) / 2 by area.
+
+        The tensor e is the strain of a displacement; of one scalar its gradient, as the first of two rows. None where
+        the energy has another form.
+        """
+        return None
+
     def fields(self, x: np.ndarray) -> Fields:
         """What a recording shows of the unknowns x (n, f)."""
 
     @classmethod
     def traits(cls, plan: Plan) -> Traits:
-        """What it declares of its linear systems under a plan; by default that rigid motions are nothing special."""
+        """What it declares of its linear systems under a plan; by default the same under all."""
         fields = sum(len(one.components) for one in cls.unknowns)
-        return Traits(symmetric=cls.symmetric, fields=fields, rigid_motions=False)
+        return Traits(cls.symmetric, cls.definite, fields, rigid_motions=cls.rigid_motions)
 
     @classmethod
     def blank_fields(cls, space: Space) -> Fields:

@@ -5,6 +5,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from restshape.mesh.lagrange_space import EdgeInterpolation
+from restshape.mesh.mesh import Mesh
 from restshape.shape.outline import Outline
 
 
@@ -16,11 +17,14 @@ class Space(Protocol):
         X: (n, d) material coordinates [m], changed in place when the mesh moves.
         cells: (ne, k) int32 nodes whose X an element reads.
         dofs: (ne, k) int32 nodes whose unknowns it reads: `cells` itself, but at seams and under periodicity.
+        dof_X: (m, d) X of the nodes that `dofs` number, the rows of unknowns: X, but at seams and in mixed spaces.
         corners: (ne, c) int32 the corners of the cells.
         cell_region: (ne,) int32 0, or i + 1 for the i-th region of the outline.
         node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
         topology: version of the connectivity; geometry: version of the positions.
         outline: whose entities the mesh resolves.
+        mesh: plane mesh that it stands on; of a mesh itself.
+        interpolations: what flips did to nodes in the middle of edges since the last solution, see `interpolate`.
         dim: of the cells; cell_type: their shape and order, as elements are named ("tri3", "tet10").
     """
 
@@ -35,6 +39,8 @@ class Space(Protocol):
     @property
     def dofs(self) -> np.ndarray: ...
     @property
+    def dof_X(self) -> np.ndarray: ...
+    @property
     def corners(self) -> np.ndarray: ...
     @property
     def cell_region(self) -> np.ndarray: ...
@@ -46,6 +52,10 @@ class Space(Protocol):
     def geometry(self) -> int: ...
     @property
     def outline(self) -> Outline: ...
+    @property
+    def mesh(self) -> Mesh: ...
+    @property
+    def interpolations(self) -> tuple[EdgeInterpolation, ...]: ...
 
     def nodes_of(self, name: str) -> np.ndarray:
         """Sorted nodes (k,) int32 of an entity of the outline.
@@ -89,6 +99,9 @@ class PlaneSpace(Space, Protocol):
 
     @property
     def facets(self) -> np.ndarray: ...
+
+    def on_corners(self, gradient: np.ndarray) -> np.ndarray:
+        """A gradient (corners, d) by the places of the corners, of one (n, d) by those of all nodes, which follow."""
 
     def facets_of(self, name: str) -> np.ndarray:
         """Facets (k,) int32 on an entity of the outline.

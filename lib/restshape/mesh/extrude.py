@@ -95,6 +95,21 @@ class Extrusion:
         return self.plane.outline
 
     @property
+    def dof_X(self) -> np.ndarray:
+        """Material coordinates (n, 3) [m] of the nodes that have unknowns: all of them."""
+        return self.X
+
+    @property
+    def mesh(self) -> Mesh:
+        """The plane mesh, of corners alone."""
+        return self.plane.mesh
+
+    @property
+    def interpolations(self) -> tuple[EdgeInterpolation, ...]:
+        """What flips did to nodes of the plane mesh since the last solution."""
+        return self.plane.interpolations
+
+    @property
     def topology(self) -> int:
         """Version of the connectivity: the plane mesh's."""
         return self.plane.topology

@@ -100,6 +100,11 @@ class LagrangeSpace:
         return self.mesh.outline
 
     @property
+    def dof_X(self) -> np.ndarray:
+        """Material coordinates (n, 2) [m] of the nodes that have unknowns: all of them."""
+        return self.X
+
+    @property
     def dofs(self) -> np.ndarray:
         """Nodes (ne, 6) whose unknowns a triangle has: its own."""
         return self.cells
@@ -146,6 +151,14 @@ class LagrangeSpace:
     def cells_of(self, name: str) -> np.ndarray:
         """Triangles inside an entity; see `Mesh.cells_of`."""
         return self.mesh.cells_of(name)
+
+    def on_corners(self, gradient: np.ndarray) -> np.ndarray:
+        """The gradient (corners, d) of one (n, d) by all nodes, where middles of sides follow their ends."""
+        corners = gradient[self.corner_number].copy()
+        half = 0.5 * gradient[self.side_number]
+        for end in self.mesh.edge_nodes.T:
+            np.add.at(corners, end, half)
+        return corners
 
     def follow(self, changed: np.ndarray) -> np.ndarray:
         """The triangles (k,) int32 that flips have changed: those that are given, for `reconnect` has taken them in."""

@@ -131,9 +131,23 @@ class Mesh:
         return self.cells
 
     @property
+    def dof_X(self) -> np.ndarray:
+        """Material coordinates (n, 2) [m] of the nodes that have unknowns: all of them."""
+        return self.X
+
+    @property
     def dofs(self) -> np.ndarray:
         """Nodes (ne, 3) whose unknowns a triangle has: its corners."""
         return self.cells
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh itself, as of any space over one."""
+        return self
+
+    def on_corners(self, gradient: np.ndarray) -> np.ndarray:
+        """A gradient (n, d) by the places of the corners: the same, for there are no other nodes."""
+        return gradient
 
     def follow(self, changed: np.ndarray) -> np.ndarray:
         """The triangles (k,) int32 that flips have changed: those that are given, for the arrays are the mesh's own."""

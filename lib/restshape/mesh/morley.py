@@ -75,6 +75,16 @@ class MorleySpace:
         return self.mesh.cell_region
 
     @property
+    def dof_X(self) -> np.ndarray:
+        """Material coordinates (n, 2) [m] of the nodes that have unknowns: all of them."""
+        return self.X
+
+    @property
+    def interpolations(self) -> tuple[()]:
+        """None: flips set no unknown elsewhere."""
+        return ()
+
+    @property
     def topology(self) -> int:
         """Version of the connectivity, that of the mesh."""
         return self.mesh.topology

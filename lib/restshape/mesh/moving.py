@@ -169,6 +169,11 @@ class MovingMesh:
         """What fields live on: the mesh, the finest of those nested in it, or the nodes of second order over it."""
         return self.nested.finest if self.nested else self.space or self.mesh
 
+    def solved(self) -> None:
+        """Take note that `field_mesh` was solved on: what flips have done to its nodes is in the solution."""
+        if self.space and self.space.interpolations:
+            self.space.interpolations = ()
+
     @property
     def Psi(self) -> np.ndarray:
         """Displacements (2, n, 2) of the nodes of `mesh` a unit of the gesture's coefficients; made on demand.

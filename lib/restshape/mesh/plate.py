@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 
+from restshape.mesh.lagrange_space import EdgeInterpolation
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.thickness import Thickness
 from restshape.scene.expressions import Value
@@ -73,6 +74,21 @@ class PlateMesh:
     def outline(self) -> Outline:
         """The outline whose entities the plane mesh resolves."""
         return self.plane.outline
+
+    @property
+    def dof_X(self) -> np.ndarray:
+        """Material coordinates (n, 3) [m] of the nodes that have unknowns: all of them."""
+        return self.X
+
+    @property
+    def mesh(self) -> Mesh:
+        """The plane mesh, of corners alone."""
+        return self.plane.mesh
+
+    @property
+    def interpolations(self) -> tuple[EdgeInterpolation, ...]:
+        """What flips did to nodes of the plane mesh since the last solution."""
+        return self.plane.interpolations
 
     @property
     def topology(self) -> int:

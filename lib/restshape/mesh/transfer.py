@@ -8,8 +8,10 @@ from restshape import _kernels
 
 
 class FieldNodes(Protocol):
-    """Nodes X (n, 2) [m] and triangles on them, of first or second order: `cells` (ne, 3 or 6), `corners` (ne, 3)."""
+    """Nodes X (n, d) [m] and cells on them, of a type that says dimension, shape and order: "tri3", "tri6"."""
 
+    @property
+    def cell_type(self) -> str: ...
     @property
     def X(self) -> np.ndarray: ...
     @property
@@ -24,16 +26,23 @@ class Transfer:
     A point outside the mesh takes the value of the nearest boundary point.
 
     Args:
-        mesh: where the fields live, of first or second order.
+        mesh: where the fields live, triangles of first or second order.
         points: (m, 2) where they are wanted [m].
+
+    Raises:
+        ValueError: cells of the mesh's type cannot be searched for points.
     """
 
     def __init__(self, mesh: FieldNodes, points: np.ndarray) -> None:
         points = np.ascontiguousarray(points, dtype=float)
-        if mesh.cells.shape[1] == 6:
+        if mesh.cell_type == "tri6":
             found, self.weights = _kernels.locate_quadratic(mesh.X, mesh.corners, mesh.cells, points)
-        else:
+        elif mesh.cell_type == "tri3":
             found, self.weights = _kernels.locate(mesh.X, mesh.cells, points)
+        else:
+            raise ValueError(
+                f"fields are transferred between triangles in the plane, not between cells {mesh.cell_type!r}"
+            )
         self.nodes = mesh.cells[found]
 
     def __call__(self, field: np.ndarray) -> np.ndarray:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from restshape.findings import Finding
 from restshape.scene.model import Quantity
 from restshape.scene.quantity import in_unit
-from restshape.scene.units import SYMBOLS
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -39,7 +38,7 @@ def limits_of(quantities: Mapping[str, Quantity]) -> Limits:
         name: Limit(
             -math.inf if q.min is None else q.min,
             math.inf if q.max is None else q.max,
-            SYMBOLS[q.dimension],
+            q.unit,
         )
         for name, q in quantities.items()
         if q.max is not None or q.min is not None

@@ -2,7 +2,7 @@
 
 # More than 15 modules: session, mesh, analysis, prediction and recorder, which know nothing of each other, meet here.
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from time import perf_counter
 from typing import Self, cast
 
@@ -20,7 +20,6 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.fem.observer import areas
 from restshape.fem.space import Space
 from restshape.findings import encode_findings
-from restshape.mesh.importer import read_mesh
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import MeshUpdate, MovingMesh
@@ -36,13 +35,12 @@ from restshape.replay.constraints import (
 from restshape.replay.predicted_frames import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
-from restshape.replay.sessions import Follower, own_session
+from restshape.replay.sessions import Follower
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.scene.script import Script
-from restshape.shape.outline import Outline
 from restshape.shape.protocol import Session
-from restshape.shape.session import EditFrame, EditSession
+from restshape.shape.session import EditFrame
 
 log = logging.getLogger("restshape.replay")
 
@@ -83,7 +81,9 @@ class Replay:
     ) -> None:
         self.policy, self.comm, self.recorder = policy, comm, recorder
         self.stages = Stages()
-        self.session, self.moving = self._set_up(scene, script, application)
+        self.session, self.moving = cast(
+            tuple[Session, Follower], application.editing.start(scene, script, application, policy, comm)
+        )
         context = Context(comm, policy, calibration, self.stages)
         self.analysis: Analysis = application.make_analysis()(scene, plan(scene, application), context)
         ahead = predict == "linear"
@@ -205,7 +205,7 @@ class Replay:
         mesh: Mesh | LagrangeSpace = self.moving.field_mesh
         hand = edit.gesture, (edit.c[0], edit.c[1])
         space = self.analysis.space
-        interpolations = space.interpolations if isinstance(space, LagrangeSpace) else ()
+        interpolations = space.interpolations if space else ()
         # Flips of a frame that failed are not known any more.
         changed = mesh_update.changed_cells if solved else np.arange(len(mesh.cells), dtype=np.int32)
         if self.prediction:
@@ -217,8 +217,7 @@ class Replay:
             Frame(mesh, changed, mesh_update.old_mesh, edit.scene, hand, interpolations, edit.edit_ended)
         )
         self.solved = self.known = True
-        if isinstance(mesh, LagrangeSpace) and mesh.interpolations:
-            mesh.interpolations = ()
+        self.moving.solved()
         if self.prediction:
             found = report.iterations or report.refreshed
             idle = edit.change == "none" and not (self.prediction.active or found)
@@ -269,44 +268,3 @@ class Replay:
         if self.expected is not None and self.prediction:
             found["prediction_error"] = self.prediction.predictor.error(self.expected)
         return found
-
-    def _set_up(self, scene: Scene, script: Script, application: Application) -> tuple[Session, Follower]:
-        """The session, and what follows its shapes: a mesh, or models of the session's own."""
-        imported, outline = self._imported(scene)
-        if application.session:
-            own = own_session(scene, script, application)
-            return own, own.models()
-        session = EditSession(scene, script, outline=outline)
-        moving = MovingMesh(
-            session.outline,
-            scene.mesh,
-            ranks=self.comm.size,
-            regenerate=self.policy.regenerate,
-            broadcast=self._from_first_rank if self.comm.size > 1 else None,
-            relocation=self.policy.relocation,
-            criterion=self.policy.criterion,
-            flip_everywhere=self.policy.flip_everywhere,
-            imported=imported,
-            order_of=lambda scene: plan(scene, application).order,
-        )
-        return session, moving
-
-    def _imported(self, scene: Scene) -> tuple[Mesh | None, Outline | None]:
-        """The mesh that the scene imports, if it does, and the outline of its boundary."""
-        if scene.mesh.file is None:
-            return None, None
-        return read_mesh(scene.folder / scene.mesh.file, scene.mesh.unit, ranks=self.comm.size)
-
-    def _from_first_rank(self, make: Callable[[], Mesh]) -> Mesh:
-        """What `make` gives on rank 0, on every rank; its problem, if it has one, is raised on every rank."""
-        comm = self.comm.tompi4py()
-        outcome: Mesh | ReplayProblem | UserError | None = None
-        if comm.rank == 0:
-            try:
-                outcome = make()
-            except (ReplayProblem, UserError) as problem:
-                outcome = problem
-        outcome = comm.bcast(outcome)
-        if isinstance(outcome, (ReplayProblem, UserError)):
-            raise outcome
-        return cast(Mesh, outcome)

@@ -2,7 +2,6 @@
 
 from typing import Protocol, cast
 
-from restshape.application import Application
 from restshape.application import application as application_named
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
@@ -10,8 +9,8 @@ from restshape.mesh.moving import MeshUpdate
 from restshape.scene.model import Scene
 from restshape.scene.script import Script
 from restshape.shape.outline import Outline
-from restshape.shape.protocol import OwnSession, Session
-from restshape.shape.session import EditFrame, EditSession
+from restshape.shape.protocol import Session
+from restshape.shape.session import EditFrame
 
 
 class Follower(Protocol):
@@ -31,6 +30,9 @@ class Follower(Protocol):
             UserError: the scene's new values make no sense; likewise.
         """
 
+    def solved(self) -> None:
+        """Take note that the frame has a solution on `field_mesh`, which holds all that flips have done to it."""
+
     def rollback(self) -> None:
         """Be as before the last frame, which has no solution."""
 
@@ -47,15 +49,5 @@ def session_of(scene: Scene, script: Script, outline: Outline | None = None) -> 
         UserError: what the scene starts from is not valid.
     """
     application = application_named(scene.app)
-    if application.session:
-        return own_session(scene, script, application)
-    return EditSession(scene, script, outline=outline)
-
-
-def own_session(scene: Scene, script: Script, application: Application) -> OwnSession:
-    """The session that an application with sessions of its own makes.
-
-    Raises:
-        UserError: what the scene starts from is not valid.
-    """
-    return cast(OwnSession, application.make_session()(scene, script, application))
+    imported = () if outline is None else (outline,)
+    return cast(Session, application.editing.make_session(scene, script, application, *imported))

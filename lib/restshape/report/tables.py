@@ -10,7 +10,6 @@ from restshape.application import applications
 from restshape.replay.recording import Recording
 from restshape.replay.summary import percentiles
 from restshape.scene.quantity import CORE
-from restshape.scene.units import SYMBOLS
 
 
 def column(recording: Recording, name: str, default: float = np.nan) -> np.ndarray:
@@ -131,7 +130,7 @@ def quantity_units(header: Mapping[str, Any]) -> dict[str, str]:
 def kind_units() -> dict[str, str]:
     """Units of the kinds of quantities that installed applications know."""
     known = [CORE, *(one.quantities for app in applications().values() for one in app.physics)]
-    return {key: SYMBOLS[kind.dimension].replace("^2", "²") for kinds in known for key, kind in kinds.items()}
+    return {key: kind.unit.replace("^2", "²") for kinds in known for key, kind in kinds.items()}
 
 
 def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], right: Sequence[str] = ()) -> str:

@@ -17,23 +17,24 @@ def check_scene(scene: Scene, application: Application, source: Source) -> None:
     Raises:
         UserError: the first thing that makes no sense.
     """
-    if application.session:
-        _check_parameters(scene, source)
-    else:
-        _check_shaped(scene, application, source)
+    application.editing.check_scene(scene, application, source)
     for physics in application.physics:
         if physics.check:
             physics.check(scene, source)
 
 
-def _check_shaped(scene: Scene, application: Application, source: Source) -> None:
-    """Checks a scene with an outline and a mesh."""
+def check_shaped(scene: Scene, application: Application, source: Source) -> None:
+    """Checks a scene with an outline and a mesh.
+
+    Raises:
+        UserError: the first thing that makes no sense.
+    """
     for key in ("material", "mesh"):
         if key not in scene.model_fields_set:
             raise source.error((key,), f"the key {key!r} is missing", "add it")
     _check_names(scene, source)
     _check_shape(scene, source)
-    _check_parameters(scene, source)
+    check_parameters(scene, application, source)
     _check_materials(scene, source)
     _check_references(scene, source)
     _check_formulas(scene, source)
@@ -98,8 +99,12 @@ def _refuse_absent(name: str, known: Iterable[str], kind: str, place: tuple[str,
         raise source.error(place, f"there is no {kind} {name!r}", suggestion(name, sorted(known)))
 
 
-def _check_parameters(scene: Scene, source: Source) -> None:
-    """Refuses a parameter that hides what formulas already know."""
+def check_parameters(scene: Scene, _: Application, source: Source) -> None:
+    """Refuses a parameter that hides what formulas already know.
+
+    Raises:
+        UserError: there is one.
+    """
     for name in scene.parameters:
         if name in (*COORDINATES, *CONSTANTS, *FUNCTIONS):
             raise source.error(("parameters", name), f"{name!r} has a meaning in formulas already", "rename it")

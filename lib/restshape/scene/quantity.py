@@ -38,6 +38,11 @@ class QuantityKind:
     renamed: str = ""
 
     @property
+    def unit(self) -> str:
+        """The SI unit of its values; empty for pure numbers."""
+        return SYMBOLS[self.dimension]
+
+    @property
     def meaning(self) -> tuple[str, str, bool]:
         """What it is in all physics that have it: they may differ in what may be chosen."""
         return self.dimension, self.reduce, self.whole
@@ -45,11 +50,6 @@ class QuantityKind:
 
 LIMIT_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string"}], "description": "in SI units, or such as 180 MPa"}
 EXACT_SCHEMA = LIMIT_SCHEMA | {"description": "in SI units, such as 180 MPa, or a formula of the parameters"}
-
-
-def with_unit(dimension: str, value: float, digits: int = 6) -> str:
-    """The value of a quantity of a dimension with its unit, lengths below a metre in millimetres."""
-    return in_unit(SYMBOLS[dimension], value, digits)
 
 
 def in_unit(unit: str, value: float, digits: int = 6) -> str:
@@ -109,6 +109,11 @@ class Quantity(Strict):
     def dimension(self) -> str:
         """The dimension of its value."""
         return self.kinds[self.kind].dimension
+
+    @property
+    def unit(self) -> str:
+        """The SI unit of its value; empty for pure numbers."""
+        return self.kinds[self.kind].unit
 
     @model_validator(mode="before")
     @classmethod

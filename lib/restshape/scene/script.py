@@ -266,13 +266,13 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
 
 
 def events_of(application: Application) -> dict[str, type[EventLine]]:
-    """The events of an application's edit scripts: its own, and those of shapes unless it has sessions of its own."""
+    """The events of an application's edit scripts: those of its physics, and of what its scripts edit."""
     return {**application.events, **shared_events(application)}
 
 
 def shared_events(application: Application) -> dict[str, type[EventLine]]:
     """The events of its edit scripts that other applications have too."""
-    return PLAIN_EVENTS if application.session else EVENTS
+    return dict(application.editing.shared_events())
 
 
 def _refuse_outside(event: EventLine, scene: Scene | None, path: Path) -> None:

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.relocate import BoundaryNodes, extension
 from restshape.sensitivity.frequency_derivative import SolvedModes, nodal_gradient
@@ -50,18 +49,7 @@ def plane_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
         # Each plane node moves its own nodes only, so that all may be moved at once.
         pulled = (body.motion(unit)[0] * gradient).sum(axis=1)
         on_plane[:, axis] = body.by_plane_nodes(pulled).reshape(len(plane.X), -1).sum(axis=1)
-    return _of_corners(plane, on_plane)
-
-
-def _of_corners(plane: Mesh | LagrangeSpace, gradient: np.ndarray) -> np.ndarray:
-    """The gradient (corners, 2) where nodes in the middle of sides follow their ends."""
-    if not isinstance(plane, LagrangeSpace):
-        return gradient
-    corners = gradient[plane.corner_number].copy()
-    half = 0.5 * gradient[plane.side_number]
-    for end in plane.mesh.edge_nodes.T:
-        np.add.at(corners, end, half)
-    return corners
+    return plane.on_corners(on_plane)
 
 
 def outline_density(analysis: SolvedModes, mode: int) -> OutlineDensity:
@@ -69,8 +57,7 @@ def outline_density(analysis: SolvedModes, mode: int) -> OutlineDensity:
 
     Source: docs/theory.md, section 7.
     """
-    plane = analysis.state.space
-    mesh = plane.mesh if isinstance(plane, LagrangeSpace) else plane
+    mesh = analysis.state.space.mesh
     nodes = BoundaryNodes(mesh).nodes
     inside = extension(mesh, nodes, "harmonic")(np.eye(len(nodes)))
     gradient = inside.T @ plane_gradient(analysis, mode)
@@ -109,8 +96,7 @@ def edge_densities(analysis: SolvedModes, found: OutlineDensity) -> dict[str, Ed
         analysis: solved on the mesh as it lies.
         found: `outline_density` of a mode.
     """
-    plane = analysis.state.space
-    mesh = plane.mesh if isinstance(plane, LagrangeSpace) else plane
+    mesh = analysis.state.space.mesh
     row = np.full(len(mesh.X), -1)
     row[found.nodes] = np.arange(len(found.nodes))
     densities = {}

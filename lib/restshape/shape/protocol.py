@@ -27,13 +27,3 @@ class Session(Protocol):
 
     def rollback(self) -> None:
         """Undoes the last frame, whose solve has failed."""
-
-
-class OwnSession(Session, Protocol):
-    """A session of what has neither outline nor mesh: ``Application.session`` makes it of (scene, script, application).
-
-    It may raise a `UserError`: what the scene starts from is not valid.
-    """
-
-    def models(self) -> Any:
-        """What follows its frames in place of a mesh, with `mesh`, `field_mesh`, `advance(frame)`, `rollback()`."""

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from restshape_studies.accuracy import reference
 from restshape_studies.accuracy.distance import Reference
 from restshape_studies.accuracy.grid import Grid
 from restshape_studies.accuracy.page import values_lines
-from restshape_studies.accuracy.reference import MOST_UNKNOWNS
 from restshape_studies.accuracy.replays import measure
 from restshape_studies.accuracy.setting import Choice
 from restshape_studies.accuracy.state import State
@@ -73,6 +73,12 @@ def play(job, seconds):
     return Outcome([], found=json.loads(json.dumps(measure(request(job), **job.details))))
 
 
+def afford(patch, unknowns: float) -> None:
+    """Let a reference have so many unknowns."""
+    usual = reference.scale_of
+    patch.setattr(reference, "scale_of", lambda *args: replace(usual(*args), reference=unknowns))
+
+
 @pytest.fixture(scope="module")
 def strip(tmp_path_factory):
     """A study of the strip, coarse, while its fabric grows softer."""
@@ -82,7 +88,7 @@ def strip(tmp_path_factory):
     )
     choice = Choice((3.0, 2.0), (1,), (1e-2,), ("auto", "rebuild"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(MOST_UNKNOWNS, "cloth", 5e3)
+        afford(patch, 5e3)
         return study(Case("strip", STRIP, edits), Asked(choice, samples=2), lambda words: None, play)
 
 
@@ -119,7 +125,7 @@ def test_a_reference_that_is_not_finished_asks_for_what_differs(tmp_path, monkey
     events = [{"do": "set", "key": "material.canvas.bending", "value": "3e-5 N m", "frames": 3}]
     asked = Asked(Choice(sizes, (1,), (1e-2,), ("auto",)), frames=4, samples=2, reference_seconds=20.0)
     case = Case("strip", STRIP, write_script(tmp_path, events))
-    monkeypatch.setitem(MOST_UNKNOWNS, "cloth", affordable)
+    afford(monkeypatch, affordable)
 
     def refused(problem):
         with pytest.raises(UserError) as told:

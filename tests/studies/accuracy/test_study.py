@@ -2,13 +2,14 @@
 
 import json
 import weakref
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from restshape_studies.accuracy import reference as study_reference
 from restshape_studies.accuracy.front import finite, rates
 from restshape_studies.accuracy.page import reuse_line, solver_line
-from restshape_studies.accuracy.reference import MOST_UNKNOWNS
 from restshape_studies.accuracy.replays import measure
 from restshape_studies.accuracy.setting import Choice
 from restshape_studies.accuracy.study import Asked, Case, study
@@ -162,7 +163,8 @@ def test_motion_is_compared_with_finer_steps_and_keeps_its_frames_in_time(tmp_pa
 
 
 def test_modes_of_a_bar_are_compared_with_layers_of_second_order(tmp_path, monkeypatch):
-    monkeypatch.setitem(MOST_UNKNOWNS, "space", 5e3)
+    usual = study_reference.scale_of
+    monkeypatch.setattr(study_reference, "scale_of", lambda *args: replace(usual(*args), reference=5e3))
     folder = Path(__file__).parents[2] / "scenes"
     edits = write_script(tmp_path, drag("c", (0.1, 0.03), [(0.101, 0.03), (0.102, 0.03)]))
     given = ('mesh.size="12 mm"', "mesh.layers=1", "mesh.order=2")

@@ -62,7 +62,7 @@ def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
     [
         (("predict", "small.toml", "--repeat", 0), ("--repeat",)),
         (("predict", SCENES / "pins.toml"), ("cloth is not predicted yet",)),
-        (("derivative", SCENES / "pins.toml"), ("cloth has no design derivative yet",)),
+        (("derivative", SCENES / "pins.toml"), ("cloth is not predicted yet",)),
         (("predict", "small.toml", "--policy", "rebuild"), ("rebuild", "--predict")),
         (("predict", "small.toml", "--policy", "thesis", "--repeat", 1), ("no frame", "small.jsonl")),
         (("predict", "small.toml", "--edits", "still.jsonl", "--repeat", 1), ("no frame", "still.jsonl")),

@@ -10,7 +10,7 @@ from restshape.algebra.traits import Traits
 from restshape.fem.assembled import Assembled
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Observer
-from restshape.fem.problem import INTERNAL, STIFFNESS, Fields, Unknown
+from restshape.fem.problem import INTERNAL, STIFFNESS, Fields, Problem, Unknown
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
 from restshape.physics.cloth.bending import QUADRATIC, bending_of
@@ -27,7 +27,7 @@ from restshape.scene.model import Quantity
 from restshape.scene.plan import Plan
 
 
-class ClothProblem:
+class ClothProblem(Problem):
     """Cloth in space, with three unknowns a node.
 
     With one history of friction all of it is the gradient of a potential.
@@ -51,6 +51,7 @@ class ClothProblem:
 
     name = "drape"
     unknowns = (Unknown("position", "m", ("x", "y", "z")),)
+    cell_scalars = ("tension",)
     symmetric, definite, linear, rigid_motions = True, False, False, True
 
     def __init__(
@@ -100,6 +101,11 @@ class ClothProblem:
     def stiffest(self) -> float:
         """The largest tension [N/m] by strain."""
         return float(self.fabric.membrane.max())
+
+    @property
+    def loaded_inside(self) -> bool:
+        """Whether it has weight, or bodies push: there are no other loads."""
+        return bool(np.any(self.g)) or self.contact is not None
 
     @property
     def quadratic_bending(self) -> bool:
@@ -261,7 +267,7 @@ class ClothProblem:
     @staticmethod
     def traits(plan: Plan) -> Traits:
         """What it declares of its linear systems, under any plan."""
-        return Traits(fields=3, dimension=3)
+        return Traits(fields=3, dimension=3, rigid_motions=ClothProblem.rigid_motions)
 
     @staticmethod
     def blank_fields(space: Mesh) -> Fields:

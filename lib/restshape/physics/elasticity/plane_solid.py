@@ -69,6 +69,7 @@ class PlaneSolid(TransientProblem):
     name, name_in_time, time_step_key = "solid", "motion", "effects.dynamics.time_step"
     unknowns = (Unknown("displacement", "m", ("x", "y")),)
     cell_scalars = ("von_mises",)
+    rigid_motions = True
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
         shape, model = SHAPES[space.cells.shape[1]][0], plan.settings("solid").model
@@ -198,7 +199,7 @@ class PlaneSolid(TransientProblem):
     @staticmethod
     def traits(plan: Plan) -> Traits:
         """What it declares of its linear systems under a plan."""
-        return Traits(symmetric=plan.solver.symmetric)
+        return Traits(plan.solver.symmetric, rigid_motions=PlaneSolid.rigid_motions)
 
     @staticmethod
     def time_integration(plan: Plan, before: TimeIntegration | None, now: float) -> TimeIntegration:
@@ -224,6 +225,10 @@ class PlaneSolid(TransientProblem):
         functions = MotionQuantities(self, mass.energies)
         made = {name: functions(name, quantity) for name, quantity in quantities.items()}
         return Observer(made, functions.refresh, [name for name, q in quantities.items() if q.reduce == "peak"])
+
+    def energy_moduli(self) -> np.ndarray:
+        """lambda, mu [Pa] and thickness [m], (3,) or (ne, 3)."""
+        return self.stiffness_params[..., :3]
 
     def error_estimate(self) -> RecoveryEstimate:
         """The recovery-based estimate in the energy norm, of small or large strains."""

@@ -162,6 +162,11 @@ class HeatConduction(TransientProblem):
 
     motion_observer = observer
 
+    def energy_moduli(self) -> np.ndarray:
+        """0, half of the conductivity [W/(m K)], and thickness [m], (ne, 3): of k |grad T|^2 by area."""
+        zero_half_one = self.materials[:, :2] * (0.5, 1.0)
+        return np.insert(zero_half_one, 0, 0.0, axis=1)[self.space.cell_region]
+
     def error_estimate(self) -> RecoveryEstimate:
         """The recovery-based estimate in the norm of the fluxes' dissipation."""
         conductivity, thickness = self.materials[:, 0], self.materials[:, 1]

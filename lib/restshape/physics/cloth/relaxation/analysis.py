@@ -13,6 +13,7 @@ from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.weak_calls import weak_call
 from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.frame import Frame
+from restshape.analysis.solution import Solution
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Fields
 from restshape.mesh.mesh import Mesh
@@ -169,6 +170,18 @@ class RelaxationAnalysis:
             self._estimate = self.state.problem.error_estimate()
         self._estimate.update()
         return self._estimate
+
+    def solution(self) -> Solution:
+        """Displacements from the flat pattern, and strains and curvatures with their stiffness."""
+        cells, fabric = len(self.state.problem.mesh.cells), self.problem.fabric
+        parts = (fabric.membrane, fabric.bending)
+        return Solution(
+            name="displacement",
+            field=self.fields()[0]["displacement"].copy(),
+            large=True,
+            curvature=self.error_estimate.curvatures(self.x),
+            sheet=np.stack([np.broadcast_to(part, (cells, 3, 3)) for part in parts], axis=1),
+        )
 
     def fields(self) -> Fields:
         """Displacement [m] of the nodes from the flat pattern, larger principal tension [N/m] of the cells."""
