@@ -34,7 +34,7 @@ demo: setup
 	$(restshape) report demo/plate.vtkhdf
 
 test: setup
-	.venv/bin/python -m pytest -n 2 $(PYTEST_ARGS)
+	.venv/bin/python -m pytest -n 2 --dist worksteal $(PYTEST_ARGS)
 
 # What is committed under results/, made anew.
 results: setup

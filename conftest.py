@@ -13,14 +13,19 @@ import pytest
 # Before any test imports PETSc or matplotlib, which would obey files of the current folder.
 import restshape.surroundings
 
+ROOT = Path(__file__).parent
 ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_btl": "^openib",
+    # Ranks that wait give way: beside another worker there are more of them than cores.
+    "OMPI_MCA_mpi_yield_when_idle": "1",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
     "OMPI_MCA_mca_base_component_show_load_errors": "0",
+    # Processes find the applications of the tests, too.
+    "PYTHONPATH": os.pathsep.join(filter(None, [str(ROOT / "tests" / "applications"), os.environ.get("PYTHONPATH")])),
 }
 os.environ.update(ENVIRONMENT)
 # A shell that starts the tests in the background has them ignore Ctrl-C, and their children with them.
@@ -29,7 +34,6 @@ RESTSHAPE = (sys.executable, "-m", "restshape.cli.main")
 Run = Callable[..., subprocess.CompletedProcess]
 PROCESSES = {"restshape", "start_restshape", "outside"}
 """Fixtures of tests that start processes."""
-ROOT = Path(__file__).parent
 
 
 def pytest_ignore_collect(collection_path: Path) -> bool | None:

@@ -2,13 +2,12 @@
 
 from pathlib import Path
 
-import small_scenes
-from small_scenes import block
+from small_scenes import block, head
 
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 
-HEAD = small_scenes.HEAD.replace("solid", "couture")
+HEAD = head("cloth")
 
 CLOTH = f"""
 {HEAD}[parameters]

@@ -1,9 +1,11 @@
 """Small scenes for tests, beside those that hard cases are made of."""
 
+from functools import partial
+
+from restshape_studies.stability import scenery
 from restshape_studies.stability.scenery import (
     BLOCK,
     CLAMPED,
-    HEAD,
     HOLE,
     PULLED,
     QUANTITIES,
@@ -11,9 +13,9 @@ from restshape_studies.stability.scenery import (
     across,
     block,
     drag,
+    head,
     make_replay,
     meshed,
-    plate,
     rows_of,
     write_scene,
     write_script,
@@ -33,6 +35,7 @@ __all__ = [
     "across",
     "block",
     "drag",
+    "head",
     "make_replay",
     "meshed",
     "plate",
@@ -41,10 +44,12 @@ __all__ = [
     "write_script",
 ]
 
+HEAD = head("plane")
+plate = partial(scenery.plate, "plane")
 CURVED = """
 format = "restshape-scene"
 version = 1
-app = "solid"
+app = "plane"
 [shape]
 outline = ["bottom", "right", "top", "left"]
 groups.pair = ["window", "top"]

@@ -107,3 +107,31 @@ def test_no_two_files_of_the_library_have_the_same_name():
         if path.name != "__init__.py" and path.relative_to(LIBRARY).parts[0] not in ("physics", "cli")
     )
     assert set(doubled(files)) <= KNOWN_FILES
+
+
+TESTS = Path(__file__).parent
+NAMES = ("bridge", "cantilever", "couture", "furniture", "metallophone", "solid", "thermal", "vibration")
+NAMED = "|".join(NAMES)
+APPLICATION = re.compile(
+    rf"restshape_apps\.|restshape_verification\.({NAMED})\b|\bapps/({NAMED})\b|\bapp\s*=\s*\\*[\"']({NAMED})\b"
+    rf"|applications?\(\)?[\[(]?[\"']({NAMED})[\"']|\b(couture|furniture|metallophone|thermal)\b"
+)
+"""What names an application, of which some have the names of what mechanics speaks of."""
+OF_ALL = {"test_house.py", "test_layers.py", "test_recordings.py"}
+"""Tests of what goes over all applications."""
+
+
+def test_tests_of_the_library_name_no_application():
+    files = [path for path in TESTS.rglob("*") if path.suffix in (".py", ".toml", ".jsonl", ".txt")]
+    assert len(files) > 200
+    for path in files:
+        if path.name not in OF_ALL:
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+                assert not APPLICATION.search(line), f"{path}:{number}: {line}"
+
+
+def test_what_names_an_application_is_found():
+    for line in ('app = "solid"', 'application("vibration")', "apps/bridge/scenes", "from restshape_apps.x import y"):
+        assert APPLICATION.search(line)
+    for line in ("[effects.solid]", 'settings("solid")', "a cantilever bends", "a vibration of the plate"):
+        assert not APPLICATION.search(line)

@@ -148,7 +148,7 @@ def measure(request: Request) -> Row:
         UserError: it does not, or nothing is dragged.
     """
     if plan(request.scene, request.application).solver.equations != "eigenvalues":
-        raise UserError("the scene has no eigenproblem", str(request.scene.path), 'choose one of "metallophone"')
+        raise UserError("the scene has no eigenproblem", str(request.scene.path), "choose one with [effects.modal]")
     replay = Replay.of(request, PETSc.COMM_WORLD)
     contest, size = Contest(request), None
     for row in replay.frames():

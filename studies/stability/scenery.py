@@ -15,11 +15,6 @@ from restshape.replay.loop import Replay
 from restshape.scene.load import load_scene
 from restshape.scene.script import Script, load_script
 
-HEAD = """format = "restshape-scene"
-version = 1
-app = "solid"
-"""
-
 BLOCK = """
 [shape]
 outline = ["bottom", "right", "top", "left"]
@@ -74,6 +69,11 @@ energy = { energy = "strain" }
 """
 
 
+def head(app: str) -> str:
+    """The first lines of a scene of an application."""
+    return f'format = "restshape-scene"\nversion = 1\napp = "{app}"\n'
+
+
 def block(width: float = 1.0, height: float = 1.0) -> str:
     """The [shape] of a rectangle whose lower left corner is the origin."""
     return BLOCK.format(width=width, height=height)
@@ -84,9 +84,9 @@ def meshed(size: float) -> str:
     return f"\n[mesh]\nsize = {size}\n"
 
 
-def plate(size: float = 0.12) -> str:
-    """A 2 m x 1 m plate with a round hole, clamped at the left, pulled at the right."""
-    return HEAD + block(2.0, 1.0) + HOLE + STEEL + CLAMPED + PULLED + meshed(size) + QUANTITIES
+def plate(app: str, size: float = 0.12) -> str:
+    """A 2 m x 1 m plate of plane solids with a round hole, clamped at the left, pulled at the right."""
+    return head(app) + block(2.0, 1.0) + HOLE + STEEL + CLAMPED + PULLED + meshed(size) + QUANTITIES
 
 
 def write_scene(folder: Path, text: str, name: str = "scene.toml") -> Path:

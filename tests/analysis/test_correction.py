@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import restshape_apps.vibration
 from scipy.sparse import diags
 from scipy.sparse.linalg import splu
 from small_scenes import across, drag, make_replay, write_scene, write_script
@@ -13,7 +12,7 @@ from small_scenes import across, drag, make_replay, write_scene, write_script
 from restshape.analysis import time_error
 from restshape.analysis.correction import DELAY, MOST, conjugate_steps, largest_values
 
-BUILDING = Path(restshape_apps.vibration.__file__).parent / "scenes" / "building.toml"
+BUILDING = Path(__file__).parents[1] / "scenes" / "building.toml"
 MOVED = [{"do": "idle", "frames": 3}, *drag("right_top", (5.7, 16.6), across((5.7, 16.6), (5.7, 16.0), 4))]
 
 
@@ -84,7 +83,7 @@ def test_steps_that_are_not_enough_give_no_number():
 
 STIFF_INSIDE = """format = "restshape-scene"
 version = 1
-app = "vibration"
+app = "moving"
 
 [shape]
 outline = ["e1", "e2", "e3"]

@@ -24,7 +24,7 @@ from restshape.scene.plan import plan
 from restshape.scene.script import Script, load_script
 
 ROOT = Path(__file__).parents[2]
-INCLINE = ROOT / "apps" / "couture" / "scenes" / "incline.toml"
+INCLINE = Path(__file__).parents[1] / "scenes" / "incline.toml"
 NONE = np.empty(0, dtype=np.int32)
 CLAMP = '[supports.clamp]\non = "left"\nfix = ["x", "y", "z", "slope"]\n'
 WEAK = "[effects.gravity]\ng = [0, 0, -1e-7]\n"
@@ -32,12 +32,12 @@ WEAK = "[effects.gravity]\ng = [0, 0, -1e-7]\n"
 
 def analysis_of(scene, name="auto"):
     context = Context(PETSc.COMM_SELF, policy(name), Calibration.load(), Stages())
-    return RelaxationAnalysis(scene, plan(scene, application("couture")), context)
+    return RelaxationAnalysis(scene, plan(scene, application("cloth")), context)
 
 
 def replay_of(scene, script=None):
     made = script or Script.empty(scene)
-    return Replay(scene, made, application("couture"), policy("auto"), PETSc.COMM_SELF, Calibration.load())
+    return Replay(scene, made, application("cloth"), policy("auto"), PETSc.COMM_SELF, Calibration.load())
 
 
 def solved(scene, name="auto", mesh=None):

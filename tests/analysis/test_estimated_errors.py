@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from modal import SCENES
-from restshape_verification.metallophone.reference import mindlin
-from restshape_verification.solid.second_order import SCENES as SOLIDS
+from modal import SCENES, mindlin
 from scipy.sparse.linalg import eigsh
 from small_scenes import make_replay, rows_of
 from vibrating import dynamics, idle, tower
@@ -112,8 +110,8 @@ def test_plate():
 @pytest.mark.parametrize(("order", "size", "least"), [(1, 0.015, 0.8), (2, 0.03, 0.95)])
 def test_load_factors(order, size, least):
     """Of a column, against a mesh of elements whose error is a hundredth."""
-    fine = first_frame(SOLIDS / "column.toml", ["mesh.order=2", "mesh.size=0.01", TIGHT]).analysis
-    column = first_frame(SOLIDS / "column.toml", [f"mesh.order={order}", f"mesh.size={size}", TIGHT]).analysis
+    fine = first_frame(SCENES / "column.toml", ["mesh.order=2", "mesh.size=0.01", TIGHT]).analysis
+    column = first_frame(SCENES / "column.toml", [f"mesh.order={order}", f"mesh.size={size}", TIGHT]).analysis
     error = (column.load_factors / fine.load_factors - 1.0).max()
     assert least < column.errors()["estimate"] / error < 1.12
     assert column.estimated == "load factors"

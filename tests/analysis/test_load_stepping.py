@@ -1,20 +1,21 @@
 """Load stepping: the whole load or none of it, against paths and bent strips that are known."""
 
+import pathlib
+
 import numpy as np
 import pytest
+from elastica import stretched_elastica
 from large import beam, solid
 from petsc4py import PETSc
-from restshape_verification.solid.elastica import stretched_elastica
 from scipy.integrate import solve_bvp
 from small_scenes import make_replay, rows_of, write_scene
 
 from restshape.algebra.newton_convergence import Outcome
 from restshape.analysis.load_stepping import SEARCHED, SHORTEST, step_load
-from restshape.application import application
 from restshape.errors import UserError
 from restshape.replay.first_frame import first_frame
 
-ELASTICA = application("solid").folder / "scenes" / "elastica.toml"
+ELASTICA = pathlib.Path(__file__).parents[1] / "scenes" / "elastica.toml"
 DONE = Outcome(True, 0, 0, False, True)
 
 

@@ -1,18 +1,19 @@
 """Residuals that rounding keeps above the tolerance are reported, and measured against the load all the same."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from large import beam
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
-from restshape.application import application
 from restshape.replay.first_frame import first_frame
 
 
 @pytest.mark.parametrize(("tolerance", "reached"), [(1e-6, True), (1e-10, False)])
 def test_a_tolerance_below_rounding_is_told(tolerance, reached):
     # Forces along a strip of 1:100 are 10^4 times those that bend it, and so is their rounding.
-    scene = application("solid").folder / "scenes" / "elastica.toml"
+    scene = Path(__file__).parents[1] / "scenes" / "elastica.toml"
     made = first_frame(scene, ["parameters.load=10", f"solve.tolerance={tolerance}"])
     row, equations = made.row, made.analysis.state.equations
     assert ("out of reach" in row["note"]) == (not reached)

@@ -121,7 +121,7 @@ SCENES = [
         ("solve.policy", "did you mean 'rebuild'"),
         ("[quantities]", '[solve]\npolicy = "rebuilt"\n[quantities]'),
     ),
-    Case("unknown application", ("plate.toml: app", "'liquid'", "solid"), ('app = "solid"', 'app = "liquid"')),
+    Case("unknown application", ("plate.toml: app", "'liquid'", "plane"), ('app = "plane"', 'app = "liquid"')),
     Case("wrong version", ("plate.toml: version", "version 9"), ("version = 1", "version = 9")),
     Case("wrong format", ("plate.toml: format", "not a scene"), ('"restshape-scene"', '"restshape-edits"')),
     Case("two kinds of load", ("loads.pull", "exactly one of force"), ("[loads.pull]", "[loads.pull]\npressure = 1")),
@@ -205,11 +205,11 @@ LINES = [
     Case(
         "new over a scene",
         ("scene.toml", "there already"),
-        argv=("new", "solid", "{folder}"),
+        argv=("new", "plane", "{folder}"),
         prepare=lambda folder: (folder / "scene.toml").touch(),
     ),
-    Case("new of an unknown application", ("APP", "'solit'", "solid"), argv=("new", "solit", "{folder}/x")),
-    Case("new under a file", ("plate.toml", "cannot write"), argv=("new", "solid", "{scene}/x")),
+    Case("new of an unknown application", ("APP", "'plame'", "plane"), argv=("new", "plame", "{folder}/x")),
+    Case("new under a file", ("plate.toml", "cannot write"), argv=("new", "plane", "{scene}/x")),
 ]
 
 CASES = [*SCENES, *SCRIPTS, *LINES]

@@ -10,7 +10,8 @@ from restshape.application import applications
 from restshape.cli.main import main
 from restshape.cli.schema import scene_schema
 
-DATA = Path(__file__).parents[1] / "data"
+TESTS = Path(__file__).parents[1]
+DATA = TESTS / "data"
 
 
 def check(*words: object) -> int:
@@ -89,9 +90,9 @@ def test_an_edit_that_is_refused_in_each_of_its_frames_is_one_row(tmp_path, caps
 
 def test_a_script_of_another_scene_is_a_warning(tmp_path, capsys):
     path = tmp_path / "edits.jsonl"
-    path.write_text((DATA / "plate.jsonl").read_text().replace("plate.toml", "bridge.toml"))
+    path.write_text((DATA / "plate.jsonl").read_text().replace("plate.toml", "other.toml"))
     assert check(DATA / "plate.toml", path) == 0
-    assert "bridge.toml" in capsys.readouterr().err
+    assert "other.toml" in capsys.readouterr().err
 
 
 SHIPPED = [scene for app in applications().values() for scene in app.scenes()]
@@ -103,14 +104,10 @@ def test_every_scene_that_ships_is_right_and_so_is_its_script(scene):
     assert check(scene, *([script] if script.exists() else [])) == 0
 
 
-def test_the_demo_drags_its_hole_through_at_least_160_frames(tmp_path):
-    out = tmp_path / "check.json"
-    folder = applications()["solid"].folder
-    assert check(folder / "scenes" / "plate.toml", folder / "edits" / "plate.jsonl", "--json", out) == 0
-    assert json.loads(out.read_text())["edits"]["changes"]["move"] >= 160
+WITH_TEMPLATE = [name for name, app in applications().items() if TESTS not in app.folder.parents or name == "plane"]
 
 
-@pytest.mark.parametrize("app", sorted(applications()))
+@pytest.mark.parametrize("app", WITH_TEMPLATE)
 def test_new_writes_what_passes_check(app, tmp_path, capsys):
     folder = tmp_path / "fresh" / "start"
     assert main(["new", app, str(folder)]) == 0
@@ -124,9 +121,8 @@ def test_new_writes_what_passes_check(app, tmp_path, capsys):
 def test_list_names_scenes_and_their_scripts(tmp_path, capsys):
     out = tmp_path / "list.json"
     assert main(["list", "--json", str(out)]) == 0
-    scenes = {Path(s["path"]).name: s["scripts"] for s in json.loads(out.read_text())["solid"]["scenes"]}
+    scenes = {Path(s["path"]).name: s["scripts"] for s in json.loads(out.read_text())["plane"]["scenes"]}
     assert scenes["plate.toml"] == ["plate.jsonl"]
-    assert {"kirsch.toml", "cook.toml", "timoshenko.toml"} <= set(scenes)
     assert "plate.jsonl" in capsys.readouterr().out
 
 
@@ -147,7 +143,7 @@ def test_schemas_name_every_key(tmp_path, capsys):
 
 def test_a_thickness_without_a_sign_is_refused_and_a_thin_one_is_not(capsys):
     """The undercut 4 mm - d sin(pi x / L) leaves 4 mm - d in the middle."""
-    bar = next(app for name, app in applications().items() if name == "metallophone").folder / "scenes" / "bar_100.toml"
+    bar = TESTS / "scenes" / "bar_100.toml"
     key = "material.aluminium.thickness"
     assert check(bar, "--set", f'{key}="4e-3 - 3.9e-3 * sin(pi * x / 0.1)"') == 0
     assert check(bar, "--set", f'{key}="4e-3 - 4.1e-3 * sin(pi * x / 0.1)"') == 2

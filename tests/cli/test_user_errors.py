@@ -174,7 +174,7 @@ SQUARE = """*NODE
 """
 PARTS = """format = "restshape-scene"
 version = 1
-app = "solid"
+app = "plane"
 [material]
 soft = { E = "1 GPa", nu = 0.3, region = ["LEFT"] }
 hard = { E = "2 GPa", nu = 0.3, region = ["RIGHT"] }

@@ -29,7 +29,7 @@ from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec
 
-SCENES = Path(__file__).parents[2] / "apps" / "couture" / "scenes"
+SCENES = Path(__file__).parents[1] / "scenes"
 C = 300.0 * np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
 D = 1e-5 * np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
 FREE = np.array([0.0, 0.0, 0.0])
@@ -59,7 +59,7 @@ def settled(name, mesh, overrides):
     """The analysis of a scene's first frame, on a mesh of the scene where none is given."""
     scene = load_scene(SCENES / f"{name}.toml", overrides)
     mesh = mesh or generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
-    planned, none = plan(scene, application("couture")), np.empty(0, dtype=np.int32)
+    planned, none = plan(scene, application("cloth")), np.empty(0, dtype=np.int32)
     found = RelaxationAnalysis(scene, planned, context())
     found.solve(Frame(mesh, none, None, scene, (None, (0.0, 0.0)), edit_ended=True))
     assert found.state.report.converged
@@ -78,7 +78,7 @@ def finer(coarse, levels, name, overrides):
 def settled_from(name, mesh, overrides, corners):
     """The analysis of a scene on a mesh, from positions (corners, 3) near rest."""
     scene = load_scene(SCENES / f"{name}.toml", overrides)
-    found = RelaxationAnalysis(scene, plan(scene, application("couture")), context())
+    found = RelaxationAnalysis(scene, plan(scene, application("cloth")), context())
     none = np.empty(0, dtype=np.int32)
     frame = Frame(mesh, none, None, scene, (None, (0.0, 0.0)), edit_ended=True)
     bound, _ = bind(found.state, frame, True, found._options(scene, True), None)
@@ -165,7 +165,7 @@ def test_nodes_that_move_are_followed():
 @pytest.mark.parametrize(
     ("name", "size", "levels", "more", "bounds"),
     [
-        ("strip", 3.125e-3, 2, (), {"morley": (0.9, 1.1), "hinge": (0.6, 1.2)}),
+        ("cloth_strip", 3.125e-3, 2, (), {"morley": (0.9, 1.1), "hinge": (0.6, 1.2)}),
         # Tensions at pins are singular, and cells as wide as folds show less than their error.
         ("pins", 0.07, 1, ("supports.right.fix.x=-0.1",), {"morley": (0.5, 1.2), "hinge": (0.4, 1.2)}),
     ],

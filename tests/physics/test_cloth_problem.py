@@ -26,7 +26,7 @@ def problem_of(folder, kind: str) -> tuple[ClothProblem, np.ndarray]:
     """Pinned cloth in a ball, crumpled, whose friction has been updated once."""
     scene = cloth(folder, PIN, BALL, CONTACT, overrides=(f"effects.cloth.bending={kind}", "mesh.size=0.25"))
     mesh = generate(outline_from_spec(scene.shape, scene.folder), scene.mesh)
-    arguments = cloth_arguments(scene, plan(scene, application("couture")), mesh)
+    arguments = cloth_arguments(scene, plan(scene, application("cloth")), mesh)
     problem = cloth_problem(mesh, arguments)
     x = problem.flat(arguments.start - [0.0, 0.0, 0.06])
     x += 0.01 * np.random.default_rng(1).uniform(-1, 1, x.shape) * problem.boundary.free

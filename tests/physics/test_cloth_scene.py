@@ -16,7 +16,7 @@ from restshape.scene.load import revise
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec
 
-COUTURE = application("couture")
+COUTURE = application("cloth")
 TURNED = """
 [start]
 turn = [0, "tilt", 0]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from restshape_verification.solid.second_order import SCENES, displacement, gradient
+from manufactured import SCENES, displacement, gradient
 from small_scenes import HEAD, block, write_scene
 
 from restshape import _kernels

@@ -119,7 +119,7 @@ def test_area_and_energy_of_a_region(tmp_path):
 
 @pytest.mark.parametrize("policy", ["auto", "refactor", "thesis"])
 def test_supports_that_only_carry_the_body_elsewhere_leave_it_unstrained(policy):
-    scene = Path(__file__).parents[2] / "apps/solid/scenes/plate.toml"
+    scene = Path(__file__).parents[1] / "scenes" / "plate.toml"
     moved = ["supports.wall.fix={x=1,y=0}", "loads.pull.traction=[0,0]", "mesh.size=0.15"]
     run = replay_files(scene, scene.parents[1] / "edits/plate.jsonl", policy, moved)
     assert run["refused"] == 0

@@ -14,7 +14,7 @@ MODULUS, DENSITY = {0: 14.3e9, 90: 1.53e9}, 825.0
 SCENE = """
 format = "restshape-scene"
 version = 1
-app = "metallophone"
+app = "modes"
 [shape]
 outline = ["bottom", "right", "top", "left"]
 vertices = {{ a = [0, 0], b = [0.4, 0], c = [0.4, 0.02], d = [0, 0.02] }}

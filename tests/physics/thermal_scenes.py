@@ -8,7 +8,7 @@ from restshape_studies.stability.scenery import write_scene
 from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
 
-HEAD = 'format = "restshape-scene"\nversion = 1\napp = "thermal"\n'
+HEAD = 'format = "restshape-scene"\nversion = 1\napp = "conduction"\n'
 SQUARE = """
 [shape]
 outline = ["bottom", "right", "top", "left"]

@@ -70,7 +70,7 @@ def test_recording(tmp_path):
     replay = make_replay(scene, script)
     from restshape.application import application
 
-    own = application("solid").own_columns(replay.session.scene)
+    own = application("plane").own_columns(replay.session.scene)
     path = tmp_path / "a.vtkhdf"
     recorder = Recorder.start(path, {"scene": "column"}, columns(["first", "second"], own))
     replay.recorder = recorder

@@ -15,7 +15,7 @@ WIND = '\n[loads.wind]\non = "top"\npressure = 500\n'
 def test_replay(tmp_path, on_ranks, wind):
     scene = write_scene(tmp_path, beam(solid(), gravity(0, -8), wind))
     events = [
-        *drag("b", (1, 0), across((1, 0), (1.1, -0.05), 10)),
+        *drag("b", (1, 0), across((1, 0), (1.1, -0.05), 4)),
         {"do": "set", "key": "effects.gravity.g", "value": [0, -900]},
     ]
     script, found = write_script(tmp_path, events), []

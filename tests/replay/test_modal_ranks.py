@@ -15,7 +15,7 @@ PLATE = (*SOLID[:2], "--set", "effects.modal.model=plate", "--set", "effects.mod
 @pytest.mark.parametrize("words", [SOLID, PLATE], ids=["tetrahedra", "plate"])
 @pytest.mark.parametrize("name", ["auto", "thesis", "refactor"])
 def test_frequencies_are_those_of_one_rank(tmp_path, on_ranks, words, name):
-    scene, edits, found = SCENES / "bar_100.toml", EDITS / "bar_100.jsonl", []
+    scene, edits, found = SCENES / "bar_100.toml", EDITS / "bar_100_short.jsonl", []
     for ranks in (1, 2):
         told = ("--json", f"{ranks}.json", "--csv", f"{ranks}.csv", "--policy", name, "--parity")
         done = on_ranks(ranks, "replay", scene, "--edits", edits, *words, *told)

@@ -11,7 +11,7 @@ from restshape.replay.recording import Recording
 SCENE = """
 format = "restshape-scene"
 version = 1
-app = "solid"
+app = "plane"
 [shape]
 outline = ["bottom", "right", "top", "left"]
 vertices = { a = [0, 0], b = [1, 0], c = [1, 1], d = [0, 1] }

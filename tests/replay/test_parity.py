@@ -36,12 +36,12 @@ def shortened(folder, scene):
     return path
 
 
-COARSE = {"sphere": 0.09, "pins": 0.08, "strip": 0.01, "cylinder": 0.02, "incline": 0.03}
-"""Mesh sizes [m] of scenes of cloth."""
+COARSE = {"sphere": 0.09, "pins": 0.08, "strip": 0.01, "cylinder": 0.02, "incline": 0.03, "bridge": 0.4}
+"""Mesh sizes [m] of scenes that take long: of cloth, and of many frames."""
 
 
 def smaller(scene):
-    """Overrides that make a scene cheap: few time steps a frame of what vibrates, a coarse mesh of cloth."""
+    """Overrides that make a scene cheap: few time steps a frame of what vibrates, a coarse mesh of what takes long."""
     steps = ["effects.dynamics.steps=4"] if "[effects.dynamics]" in scene.read_text() else []
     return [*steps, *([f"mesh.size={COARSE[scene.stem]}"] if scene.stem in COARSE else [])]
 

@@ -187,7 +187,7 @@ def test_the_command(tmp_path, command):
 
 
 def test_a_motion_cannot_be_predicted(tmp_path, command):
-    done = command("new", "vibration", "shaken")
+    done = command("new", "moving", "shaken")
     assert done.returncode == 0, done.stderr
     scene = next((tmp_path / "shaken").glob("*.toml"))
     done = command("replay", scene, "--predict", "linear")

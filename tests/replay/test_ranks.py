@@ -35,7 +35,7 @@ def test_replay(tmp_path, on_ranks, name):
 
 
 def test_validation(tmp_path, restshape):
-    cases = ("solid.patch", "solid.manufactured")
+    cases = ("plane.patch", "solid.manufactured")
     done = restshape("validate", *(w for case in cases for w in ("--case", case)), "--json", "v.json", ranks=2)
     assert done.returncode == 0, done.stdout + done.stderr
     rows = json.loads((tmp_path / "v.json").read_text())

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from small_scenes import PATCH, PATCH_GRADIENT, across, drag, make_replay, plate, rows_of, write_scene, write_script
 
-from restshape.application import application
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.replay.columns import columns
 from restshape.replay.parity import ENTRIES, Parity
@@ -179,8 +178,8 @@ def test_two_ranks_give_what_one_gives(tmp_path, on_ranks):
 
 @pytest.mark.parametrize("ending", ["inp", "msh"])
 def test_an_imported_mesh_gets_nodes_on_its_sides(ending):
-    scenes = Path(application("solid").folder) / "scenes"
-    settings = [ORDER, f'mesh.file="../../../meshes/bracket.{ending}"']
+    scenes = Path(__file__).parents[1] / "scenes"
+    settings = [ORDER, f'mesh.file="../../meshes/bracket.{ending}"']
     made = make_replay(scenes / "bracket.toml", overrides=settings)
     (row,) = rows_of(made)
     mesh, space = made.moving.mesh, made.moving.space

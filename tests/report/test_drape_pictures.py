@@ -1,14 +1,15 @@
 """Pictures of cloth show what is where: areas and outlines in them are those of the shapes."""
 
 import json
-import sys
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
+from cloths_recorded import grid, record_cloth
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
+from plates import record_plate
 
 from restshape.cli.main import main
 from restshape.errors import UserError
@@ -26,11 +27,6 @@ from restshape.report.style import new_figure
 from restshape.report.tables import level_table
 from restshape.report.timeline import draw_timeline
 from restshape.scene.bodies import Body
-
-sys.path.insert(0, str(Path(__file__).parent))
-sys.path.insert(0, str(Path(__file__).parents[1] / "replay"))
-from cloths_recorded import grid, record_cloth
-from plates import record_plate
 
 LOW, HIGH = np.full(3, -2.0), np.full(3, 2.0)
 ABOVE = Camera.above()
@@ -286,22 +282,6 @@ def test_plates_and_solids_are_no_cloth(tmp_path):
         assert not shows_cloth(plate)
 
 
-def test_the_picture_of_single_frames(recording, tmp_path, capsys):
-    from restshape_apps.couture.picture import main as picture
-
-    cloth, path = recording(0.0, -0.1), tmp_path / "a.png"
-    assert picture([str(cloth.path), "--frames", "0", "-1", "--out", str(path)]) == 0
-    with Image.open(path) as image:
-        assert len(np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)) > 500
-    assert picture([str(cloth.path), "--frames", "2", "--out", str(path)]) == 2
-    assert picture([str(cloth.path), "--out", str(tmp_path / "none" / "a.png")]) == 2
-    record_plate(tmp_path / "plate.vtkhdf", frames=2)
-    assert picture([str(tmp_path / "plate.vtkhdf"), "--out", str(path)]) == 2
-    printed = capsys.readouterr().err
-    for message in ("there is no frame 2", "not of cloth", "cannot be written"):
-        assert message in printed
-
-
 def test_sides_have_two_numbers_or_more():
     # Round numbers within a metre and a half, and within 0.2 m that hold one hundredfold number alone.
     for low, high, factor, most in (
@@ -324,7 +304,7 @@ def test_a_sheet_holds_its_labels_and_each_frame_its_own_pattern(tmp_path, monke
     monkeypatch.setattr(Figure, "savefig", lambda figure, path: figures.append(figure))
     X, cells = grid()
     path = tmp_path / "cloth.vtkhdf"
-    with Recorder.start(path, {"title": "square", "app": "couture"}, {}) as recorder:
+    with Recorder.start(path, {"title": "square", "app": "cloth"}, {}) as recorder:
         recorder.topology(cells)
         for wide in (1.0, 0.25):
             # Negative numbers of four characters on all sides.

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +9,7 @@ import pytest
 import small_scenes
 from matplotlib.figure import Figure
 from PIL import Image
+from plates import COLUMNS, record_plate
 from small_scenes import across, drag, write_scene, write_script
 
 from restshape.cli.main import main
@@ -24,9 +24,6 @@ from restshape.report.scenery import scenery
 from restshape.report.style import length_unit, si
 from restshape.report.tables import level_table, quantity_table
 from restshape.report.timeline import draw_timeline
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "replay"))
-from plates import COLUMNS, record_plate
 
 
 @pytest.fixture(scope="module")

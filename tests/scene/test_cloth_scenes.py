@@ -15,7 +15,7 @@ from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
 from restshape.scene.scene_type import support_type
 
-COUTURE = application("couture")
+COUTURE = application("cloth")
 
 
 def evaluated(**keys):
@@ -112,7 +112,7 @@ def test_other_applications_know_nothing_of_cloth(scene_file, text, key):
     with pytest.raises(UserError) as refused:
         load_scene(scene_file)
     assert key in refused.value.where
-    assert any(what in refused.value.what for what in ("the application 'solid' has no", "is wanted here, not"))
+    assert any(what in refused.value.what for what in ("the application 'plane' has no", "is wanted here, not"))
 
 
 def test_supports_of_cloth():

@@ -214,8 +214,8 @@ def test_good_lines_before_a_bad_one_can_be_kept(read):
 def test_another_scene_is_a_warning(scene_file, script_file):
     scene = load_scene(scene_file)
     assert load_script(script_file, scene).warnings == ()
-    script_file.write_text(script_file.read_text().replace("plate.toml", "bridge.toml"))
-    assert "bridge.toml" in load_script(script_file, scene).warnings[0]
+    script_file.write_text(script_file.read_text().replace("plate.toml", "other.toml"))
+    assert "other.toml" in load_script(script_file, scene).warnings[0]
 
 
 def test_no_script(scene_file):

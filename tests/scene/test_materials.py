@@ -1,10 +1,11 @@
 """Materials by name: what a name brings, what is given besides, and what is refused."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from restshape.application import application
 from restshape.errors import UserError
 from restshape.physics.elasticity.material_keys import ElasticMaterial
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, stiffness_of, turned
@@ -139,14 +140,14 @@ size = 0.2
 
 def test_a_scene_may_name_its_material(tmp_path):
     path = tmp_path / "named.toml"
-    path.write_text(scene_text("solid", 'name = "copper"'))
+    path.write_text(scene_text("plane", 'name = "copper"'))
     assert load_scene(path).material["body"].E == 120e9
     assert load_scene(path, ["material.body.name=brass"]).material["body"].E == 100e9
 
 
 def test_a_wrong_name_is_told_with_the_nearest_one(tmp_path):
     path = tmp_path / "named.toml"
-    path.write_text(scene_text("solid", 'name = "coper"'))
+    path.write_text(scene_text("plane", 'name = "coper"'))
     with pytest.raises(UserError) as caught:
         load_scene(path)
     assert "material.body.name (line 13)" in caught.value.where and "'copper'" in caught.value.do
@@ -154,12 +155,12 @@ def test_a_wrong_name_is_told_with_the_nearest_one(tmp_path):
 
 def test_a_grain_is_refused_where_bodies_are_isotropic(tmp_path):
     path = tmp_path / "wooden.toml"
-    path.write_text(scene_text("solid", 'name = "rosewood"'))
+    path.write_text(scene_text("plane", 'name = "rosewood"'))
     with pytest.raises(UserError, match="knows isotropic materials only"):
         load_scene(path)
 
 
 def test_a_thickness_that_names_what_is_not_there_is_refused():
-    scene = application("metallophone").folder / "scenes" / "bar_100.toml"
+    scene = Path(__file__).parents[1] / "scenes" / "bar_100.toml"
     with pytest.raises(UserError, match="names 'foo'"):
         load_scene(scene, ["material.aluminium.thickness=4 mm*(1 - foo*x)"])

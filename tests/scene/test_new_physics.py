@@ -105,8 +105,8 @@ def fins(*physics: Physics) -> Application:
 
 
 def others() -> list[Application]:
-    """The installed applications but that of heat, whose keys have a meaning of their own."""
-    return [app for name, app in applications().items() if name != "thermal"]
+    """The installed applications but those of heat, whose keys have a meaning of their own."""
+    return [app for app in applications().values() if not app.has("heat")]
 
 
 @pytest.fixture

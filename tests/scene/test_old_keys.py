@@ -9,7 +9,7 @@ from restshape.scene.load import load_scene, revise
 SCENE = """
 format = "restshape-scene"
 version = 1
-app = "solid"
+app = "plane"
 [shape]
 outline = ["bottom", "right", "top", "left"]
 vertices = { a = [0, 0], b = [1, 0], c = [1, 1], d = [0, 1] }

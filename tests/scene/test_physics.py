@@ -182,8 +182,8 @@ def test_an_application_takes_some_effects_of_its_physics_and_may_need_more_than
 def test_a_scene_of_an_application_that_is_not_installed_says_so(tmp_path, install):
     install(HANGING)
     path = tmp_path / "chair.toml"
-    path.write_text(HEAD.replace("hanging", "furniture") + "[planks.a]\nfrom = [0, 0, 0]\n")
+    path.write_text(HEAD.replace("hanging", "benches") + "[planks.a]\nfrom = [0, 0, 0]\n")
     with pytest.raises(UserError) as caught:
         load_scene(path)
-    assert caught.value.where == "chair.toml: app" and "'furniture'" in caught.value.what
+    assert caught.value.where == "chair.toml: app" and "'benches'" in caught.value.what
     assert "hanging" in caught.value.do and "install" in caught.value.do

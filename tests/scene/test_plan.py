@@ -1,6 +1,7 @@
 """The plan: only what the scene names is on."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -12,7 +13,7 @@ from restshape.scene.plan import plan
 
 
 def test_only_what_is_named_is_on(scene_file):
-    planned = plan(load_scene(scene_file), application("solid"))
+    planned = plan(load_scene(scene_file), application("plane"))
     assert planned.on("solid") and not planned.on("gravity") and not planned.on("heat")
     assert planned.settings("solid").model == "plane_stress"
     assert planned.settings("gravity") is None
@@ -26,18 +27,18 @@ def test_only_what_is_named_is_on(scene_file):
 
 
 def test_named_with_defaults(scene_file):
-    planned = plan(load_scene(scene_file, ["effects.gravity={}"]), application("solid"))
+    planned = plan(load_scene(scene_file, ["effects.gravity={}"]), application("plane"))
     assert planned.on("gravity") and planned.settings("gravity").g == [0.0, -9.81]
 
 
 def test_what_the_application_cannot_do_without_is_on(scene_file):
     scene_file.write_text(scene_file.read_text().replace('[effects.solid]\nmodel = "plane_stress"\n', ""))
-    planned = plan(load_scene(scene_file), application("solid"))
+    planned = plan(load_scene(scene_file), application("plane"))
     assert planned.on("solid")
-    assert planned.effects[0].why == "solid always has it"
+    assert planned.effects[0].why == "plane always has it"
 
 
-SECOND_ORDER = application("solid")
+SECOND_ORDER = application("plane")
 RUBBER = ["material.steel.nu=0.4999", 'effects.solid.model="plane_strain"']
 
 
@@ -129,8 +130,8 @@ def test_an_edit_does_not_override_an_order_that_is_named(rubber):
 
 
 def test_what_makes_an_answer_bad_is_a_warning():
-    app = application("solid")
-    column = app.folder / "scenes" / "column.toml"
+    app = application("plane")
+    column = Path(__file__).parents[1] / "scenes" / "column.toml"
     assert plan(load_scene(column), app).warnings == ()
     (told,) = plan(load_scene(column, ["mesh.order=1"]), app).warnings
     assert told.startswith("effects.buckling: first-order triangles bend too stiffly")

@@ -223,7 +223,7 @@ def test_an_effect_that_makes_another_analysis_is_not_switched(tmp_path):
 
 
 def test_modes_beyond_the_columns_of_the_first_frame_are_refused(tmp_path):
-    text = CURVED.replace('app = "solid"', 'app = "metallophone"').replace("traction = [1e6, 0]", "")
+    text = CURVED.replace('app = "plane"', 'app = "modes"').replace("traction = [1e6, 0]", "")
     text = text[: text.index("[loads")] + "[effects.modal]\nmodes = 3\n[mesh]\nsize = 0.1\n"
     text = text.replace("nu = 0.3", "nu = 0.3\nrho = 8000\nthickness = 0.01")
     values = [{"do": "set", "key": "effects.modal.modes", "value": modes} for modes in (2, 3, 5)]

@@ -61,8 +61,7 @@ def swollen(trial: Trial) -> Iterator[Statement]:
 
 
 def gone(trial: Trial) -> Iterator[Statement]:
-    """One of two balls under a cloth jumps away and comes back: the cloth comes to equilibrium each time, on what is
-    left."""
+    """One of two balls under a cloth jumps away and back: the cloth finds equilibrium on what is left."""
     other = ball(0.22, 0.15, 0.07).replace("bodies.ball", "bodies.other")
     text = square(0.025, ball(0.08, 0.15, 0.07), other, CONTACT, floor(-0.3))
     made, rows = played(trial, text, [*drag("ball", (0.08, 0.15), [(0.08, 1.15)]), {"do": "undo"}])

@@ -1,6 +1,9 @@
 """Scenes of columns that buckle and of rubber that deforms far, for hard cases and tests."""
 
-from restshape_studies.stability.scenery import HEAD, block, meshed
+from restshape_studies.stability import scenery
+from restshape_studies.stability.scenery import block, meshed
+
+HEAD = scenery.head("solid")
 
 ELASTIC = """
 [material.steel]
@@ -20,10 +23,9 @@ FACTORS = "\n[quantities]\n" + "\n".join(
 )
 
 
-TWINS = """format = "restshape-scene"
-version = 1
-app = "solid"
-
+TWINS = (
+    HEAD
+    + """
 [shape]
 outline = ["bottom", "right", "tip2", "in2", "base", "in1", "tip1", "left"]
 
@@ -74,7 +76,13 @@ tolerance = 1e-10
 [quantities]
 first = { load_factor = 1 }
 """
+)
 """Two masts on one base."""
+
+
+def plate(size: float = 0.12) -> str:
+    """The plate with a round hole that all share."""
+    return scenery.plate("solid", size)
 
 
 def column(

@@ -4,19 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, equal, near, sound, true
-from restshape_studies.stability.scenery import (
-    CLAMPED,
-    HEAD,
-    PULLED,
-    QUANTITIES,
-    STEEL,
-    across,
-    block,
-    drag,
-    meshed,
-    plate,
-    rows_of,
-)
+from restshape_studies.stability.scenery import CLAMPED, PULLED, QUANTITIES, STEEL, across, block, drag, meshed, rows_of
+from restshape_verification.solid.hard_scenes import HEAD, plate
 
 from restshape.mesh.lagrange_space import quadratic_basis
 from restshape.policy import POLICIES

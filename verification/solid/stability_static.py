@@ -5,19 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound, true
-from restshape_studies.stability.scenery import (
-    CLAMPED,
-    HEAD,
-    HOLE,
-    PULLED,
-    STEEL,
-    across,
-    block,
-    drag,
-    meshed,
-    plate,
-    rows_of,
-)
+from restshape_studies.stability.scenery import CLAMPED, HOLE, PULLED, STEEL, across, block, drag, meshed, rows_of
+from restshape_verification.solid.hard_scenes import HEAD, plate
 
 from restshape.calibration import Calibration
 from restshape.policy import POLICIES

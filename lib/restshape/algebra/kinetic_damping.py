@@ -125,14 +125,16 @@ class KineticDamping:
         self.time_step = steps.time_step
         self.resets: list[float] = []
         self.rejected = 0
+        self.stuck: ReplayProblem | None = None
         self.on_step = self.on_move = lambda *_: False
-        self.x, self.f = self.nodal.vector(), self.nodal.vector()
+        self.x, unused = self.nodal.vector(), self.nodal.vector()
         self.snes = PETSc.SNES().create(comm)
         self.snes.setOptionsPrefix(prefix)
         self.snes.setType("python")
         self.snes.setPythonContext(SNESContext(weak_call(self.solve)))
         # SNES checks that there is a function; the context evaluates the residual itself.
-        self.snes.setFunction(lambda *_: None, self.f)
+        self.snes.setFunction(lambda *_: None, unused)
+        unused.destroy()
         self.linear = StepSolver(comm, f"{prefix}step_", self.nodal, steps.tolerance, steps.preconditioner)
 
     def set_mass(self, mass: np.ndarray) -> None:
@@ -146,7 +148,7 @@ class KineticDamping:
 
     def free(self) -> None:
         """Free PETSc's objects."""
-        for part in (self.snes, self.x, self.f):
+        for part in (self.snes, self.x):
             part.destroy()
         self.linear.free()
 
@@ -157,12 +159,13 @@ class KineticDamping:
             ReplayProblem: no step leads on from the positions in x.
         """
         self.goal, self.resets, self.rejected = goal, [], 0
+        self.stuck = None
         self.linear.begin()
         self.nodal.put(x, self.x)
-        try:
-            self.snes.solve(None, self.x)
-        finally:
-            x[:] = self.nodal.values(self.x)
+        self.snes.solve(None, self.x)
+        x[:] = self.nodal.values(self.x)
+        if self.stuck:
+            raise self.stuck
         return self.norm
 
     def solve(self, snes: PETSc.SNES, b: PETSc.Vec | None, X: PETSc.Vec) -> None:
@@ -182,9 +185,10 @@ class KineticDamping:
                 break
             try:
                 x, v, potential = self._time_step(x, v, force, potential)
-            except ReplayProblem:
-                self.nodal.put(x, X)
-                raise
+            except ReplayProblem as problem:
+                # SNES ends as usual: an exception through it would leave its events open in PETSc's log.
+                self.stuck, reason = problem, Reason.DIVERGED_INNER
+                break
             if self.on_move(x):
                 potential = self._potential(x)
             seen = [*seen[1 - PEAK :], self._kinetic(v)]

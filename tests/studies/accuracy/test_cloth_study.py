@@ -21,7 +21,7 @@ from small_scenes import write_script
 from restshape.errors import UserError
 from restshape.scene.load import load_scene, revise
 
-STRIP = Path(__file__).parents[3] / "apps" / "couture" / "scenes" / "strip.toml"
+STRIP = Path(__file__).parents[2] / "scenes" / "cloth_strip.toml"
 C, D = np.diag([300.0, 200.0, 50.0]), np.diag([3e-5, 2e-5, 1e-5])
 NONE = np.empty(0)
 

@@ -15,7 +15,7 @@ from restshape_studies.accuracy.setting import Choice
 from restshape_studies.accuracy.study import Asked, Case, study
 from restshape_studies.bench.job import Job, Outcome
 from restshape_studies.bench.process import request
-from small_scenes import HEAD, across, block, drag, meshed, plate, write_scene, write_script
+from small_scenes import HEAD, across, block, drag, head, meshed, plate, write_scene, write_script
 
 from restshape.algebra.operator import Operator
 
@@ -145,7 +145,7 @@ def test_records_have_the_keys_that_programs_want(manufactured):
 
 
 def test_motion_is_compared_with_finer_steps_and_keeps_its_frames_in_time(tmp_path):
-    text = HEAD.replace("solid", "vibration") + block(1.0, 2.0)
+    text = head("moving") + block(1.0, 2.0)
     text += '[material.rubber]\nE = "2 MPa"\nnu = 0.3\nrho = 1000\nthickness = 0.1\n'
     text += '[supports.foot]\non = "bottom"\nfix = ["x", "y"]\n[effects.dynamics]\ntime_step = 0.04\nsteps = 4\n'
     text += "[effects.ground]\nacceleration = 3.0\nfrequency = 4.0\n" + meshed(0.25) + "order = 2\n"
@@ -165,7 +165,7 @@ def test_motion_is_compared_with_finer_steps_and_keeps_its_frames_in_time(tmp_pa
 def test_modes_of_a_bar_are_compared_with_layers_of_second_order(tmp_path, monkeypatch):
     usual = study_reference.scale_of
     monkeypatch.setattr(study_reference, "scale_of", lambda *args: replace(usual(*args), reference=5e3))
-    folder = Path(__file__).parents[3] / "apps" / "metallophone" / "scenes"
+    folder = Path(__file__).parents[2] / "scenes"
     edits = write_script(tmp_path, drag("c", (0.1, 0.03), [(0.101, 0.03), (0.102, 0.03)]))
     given = ('mesh.size="12 mm"', "mesh.layers=1", "mesh.order=2")
     bar = Case("bar", folder / "bar_100.toml", edits, given)

@@ -25,6 +25,5 @@ def test_all_solvers_find_the_same(tmp_path, command):
 
 
 def test_what_has_no_modes_is_refused(command):
-    plate = SCENES.parents[1] / "solid" / "scenes" / "plate.toml"
-    done = command("bench", "eigen", plate, "--edits", EDITS.parents[1] / "solid" / "edits" / "plate.jsonl")
+    done = command("bench", "eigen", SCENES / "plate.toml", "--edits", EDITS / "plate.jsonl")
     assert done.returncode == 2 and "no eigenproblem" in done.stderr

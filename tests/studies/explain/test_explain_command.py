@@ -1,6 +1,7 @@
 """The command on small scenes: a row an effect, shares that sum to one, reasons, and messages for bad input."""
 
 import json
+from pathlib import Path
 
 import pytest
 from small_scenes import across, drag, plate, write_scene, write_script
@@ -34,7 +35,7 @@ def found(tmp_path_factory):
 
 
 def test_every_effect_and_every_part_of_a_frame_has_a_row(found):
-    app = application("solid")
+    app = application("plane")
     assert [row["effect"] for row in found] == [*app.effects, *app.derived, *PARTS]
     assert sum(row["share"] for row in found) == pytest.approx(1.0, abs=1e-9)
     assert {row["frames"] for row in found} == {4}
@@ -64,7 +65,7 @@ def test_counts_are_those_of_the_mesh(found):
     assert core["solver"]["elements"] == ["linear_elastic_tri3"]
 
 
-MOVING = plate(0.25).replace('"solid"', '"vibration"') + '[effects.dynamics]\ntime_step = "1 ms"\nsteps = 3\n'
+MOVING = plate(0.25).replace('"plane"', '"moving"') + '[effects.dynamics]\ntime_step = "1 ms"\nsteps = 3\n'
 
 
 def explained(folder, text):
@@ -100,11 +101,11 @@ def test_an_effect_that_swaps_a_kernel_for_another_has_the_elements_of_its_own(t
 
 
 def test_cloth_on_a_ball_is_told_what_can_be_told_of_it(tmp_path):
-    scene = next(path for path in application("couture").scenes() if path.stem == "sphere")
+    scene = Path(__file__).parents[2] / "scenes" / "sphere.toml"
     words = ["explain", str(scene), "--set", "mesh.size=0.1", "--frames", "2", "--seconds", "0"]
     assert main([*words, "--json", str(tmp_path / "found.json")]) == 0
     rows = {row["effect"]: row for row in json.loads((tmp_path / "found.json").read_text())}
-    app = application("couture")
+    app = application("cloth")
     assert list(rows) == [*app.effects, *app.derived, *PARTS]
     assert [name for name, row in rows.items() if row["on"]] == [*app.effects, "friction", *PARTS]
     assert sum(row["share"] for row in rows.values()) == pytest.approx(1.0, abs=1e-9)

@@ -1,5 +1,7 @@
 """Prices: what has been put into the times of frames comes out again, and shares sum to one."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from restshape_studies.explain.filled import of_kernels
@@ -11,6 +13,7 @@ from restshape.application import application
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 
+SCENES = Path(__file__).parents[2] / "scenes"
 NONE = frozenset()
 FRAMES = 12
 EDIT, MESH, OBSERVED, RECORD, SOLVE = 0.1, 0.4, 0.2, 0.3, 1.0
@@ -140,28 +143,13 @@ def tried(path):
     return variants(plan(scene, app), app)
 
 
-def shipped(name, scene):
-    """The path of a scene that ships with an application."""
-    return next(path for path in application(name).scenes() if path.stem == scene)
-
-
 def test_what_hangs_on_an_effect_goes_with_it_and_the_last_load_stays(tmp_path):
-    found = tried(shipped("cantilever", "cantilever"))
+    found = tried(SCENES / "beam.toml")
     assert found.differences["following_pressure"] == Difference(NONE, frozenset(["following_pressure"]))
     assert set(found.differences) == {"gravity", "following_pressure", "stresses"}
-    strip = tried(shipped("solid", "strip"))
+    strip = tried(SCENES / "strip.toml")
     assert strip.kept["gravity"] == ALONE and "gravity" in strip.alone
     pushed = '[effects.large_deformation]\n[loads.push]\non = "right"\npressure = "1 MPa"\n'
     both = tried(write_scene(tmp_path, plate() + pushed))
     pressed = frozenset(["following_pressure"])
     assert both.differences["large_deformation"] == Difference(pressed, pressed | {"large_deformation"})
-
-
-def test_what_is_done_for_each_case_of_loads_is_no_part_of_the_price_of_a_push():
-    found = tried(application("furniture").folder / "template" / "scene.toml")
-    each = frozenset(["bending", "ranges", "suggestions"])
-    assert found.differences["push"] == Difference(each, each | {"push"})
-    # Every push stands beside the weights.
-    assert found.differences["gravity"] == Difference(each | {"push"}, each | {"push", "gravity"})
-    assert found.differences["bending"] == Difference(NONE, frozenset(["bending"]))
-    assert set(found.differences) == {"gravity", "push", "bending", "ranges", "suggestions"}

@@ -7,7 +7,20 @@ import numpy as np
 import pytest
 from counted_replays import begin_log, happened, watched
 from petsc4py import PETSc
-from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag, meshed, write_scene, write_script
+from small_scenes import (
+    CLAMPED,
+    HEAD,
+    HOLE,
+    PULLED,
+    STEEL,
+    across,
+    block,
+    drag,
+    head,
+    meshed,
+    write_scene,
+    write_script,
+)
 
 from restshape.algebra.gathering import gather_matrix
 from restshape.application import application
@@ -22,15 +35,15 @@ MOVES = '[effects.dynamics]\ntime_step = "1 ms"\nsteps = 2\n'
 MODAL = BODY.partition("[effects")[0] + "[mesh]\nsize = 0.3\n[effects.modal]\nmodel = MODEL\nmodes = 3\n"
 
 CASES = {
-    "small": ("solid", BODY + PRESSURE + meshed(0.25), "linear", DEFINITE),
-    "large": ("solid", BODY + LARGE + PULLED + meshed(0.25), "nonlinear", DEFINITE),
-    "followed": ("solid", BODY + LARGE + PRESSURE + meshed(0.25), "nonlinear", UNSYMMETRIC),
-    "moving": ("vibration", BODY + MOVES + PRESSURE + meshed(0.25), "linear", DEFINITE),
-    "moving large": ("vibration", BODY + MOVES + LARGE + PULLED + meshed(0.25), "nonlinear", DEFINITE),
-    "moving followed": ("vibration", BODY + MOVES + LARGE + PRESSURE + meshed(0.25), "nonlinear", UNSYMMETRIC),
-    "buckling": ("solid", BODY + "[effects.buckling]\n" + PRESSURE + meshed(0.25), "linear", DEFINITE),
-    "plate": ("metallophone", MODAL.replace("MODEL", '"plate"'), "eigenvalues", INDEFINITE),
-    "membrane": ("metallophone", MODAL.replace("MODEL", '"plane_stress"'), "eigenvalues", INDEFINITE),
+    "small": ("plane", BODY + PRESSURE + meshed(0.25), "linear", DEFINITE),
+    "large": ("plane", BODY + LARGE + PULLED + meshed(0.25), "nonlinear", DEFINITE),
+    "followed": ("plane", BODY + LARGE + PRESSURE + meshed(0.25), "nonlinear", UNSYMMETRIC),
+    "moving": ("moving", BODY + MOVES + PRESSURE + meshed(0.25), "linear", DEFINITE),
+    "moving large": ("moving", BODY + MOVES + LARGE + PULLED + meshed(0.25), "nonlinear", DEFINITE),
+    "moving followed": ("moving", BODY + MOVES + LARGE + PRESSURE + meshed(0.25), "nonlinear", UNSYMMETRIC),
+    "buckling": ("plane", BODY + "[effects.buckling]\n" + PRESSURE + meshed(0.25), "linear", DEFINITE),
+    "plate": ("modes", MODAL.replace("MODEL", '"plate"'), "eigenvalues", INDEFINITE),
+    "membrane": ("modes", MODAL.replace("MODEL", '"plane_stress"'), "eigenvalues", INDEFINITE),
 }
 KINDS = {"cholesky": "MatCholFctrNum", "lu": "MatLUFactorNum"}
 
@@ -43,7 +56,7 @@ def _logged():
 @pytest.mark.parametrize("name", list(CASES))
 def test_solvers_are_those_of_the_plan(tmp_path, name):
     app, text, equations, matrix = CASES[name]
-    path = write_scene(tmp_path, HEAD.replace('"solid"', f'"{app}"') + text)
+    path = write_scene(tmp_path, head(app) + text)
     planned = plan(load_scene(path), application(app)).solver
     first = planned.systems[0]
     assert (planned.equations, first.matrix) == (equations, matrix)
@@ -66,7 +79,7 @@ def test_solvers_are_those_of_the_plan(tmp_path, name):
 
 def test_load_factors_come_from_an_indefinite_factor(tmp_path):
     path = write_scene(tmp_path, HEAD + CASES["buckling"][1])
-    planned = plan(load_scene(path), application("solid")).solver
+    planned = plan(load_scene(path), application("plane")).solver
     assert [system.matrix for system in planned.systems] == [DEFINITE, INDEFINITE]
     _, replay = watched(path)
     pencil = replay.analysis.solver.pencil
@@ -100,7 +113,7 @@ def test_an_edit_that_would_call_for_another_solver_is_refused(tmp_path):
 @pytest.mark.parametrize(("order", "why"), [("", "buckling asks for it"), ("order = 1\n", "the scene says so")])
 def test_the_order_of_elements_has_its_reason(tmp_path, order, why):
     text = HEAD + BODY + "[effects.buckling]\n" + PRESSURE + meshed(0.25) + order
-    planned = plan(as_written(load_scene(write_scene(tmp_path, text))), application("solid"))
+    planned = plan(as_written(load_scene(write_scene(tmp_path, text))), application("plane"))
     assert planned.order == (1 if order else 2) and planned.order_why.startswith(why)
 
 

@@ -2,13 +2,26 @@
 
 import pytest
 from counted_replays import begin_log, happened, kernels, watched
-from small_scenes import CLAMPED, HEAD, HOLE, PULLED, STEEL, across, block, drag, meshed, write_scene, write_script
+from small_scenes import (
+    CLAMPED,
+    HEAD,
+    HOLE,
+    PULLED,
+    STEEL,
+    across,
+    block,
+    drag,
+    head,
+    meshed,
+    write_scene,
+    write_script,
+)
 
 BODY = block(2.0, 1.0) + HOLE + STEEL + CLAMPED
 PLATE = HEAD + BODY + PULLED + meshed(0.12)
 STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right" }\n'
 PEAK = 'peak = { stress = "von_mises" }\n'
-MOVING = HEAD.replace('"solid"', '"vibration"') + '[effects.dynamics]\ntime_step = "1 ms"\nsteps = 3\n'
+MOVING = head("moving") + '[effects.dynamics]\ntime_step = "1 ms"\nsteps = 3\n'
 SHORT = [*drag("window", (0.5, 0.5), across((0.5, 0.5), (0.56, 0.5), 6)), {"do": "idle", "frames": 2}]
 LONG = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.4, 0.5), 40))
 SYMBOLIC = ("MatCholFctrSym", "MatICCFactorSym", "MatILUFactorSym", "MatLUFactorSym")

@@ -18,7 +18,7 @@ PATH = [*across((0.5, 0.5), (0.54, 0.5), 3), (0.5, 5.0)]
 def example(tmp_path):
     """A drag of seven frames, the last one of the drag beyond the plate; its files are in tmp_path."""
     edits = write_script(tmp_path, drag("window", (0.5, 0.5), PATH)).read_text()
-    made = Example("solid", plate(0.3), edits, "auto", "none", written=True)
+    made = Example("plane", plate(0.3), edits, "auto", "none", written=True)
     made.write(tmp_path)
     return made
 
@@ -32,12 +32,12 @@ def test_what_a_command_writes_is_read(tmp_path, example):
 
 
 def test_refusals_as_a_whole_and_in_the_middle(tmp_path, example):
-    torn = Example("solid", example.scene, example.edits + '{"t": 9, "do": "fly"}\n', "auto", "none", written=True)
+    torn = Example("plane", example.scene, example.edits + '{"t": 9, "do": "fly"}\n', "auto", "none", written=True)
     torn.write(tmp_path)
     played = play(tmp_path, torn)
     assert "fly" in played.message and (played.frames, played.written) == (7, True)
     assert "ends with 2" in command_problem(tmp_path, torn, "", 7, 1)
-    none = Example("solid", "app = 3", example.edits, "auto", "none", written=True)
+    none = Example("plane", "app = 3", example.edits, "auto", "none", written=True)
     none.write(tmp_path)
     played = play(tmp_path, none)
     assert played.message and (played.frames, played.written) == (0, True)

@@ -62,15 +62,15 @@ main()
     ],
 )
 def test_what_breaks_is_told_and_kept(tmp_path, monkeypatch, then, kind, words):
-    (tmp_path / "broken_process.py").write_text(BROKEN.format(when='app = \\"bridge\\"', then=then))
+    (tmp_path / "broken_process.py").write_text(BROKEN.format(when='app = \\"plane\\"', then=then))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path) + os.pathsep + os.environ.get("PYTHONPATH", ""))
     monkeypatch.setattr("restshape_studies.stability.fuzz.PROCESS", "broken_process")
-    tried = fuzz(2, 3, ("bridge",), keep=tmp_path / "kept", each=4.0)
+    tried = fuzz(2, 3, ("plane",), keep=tmp_path / "kept", each=4.0)
     found = next(iter(tried.found.values()))
     assert (
         found.kind == kind
         and words in found.what
-        and 'app = "bridge"' in (Path(found.folder) / "scene.toml").read_text()
+        and 'app = "plane"' in (Path(found.folder) / "scene.toml").read_text()
     )
     example = Example(**json.loads((Path(found.folder) / "example.json").read_text()))
     assert found.command == example.command and (Path(found.folder) / "edits.jsonl").read_text() == example.edits

@@ -6,7 +6,7 @@ import os
 import pytest
 from restshape_studies.stability.case import Case, Trial, below, near, sound, true
 from restshape_studies.stability.suite import cases, jobs, run_apart, run_case
-from restshape_verification.solid import stability as solid
+from sample_applications import verification
 
 from restshape.cli.main import main
 from restshape.errors import UserError
@@ -45,7 +45,7 @@ def test_wrong_numbers_fail():
 
 def told(monkeypatch, **made):
     """The rows of cases made up here, by name."""
-    monkeypatch.setattr(solid, "CASES", {name: Case(run) for name, run in made.items()})
+    monkeypatch.setattr(verification, "HARD", {name: Case(run) for name, run in made.items()})
     return cases()
 
 
@@ -63,28 +63,28 @@ def test_a_case_that_fails_ends_with_1(monkeypatch, tmp_path):
         raise UserError("no", "there", "that")
 
     known = told(monkeypatch, good=good, bad=bad, refused=refused)
-    rows = {n: run_case(n, known[f"solid.{n}"], Trial(tmp_path)) for n in ("good", "bad", "refused")}
+    rows = {n: run_case(n, known[f"plane.{n}"], Trial(tmp_path)) for n in ("good", "bad", "refused")}
     assert [row["holds"] for row in rows.values()] == [True, False, False]
     assert rows["bad"]["must"] == "second at most 1" and rows["bad"]["value"] == 2.0
     assert "there: no" in rows["refused"]["value"]
 
 
 def test_command(tmp_path, capfd):
-    words = ["stability", "--case", "solid.no_load", "--case", "solid.greenhill", "--policy", "thesis"]
+    words = ["stability", "--case", "plane.still", "--case", "plane.jump", "--policy", "thesis"]
     assert main([*words, "--json", str(tmp_path / "a.json")]) == 0
     held, left = json.loads((tmp_path / "a.json").read_text())
-    assert (held["case"], held["policy"], held["holds"]) == ("solid.no_load", "thesis", True)
-    assert {"must", "value", "statements", "seconds"} <= set(held) and len(held["statements"]) > 3
-    assert left["holds"] is None and "incomplete factor" in left["left_out"]
+    assert (held["case"], held["policy"], held["holds"]) == ("plane.still", "thesis", True)
+    assert {"must", "value", "statements", "seconds"} <= set(held) and len(held["statements"]) == 1
+    assert left["holds"] is None and "two sweeps" in left["left_out"]
     printed = capfd.readouterr().out
-    assert "holds     solid.no_load  thesis" in printed and "1 hold, 0 fail, 1 left out" in printed
+    assert "holds     plane.still  thesis" in printed and "1 hold, 0 fail, 1 left out" in printed
 
 
 def test_the_list_and_names_that_are_not_there(capsys):
     assert main(["stability", "--list"]) == 0
     assert [line.partition(":")[0] for line in capsys.readouterr().out.splitlines()] == list(KNOWN)
-    assert main(["stability", "--case", "solid.nothing"]) == 2
-    assert "solid.nothing" in capsys.readouterr().err
+    assert main(["stability", "--case", "plane.nothing"]) == 2
+    assert "plane.nothing" in capsys.readouterr().err
 
 
 DYING = """
@@ -116,13 +116,13 @@ def test_a_case_that_kills_or_hangs_its_process_fails_alone(tmp_path, monkeypatc
 
 
 def test_no_more_time(monkeypatch, tmp_path):
-    rows = run_apart([("solid.no_load", "auto")], 30.0, 1.0, 0.0, (), lambda row: None)
+    rows = run_apart([("plane.still", "auto")], 30.0, 1.0, 0.0, (), lambda row: None)
     assert rows[0]["holds"] is None and "0 s" in rows[0]["left_out"]
 
 
 @pytest.mark.mpi
 def test_no_more_time_on_two_ranks(tmp_path, restshape):
-    words = ("stability", "--case", "solid.no_load", "--case", "solid.jump", "--policy", "auto", "--seconds")
+    words = ("stability", "--case", "plane.still", "--case", "plane.jump", "--policy", "auto", "--seconds")
     done = restshape(*words, "0", "--json", "a.json", ranks=2)
     assert done.returncode == 0 and "0 hold, 0 fail, 2 left out" in done.stdout, done.stdout + done.stderr
     rows = json.loads((tmp_path / "a.json").read_text())

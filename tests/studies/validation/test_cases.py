@@ -33,36 +33,36 @@ def test_errors_are_relative_or_absolute():
 
 
 def test_command(tmp_path, capsys):
-    assert main(["validate", "--case", "solid.patch", "--json", str(tmp_path / "a.json")]) == 0
+    assert main(["validate", "--case", "plane.patch", "--json", str(tmp_path / "a.json")]) == 0
     (row,) = json.loads((tmp_path / "a.json").read_text())
     assert set(row) == {"case", "quantity", "value", "reference", "source", "error", "tolerance", "passed"}
-    assert row["case"] == "solid.patch" and row["passed"] is True and row["error"] < 1e-12
+    assert row["case"] == "plane.patch" and row["passed"] is True and row["error"] < 1e-12
     assert "passed" in capsys.readouterr().out
 
 
 def test_a_failing_check_ends_with_1(monkeypatch, capsys, tmp_path):
-    cases = verifications()["solid"].load_validation()
+    cases = verifications()["plane"].load_validation()
     wrong = Check("tip [m]", 1.0, 1.1, 0.01, "a beam that is not there")
     monkeypatch.setitem(cases, "patch", lambda comm: [wrong])
-    assert main(["validate", "--case", "solid.patch", "--json", str(tmp_path / "a.json")]) == 1
+    assert main(["validate", "--case", "plane.patch", "--json", str(tmp_path / "a.json")]) == 1
     assert "FAILED" in capsys.readouterr().out
     assert json.loads((tmp_path / "a.json").read_text())[0]["passed"] is False
 
 
 def test_a_case_that_is_not_there(capsys):
-    assert main(["validate", "--case", "solid.nothing"]) == 2
-    assert "solid.patch" in capsys.readouterr().err
+    assert main(["validate", "--case", "plane.nothing"]) == 2
+    assert "plane.patch" in capsys.readouterr().err
 
 
 def test_a_case_of_an_application_that_is_not_installed(monkeypatch, capsys):
-    known = {name: app for name, app in applications().items() if name != "bridge"}
+    known = {name: app for name, app in applications().items() if name != "plane"}
     monkeypatch.setattr("restshape_studies.verification.applications", lambda: known)
     found = {name: case for name, case in verifications().items() if name in known}
     monkeypatch.setattr("restshape_studies.verification.verifications", lambda: found)
-    name = next(name for name in CASES if name.startswith("bridge."))
+    name = next(name for name in CASES if name.startswith("plane."))
     assert main(["validate", "--case", name]) == 2
-    assert "'bridge' is not installed" in capsys.readouterr().err
-    assert main(["validate", "--list"]) == 0 and "bridge." not in capsys.readouterr().out
+    assert "'plane' is not installed" in capsys.readouterr().err
+    assert main(["validate", "--list"]) == 0 and "plane." not in capsys.readouterr().out
 
 
 def test_the_list_names_all_cases(capsys):

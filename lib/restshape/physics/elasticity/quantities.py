@@ -19,9 +19,12 @@ from restshape.physics.elasticity.target_curves import GoalDistance
 from restshape.scene.model import Quantity
 
 ELSEWHERE = {
-    "frequency": ("only free vibrations have frequencies", 'use app = "metallophone"'),
-    "mode": ("only free vibrations have frequencies", 'use app = "metallophone"'),
-    "load_factor": ("without buckling there are no load factors", 'add [effects.buckling] to a scene of app = "solid"'),
+    "frequency": ("only free vibrations have frequencies", "use an application that has [effects.modal]"),
+    "mode": ("only free vibrations have frequencies", "use an application that has [effects.modal]"),
+    "load_factor": (
+        "without buckling there are no load factors",
+        "add [effects.buckling], in an application that has it",
+    ),
 }
 """Quantities that a static solid or in motion has not: why, and what to do."""
 

@@ -4,14 +4,16 @@ import json
 
 import numpy as np
 import pytest
-from modal import SCENES, SMALL, solved
-from restshape_apps.metallophone import derivative
+from modal import SMALL, solved
+from restshape_apps.metallophone import application, derivative
 
 from restshape.errors import UserError
 from restshape.replay.first_frame import first_frame
 from restshape.sensitivity.parameter_derivative import parameter_derivatives
 
 PLATE = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="10 mm"', "solve.tolerance=1e-9"]
+
+SCENES = application.folder / "scenes"
 
 
 @pytest.mark.parametrize("model", SMALL)

@@ -44,7 +44,7 @@ def record_cloth(path: Path, heights: Sequence[float], rests: Sequence[int] = ()
         ball: height of the ball [m].
     """
     X, cells = grid()
-    with Recorder.start(path, {"title": "square", "app": "couture"}, COLUMNS) as recorder:
+    with Recorder.start(path, {"title": "square", "app": "cloth"}, COLUMNS) as recorder:
         recorder.topology(cells)
         for i, height in enumerate(heights):
             displacement = np.column_stack([np.zeros_like(X), np.full(len(X), height)])

@@ -4,12 +4,15 @@ import json
 
 import pytest
 from restshape_studies.explain.price import ANOTHER_WAY
+from restshape_studies.explain.variants import Difference, variants
 from restshape_studies.explain.without import without
 
 from restshape.application import application
 from restshape.cli.main import main
 from restshape.scene.load import load_scene
+from restshape.scene.plan import plan
 
+APP = application("furniture")
 OPTIONAL = ("gravity", "push", "bending", "ranges", "suggestions")
 
 
@@ -51,3 +54,13 @@ def test_quantities_of_an_effect_go_with_it(tmp_path):
     scene = load_scene(path)
     assert set(without(scene, app, ["bending"]).quantities) == {"mass"}
     assert set(without(scene, app, ["push"]).quantities) == {"sag", "mass"}
+
+
+def test_what_is_done_for_each_case_of_loads_is_no_part_of_the_price_of_a_push():
+    found = variants(plan(load_scene(APP.folder / "template" / "scene.toml"), APP), APP)
+    each = frozenset(["bending", "ranges", "suggestions"])
+    assert found.differences["push"] == Difference(each, each | {"push"})
+    # Every push stands beside the weights.
+    assert found.differences["gravity"] == Difference(each | {"push"}, each | {"push", "gravity"})
+    assert found.differences["bending"] == Difference(frozenset(), frozenset(["bending"]))
+    assert set(found.differences) == {"gravity", "push", "bending", "ranges", "suggestions"}

@@ -1,0 +1,51 @@
+"""What verifies plane solids here: a validation case, hard cases, random scenes."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from petsc4py import PETSc
+from restshape_studies.stability.case import Case, Statement, Trial, near, sound
+from restshape_studies.stability.plane_strategies import solid_effects, solid_scenes
+from restshape_studies.stability.random_scenes import RandomScenes
+from restshape_studies.stability.scenery import STEEL, block, drag, head, meshed, plate, write_scene
+from restshape_studies.validation.case import Check
+from restshape_studies.verification import Verification
+
+from restshape.replay.first_frame import first_frame
+
+
+def patch(comm: PETSc.Comm) -> list[Check]:
+    """A uniform stretch of a block is met exactly by linear elements."""
+    text = head("plane") + block() + STEEL + '[supports.sides]\non = "outline"\nfix = { x = "1e-3*x", y = 0 }\n'
+    with TemporaryDirectory() as folder:
+        replay = first_frame(write_scene(Path(folder), text + meshed(0.3)), comm=comm)
+    X = replay.moving.mesh.X
+    difference = float(np.abs(replay.analysis.x - 1e-3 * X * (1, 0)).max())
+    return [Check("largest nodal error [m]", difference, 0.0, 1e-12, "exact for linear elements")]
+
+
+def jump(trial: Trial) -> Iterator[Statement]:
+    """A hole jumps over two fifths of the plate in one frame."""
+    rows, statements = trial.compared(plate("plane", 0.2), drag("window", (0.5, 0.5), [(1.3, 0.5)]))
+    yield from (*statements, *sound(rows, residual=2e-6))
+
+
+def still_plate(trial: Trial) -> Iterator[Statement]:
+    """A plate that nobody edits bears the whole pull."""
+    rows = trial.rows(plate("plane", 0.3))
+    yield near("the wall holds the whole pull", [row["q_wall"] for row in rows], -1e6, 1e-4)
+
+
+VALIDATION = {"patch": patch}
+HARD = {
+    "jump": Case(jump, exempt={"thesis": "two sweeps of springs do not follow so far a jump"}),
+    "still": Case(still_plate),
+}
+RANDOM = RandomScenes(solid_scenes("plane", solid_effects(), own=lambda effects: {}))
+verification = Verification(
+    validation=f"{__name__}:VALIDATION",
+    hard_cases=f"{__name__}:HARD",
+    random_scenes=f"{__name__}:RANDOM",
+)
