@@ -88,9 +88,9 @@ def test_a_load_that_is_turned_round(tmp_path):
 def test_nothing_is_left_out_and_modes_are_orthonormal(tmp_path):
     """All load factors of a coarse column, by LAPACK."""
     analysis = solved(tmp_path, column(height=0.2, size=0.15, order=1, modes=6))
-    state, rest = analysis.state, analysis.state.rest
-    free = np.flatnonzero(rest.problem.boundary.mask.ravel() == 0)
-    K, G = products(rest.problem, np.eye(rest.x.size), rest.x, state.sign)
+    state, prebuckling = analysis.state, analysis.state.prebuckling
+    free = np.flatnonzero(prebuckling.problem.boundary.mask.ravel() == 0)
+    K, G = products(prebuckling.problem, np.eye(prebuckling.x.size), prebuckling.x, state.sign)
     G *= -1.0
     values = eigh(-G[np.ix_(free, free)], K[np.ix_(free, free)], eigvals_only=True)
     np.testing.assert_allclose(analysis.load_factors, np.sort(1.0 / values[values > 0.0])[:6], rtol=1e-8)
@@ -103,8 +103,8 @@ def test_incompressible_column(tmp_path):
     """Mean dilatation in plane strain: E / (1 - nu^2) takes the place of E."""
     text = column(height=0.04, size=0.005, nu=0.4999, model="plane_strain")
     analysis = solved(tmp_path, text)
-    rest = analysis.state.rest
-    assert rest.problem.geometric_stiffness(rest.x).element.name == "geometric_dilatation_tri6"
+    prebuckling = analysis.state.prebuckling
+    assert prebuckling.problem.geometric_stiffness(prebuckling.x).element.name == "geometric_dilatation_tri6"
     assert 1e3 * analysis.load_factors[0] == pytest.approx(euler(0.04, np.pi / 2) / (1 - 0.4999**2), rel=3e-3)
 
 

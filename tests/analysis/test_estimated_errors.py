@@ -34,7 +34,7 @@ def test_frequencies_of_a_strip_along_itself(order, size, slack):
     error = analysis.frequencies / (0.5 * np.sqrt(210e9 / 7850.0) * np.array([1.0, 2.0])) - 1.0
     assert (error > 0).all()
     assert analysis.errors()["estimate"] / error.max() == pytest.approx(1.0, abs=slack)
-    assert analysis.estimated == "frequencies"
+    assert analysis.estimated_quantity == "frequencies"
 
 
 STEEL = 'E = "210 GPa"\nnu = 0.3\n'
@@ -114,7 +114,7 @@ def test_load_factors(order, size, least):
     column = first_frame(SCENES / "column.toml", [f"mesh.order={order}", f"mesh.size={size}", TIGHT]).analysis
     error = (column.load_factors / fine.load_factors - 1.0).max()
     assert least < column.errors()["estimate"] / error < 1.12
-    assert column.estimated == "load factors"
+    assert column.estimated_quantity == "load factors"
 
 
 @pytest.mark.parametrize("beta", [0.25, 0.3, 0.05])

@@ -22,7 +22,7 @@ from restshape.report.drape import drape_scenery, places, shows_cloth
 from restshape.report.drape_frames import convergence_words, draw_drape_frames
 from restshape.report.drape_image import BODY, DrapeImage
 from restshape.report.space_axes import marks
-from restshape.report.space_scene import Scene, SpaceImage
+from restshape.report.space_scene import SpaceDrawing, SpaceImage
 from restshape.report.style import new_figure
 from restshape.report.tables import level_table
 from restshape.report.timeline import draw_timeline
@@ -50,7 +50,7 @@ def recording(tmp_path):
 
 def covered(camera, places, triangles, window, pixels, within=None) -> float:
     """The area that a surface covers in a picture [m2]."""
-    scene = Scene()
+    scene = SpaceDrawing()
     scene.surface(places, triangles, "black", within=within)
     left, right, bottom, top = window
     return (1.0 - scene.pixels(camera, window, pixels, pixels).mean()) * (right - left) * (top - bottom)
@@ -75,7 +75,7 @@ def test_places_are_seen_where_the_camera_projects_them():
     camera = Camera.towards(np.array([0.3, -0.2, 0.1]), -1.1, 0.4, 2.5)
     window = (-0.7, 1.3, -0.6, 0.9)
     for place in np.random.default_rng(1).uniform(-0.3, 0.5, (8, 3)):
-        scene = Scene()
+        scene = SpaceDrawing()
         dot = 0.02 * (camera.axes[[0, 1, 0, 1]] * [[-1.0], [-1.0], [1.0], [1.0]])
         scene.surface(place + dot, np.array([[0, 1, 2, 3]]), "black")
         dark = 1.0 - scene.pixels(camera, window, 400, 300)[..., 0]
@@ -87,7 +87,7 @@ def test_places_are_seen_where_the_camera_projects_them():
 def test_of_two_squares_that_cross_the_nearer_one_is_seen():
     """One is flat at 0, the other rises along x through 0.25: they meet where x = 0.25."""
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    scene, faces = Scene(), np.array([[0, 1, 2, 3]])
+    scene, faces = SpaceDrawing(), np.array([[0, 1, 2, 3]])
     scene.surface(np.column_stack([square, np.zeros(4)]), faces, "#ff0000")
     scene.surface(np.column_stack([square, square[:, 0] - 0.25]), faces, "#0000ff")
     pixels = scene.pixels(ABOVE, UNIT, 200, 200)
@@ -111,7 +111,7 @@ def test_what_lies_on_top_is_seen_through_what_is_nearer_and_a_veil_is_transluce
 
 
 def test_an_arrow_points_from_its_start_to_its_end():
-    scene = Scene()
+    scene = SpaceDrawing()
     scene.arrow(np.array([0.2, 0.5, 0.0]), np.array([0.9, 0.5, 0.0]), "#0000ff", 0.01)
     blue = scene.pixels(ABOVE, UNIT, 200, 200)[..., 0] < 0.5
     columns, high = np.flatnonzero(blue.any(axis=0)), blue.sum(axis=0)
@@ -126,7 +126,7 @@ def test_without_a_driver_the_message_says_what_to_install(monkeypatch):
 
     space_scene._screen.cache_clear()
     monkeypatch.setattr(space_scene, "CDLL", missing)
-    scene = Scene()
+    scene = SpaceDrawing()
     scene.lines(np.zeros((1, 2, 3)), "black", 1.0)
     with pytest.raises(UserError, match="libegl1"):
         scene.pixels(ABOVE, UNIT, 10, 10)

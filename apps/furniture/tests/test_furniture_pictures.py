@@ -26,7 +26,7 @@ from restshape_apps.furniture.report.furniture import (
 )
 from restshape_apps.furniture.small_pieces import toppling
 
-from restshape.report.space_scene import Scene, SpaceImage
+from restshape.report.space_scene import SpaceDrawing, SpaceImage
 from restshape.report.style import REFUSED, new_figure
 
 
@@ -43,13 +43,13 @@ def drawn(furniture: Furniture, direction_view: DesignDirectionView | None = Non
 @pytest.fixture
 def arrows(monkeypatch):
     """Start, end and colour of all arrows that are drawn."""
-    made, arrow = [], Scene.arrow
+    made, arrow = [], SpaceDrawing.arrow
 
     def log(scene, start, end, colour, *others):
         made.append((start, end, colour))
         arrow(scene, start, end, colour, *others)
 
-    monkeypatch.setattr(Scene, "arrow", log)
+    monkeypatch.setattr(SpaceDrawing, "arrow", log)
     return made
 
 

@@ -65,9 +65,9 @@ def test_an_invalid_piece_that_is_let_go_has_suggestions_that_hold(tmp_path):
     told = json.loads(rows[-1]["suggestions"])
     assert 1 <= len(told) == rows[-1]["suggested"] <= 8 and rows[-1]["tried"] > 0
     design = replay.analysis.design
-    for idea, one in zip(design.ideas.found, told):
-        assert Furniture(design.piece).test(idea.t * idea.direction).valid is one["valid"]
-        assert one["words"] == idea.words and one["range"][0] <= one["t"] <= one["range"][1]
+    for suggestion, one in zip(design.suggestion_list.found, told):
+        assert Furniture(design.piece).test(suggestion.t * suggestion.direction).valid is one["valid"]
+        assert one["words"] == suggestion.words and one["range"][0] <= one["t"] <= one["range"][1]
 
 
 def test_what_bears_more_uses_more_of_its_joints_and_a_push_counts(tmp_path):

@@ -122,7 +122,7 @@ def test_quantities_follow_edits_into_tables_and_stay_with_what_is_there(tmp_pat
 
 
 WRONG = [
-    ('a = { stress = "xx" }', "quantities.a.stress (line", "use one of: reaction, use"),
+    ('a = { stress = "xx" }', "quantities.a.stress (line", "use one of: reaction, utilisation"),
     ("a = { deflection = true }", "quantities.a.deflection (line", "add [effects.bending]"),
     ('a = { utilisation = "pull", at = "lefft" }', "quantities.a.at (line", "did you mean 'left'"),
     ('a = { utilisation = "pull", at = "left up" }', "quantities.a.at (line", "no end 'up'"),

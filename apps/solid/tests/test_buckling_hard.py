@@ -19,7 +19,7 @@ def test_a_lost_mode_is_found_by_the_next_count(tmp_path):
     design = Column(tmp_path, column(modes=2))
     solver, state = design.analysis.solver, design.analysis.state
     lost = state.modes.vectors[0]
-    stiff = products(state.rest.problem, lost[None], state.rest.x, state.sign)[0]
+    stiff = products(state.prebuckling.problem, lost[None], state.prebuckling.x, state.sign)[0]
     solver.history = [block[1:] - (block[1:] @ stiff.T) * lost for block in solver.history]
     solver.unchecked, solver.known = COUNT_EVERY, 2
     found = design.move(1e-6 * np.sin(design.X))

@@ -9,7 +9,7 @@ from restshape.cli.ranks import first_rank
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
 INHERITED = "RESTSHAPE_VERBOSE"
-"""Variable of the environment that tells the processes of a command how many -v it has."""
+"""Variable of the environment that holds, for the processes of a command, how many -v it has."""
 
 
 def add_verbose(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ from restshape.report.body_surfaces import body_surface
 from restshape.report.camera import Camera
 from restshape.report.drape import COLOURS, TENSION, DrapeScenery, bodies, places
 from restshape.report.outlines import border, lines
-from restshape.report.space_scene import Scene, SpaceImage
+from restshape.report.space_scene import SpaceDrawing, SpaceImage
 from restshape.report.style import INK
 
 BODY = np.array(to_rgb("#c2b6a3"))
@@ -38,7 +38,7 @@ class DrapeImage(SpaceImage):
 
     def __init__(self, axes: Axes, camera: Camera, scenery: DrapeScenery, factor: float = 1.0) -> None:
         super().__init__(axes, camera, factor, OPAQUE, 0.45 * BODY)
-        self.scenery, self.still = scenery, Scene()
+        self.scenery, self.still = scenery, SpaceDrawing()
 
     def show(self, recording: Recording, i: int) -> None:
         """Take cloth and bodies of frame i."""
@@ -46,7 +46,7 @@ class DrapeImage(SpaceImage):
         x, cells = places(recording, i), recording.cells(i)
         share = (recording.field(i, TENSION) - scenery.bottom) / (scenery.top - scenery.bottom)
         colours = colormaps[COLOURS](np.clip(np.nan_to_num(share), 0.0, 1.0))[:, :3]
-        self.scene, self.veil = Scene(self.still), Scene()
+        self.scene, self.veil = SpaceDrawing(self.still), SpaceDrawing()
         self.scene.surface(x, cells[:, :3], colours, smooth=180.0)
         self.scene.lines(lines(x, border(cells)), INK, EDGE)
         away = BEHIND * float(np.linalg.norm(scenery.high - scenery.low))

@@ -11,7 +11,7 @@ from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
 
 from restshape.report.camera import Camera
-from restshape.report.space_scene import Scene
+from restshape.report.space_scene import SpaceDrawing
 from restshape.report.style import FAINT
 
 GRID = "#e3e3e3"
@@ -27,7 +27,7 @@ OFFSET, PARALLEL, BESIDE = 4.0, 19.0, 7.0
 
 
 def draw_box(
-    scene: Scene,
+    scene: SpaceDrawing,
     axes: Axes,
     camera: Camera,
     low: np.ndarray,

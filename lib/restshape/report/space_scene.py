@@ -48,14 +48,14 @@ SOLID, GHOST, HALO, MARK, TOP = range(5)
 """Layers, each drawn over those before it; within one, what is nearer hides what is farther."""
 
 
-class Scene:
+class SpaceDrawing:
     """Surfaces, lines, tubes and arrows in space.
 
     Args:
         joined: scenes whose parts it shows, too.
     """
 
-    def __init__(self, *joined: Scene) -> None:
+    def __init__(self, *joined: SpaceDrawing) -> None:
         self._parts: list[tuple[vtkActor, int, float]] = [part for scene in joined for part in scene._parts]
 
     @property
@@ -183,7 +183,7 @@ class SpaceImage(Artist):
     ) -> None:
         super().__init__()
         self.camera, self.factor, self.opacity, self.outline = camera, factor, opacity, outline
-        self.scene, self.veil = Scene(), Scene()
+        self.scene, self.veil = SpaceDrawing(), SpaceDrawing()
         self._drawn: tuple[Any, np.ndarray] | None = None
         self.set_in_layout(False)
         axes.add_artist(self)
@@ -204,12 +204,12 @@ class SpaceImage(Artist):
         renderer.draw_image(renderer.new_gc(), float(low[0]), float(low[1]), self._drawn[1])
 
     def pixels(self, window: Window, columns: int, rows: int, point: float = 1.0) -> np.ndarray:
-        """The picture (rows, columns, 3) of a window, as `Scene.pixels` has it, with its veil."""
+        """The picture (rows, columns, 3) of a window, as `SpaceDrawing.pixels` has it, with its veil."""
         view = self.camera, window, columns, rows, point
         bare = self.scene.pixels(*view)
         if self.veil.empty:
             return bare
-        veiled = Scene(self.scene, self.veil).pixels(*view)
+        veiled = SpaceDrawing(self.scene, self.veil).pixels(*view)
         picture = (1.0 - self.opacity) * bare + self.opacity * veiled
         if self.outline is not None:
             there = (self.veil.pixels(*view) < 1.0).any(axis=2)

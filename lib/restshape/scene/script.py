@@ -283,8 +283,8 @@ def _refuse_outside(event: EventLine, scene: Scene | None, path: Path) -> None:
     for part in reversed(split_key(event.key)):
         value = {part: value}
     for table in ("shape", "mesh"):
-        held = value.get(table) if isinstance(value, dict) else None
-        file = held.get("file") if isinstance(held, dict) else None
+        section = value.get(table) if isinstance(value, dict) else None
+        file = section.get("file") if isinstance(section, dict) else None
         if isinstance(file, str) and file not in scene._source.named and (refused := outside(file, scene.folder)):
             raise UserError(refused[0], f"{path.name}: line {event.line}: {table}.file", refused[1])
 

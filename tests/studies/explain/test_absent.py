@@ -91,7 +91,7 @@ def solid(head):
 
 
 def sheets(head):
-    """Cases of cloth at rest, by effect."""
+    """Cases of cloth in equilibrium, by effect."""
     cut = head + block(2.0, 1.0) + HOLE + COTTON + meshed(0.25)
     hung = cut + HAMMOCK + GRAVITY
     tight, laid = cut + GRAVITY + TIGHT, hung + FLOOR
