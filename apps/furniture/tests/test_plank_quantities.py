@@ -171,3 +171,17 @@ def test_other_applications_have_no_quantities_of_planks(tmp_path, capsys):
     words = ["check", str(plate), "--set", "quantities={ a = { mass = true } }"]
     assert main(words) == 2
     assert "has no quantity of the kind" in capsys.readouterr().err
+
+
+def test_old_kinds_are_read_as_those_of_today(tmp_path):
+    old = """
+[quantities]
+most = { use = "largest", at = "beam" }
+low = { sag = true, at = "beam" }
+firm = { margin = true, at_least = 0.1 }
+"""
+    path = tmp_path / "scene.toml"
+    path.write_text(CANTILEVER + old)
+    quantities = load_scene(path).quantities
+    assert [one.kind for one in quantities.values()] == ["utilisation", "deflection", "stability_margin"]
+    assert quantities["firm"].min == 0.1
