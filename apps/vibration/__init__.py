@@ -4,7 +4,7 @@ Every frame of an edit but the first, idle ones too, advances the motion by `ste
 shows the body at rest at time 0. So simulated time follows from the number of frames; the edit times of a script say
 only when the hand moved. Displacements and velocities are relative to the ground.
 
-Quantities of interest: those of Static solids, peaks over a frame's time steps, and energies.
+Quantities of interest: those of static solids, peaks over a frame's time steps, and energies.
 """
 
 from pathlib import Path

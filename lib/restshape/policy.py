@@ -42,7 +42,7 @@ POLICIES = {
     policy.name: policy
     for policy in (
         Policy("rebuild", "a new mesh and all from nothing in each frame", True, "direct", False, False),
-        Policy("refactor", "the mesh moves, the factor is made anew in each frame", False, "direct", False, False),
+        Policy("refactor", "the mesh moves, the factor is rebuilt in each frame", False, "direct", False, False),
         Policy(
             "thesis",
             "two spring sweeps, CG with ILU(3) kept until the mesh is rebuilt",

@@ -11,7 +11,7 @@ from restshape.errors import UserError
 Row = dict[str, Any]
 
 CLEAR = 10.0
-"""How many times as large as what the solver leaves an error is that reports the mesh."""
+"""How many times as large as what the solver leaves an error is that shows the mesh."""
 
 
 def pareto(pairs: Sequence[tuple[float, float]]) -> list[bool]:
@@ -133,7 +133,7 @@ def _at(line: list[tuple[float, float]], ms: float) -> float:
 
 
 def known_error(record: Row) -> float:
-    """The error that a record is known to be below: its own, but none that the reference cannot report."""
+    """The error that a record is known to be below: its own, but none that the reference cannot resolve."""
     return max(record["error"], record["uncertainty"] or 0.0)
 
 

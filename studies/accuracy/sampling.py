@@ -78,7 +78,7 @@ class SparseSession:
 
     Args:
         session: as the replay made it.
-        wanted: reports by its index whether a frame is solved for.
+        wanted: says by its index whether a frame is solved for.
         last: index of the last frame that is wanted.
         leap: frames that are not solved for are left out, and the next one restarts: for replays that keep nothing.
 

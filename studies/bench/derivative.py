@@ -25,7 +25,7 @@ NO_CELLS = np.empty(0, dtype=np.int32)
 
 
 class LinearisedScene:
-    """A replay that has stopped where a hand takes hold of the shape, and lays its nodes where it is reported to.
+    """A replay that has stopped where a hand takes hold of the shape, and lays its nodes where it is told to.
 
     Args:
         request: of a static problem, with a script that drags.

@@ -38,7 +38,7 @@ class Job:
         predict: "none" or "linear", as after --predict.
         measure: "prediction", "derivative" or "starts", or a module's full name: what is measured in place of the
             frames' times.
-        details: what that module is reported besides.
+        details: what that module is given besides.
     """
 
     scene: str

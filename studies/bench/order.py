@@ -32,7 +32,7 @@ def equal_size(job: Job, announce: Announce = lambda words: None) -> float:
 
     Args:
         job: of the scene with the sizes of the first order.
-        announce: reported what is tried.
+        announce: called with what is tried.
 
     Raises:
         UserError: the scene's mesh is not one that restshape makes of plane triangles.

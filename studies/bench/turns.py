@@ -49,7 +49,7 @@ def in_turns(
 
     Args:
         name: of the scene, for people; jobs: by what varies.
-        announce: reported what comes next; play: runs a job.
+        announce: called with what comes next; play: runs a job.
 
     Raises:
         UserError: a replay does not come to its end.

@@ -91,6 +91,7 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
         elif kind.scenes != "still":
             raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")
         name = path.stem if stems.count(path.stem) == 1 else f"{scene.app}/{path.stem}"
+        name = str(path) if name in {case.name for case in cases} else name
         if kind.scenes == "still":
             name = scene.title or name
         if edits and not args.edits:

@@ -23,13 +23,13 @@ class Kind:
         name, summary: of the study, as the command line has them.
         declare: its own arguments.
         check: refuses arguments that measure nothing.
-        measure: what is found of a scene, as --json writes it; reported the arguments, the scene and who announces.
-        show: prints the tables of a scene; reported the arguments, the scene's name and what was found.
+        measure: what is found of a scene, as --json writes it; given the arguments, the scene and who announces.
+        show: prints the tables of a scene; given the arguments, the scene's name and what was found.
         scenes: "one", "several" (all installed ones by default), "still" (one, which needs no script), or the name of
             an installed scene.
         about: why the scene must have a mesh.
         picture: file name in the folder after --out; empty: no such picture.
-        draw: draws the picture; reported the scenes' names with what was found, the arguments and the path.
+        draw: draws the picture; given the scenes' names with what was found, the arguments and the path.
     """
 
     name: str

@@ -30,7 +30,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "--regret",
         dest="hindsight_cost",
         action="store_true",
-        help="measure the regret of auto's refreshes in hindsight",
+        help="measure the hindsight cost of auto's refreshes",
     )
 
 
@@ -90,14 +90,14 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
 def hindsight_line(hindsight_cost: dict[str, Any]) -> str:
     """The cost over the best schedule in hindsight, as a line."""
     if "problem" in hindsight_cost:
-        return f"regret of auto's refreshes: not measured, {hindsight_cost['problem']}"
+        return f"hindsight cost of auto's refreshes: not measured, {hindsight_cost['problem']}"
     refreshes, iterations = hindsight_cost["refreshes"], hindsight_cost["iterations"]
     spent = {
         which: f"{1e3 * hindsight_cost[which]:.4g} ms ({refreshes[which]} refreshes, {iterations[which]} iterations)"
         for which in ("run", "best")
     }
     ratio = f"{hindsight_cost['ratio']:.3f} times the best schedule in hindsight"
-    return f"regret of auto's refreshes: {ratio}; by the calibration {spent['run']} against {spent['best']}"
+    return f"hindsight cost of auto's refreshes: {ratio}; by the calibration {spent['run']} against {spent['best']}"
 
 
 def _policy_row(name: str, entry: dict[str, Any]) -> list[str]:

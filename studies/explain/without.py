@@ -15,7 +15,7 @@ def without(scene: Scene, application: Application, names: Iterable[str]) -> Sce
     Args:
         scene: is left as it is.
         application: of the scene.
-        names: of effects, named or implied ones; those that are off already change nothing.
+        names: of effects, named or derived ones; those that are off already change nothing.
 
     Raises:
         UserError: the application cannot do without one of them, or what is left makes no scene.

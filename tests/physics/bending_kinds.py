@@ -244,7 +244,7 @@ def rolled_share(kind: str, model: str, columns: int) -> float:
 
 
 def shares(kind: str) -> dict[str, list[float]]:
-    """What the table reports a kind of mesh, by the heads of its columns; of strips and plates by two sizes."""
+    """What the table reports of a kind of mesh, by the heads of its columns; of strips and plates by two sizes."""
     found = {surface: [hinge_share(kind, surface)] for surface in SURFACES}
     for model in ("hinge", "Morley"):
         # Hinges of k = 1 act as 8/3 and as 3 on equilateral triangles.

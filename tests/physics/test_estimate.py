@@ -1,4 +1,4 @@
-"""The error estimate of Static solids: against exact solutions, where it must vanish, at materials that meet."""
+"""The error estimate of static solids: against exact solutions, where it must vanish, at materials that meet."""
 
 import numpy as np
 import pytest

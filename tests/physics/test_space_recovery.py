@@ -96,7 +96,7 @@ SWEEPS = {
 
 @pytest.mark.parametrize("name", SWEEPS)
 def test_effectivity_does_not_jump_with_the_mesh(name):
-    """Of each of five modes: neighbours differ by less than a factor 1.6, and none is reported twice its error."""
+    """Of each of five modes: neighbours differ by less than a factor 1.6, and none is estimated as twice its error."""
     scene, order, layers, sizes, exact = SWEEPS[name]
     found = []
     for size in sizes:

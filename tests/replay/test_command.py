@@ -136,7 +136,7 @@ def test_parity_is_told(tmp_path, command, scene, script, name):
 
 
 def test_parity_that_fails_ends_with_1(restshape, scene, script):
-    # The solver is reported to stop before the scene's tolerance.
+    # The solver is asked to stop before the scene's tolerance.
     done = restshape("replay", scene, "--edits", script, "--parity", "--", "-solid_ksp_rtol", "1e-2")
     assert done.returncode == 1 and "FAILS" in done.stdout
 

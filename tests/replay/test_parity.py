@@ -95,7 +95,7 @@ def test_backends_agree(tmp_path):
 
 
 class LosesCells:
-    """An operator that is not reported of one of the flipped cells."""
+    """An operator that does not learn of one of the flipped cells."""
 
     def __init__(self, core):
         self.core = core

@@ -191,7 +191,7 @@ def test_cloth_from_above_covers_its_area_and_hides_the_ball(recording):
     pixels = drawn(recording(0.0), ABOVE, (-0.5, 1.5, -0.5, 1.5), 200, 200)
     assert pixels.shape == (200, 200, 3)
     assert (pixels < 1.0).any(axis=2).mean() * 4.0 == pytest.approx(1.0, abs=0.03)
-    # Nothing but dashes at 0.3 m from its centre reports the ball.
+    # Nothing but dashes at 0.3 m from its centre shows the ball.
     away = np.hypot(*(np.indices((200, 200)) + 0.5 - 100)) / 100
     others = (np.abs(away - 0.3) > 0.02) & (away < 0.45)
     assert np.ptp(pixels[others], axis=0).max() < 0.01

@@ -1,4 +1,4 @@
-"""What verifies Static solids."""
+"""What verifies static solids."""
 
 from restshape_studies.verification import Verification
 

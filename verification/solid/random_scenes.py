@@ -8,7 +8,7 @@ from restshape_studies.stability.shape_strategies import Table
 
 @st.composite
 def effects(draw: st.DrawFn) -> Table:
-    """The [effects] of Static solids."""
+    """The [effects] of static solids."""
     found = draw(solid_effects())
     if "large_deformation" not in found and draw(st.booleans()):
         found["buckling"] = {

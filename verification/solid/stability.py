@@ -1,4 +1,4 @@
-"""The hard cases of Static solids, by name."""
+"""The hard cases of static solids, by name."""
 
 from restshape_studies.stability.case import Case
 from restshape_verification.solid.stability_buckling import CASES as BUCKLING

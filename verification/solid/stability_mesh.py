@@ -1,4 +1,4 @@
-"""Hard cases of meshes of Static solids: slivers, sizes 1 : 1000, nearly inverted, three triangles, curved sides."""
+"""Hard cases of meshes of static solids: slivers, sizes 1 : 1000, nearly inverted, three triangles, curved sides."""
 
 from collections.abc import Iterator
 

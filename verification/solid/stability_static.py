@@ -1,4 +1,4 @@
-"""Hard cases of linear Static solids: jumps, thin parts, stiff and soft, nearly incompressible, old factors."""
+"""Hard cases of linear static solids: jumps, thin parts, stiff and soft, nearly incompressible, old factors."""
 
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Words in a picture that keep clear of each other, and of what they report about."""
+"""Words in a picture that keep clear of each other, and of what they are about."""
 
 from __future__ import annotations
 

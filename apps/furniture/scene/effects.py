@@ -133,7 +133,7 @@ EFFECTS = {
     "nails": Effect(Nails, "joints of planks, and the strength of what holds them", required=True),
     "gravity": Effect(Gravity, "weight of planks and of what is put on them", repeats=("push", *OF_EACH_CASE)),
     "push": Effect(Push, "sideways forces, a case each", repeats=OF_EACH_CASE),
-    "bending": Effect(Bending, "sag of planks by beam theory", quantities=("sag",)),
+    "bending": Effect(Bending, "deflection of planks by beam theory", quantities=("deflection",)),
     "guidance": Effect(Guide, "valid ranges and suggestions", required=True),
 }
 DERIVED = {

@@ -1,4 +1,4 @@
-"""What `restshape check` reports a piece of furniture."""
+"""What `restshape check` reports of a piece of furniture."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What replays of furniture report guidance: programs in JSON, people on the terminal."""
+"""What replays of furniture report of guidance: programs in JSON, people on the terminal."""
 
 import csv
 import json

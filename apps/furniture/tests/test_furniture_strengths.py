@@ -1,4 +1,4 @@
-"""What furniture's page reports fasteners and of joints that give: what commands print, and statics by hand."""
+"""What furniture's page says of fasteners and of joints that give: what commands print, and statics by hand."""
 
 from math import pi
 from pathlib import Path

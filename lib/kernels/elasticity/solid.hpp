@@ -45,7 +45,7 @@ struct SolidParts {
             for (int k = 0; k < dim; ++k) Hd[a][k] = Modulus::seed(H[a][k], a * dim + k);
     }
 
-    // r (+)= volume (P . grad N_i - b N_i), restartning at the first point.
+    // r (+)= volume (P . grad N_i - b N_i), set at the first point.
     template <class SX, class R>
     static void add_forces(int q, const SX (&G)[nodes][dim], const SX& volume, R (&P)[dim][dim], const double* b,
                            R* r) {

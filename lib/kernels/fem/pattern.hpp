@@ -33,7 +33,7 @@ class NodeGraph {
     int degree(int node) const { return start[node + 1] - start[node]; }
     int place(int node, int neighbour) const;  // in the row of `node`, or -1
 
-    // All pairs of all blocks, rebuilt, and the offsets of the blocks.
+    // Builds all pairs of all blocks, and the offsets of the blocks.
     void build(int nodes, std::vector<Block>& blocks);
 
     // Inserts the pairs that the changed cells of a block lack, keeps all old ones, mends the offsets.

@@ -36,12 +36,12 @@ py::ssize_t follow_sides(const Doubles& corners, const Indices& corner_number, c
     const restshape::Sides sides{ends.data(), side_number.data(), side_number.size(), curved.data(),
                                  bent,        curved.size()};
     restshape::place_second_order(corners.data(), corner_number.data(), corner_number.size(), sides, X.mutable_data());
-    py::ssize_t unsound = 0;
+    py::ssize_t invalid = 0;
     for (py::ssize_t k = 0; k < curved_cells.size(); ++k) {
-        // Negated, so that a coordinate that is not a number counts as unsound.
-        unsound += !(restshape::jacobian_share(X.data(), cells.data() + 6 * curved_cells.data()[k]) >= floor);
+        // Negated, so that a coordinate that is not a number counts as invalid.
+        invalid += !(restshape::jacobian_share(X.data(), cells.data() + 6 * curved_cells.data()[k]) >= floor);
     }
-    return unsound;
+    return invalid;
 }
 
 py::tuple locate_quadratic(const Doubles& X, const Indices& corners, const Indices& cells, const Doubles& points) {

@@ -7,7 +7,7 @@
 // quadric. A recovered value is a weighted sum of samples, and the sum of the squared weights says by how much it
 // magnifies the samples' errors. It is bounded: a node where it would be larger takes the mean of the polynomials
 // that its cells' other corners have, where these are within the bound; where none is, it takes what its own cells
-// report to a lower degree. Source: after Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331.
+// determine, to a lower degree. Source: after Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331.
 #pragma once
 
 #include <Eigen/Core>

@@ -129,13 +129,18 @@ class KeptPreconditioner:
         return True
 
     def negative_pivots(self) -> int:
-        """Negative pivots of a complete factor, of all ranks' own blocks; 0 where there is none to ask."""
-        if not self.complete:
+        """Negative pivots of a complete factor, of all ranks' own blocks; 0 where there is none to ask.
+
+        Nor are factors of indefinite systems asked: negative pivots are in their nature, and say nothing of stability.
+        """
+        if not self.complete or self.traits.pivots:
             return 0
         return self._summed(sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp)))
 
     def zero_pivots(self) -> int:
         """Pivots of a complete factor that are zero, likewise."""
+        if self.traits.pivots:
+            return 0
         return self._summed(sum(zero_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp)))
 
     def _summed(self, found: int) -> int:

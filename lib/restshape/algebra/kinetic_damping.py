@@ -174,28 +174,27 @@ class KineticDamping:
         x = self.nodal.values(X).copy()
         v, force = np.zeros_like(x), np.zeros_like(x)
         self.time_step, seen = steps.time_step, [0.0, 0.0]
-        potential = self._potential(x)
-        for k in range(steps.most + 1):
-            motion.residual(x, force)
-            self.norm = float(np.linalg.norm(force))
-            snes.setIterationNumber(k)
-            log.debug("%3d TS dt %.3e Function norm %.12e", k, self.time_step, self.norm)
-            reason = self._reason(x, k)
-            if reason:
-                break
-            try:
+        try:
+            potential = self._potential(x)
+            for k in range(steps.most + 1):
+                motion.residual(x, force)
+                self.norm = float(np.linalg.norm(force))
+                snes.setIterationNumber(k)
+                log.debug("%3d TS dt %.3e Function norm %.12e", k, self.time_step, self.norm)
+                reason = self._reason(x, k)
+                if reason:
+                    break
                 x, v, potential = self._time_step(x, v, force, potential)
-            except ReplayProblem as problem:
-                # SNES ends as usual: an exception through it would leave its events open in PETSc's log.
-                self.stuck, reason = problem, Reason.DIVERGED_INNER
-                break
-            if self.on_move(x):
-                potential = self._potential(x)
-            seen = [*seen[1 - PEAK :], self._kinetic(v)]
-            if steps.damping == "kinetic" and len(seen) == PEAK and seen[0] <= seen[1] > seen[2]:
-                v, seen = np.zeros_like(v), [0.0]
-                self.resets.append(motion.energy(x))
-                log.debug("%3d TS kinetic-energy peak, velocities set to 0; energy %.12e", k, self.resets[-1])
+                if self.on_move(x):
+                    potential = self._potential(x)
+                seen = [*seen[1 - PEAK :], self._kinetic(v)]
+                if steps.damping == "kinetic" and len(seen) == PEAK and seen[0] <= seen[1] > seen[2]:
+                    v, seen = np.zeros_like(v), [0.0]
+                    self.resets.append(motion.energy(x))
+                    log.debug("%3d TS kinetic-energy peak, velocities set to 0; energy %.12e", k, self.resets[-1])
+        except ReplayProblem as problem:
+            # SNES ends as usual: an exception through it would leave its events open in PETSc's log.
+            self.stuck, reason = problem, Reason.DIVERGED_INNER
         self.nodal.put(x, X)
         snes.setConvergedReason(reason)
 

@@ -50,8 +50,9 @@ class LinearSolver:
         stages: takes the time of factorizations and of Krylov iterations.
         memory: bytes that a complete factor may take under `auto`.
         directions: increments of the solution along which guesses are improved; 0 for none.
-        traits: of all matrices: where they are not symmetric, GMRES and a complete LU factor take the place of CG and
-            Cholesky, and `auto` is `stale` where the choice has no candidates for them.
+        traits: of all matrices: where they are not symmetric and definite, GMRES takes the place of CG; a complete
+            factor is LU where they are not symmetric, and one with exchanges of rows (MUMPS) where they are symmetric
+            and not definite. `auto` is `stale` where the choice has no candidates for them.
 
     Attributes:
         kept: the preconditioner; refresh: the criterion of when it is made again.
@@ -340,7 +341,7 @@ class LinearSolver:
         return iterations
 
     def _try_again(self, stale: bool) -> bool:
-        """After a failure, show whether another preconditioner is left: a fresh one, or one of another kind."""
+        """Whether, after a failure, another preconditioner is left: a fresh one, or one of another kind."""
         return self.keeps and (stale or self.kept.replace_failed())
 
     def _clean(self, x: PETSc.Vec) -> None:

@@ -19,7 +19,7 @@ class Projection:
         pays: what it saves is more than what it costs; callers say so.
 
     Source: P. F. Fischer, Projection techniques for iterative solution of A x = b with successive right-hand sides,
-        1998; here A changes too, so that the products with it is rebuilt.
+        1998; here A changes too, so that the products with it are rebuilt.
     """
 
     def __init__(self, comm: PETSc.Comm, directions: int) -> None:

@@ -1,4 +1,4 @@
-"""Linear solves of motion in steps: conjugate gradients by PETSc, with what one step reports the next."""
+"""Linear solves of motion in steps: conjugate gradients by PETSc, with what one step gives the next."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class StepSolver:
         return self.nodal.values(self.way).copy()
 
     def _take(self, matrix: PETSc.Mat) -> None:
-        """Take in another matrix, whose pattern may be another one, of which nothing reports PETSc."""
+        """Take in another matrix, whose pattern may be another one, of which nothing informs PETSc."""
         self.ksp.reset()
         # Held, so that no other matrix takes its place in memory.
         self.matrix = matrix

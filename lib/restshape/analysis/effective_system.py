@@ -61,7 +61,8 @@ class EffectiveSystem:
 
     def __init__(self, comm: PETSc.Comm, body: SemiDiscrete, scheme: Scheme, backend: str | None) -> None:
         space, shape = body.problem.space, body.static.shape
-        self.operator, self.mass = (Operator(comm, shape[1], space.node_offsets, backend) for _ in "AM")
+        kind = {"symmetric": body.problem.symmetric, "definite": body.problem.definite}
+        self.operator, self.mass = (Operator(comm, shape[1], space.node_offsets, backend, **kind) for _ in "AM")
         self.rows = self.operator.rows
         size = (self.rows.stop - self.rows.start, body.static.size)
 

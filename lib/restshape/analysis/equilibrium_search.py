@@ -48,7 +48,7 @@ class EquilibriumSearch:
     Args:
         equations: on the shape of the frame.
         newton: solves them.
-        goal: reports the residual over its scale to aim at with the preconditioner as it is; tolerance: to meet.
+        goal: gives the residual over its scale to aim at with the preconditioner as it is; tolerance: to meet.
         load_steps: that are tried at most.
 
     Attributes:

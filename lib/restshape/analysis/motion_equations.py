@@ -142,11 +142,11 @@ class MotionSystem:
     ) -> None:
         space, mask = body.problem.space, body.problem.boundary.mask
         fields = mask.shape[1]
-        self.operator = Operator(comm, fields, space.node_offsets, backend, symmetric=symmetric)
+        self.operator = Operator(comm, fields, space.node_offsets, backend, symmetric, body.problem.definite)
         self.operator.set_topology(body.problem.blocks(), mask)
         self.rows = self.operator.rows
         self.newton = newton(mask.shape, self.rows)
-        self.places = space.X[self.rows.start // fields : self.rows.stop // fields]
+        self.places = space.dof_X[self.rows.start // fields : self.rows.stop // fields]
         self.stages = stages
         self.bind(body, scheme)
 

@@ -205,13 +205,13 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
 
     @property
     def _tests_factor(self) -> bool:
-        """Whether a test of stability makes a factor, others show nothing."""
+        """Whether a test of stability makes a factor: others can show nothing."""
         return self.solver.kind in COMPLETE
 
     def _destroy_unused(self) -> None:
         """Free all of Newton's methods but the present one.
 
-        A SNES and the functions that it calls hold each other: it is freed when it is reported to.
+        Matrices and factors of those that are not used any more are freed at once.
         """
         kept = self.state.system.newton if self.state.bound else None
         for newton in self._made:

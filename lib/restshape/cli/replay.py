@@ -201,7 +201,7 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
 
 
 def convergence_line(found: dict[str, Any]) -> str:
-    """What a summary reports coming to rest, in one line."""
+    """What a summary reports of convergence, in one line."""
     frames = found["converged"] + found["not_converged"]
     residual = "-" if found["residual"] is None else f"{found['residual']:.1e}"
     return (
@@ -211,7 +211,7 @@ def convergence_line(found: dict[str, Any]) -> str:
 
 
 def estimates(summary: dict[str, Any]) -> list[str]:
-    """What a summary reports errors, a line each: of mesh, time steps and predictions."""
+    """What a summary reports of errors, a line each: of mesh, time steps and predictions."""
     mesh, step = summary["estimate"], summary["estimate_time"]
     ahead, jump = summary["predicted_estimate"], summary["prediction_error"]
     lines = []

@@ -164,7 +164,7 @@ class VtkHdfWriter:
     def _write_header(self) -> None:
         if "header" in self.own:
             del self.own["header"]
-        # The order of tables reports the order of what is in them.
+        # The order of tables is the order of what is in them.
         text = json.dumps(self._header, allow_nan=False).encode()
         self.own.create_dataset("header", data=np.frombuffer(text, dtype="u1"))
 

@@ -28,7 +28,7 @@ from restshape.scene.units import (
 )
 
 Known = Powers | None
-"""Powers of a value; None where nothing reports them, and any will do."""
+"""Powers of a value; None where nothing gives them, and any will do."""
 
 
 def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) -> None:

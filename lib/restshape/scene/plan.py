@@ -19,7 +19,7 @@ class PlannedEffect:
         name: as the application names it.
         on: whether it is simulated.
         why: the reason, for people.
-        settings: its keys with defaults filled in; None when off, and of implied effects.
+        settings: its keys with defaults filled in; None when off, and of derived effects.
         cause: what calls for it: "named" in the scene, "required" by the application, or it "follows" from the scene;
             "none" when off.
     """

@@ -54,7 +54,7 @@ def curves_apart(path: Path, how: str) -> list[Curve]:
         raise UserError(*result["error"])
     if "curves" not in result:
         what = f"gmsh ended with code {process.returncode} before it was done"
-        raise UserError(what, path.name, "take Exit out of it")
+        raise UserError(what, path.name, REMEDIES[how] if how == "draw" else "take Exit out of it")
     return [Curve(**{**curve, "points": np.array(curve["points"])}) for curve in result["curves"]]
 
 

@@ -23,7 +23,7 @@ def body_columns(bodies: Mapping[str, Body]) -> dict[str, Any]:
 
 
 def body_row(bodies: Mapping[str, Body], known: Iterable[str]) -> dict[str, float]:
-    """What a frame's row reports its bodies.
+    """What a frame's row reports of its bodies.
 
     Args:
         bodies: of the frame, by name, with numbers in place of formulas.

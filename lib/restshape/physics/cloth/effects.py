@@ -131,8 +131,8 @@ class DrapeKeys(Strict):
             tangent; "cg", nonlinear conjugate gradients; "auto" takes kinetic damping with a soft membrane where cloth
             restarts, then quasi-Newton steps, then Newton's method.
         steps: most steps in a frame.
-        levels: how many of the nested meshes of mesh.levels, the finest among them, lead a cloth that restarts to
-            rest, from coarse to fine; left out, all.
+        levels: how many of the nested meshes of mesh.levels, the finest among them, lead a cold start to
+            equilibrium, from coarse to fine; left out, all.
     """
 
     model_config = ConfigDict(title="Drape")
@@ -186,5 +186,5 @@ EFFECTS = {
     "cloth": Effect(ClothKeys, "a sheet that stretches and bends", required=True),
     "gravity": Effect(SpaceGravityKeys, "weight of the cloth", drives=True),
     "contact": Effect(ContactKeys, "bodies that cloth lies on"),
-    "drape": Effect(DrapeKeys, "the way to rest", required=True),
+    "drape": Effect(DrapeKeys, "the solution strategy", required=True),
 }

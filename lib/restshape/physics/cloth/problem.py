@@ -52,7 +52,7 @@ class ClothProblem(Problem):
     name = "drape"
     unknowns = (Unknown("position", "m", ("x", "y", "z")),)
     cell_scalars = ("tension",)
-    symmetric, definite, linear, rigid_motions = True, False, False, True
+    symmetric, definite, linear, rigid_motions = True, True, False, True
 
     def __init__(
         self, mesh: Mesh, fabric: Fabric, supports: ClothSupports, g: np.ndarray, contact: Contact | None = None

@@ -22,7 +22,7 @@ def cloth_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
         DEFINITE,
         "",
         "cholesky",
-        "L-BFGS on factors of the stabilised tangent, made anew every few steps",
+        "L-BFGS on factors of the stabilised tangent, refreshed every few steps",
     )
     newton = System(
         "Newton's steps", DEFINITE, "cg", "cholesky", "all forces have a potential, and cloth rests where it is least"
@@ -32,9 +32,9 @@ def cloth_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
     ways = {
         "auto": (
             (steps, descent, newton),
-            "a soft membrane and kinetic damping where it starts anew, quasi-Newton steps, Newton's method at the end",
+            "a soft membrane and kinetic damping at a cold start, quasi-Newton steps, Newton's method at the end",
         ),
-        "kinetic": ((steps,), "steps in time that begin anew at each peak of the kinetic energy"),
+        "kinetic": ((steps,), "steps in time that restart at each peak of the kinetic energy"),
         "rayleigh": ((steps,), "steps in time with Rayleigh damping"),
         "newton": ((newton,), "Newton's method with a line search on the energy"),
         "stabilised": ((stabilised,), "Newton's method with the stabilised tangent and a line search on the energy"),

@@ -26,7 +26,7 @@ ELSEWHERE = {
         "add [effects.buckling], in an application that has it",
     ),
 }
-"""Quantities that a static solid or in motion has not: why, and what to do."""
+"""Quantities that solids, static or in motion, have not: why, and what to do."""
 
 
 class ObservedSolid(Problem, Protocol):

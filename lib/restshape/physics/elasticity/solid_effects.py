@@ -136,4 +136,4 @@ GRAVITY = Effect(PlaneGravityKeys, "weight of the body", drives=True)
 LARGE_DEFORMATION = Effect(LargeDeformationKeys, "large displacements and rotations, pressures that follow", fixed=True)
 BUCKLING = Effect(BucklingKeys, "critical load factors and modes of buckling", fixed=True, quantities=("load_factor",))
 AT_REST = {"solid": ELASTICITY, "gravity": GRAVITY, "large_deformation": LARGE_DEFORMATION, "buckling": BUCKLING}
-"""Effects of Static solids."""
+"""Effects of static solids."""

@@ -10,7 +10,7 @@ from restshape.scene.solver import DEFINITE, INDEFINITE, UNSYMMETRIC, SolverPlan
 
 
 def solid_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
-    """The plan of Static solids or in motion."""
+    """The plan of solids, static or in motion."""
     moving = "dynamics" in on
     displaced = _displacement(scene, on, moving)
     if LARGE in on:

@@ -84,7 +84,6 @@ class EquilibriumSolver:
 
     def destroy(self) -> None:
         """Free PETSc's objects."""
-        # SNES calls `destroy` of its python context, whose name this must not be.
         self._moving.free()
         for part in (self.descent, self._newton):
             if part:
@@ -244,9 +243,6 @@ class EquilibriumSolver:
     def rounding(self) -> float:
         """Forces [N] a metre of the places below which a residual that steps do not lower any more is rounding."""
         return ROUND_OFF * float(self.problem.fabric.membrane.max()) * len(self.problem.mesh.X) ** 0.5
-
-    def _places(self) -> np.ndarray:
-        return self.problem.X[self.rows.start // 3 : self.rows.stop // 3]
 
     def residual_norm(self, x: np.ndarray) -> float:
         """The norm of the residual over the load, at x (n, 3)."""

@@ -1,4 +1,4 @@
-"""What a frame's row reports cloth."""
+"""What a frame's row reports of cloth."""
 
 from __future__ import annotations
 
