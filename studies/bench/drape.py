@@ -57,7 +57,8 @@ class Trace:
         Raises:
             Over: the seconds are over.
         """
-        begun, spent = perf_counter(), self.clock
+        begun = perf_counter()
+        spent = begun - self.start - self.aside
         self.seconds.append(spent)
         self.residuals.append(_finite(residual))
         own = solver.problem is self.analysis.bound.problem and solver.problem.softness == 1.0

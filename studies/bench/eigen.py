@@ -107,7 +107,7 @@ class Contest:
         self.system = (pencil.stiffness, pencil.mass, analysis.state.body.free_rigid_motions())
         self.lowest = float(analysis.state.modes.values[0])
         for own in (self.near, self.definite):
-            own.take(pencil.stiffness, pencil.mass, new_system)
+            own.set_matrices(pencil.stiffness, pencil.mass, new_system)
 
     def _refresh(self) -> float:
         """Make the factors of the rivals; the seconds of one."""

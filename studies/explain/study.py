@@ -21,6 +21,7 @@ from restshape.scene.plan import Plan, PlannedEffect, as_written, plan
 
 LEAST_RUNS, MOST_RUNS = 2, 5
 PART_WHY = {
+    "solve": "the solution of what all effects leave: none of them is always there",
     "edit": "the script: reading an edit and changing the outline",
     "mesh": "moving nodes, flips, new meshes, and maps from one to the next",
     "observation": "quantities other than stresses",
@@ -163,11 +164,14 @@ class Report:
     def rows(self) -> list[Row]:
         """All effects, named ones first, then the parts of a frame that belong to none."""
         effects = [*self.plan.effects, *self.plan.derived]
-        core = next((name for name in self.kept if not self._own(name)), next(iter(self.kept)))
+        core = next((name for name in self.kept if not self._own(name)), next(iter(self.kept), ""))
         rows = [self._row(effect, core) for effect in effects]
         measured, why = self.prices, self.application.frame_parts(PART_WHY)
         for part in PARTS:
             if part == "solve":
+                if not core:
+                    whole = {**self._numbers("", measured.counts[""]), "how": "all that is left", "solver": self.solver}
+                    rows.append({"effect": part, "kind": "part", "on": True, "why": PART_WHY[part], **whole})
                 continue
             counts = Counts(calls=measured.beside if part == "record" else {})
             row = self._numbers(part, counts)

@@ -1,6 +1,7 @@
 """Drags that are predicted: what is shown between solved frames, and which frames are solved."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -186,10 +187,8 @@ def test_the_command(tmp_path, command):
     assert summary["predicted"] == 8 and set(summary["predicted_ms"]) == {"p50", "p95", "p99"}
 
 
-def test_a_motion_cannot_be_predicted(tmp_path, command):
-    done = command("new", "moving", "shaken")
-    assert done.returncode == 0, done.stderr
-    scene = next((tmp_path / "shaken").glob("*.toml"))
+def test_a_motion_cannot_be_predicted(command):
+    scene = Path(__file__).parents[1] / "scenes" / "building.toml"
     done = command("replay", scene, "--predict", "linear")
     assert done.returncode == 2 and "--predict" in done.stderr and "depends on its past" in done.stderr
 

@@ -33,7 +33,7 @@ def frames_of(folder, *events):
 
 
 def form(frame, name):
-    return frame.scene.bodies[name].edit_ended(frame.scene.parameters).form
+    return frame.scene.bodies[name].evaluated(frame.scene.parameters).form
 
 
 def test_a_drag_moves_a_body_by_the_way_of_the_hand(tmp_path):
@@ -172,7 +172,7 @@ def test_a_frame_without_a_solution_is_taken_back(tmp_path):
     for frame in session.frames():
         if frame.index == 3:
             session.rollback()
-        centres.append(session.scene.bodies["ball"].edit_ended(session.scene.parameters).form.center[0])
+        centres.append(session.scene.bodies["ball"].evaluated(session.scene.parameters).form.center[0])
     np.testing.assert_allclose(centres, [0.5, 0.5, 0.6, 0.6, 0.8, 0.8], atol=1e-15)
 
 

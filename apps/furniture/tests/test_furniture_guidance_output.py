@@ -182,8 +182,8 @@ def test_a_violated_limit_has_value_limit_and_unit():
     def formatted(**values):
         return [formatted_constraint(one) for one in violated_constraints(limits, values)]
 
-    assert formatted(deflection=3.2e-3, hold=0.1) == ["sag is 3.2 mm, at most 3 mm", "hold is 0.1, at least 0.14"]
-    assert formatted(deflection=3.0000004e-3, hold=0.2) == ["sag is 3.0000004 mm, at most 3 mm"]
+    assert formatted(sag=3.2e-3, hold=0.1) == ["sag is 3.2 mm, at most 3 mm", "hold is 0.1, at least 0.14"]
+    assert formatted(sag=3.0000004e-3, hold=0.2) == ["sag is 3.0000004 mm, at most 3 mm"]
 
 
 def test_furniture_is_not_predicted_and_says_why(tmp_path, capsys):
