@@ -125,7 +125,7 @@ class KrylovSchur(Rival):
         if self.own is None or not self.own.ready or self.own.size != pencil.size:
             self.own = Pencil(pencil.stages)
         own, before = self.own, self.own.substitutions
-        own.take(pencil.stiffness, pencil.mass, False)
+        own.set_matrices(pencil.stiffness, pencil.mass, False)
         own.factor(pencil.shift)
         found = krylov_schur(own, frame.deflation, self.history[0].sum(axis=0), frame.count, frame.tolerance, FEW)
         pencil.substitutions += own.substitutions - before
