@@ -46,6 +46,8 @@ results: setup
 	$(restshape) bench order $(plate) --json results/bench-order.json
 	$(restshape) replay $(cantilever) --edits $(cantilever_edits) --out results/cantilever.vtkhdf
 	$(restshape) report results/cantilever.vtkhdf --animation none
+	$(restshape) replay apps/thermal/scenes/pipe.toml --out results/pipe.vtkhdf
+	$(restshape) report results/pipe.vtkhdf --animation none
 	.venv/bin/python -m restshape_verification.bridge.study --picture results/bridge-study.png
 	$(restshape) bench predict $(cantilever) --out results --json results/bench-predict.json
 	$(restshape) bench derivative $(cantilever) --out results --json results/bench-derivative.json
