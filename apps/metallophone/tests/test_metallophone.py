@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from modal import EDITS, SCENES
-from restshape_apps.metallophone import picture, sound
+from restshape_apps.metallophone import application, picture, sound
 
 from restshape.cli.main import main
 from restshape.replay.first_frame import first_frame
 from restshape.replay.recording import Recording
 
+SCENES, EDITS = (application.folder / name for name in ("scenes", "edits"))
 QUICK = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="8 mm"']
 
 
