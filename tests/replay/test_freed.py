@@ -1,7 +1,10 @@
 """What a replay has made is freed with the last reference to it, not when the garbage collector comes by."""
 
 import gc
+import os
+import sys
 from pathlib import Path
+from subprocess import run
 from weakref import ref
 
 import modal
@@ -55,3 +58,15 @@ def test_matrices_go_with_the_replay(make, tmp_path):
         assert stored() == before
     finally:
         gc.enable()
+
+
+@pytest.mark.cli
+@pytest.mark.parametrize("make", ["large", "cloth"])
+def test_programs_may_end_with_a_replay_that_goes_on(make, tmp_path):
+    program = f"from test_freed import *\nreplay = {make}(Path({str(tmp_path)!r}))\nframes = replay.frames()\n"
+    program += "next(frames)\nprint('end')"
+    here = Path(__file__).parent
+    folders = os.pathsep.join(map(str, (here, here.parent, here.parent / "applications")))
+    environment = os.environ | {"PYTHONPATH": folders}
+    done = run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "end\n", "")

@@ -81,14 +81,17 @@ struct Loop {
             if (dof[i] < 0 || dof[i] >= dof_nodes) refuse(e, dof[i]);
     }
 
-    const int32_t* gather(py::ssize_t e) {
-        const int32_t *cell = cells + e * element.nodes, *dof = dofs + e * element.dof_nodes;
-        for (int i = 0; i < element.nodes; ++i)
+    // With inner counts that the compiler knows for the commonest elements.
+    template <class Sizes>
+    const int32_t* gather(Sizes sizes, py::ssize_t e) {
+        const int n = sizes.nodes(), dim = sizes.dim(), m = sizes.dof_nodes(), fields = sizes.fields();
+        const int32_t *cell = cells + e * n, *dof = dofs + e * m;
+        for (int i = 0; i < n; ++i)
             if (cell[i] < 0 || cell[i] >= nodes) refuse(e, cell[i]);
         if (dofs != cells) check_dofs(e);
-        restshape::gather(cell, element.nodes, element.dim, X, Xe);
-        restshape::gather(dof, element.dof_nodes, element.fields, x, xe);
-        restshape::gather(cell, element.nodes, element.coefficient_count(), coefficients, we);
+        restshape::gather(cell, n, dim, X, Xe);
+        restshape::gather(dof, m, fields, x, xe);
+        if (coefficients) restshape::gather(cell, n, element.coefficient_count(), coefficients, we);
         p = parameters + e * stride;
         return cell;
     }
@@ -163,7 +166,7 @@ void design(const Element& e, const Doubles& X, const Doubles& dX, const Doubles
     double dXe[restshape::max_coordinates], dxe[restshape::max_unknowns], r[restshape::max_unknowns];
     double dwe[restshape::max_coefficients];
     for (py::ssize_t k = 0; k < loop.count; ++k) {
-        const int32_t *cell = loop.gather(k), *dof = loop.dofs + k * e.dof_nodes;
+        const int32_t *cell = loop.gather(restshape::Sizes<0, 0, 0>(e), k), *dof = loop.dofs + k * e.dof_nodes;
         restshape::gather(cell, e.nodes, e.dim, dX.data(), dXe);
         if (dx) restshape::gather(dof, e.dof_nodes, e.fields, dx->data(), dxe);
         if (dw) restshape::gather(cell, e.nodes, e.coefficient_count(), dw->data(), dwe);
@@ -179,10 +182,13 @@ py::array_t<double> energy(const Element& e, const Doubles& X, const Doubles& x,
     require(e.has_energy(), e.name + " has no energy");
     e.tally->add(Purpose::energy, loop.count);
     py::array_t<double> out(loop.count);
-    for (py::ssize_t k = 0; k < loop.count; ++k) {
-        loop.gather(k);
-        out.mutable_data()[k] = e.energy(loop.Xe, loop.xe, loop.we, loop.p);
-    }
+    double* target = out.mutable_data();
+    restshape::with_sizes(e, [&](auto sizes) {
+        for (py::ssize_t k = 0; k < loop.count; ++k) {
+            loop.gather(sizes, k);
+            target[k] = e.energy(loop.Xe, loop.xe, loop.we, loop.p);
+        }
+    });
     return out;
 }
 
@@ -199,11 +205,13 @@ void stress(const Element& e, const Doubles& X, const Doubles& x, const Cells& c
     loop.require_output(out, loop.count, count * e.stress_components);
     e.tally->add(Purpose::stress, loop.count);
     double* target = out.mutable_data();
-    for (py::ssize_t k = 0; k < loop.count; ++k) {
-        loop.gather(k);
-        for (py::ssize_t m = 0; m < count; ++m, target += e.stress_components)
-            e.stress(loop.Xe, loop.xe, loop.we, loop.p, at + m * e.dim, target);
-    }
+    restshape::with_sizes(e, [&](auto sizes) {
+        for (py::ssize_t k = 0; k < loop.count; ++k) {
+            loop.gather(sizes, k);
+            for (py::ssize_t m = 0; m < count; ++m, target += e.stress_components)
+                e.stress(loop.Xe, loop.xe, loop.we, loop.p, at + m * e.dim, target);
+        }
+    });
 }
 
 py::array_t<double> tangent_block(const Element& e, const Doubles& X, const Doubles& x, const Doubles& params,

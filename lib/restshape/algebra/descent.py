@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.block_cholesky import BLOCK, BlockCholesky
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
@@ -167,7 +168,7 @@ class Descent:
         return Reason.CONVERGED_ITS if self.on_step(self.nodal.values(self.x), self.norm) else Reason.ITERATING
 
     def _made(self) -> PETSc.SNES:
-        snes = PETSc.SNES().create(self.nodal.comm)
+        snes = destroyed_at_exit(PETSc.SNES().create(self.nodal.comm))
         snes.setOptionsPrefix(self.prefix)
         snes.setType(self.kind.snes)
         options = PETSc.Options(self.prefix)
@@ -190,7 +191,7 @@ class Descent:
 
     def _solver(self, comm: PETSc.Comm, prefix: str, factor: str) -> PETSc.KSP:
         """One factor's application, whose pattern outlives runs."""
-        ksp = PETSc.KSP().create(comm)
+        ksp = destroyed_at_exit(PETSc.KSP().create(comm))
         ksp.setOptionsPrefix(prefix)
         ksp.setType("preonly")
         if factor == "cholesky" and comm.size == 1 and self.nodal.shape[1] == BLOCK:

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.step_solver import StepSolver
 from restshape.algebra.weak_calls import weak_call
@@ -128,7 +129,7 @@ class KineticDamping:
         self.stuck: ReplayProblem | None = None
         self.on_step = self.on_move = lambda *_: False
         self.x, unused = self.nodal.vector(), self.nodal.vector()
-        self.snes = PETSc.SNES().create(comm)
+        self.snes = destroyed_at_exit(PETSc.SNES().create(comm))
         self.snes.setOptionsPrefix(prefix)
         self.snes.setType("python")
         self.snes.setPythonContext(SNESContext(weak_call(self.solve)))

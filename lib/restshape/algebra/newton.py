@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.equations import Equations
 from restshape.algebra.first_use import made
 from restshape.algebra.forcing_terms import ForcingTerms
@@ -189,7 +190,7 @@ class Newton:
         return snes
 
     def _make(self, searched: bool) -> PETSc.SNES:
-        snes = PETSc.SNES().create(self.nodal.comm)
+        snes = destroyed_at_exit(PETSc.SNES().create(self.nodal.comm))
         prefix = f"{self.prefix}{'searched' if searched else 'full'}_"
         snes.setOptionsPrefix(prefix)
         snes.setType("newtonls")

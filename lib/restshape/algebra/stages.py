@@ -1,8 +1,7 @@
 """Where the time of a frame goes: named stages, each also a log stage of PETSc."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from time import perf_counter
+from types import TracebackType
 
 from petsc4py import PETSc
 
@@ -15,27 +14,51 @@ class Stages:
     def __init__(self) -> None:
         self.seconds = dict.fromkeys(NAMES, 0.0)
         self._within: list[float] = []
-        self._log = {name: PETSc.Log.Stage(f"restshape {name}") for name in ("pattern", "values", "factor", "krylov")}
+        logged = {name: PETSc.Log.Stage(f"restshape {name}") for name in ("pattern", "values", "factor", "krylov")}
+        self._stages = {name: Stage(name, self.seconds, self._within, logged.get(name)) for name in NAMES}
 
     def reset(self) -> None:
         """Set all stages to zero."""
-        for name in NAMES:
-            self.seconds[name] = 0.0
+        self.seconds.update(ZERO)
 
-    @contextmanager
-    def __call__(self, name: str) -> Iterator[None]:
+    def __call__(self, name: str) -> "Stage":
         """Count the time of a `with` block as stage `name`."""
-        log = self._log.get(name)
-        if log:
-            log.push()
-        start = perf_counter()
+        return self._stages[name]
+
+
+ZERO = dict.fromkeys(NAMES, 0.0)
+
+
+class Stage:
+    """Counts the time of `with` blocks, also of such a block within another one.
+
+    Args:
+        name: of the stage.
+        seconds: of all stages, which it adds to.
+        within: seconds of the stages inside each open block of any stage.
+        log: PETSc's log stage, if it has one.
+    """
+
+    __slots__ = ("_log", "_name", "_seconds", "_starts", "_within")
+
+    def __init__(
+        self, name: str, seconds: dict[str, float], within: list[float], log: PETSc.LogStage | None = None
+    ) -> None:
+        self._name, self._seconds, self._within, self._log = name, seconds, within, log
+        self._starts: list[float] = []
+
+    def __enter__(self) -> None:
+        if self._log is not None:
+            self._log.push()
         self._within.append(0.0)
-        try:
-            yield
-        finally:
-            taken = perf_counter() - start
-            self.seconds[name] += taken - self._within.pop()
-            if self._within:
-                self._within[-1] += taken
-            if log:
-                log.pop()
+        self._starts.append(perf_counter())
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        taken = perf_counter() - self._starts.pop()
+        self._seconds[self._name] += taken - self._within.pop()
+        if self._within:
+            self._within[-1] += taken
+        if self._log is not None:
+            self._log.pop()

@@ -178,8 +178,11 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
         self.guess.keep(x, frame.hand)
         self.state = replace(
             state,
+            scene=frame.scene,
             equations=equations,
             x=x,
+            topology=frame.mesh.topology,
+            geometry=frame.mesh.geometry,
             scale=search.scale,
             residual=outcome.norm / (search.scale or 1.0),
             believed=0 if search.tested else 1 if refreshed else state.believed + 1,

@@ -36,6 +36,7 @@ class ResidualEquations:
         # The part of the followers that is on: no dead load takes them away.
         self._part, self._changes = 1.0, 0
         self._own: tuple[int, np.ndarray | None] = (-1, None)
+        self._sum: tuple[int, Assembled] | None = None
 
     @property
     def version(self) -> tuple[int, int]:
@@ -84,8 +85,11 @@ class ResidualEquations:
         return float(internal - np.vdot(self.dead, x))
 
     def _assembled(self) -> Assembled:
-        problem = self.problem
-        return Assembled([*problem.integrals(INTERNAL), *problem.integrals(FOLLOWERS, self.part)], self.operator)
+        """What balances, with the values of the last `begin`."""
+        if self._sum is None or self._sum[0] != self._changes:
+            integrals = [*self.problem.integrals(INTERNAL), *self.problem.integrals(FOLLOWERS, self.part)]
+            self._sum = self._changes, Assembled(integrals, self.operator)
+        return self._sum[1]
 
     def _residual(self, x: np.ndarray, out: np.ndarray, subset: np.ndarray | None) -> None:
         np.negative(self.dead, out=out)

@@ -126,7 +126,7 @@ class SteadyAnalysis(Generic[P]):
         self.guess = Guess(context.policy.extrapolate)
         self.solver = self._make_solver(scene)
         self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
-        self._observed: tuple[SteadyState[P] | None, dict[str, float]] = (None, {})
+        self._observed: tuple[np.ndarray | None, BoundProblem[P] | None, dict[str, float]] = (None, None, {})
         self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)
 
     def _make_solver(self, scene: Scene) -> LinearSolver:
@@ -176,7 +176,6 @@ class SteadyAnalysis(Generic[P]):
             self.state, self.interrupted = before, True
             raise
         self.interrupted = False
-        self.state = replace(self.state, scene=frame.scene, topology=mesh.topology, geometry=mesh.geometry)
         return report
 
     def rollback(self, state: SteadyState[P]) -> None:
@@ -214,9 +213,10 @@ class SteadyAnalysis(Generic[P]):
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the last solution, evaluated once a solution."""
-        if self._observed[0] is not self.state:
-            self._observed = (self.state, self.state.observer(self.state.x))
-        return self._observed[1]
+        state = self.state
+        if self._observed[0] is not state.x or self._observed[1] is not state.bound:
+            self._observed = (state.x, state.bound, state.observer(state.x))
+        return self._observed[2]
 
     def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has: none."""
@@ -361,7 +361,8 @@ class SteadyAnalysis(Generic[P]):
         patched = not new_mesh and frame.mesh.topology != state.topology
         report, x, scale = self._converge(new_mesh or self.interrupted, patched)
         self.guess.keep(x, frame.hand)
-        self.state = replace(state, x=x, scale=scale, predicted=False)
+        mesh = frame.mesh
+        self.state = SteadyState(state.plan, frame.scene, state.bound, x, mesh.topology, mesh.geometry, scale)
         return report
 
     def _converge(self, new_system: bool, patched: bool) -> tuple[LinearReport, np.ndarray, float | None]:
@@ -371,8 +372,9 @@ class SteadyAnalysis(Generic[P]):
         forces in the body; and those are known only with the solution, hence the second look.
         """
         system, boundary, total = self.state.system, self.state.problem.boundary, None
+        values, places = boundary.values, self._rigid_places
         while True:
-            scale = self._force_scale(self._gathered_solution()) if boundary.nonzero else None
+            scale = self._force_scale(system.full.reshape(values.shape) + values) if boundary.nonzero else None
             report = self.solver.solve(
                 system.mat,
                 system.b,
@@ -380,11 +382,11 @@ class SteadyAnalysis(Generic[P]):
                 new_system and total is None,
                 same_matrix=total is not None,
                 patched=patched,
-                places=self._rigid_places,
+                places=places,
                 scale=scale,
             )
             system.gather()
-            x = self._gathered_solution()
+            x = system.full.reshape(values.shape) + values
             total = report if total is None else total.followed_by(report)
             if scale is None or scale <= SCALE_SLACK * self._force_scale(x) or not report.iterations:
                 return total, x, scale
@@ -398,11 +400,6 @@ class SteadyAnalysis(Generic[P]):
         """Internal forces at the unknowns x (n, f), but not less than what round-off lets a residual resolve."""
         least = ROUND_OFF / self.solver.tolerance * self.state.system.b.norm()
         return max(internal_norm(self.state.problem, x), least)
-
-    def _gathered_solution(self) -> np.ndarray:
-        """The unknowns (n, f), prescribed ones included."""
-        values = self.state.problem.boundary.values
-        return self.state.system.full.reshape(values.shape) + values
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------------
 

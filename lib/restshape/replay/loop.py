@@ -45,6 +45,7 @@ from restshape.shape.session import EditFrame
 
 log = logging.getLogger("restshape.replay")
 
+STAGE_COLUMNS = tuple((name, f"ms_{name}") for name in NAMES)
 NATIVE = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe")
 
 
@@ -239,9 +240,9 @@ class Replay:
         seconds = self.stages.seconds
         row["ms"] = (end - start) * 1e3
         row["ms_edit"] = (edited - start) * 1e3
-        for name in NAMES:
-            row[f"ms_{name}"] = seconds[name] * 1e3
-        row["ms_python"] = row["ms"] - sum(seconds[name] for name in NATIVE) * 1e3
+        for name, column in STAGE_COLUMNS:
+            row[column] = seconds[name] * 1e3
+        row["ms_python"] = row["ms"] - sum(map(seconds.__getitem__, NATIVE)) * 1e3
 
     def _record(self, edit: EditFrame, row: RowValues, end: float) -> None:
         """Hand the frame to the recorder; residual and error are measured here, off the frame's time."""
