@@ -7,6 +7,7 @@ import numpy as np
 from restshape.errors import ReplayProblem
 from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, Value
+from restshape.scene.units import LEAST, SYMBOLS
 
 
 def varies(value: Value | Sequence[Value]) -> bool:
@@ -23,16 +24,28 @@ class Nodal:
         self.value, self.parameters, self.where = value, parameters, where
 
     def __call__(self, X: np.ndarray) -> np.ndarray:
+        """The values (n,).
+
+        Raises:
+            ReplayProblem: one is not finite, or below the least that there is of its dimension.
+        """
         if not isinstance(self.value, Expression):
             return np.full(len(X), self.value)
         with np.errstate(all="ignore"):
             result = np.broadcast_to(self.value.evaluate(X[:, 0], X[:, 1], self.parameters), len(X))
         if not np.all(np.isfinite(result)):
-            bad = X[np.flatnonzero(~np.isfinite(result))[0]]
-            raise ReplayProblem(
-                f"{self.where}: the expression is not a finite number at x = {bad[0]:g} m, y = {bad[1]:g} m"
-            )
+            self._refuse("the expression is not a finite number", X, ~np.isfinite(result))
+        dimension = self.value.wanted or ""
+        least, what = LEAST.get(dimension, (-np.inf, ""))
+        below = result < least
+        if below.any():
+            value = f"{result[below][0]:.6g} {SYMBOLS[dimension]}"
+            self._refuse(f"a {dimension} of {value} is below {what},", X, below)
         return result
+
+    def _refuse(self, what: str, X: np.ndarray, bad: np.ndarray) -> None:
+        x, y = X[np.flatnonzero(bad)[0]][:2]
+        raise ReplayProblem(f"{self.where}: {what} at x = {x:g} m, y = {y:g} m")
 
     def rate(self, X: np.ndarray, dX: np.ndarray) -> np.ndarray:
         """How fast (n,) the value changes at places X (n, 2) [m] that move with dX (n, 2)."""
@@ -41,8 +54,7 @@ class Nodal:
         with np.errstate(all="ignore"):
             result = self.value.rate(Dual(X[:, 0], dX[:, 0]), Dual(X[:, 1], dX[:, 1]), self.parameters)
         if not np.all(np.isfinite(result)):
-            bad = X[np.flatnonzero(~np.isfinite(result))[0]]
-            raise ReplayProblem(f"{self.where}: the expression has no derivative at x = {bad[0]:g} m, y = {bad[1]:g} m")
+            self._refuse("the expression has no derivative", X, ~np.isfinite(result))
         return result
 
 

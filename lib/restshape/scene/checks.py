@@ -9,6 +9,7 @@ from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expre
 from restshape.scene.model import EdgeLoop, Load, Scene
 from restshape.scene.permits import outside
 from restshape.scene.source import Source, suggestion
+from restshape.scene.units import LEAST, UnitError, refuse_impossible
 
 
 def check_scene(scene: Scene, application: Application, source: Source) -> None:
@@ -180,6 +181,17 @@ def _check_formulas(scene: Scene, source: Source) -> None:
         if unknown := formula.unknown(scene.parameters):
             what, _, do = unknown.rpartition(": ")
             raise source.error(place, what, do)
+        if formula.wanted in LEAST and not formula.names.intersection(COORDINATES):
+            _refuse_impossible(place, formula, scene, source)
+
+
+def _refuse_impossible(place: tuple[str, ...], formula: Expression, scene: Scene, source: Source) -> None:
+    """Refuses a formula of parameters alone that gives what no quantity of its dimension can be."""
+    try:
+        refuse_impossible(float(formula.evaluate(0.0, 0.0, scene.parameters)), formula.wanted)
+    except UnitError as error:
+        what, _, do = str(error).partition(": ")
+        raise source.error(place, f"{formula.text!r} is {what}", do) from error
 
 
 def refuse_places(place: tuple[str, ...], value: object, what: str, source: Source) -> None:

@@ -9,8 +9,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from restshape.scene.expressions import Expression
+from restshape.scene.expressions import Expression, parsed
 from restshape.scene.source import Source
+from restshape.scene.temperature_scales import check_temperatures
 from restshape.scene.units import (
     BASE,
     DIMENSIONS,
@@ -22,7 +23,6 @@ from restshape.scene.units import (
     Powers,
     UnitError,
     article,
-    in_si,
     spelled,
     unit,
 )
@@ -48,10 +48,16 @@ def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) ->
     named = {name: powers for name, value in written.items() if (powers := _powers(value)) is not None}
     if not named:
         return
+    on_scale = {name for name, value in written.items() if isinstance(value, str) and _scale(value)}
     for key, formula in formulas(scene):
         if not formula.names.intersection(named):
             continue
         example = EXAMPLES.get(formula.wanted or "", '"12 mm"')
+        try:
+            check_temperatures(_tree(formula.text), on_scale)
+        except UnitError as error:
+            what, _, do = str(error).partition(": ")
+            raise source.error(key, f"{formula.text!r} {what}", do) from error
         try:
             found = _of(_tree(formula.text), named)
         except UnitError as error:
@@ -70,6 +76,12 @@ def _powers(value: object) -> Known:
     if not (match and match[2]):
         return None
     return _plain((UNITS["K"] if match[2].strip() in ZEROS else unit(match[2]))[1])
+
+
+def _scale(text: str) -> bool:
+    """Whether a number is written on a scale of temperatures."""
+    match = NUMBER_UNIT.match(text)
+    return bool(match and match[2] and match[2].strip() in ZEROS)
 
 
 def _plain(powers: Powers) -> Powers:
@@ -96,7 +108,7 @@ def formulas(value: object, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[s
 
 @lru_cache(maxsize=4096)
 def _tree(text: str) -> ast.expr:
-    return ast.parse(in_si(text).strip().replace("^", "**"), mode="eval").body
+    return parsed(text)
 
 
 def _of(node: ast.expr, named: Mapping[str, Powers]) -> Known:

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from restshape.scene import duals
 from restshape.scene.duals import Dual
-from restshape.scene.units import in_si
+from restshape.scene.temperature_scales import check_temperatures, in_kelvins
+from restshape.scene.units import UnitError, in_si
 
 Number = TypeVar("Number", NDArray[np.float64], Dual)
 
@@ -56,13 +57,14 @@ class Expression:
         self.text, self.wanted = text, wanted
         if len(text) > LONGEST:
             raise ExpressionError(f"the formula is {len(text)} characters long: {LONGEST} are allowed")
-        plain = in_si(text)
-        try:
-            tree = ast.parse(plain.strip().replace("^", "**"), mode="eval")
-        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            raise ExpressionError(f"{text!r} is not a formula") from error
+        body = parsed(text)
         names: set[str] = set()
-        _examine(tree.body, text, names, 0)
+        _examine(body, text, names, 0)
+        try:
+            check_temperatures(body)
+        except UnitError as error:
+            raise ExpressionError(f"{text!r} {error}") from error
+        tree = ast.Expression(in_kelvins(body))
         numbers = _Numbers()
         tree = numbers.visit(tree)
         self._numbers = numbers.values
@@ -131,6 +133,30 @@ class Expression:
 Value = float | Expression
 
 
+def parsed(text: str) -> ast.expr:
+    """The tree of a formula, its numbers in SI units; `temperature_scales.in_kelvins` takes the marks out of it.
+
+    Raises:
+        ExpressionError: it is none.
+        UnitError: a unit in it could mean two things.
+    """
+    # The sign by which `in_si` marks temperatures.
+    if "@" in text:
+        raise ExpressionError(_no_formula(text))
+    plain = in_si(text)
+    try:
+        return ast.parse(plain.strip().replace("^", "**"), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise ExpressionError(f"{text!r} is not a formula") from error
+
+
+def _no_formula(text: str) -> str:
+    return (
+        f"{text!r} holds something that formulas may not hold: use + - * / ^, numbers, x, y, pi, "
+        f"parameters and {', '.join(FUNCTIONS)}"
+    )
+
+
 def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
     """Refuses all that is not arithmetic, and collects the names."""
     if depth > MAX_DEPTH:
@@ -145,6 +171,8 @@ def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
             inner = []
         case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
             inner = [operand]
+        case ast.BinOp(left=left, op=ast.MatMult()):
+            inner = [left]
         case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
             inner = [left, right]
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
@@ -153,10 +181,7 @@ def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
         case ast.Call():
             raise ExpressionError(f"{text!r} calls something that is not one of {', '.join(FUNCTIONS)}")
         case _:
-            raise ExpressionError(
-                f"{text!r} holds something that formulas may not hold: use + - * / ^, numbers, x, y, pi, "
-                f"parameters and {', '.join(FUNCTIONS)}"
-            )
+            raise ExpressionError(_no_formula(text))
     for part in inner:
         _examine(part, text, names, depth + 1)
 

@@ -115,11 +115,19 @@ PLAIN: dict[str, tuple[float, Powers]] = {
 ZEROS = {"degC": 273.15, "°C": 273.15}
 """Temperatures [K] at which scales begin that are no units: a difference on them is one in K."""
 
+SCALED = {f"scale_{k}": scale for k, scale in enumerate(ZEROS)}
+"""Scales by the names that mark them in formulas."""
+
+LEAST = {"temperature": (0.0, "absolute zero, 0 K or -273.15 degC")}
+"""The least value in SI units that there is of a dimension, and what it is."""
+
 UNITS = PLAIN | {
     p + name: (scale * f, powers) for name, (f, powers) in PREFIXED.items() for p, scale in PREFIXES.items()
 }
 
-KNOWN_UNITS = f"use {', '.join([*PREFIXED, *PLAIN])}, or a prefix and one of {', '.join(PREFIXED)}, as in mm, kN or GPa"
+KNOWN_UNITS = (
+    f"use {', '.join([*PREFIXED, *PLAIN, 'degC'])}, or a prefix and one of {', '.join(PREFIXED)}, as in mm, kN or GPa"
+)
 """What to write in place of a unit that is not known."""
 
 NUMBER_UNIT = re.compile(
@@ -273,11 +281,35 @@ def quantity(value: object, dimension: str | None) -> float:
     number = float(value) * factor + zero
     if not math.isfinite(number):
         raise UnitError(f"{value} is not a finite number")
+    refuse_impossible(number, "temperature" if zero else dimension)
     return number
+
+
+def refuse_impossible(number: float, dimension: str | None) -> None:
+    """Refuses a number in SI units that no quantity of a dimension can have.
+
+    Raises:
+        UnitError: it is less than the least one.
+    """
+    least, what = LEAST.get(dimension or "", (-math.inf, ""))
+    if number < least:
+        raise UnitError(f"a {dimension} of {number:.6g} {SYMBOLS[dimension or '']} is below {what}: write a higher one")
+
+
+def on_scale(number: float, scale: str) -> float:
+    """The temperature [K] of a number on a scale.
+
+    Raises:
+        UnitError: it is below absolute zero.
+    """
+    refuse_impossible(number + ZEROS[scale], "temperature")
+    return number + ZEROS[scale]
 
 
 def in_si(formula: str) -> str:
     """The formula with numbers such as ``3 mm`` in it replaced by those in SI units.
+
+    Temperatures on scales are marked, for a sign before them belongs to them: ``(20.0@scale_0)`` is ``20 degC``.
 
     Raises:
         UnitError: a power right behind a unit, which could mean the unit or the number.
@@ -289,7 +321,8 @@ def in_si(formula: str) -> str:
         if match[3]:
             raise UnitError(f"{match[0].strip()!r} could mean two things: write ({match[1]} {match[2]})^...")
         if match[2] in ZEROS:
-            return f"({float(match[1]) + ZEROS[match[2]]!r})"
+            mark = next(name for name, scale in SCALED.items() if scale == match[2])
+            return f"({float(match[1])!r}@{mark})"
         return f"({float(match[1]) * UNITS[match[2]][0]!r})"
 
     return MEASURE.sub(replaced, formula)
