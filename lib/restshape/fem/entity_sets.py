@@ -29,22 +29,18 @@ def cells_on(space: Space, names: Sequence[str]) -> np.ndarray:
     return _union([space.cells_of(name) for name in names])
 
 
-def observed_nodes(space: Space, name: str, quantity: Quantity, placed: bool = False) -> np.ndarray | slice:
+def observed_nodes(space: Space, name: str, quantity: Quantity) -> np.ndarray | slice:
     """Nodes (k,) that a quantity of this name is taken at; all of them where it names no place.
 
     Args:
         space: whose nodes they are.
         name: of the quantity in the scene.
         quantity: what is asked for.
-        placed: it has no meaning but at a place.
 
     Raises:
-        UserError: there is no node there, or no place is named and it needs one.
+        UserError: there is no node there.
     """
     if quantity.at is None:
-        if placed:
-            what = f"a {quantity.kind.replace('_', ' ')} needs a place"
-            raise UserError(what, f"quantities.{name}", 'say where, e.g. at = "left"')
         return slice(None)
     nodes = space.nodes_of(quantity.at)
     if len(nodes) == 0:

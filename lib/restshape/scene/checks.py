@@ -6,10 +6,11 @@ from restshape.application import Application
 from restshape.scene.bodies import bodies_of
 from restshape.scene.dimensions import formulas
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
-from restshape.scene.model import EdgeLoop, Load, Scene
+from restshape.scene.load_kind import ENTITIES, any_of
+from restshape.scene.model import EdgeLoop, Load, Quantity, Scene
 from restshape.scene.permits import outside
 from restshape.scene.source import Source, suggestion
-from restshape.scene.units import LEAST, UnitError, refuse_impossible
+from restshape.scene.units import LEAST, UnitError, article, refuse_impossible
 
 
 def check_scene(scene: Scene, application: Application, source: Source) -> None:
@@ -143,9 +144,12 @@ def _check_materials(scene: Scene, source: Source) -> None:
 
 def _check_references(scene: Scene, source: Source) -> None:
     """Refuses supports, loads, quantities, sizes and groups on entities that are not there."""
-    if scene.shape.file or scene.mesh.file:
+    in_file = scene.shape.file or scene.mesh.file
+    kinds = {} if in_file else scene.shape.kinds()
+    for name, quantity in scene.quantities.items():
+        _check_place(name, quantity, kinds, source)
+    if in_file:
         return
-    kinds = scene.shape.kinds()
     places: dict[tuple[str, ...], list[str]] = {("shape", "groups", n): g for n, g in scene.shape.groups.items()}
     places |= {("supports", name, "on"): support.on for name, support in scene.supports.items()}
     places |= {("loads", name, "on"): load.on for name, load in scene.loads.items()}
@@ -168,9 +172,24 @@ def _check_load(name: str, load: Load, kinds: dict[str, str], source: Source) ->
         if kinds[entity] not in accepted:
             raise source.error(
                 ("loads", name, "on"),
-                f"a {load.kind} cannot act on {entity!r}, which is {kinds[entity]!r}",
-                f"name one of: {', '.join(accepted)}",
+                f"{article(load.kind)} cannot act on {entity!r}, which is {ENTITIES[kinds[entity]]}",
+                f"name {any_of(accepted)}",
             )
+
+
+def _check_place(name: str, quantity: Quantity, kinds: dict[str, str], source: Source) -> None:
+    """Refuses a quantity that is taken at certain kinds of entities, and names none or another one.
+
+    Args:
+        kinds: of the entities by name; empty where a file holds them.
+    """
+    wanted, what, at = quantity.kinds[quantity.kind].on, quantity.kind.replace("_", " "), quantity.at
+    if wanted and at is None:
+        do = f'say where, as in at = "left": at {any_of(wanted)}'
+        raise source.error(("quantities", name), f"a {what} needs a place", do)
+    if wanted and at in kinds and kinds[at] not in wanted:
+        found = f"a {what} cannot be taken at {at!r}, which is {ENTITIES[kinds[at]]}"
+        raise source.error(("quantities", name, "at"), found, f"name {any_of(wanted)}")
 
 
 def _check_formulas(scene: Scene, source: Source) -> None:

@@ -27,6 +27,7 @@ class QuantityKind:
         summary: what it is, for people.
         reductions: how values may become one; empty: in any way.
         renamed: its key in version 0.1; empty: the same.
+        on: kinds of entities of which one must be named; empty: any may be, or none.
     """
 
     value: Any
@@ -36,6 +37,7 @@ class QuantityKind:
     summary: str = ""
     reductions: tuple[str, ...] = ()
     renamed: str = ""
+    on: tuple[str, ...] = ()
 
     @property
     def unit(self) -> str:

@@ -10,6 +10,7 @@ from restshape.physics.cloth.solver_plan import cloth_plan
 from restshape.physics.cloth.support_keys import ClothSupport
 from restshape.physics.cloth.weight import mass_and_weight
 from restshape.scene.bodies import Body, Start, body_words, start_words
+from restshape.scene.load_kind import ENTITIES
 from restshape.scene.physics import Physics, Section
 from restshape.scene.quantity import QuantityKind
 
@@ -22,7 +23,7 @@ CLOTH = Physics(
     support=ClothSupport,
     quantities={
         "displacement": QuantityKind(Literal["x", "y", "z", "magnitude"], "length", "mean"),
-        "reaction": QuantityKind(Literal["x", "y", "z"], "force", "sum"),
+        "reaction": QuantityKind(Literal["x", "y", "z"], "force", "sum", on=tuple(ENTITIES)),
         "energy": QuantityKind(
             Literal["strain", "membrane", "bending", "potential"],
             "moment",

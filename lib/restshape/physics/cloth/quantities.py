@@ -69,7 +69,7 @@ def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable
             f"quantities.{name}",
             "use displacement, reaction, energy or area",
         )
-    nodes = observed_nodes(mesh, name, quantity, placed=bool(quantity.reaction))
+    nodes = observed_nodes(mesh, name, quantity)
     if quantity.reaction:
         column = AXES.index(quantity.reaction)
         return lambda x: reactions(problem, x)[nodes, column].sum()

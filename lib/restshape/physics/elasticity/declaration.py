@@ -14,7 +14,7 @@ from restshape.physics.elasticity.scene_checks import check_goals, check_solids
 from restshape.physics.elasticity.solid_effects import AT_REST, buckling_columns
 from restshape.physics.elasticity.solver_plan import solid_plan, vibration_plan
 from restshape.scene.derived_effects import REGIONS
-from restshape.scene.load_kind import AREAS, CURVES, POINTS, LoadKind
+from restshape.scene.load_kind import AREAS, CURVES, ENTITIES, POINTS, LoadKind
 from restshape.scene.model import Scene
 from restshape.scene.physics import Invariant, Physics, PictureField, Section
 from restshape.scene.quantity import QuantityKind
@@ -35,7 +35,7 @@ LOADS = {
 
 QUANTITIES = {
     "displacement": QuantityKind(Literal["x", "y", "magnitude"], "length", "mean"),
-    "reaction": QuantityKind(Literal["x", "y"], "force", "sum"),
+    "reaction": QuantityKind(Literal["x", "y"], "force", "sum", on=tuple(ENTITIES)),
     "stress": QuantityKind(Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"], "pressure", "max"),
     "energy": QuantityKind(
         Literal["strain", "kinetic", "total", "edit", "remesh"],

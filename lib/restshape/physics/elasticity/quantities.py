@@ -74,7 +74,7 @@ class PlaneQuantities:
             if getattr(quantity, kind):
                 key = "load_factor" if kind == "load_factor" else ""
                 raise UserError(why, f"quantities.{name}{key and '.' + key}", f"leave it out, or {do}")
-        nodes = observed_nodes(self.space, name, quantity, placed=bool(quantity.reaction))
+        nodes = observed_nodes(self.space, name, quantity)
         if quantity.reaction:
             column = "xy".index(quantity.reaction)
             return lambda x, *_: unconstrained_residual(self.solid, x, self._cells(name, nodes))[nodes, column].sum()

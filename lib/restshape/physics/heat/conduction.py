@@ -4,7 +4,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from restshape.errors import UserError
 from restshape.fem import problem as kinds
 from restshape.fem.cell_samples import CellValues, Given
 from restshape.fem.elements import CONDUCTION, HEAT_CAPACITY, LUMPED_HEAT_CAPACITY
@@ -37,7 +36,7 @@ class HeatConduction(TransientProblem):
         params, bare: of the cells, with sources and without; surfaces: fluxes and convections on edges.
 
     Raises:
-        UserError: nothing holds the temperature, or a part of the body has no material.
+        UserError: a part of the body has no material.
 
     Source: Lewis, Nithiarasu and Seetharamu, Fundamentals of the Finite Element Method for Heat and Fluid Flow (2004).
     """
@@ -56,19 +55,10 @@ class HeatConduction(TransientProblem):
         for key, load in scene.loads.items():
             blocks += load.kind == "convection"
             if load.kind != "source":
-                block = blocks if load.kind == "convection" else None
-                self.surfaces.append(SurfaceHeat(key, scene, space, thickness, block))
+                self.surfaces.append(SurfaceHeat(key, scene, space, thickness, blocks))
         self.boundary = dirichlet_of(scene, space, self.unknowns)
-        if not (blocks or len(self.boundary.constrained) or plan.on("storage")):
-            raise UserError(
-                "nothing holds the temperature: heat that enters has nowhere to go",
-                f"{scene.path}: supports",
-                'fix a temperature, such as fix = { temperature = "20 degC" } on an edge, or add a convection',
-            )
         self.boundary.evaluate(space.X)
-        table = np.zeros((len(self.materials), 2 + self.sources.points))
-        table[:, :2] = self.materials[:, :2]
-        self.bare = by_cell(table, space.cell_region)
+        self.bare = by_cell(np.pad(self.materials[:, :2], ((0, 0), (0, self.sources.points))), space.cell_region)
         self.params = self._with_sources()
 
     @property
@@ -114,12 +104,6 @@ class HeatConduction(TransientProblem):
 
     def _capacity(self, kind: str) -> Integral:
         capacity, region = self.materials[:, 1:].prod(axis=1), self.space.cell_region
-        if not np.all(capacity[np.unique(region)] > 0):
-            raise UserError(
-                "a body without heat capacity cannot be followed in time",
-                f"{self.scene.path}: material",
-                'give each material rho and specific_heat, e.g. "2700 kg/m^3" and "900 J/(kg K)"',
-            )
         element = CAPACITIES[kind][self.space.cell_type]
         return Integral(element, self.space.X, self.space.cells, by_cell(capacity[:, None], region))
 
@@ -169,6 +153,5 @@ class HeatConduction(TransientProblem):
 
     def error_estimate(self) -> RecoveryEstimate:
         """The recovery-based estimate in the norm of the fluxes' dissipation."""
-        conductivity, thickness = self.materials[:, 0], self.materials[:, 1]
-        resistance = (thickness / conductivity)[:, None, None] * np.diag([1.0, 1.0, 0.0, 0.0])
+        resistance = (self.materials[:, 1] / self.materials[:, 0])[:, None, None] * np.diag([1.0, 1.0, 0.0, 0.0])
         return RecoveryEstimate(self.space, self.flux, resistance, self.stiffest)

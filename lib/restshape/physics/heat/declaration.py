@@ -12,6 +12,7 @@ from restshape.scene.model import Material, Scene
 from restshape.scene.physics import Invariant, Physics, PictureField
 from restshape.scene.quantity import QuantityKind
 from restshape.scene.solver import DEFINITE, SolverPlan, System
+from restshape.scene.source import Source
 from restshape.scene.units import declare_dimension
 from restshape.scene.values import Strict, number_of, value_of
 
@@ -63,6 +64,23 @@ def convections(scene: Scene, on: On) -> dict[str, list[str]]:
     return {name: list(load.on) for name, load in scene.loads.items() if load.kind == "convection"}
 
 
+def check_heat(scene: Scene, source: Source) -> None:
+    """Refuses bodies that store no heat though they should, and steady temperatures that nothing holds.
+
+    Raises:
+        UserError: there is one.
+    """
+    stored = "storage" in scene.effects
+    for name in (name for name, m in scene.material.items() if stored and not m.rho * m.specific_heat):
+        do = 'give it rho and specific_heat, e.g. "2700 kg/m^3" and "900 J/(kg K)"'
+        raise source.error(("material", name), "a body without heat capacity cannot be followed in time", do)
+    films = [load.convection.film for load in scene.loads.values() if load.kind == "convection"]
+    if not (stored or any(films) or any("temperature" in support.fix for support in scene.supports.values())):
+        what = "nothing holds the temperature: no edge has a fixed one, or a convection with a film above 0"
+        do = 'fix one, as in fix = { temperature = "20 degC" } on an edge, or add a convection or [effects.storage]'
+        raise source.error(("supports",), what, do)
+
+
 HEAT = Physics(
     name="heat",
     summary="conduction of heat in the plane, steady and in time",
@@ -77,7 +95,7 @@ HEAT = Physics(
     },
     quantities={
         "temperature": QuantityKind(Literal[True], "temperature", "mean"),
-        "heat_flow": QuantityKind(Literal[True], "power", "sum", summary="heat that leaves by an edge"),
+        "heat_flow": QuantityKind(Literal[True], "power", "sum", summary="heat that leaves by an edge", on=CURVES),
     },
     effects={
         "storage": Effect(
@@ -87,4 +105,5 @@ HEAT = Physics(
     invariants=(Invariant(convections, "where convection acts cannot change", "set its film to 0 instead"),),
     pictured={"temperature": PictureField("temperature", "K", from_zero=False)},
     orders=(2, 1),
+    check=check_heat,
 )

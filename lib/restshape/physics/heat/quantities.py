@@ -12,11 +12,9 @@ from restshape.fem.time_integration import Motion
 from restshape.physics.heat.surface import SurfaceHeat
 from restshape.scene.model import Quantity
 
-Surfaces = Sequence[SurfaceHeat]
-
 
 def heat_quantity(
-    problem: Problem, surfaces: Surfaces, capacity: Inertia | None, name: str, quantity: Quantity
+    problem: Problem, surfaces: Sequence[SurfaceHeat], capacity: Inertia | None, name: str, quantity: Quantity
 ) -> Function:
     """The function of the temperature x (n, 1) [K] that a quantity of this name is.
 
@@ -33,14 +31,14 @@ def heat_quantity(
     if quantity.kind == "area":
         cells = cells_at(space, name, quantity)
         return lambda x, *_: area(space, cells)
-    nodes = observed_nodes(space, name, quantity, placed=quantity.kind == "heat_flow")
     if quantity.kind == "heat_flow":
         return _heat_flow(problem, surfaces, capacity, quantity.at)
+    nodes = observed_nodes(space, name, quantity)
     reduce = reduction(space, quantity, nodes)
     return lambda x, *_: reduce(x[nodes, 0])
 
 
-def _heat_flow(problem: Problem, surfaces: Surfaces, capacity: Inertia | None, edge: str) -> Function:
+def _heat_flow(problem: Problem, surfaces: Sequence[SurfaceHeat], capacity: Inertia | None, edge: str) -> Function:
     """Heat [W] that leaves by an edge: by its fluxes and convections, and where its temperature is fixed.
 
     A node where two such edges meet counts for both.

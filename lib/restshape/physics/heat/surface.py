@@ -19,22 +19,22 @@ class SurfaceHeat:
         scene: its loads and parameters.
         space: whose facets it acts on.
         thickness: (facets of the space,) [m].
-        block: of the operator, for convection; None: a flux has no tangent.
+        block: of the operator, for convection alone: a flux has no tangent.
 
     Attributes:
         index: (nf,) of the space's facets; facets: (nf, 2) or (nf, 3) their nodes.
         varies: whether values change when nodes move.
     """
 
-    def __init__(self, name: str, scene: Scene, space: Space, thickness: np.ndarray, block: int | None) -> None:
+    def __init__(self, name: str, scene: Scene, space: Space, thickness: np.ndarray, block: int) -> None:
         load = scene.loads[name]
-        value, where = (load.flux, "flux") if block is None else (load.convection.ambient, "convection.ambient")
-        self.space, self.block, self.varies = space, block, varies(value)
+        value, where = (load.flux, "flux") if load.kind == "flux" else (load.convection.ambient, "convection.ambient")
+        self.space, self.block, self.varies = space, None if load.kind == "flux" else block, varies(value)
         self.index = facets_on(space, load.on)
         self.facets = np.ascontiguousarray(space.facets[self.index])
         self._element = SURFACE_HEAT[SHAPES[space.cells.shape[1]][1]]
         self._value, self._samples = Nodal(value, scene.parameters, f"loads.{name}.{where}"), FacetSamples(self.facets)
-        self._thickness, self._film = thickness[self.index], 0.0 if block is None else load.convection.film
+        self._thickness, self._film = thickness[self.index], 0.0 if self.block is None else load.convection.film
         self.update()
 
     def update(self) -> None:

@@ -1,0 +1,83 @@
+"""What is wrong in scenes of heat: `check` refuses it as `replay` does, with place and remedy."""
+
+import pytest
+from restshape_studies.stability.scenery import write_scene, write_script
+from thermal_scenes import COOLING, HEAD, SQUARE
+
+from restshape.cli.main import main
+from restshape.errors import UserError
+from restshape.scene.load import load_scene
+
+BODY = HEAD + SQUARE + "[material.m]\nconductivity = 2\n[mesh]\nsize = 0.5\n"
+FIXED = '[supports.w]\non = "left"\nfix = { temperature = 300 }\n'
+SOURCE = '[loads.s]\non = "all"\nsource = 1000\n'
+AIR = '[loads.air]\non = "right"\nconvection = { film = 5, ambient = 300 }\n'
+BALANCED = '[loads.l]\non = "left"\nflux = 100\n[loads.r]\non = "right"\nflux = -100\n'
+
+
+def refused_twice(folder, capsys, text) -> list[str]:
+    """What `check` and `replay` say of a scene that both refuse."""
+    scene, said = write_scene(folder, text), []
+    for words in (["check", str(scene)], ["replay", str(scene)]):
+        assert main(words) == 2
+        said.append(capsys.readouterr().err.removeprefix(f"restshape {words[0]}: "))
+    assert said[0] == said[1]
+    return said
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        (BODY, "scene.toml: supports"),
+        (BODY + SOURCE, "scene.toml: supports"),
+        (BODY + BALANCED, "scene.toml: supports"),
+        (BODY + AIR.replace("film = 5", "film = 0"), "scene.toml: supports"),
+    ],
+)
+def test_a_steady_temperature_that_nothing_holds(tmp_path, capsys, text, place):
+    said = refused_twice(tmp_path, capsys, text)[0]
+    assert place in said and "nothing holds the temperature" in said and "fix = { temperature" in said
+
+
+@pytest.mark.parametrize("text", [BODY + FIXED, BODY + AIR, BODY + SOURCE + AIR])
+def test_one_that_something_holds(tmp_path, capsys, text):
+    assert main(["check", str(write_scene(tmp_path, text))]) == 0
+
+
+def test_nothing_need_hold_a_temperature_in_time(tmp_path, capsys):
+    text = COOLING[: COOLING.index("[supports.walls]")] + COOLING[COOLING.index("[effects.storage]") :]
+    assert main(["check", str(write_scene(tmp_path, text))]) == 0
+
+
+def test_an_edit_that_takes_the_last_hold_away_is_refused(tmp_path, capsys):
+    scene = write_scene(tmp_path, BODY + AIR)
+    script = write_script(tmp_path, [{"t": 0.1, "do": "set", "key": "loads.air.convection.film", "value": 0}])
+    assert main(["check", str(scene), str(script)]) == 1
+    assert "nothing holds the temperature" in capsys.readouterr().out
+
+
+def test_bodies_that_should_store_heat_and_cannot(tmp_path, capsys):
+    said = refused_twice(tmp_path, capsys, COOLING.replace("specific_heat = 3\n", ""))[0]
+    assert "material.m" in said and "without heat capacity" in said and "specific_heat" in said
+
+
+@pytest.mark.parametrize(
+    ("at", "place", "what"),
+    [
+        ("", "quantities.q", "a heat flow needs a place"),
+        (', at = "a"', "quantities.q.at", "'a', which is a vertex"),
+        (', at = "all"', "quantities.q.at", "'all', which is the whole shape"),
+    ],
+)
+def test_a_heat_flow_has_an_edge(tmp_path, capsys, at, place, what):
+    said = refused_twice(tmp_path, capsys, BODY + FIXED + f"[quantities]\nq = {{ heat_flow = true{at} }}\n")[0]
+    assert place in said and what in said and "an edge, a hole, a region, the outline or a group" in said
+
+
+def test_a_flux_on_the_whole_shape_says_what_it_needs(tmp_path):
+    with pytest.raises(UserError) as caught:
+        load_scene(write_scene(tmp_path, BODY + FIXED + '[loads.f]\non = "all"\nflux = 3\n'))
+    assert "a flux cannot act on 'all', which is the whole shape" in caught.value.what
+    assert "an edge, a hole, a region, the outline or a group" in caught.value.do
+    with pytest.raises(UserError, match="a source cannot act on 'left', which is an edge"):
+        load_scene(write_scene(tmp_path, BODY + FIXED + '[loads.f]\non = "left"\nsource = 3\n'))
