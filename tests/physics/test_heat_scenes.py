@@ -1,7 +1,7 @@
 """What is wrong in scenes of heat: `check` refuses it as `replay` does, with place and remedy."""
 
 import pytest
-from restshape_studies.stability.scenery import write_scene, write_script
+from restshape_studies.stability.scenery import make_replay, rows_of, write_scene, write_script
 from thermal_scenes import COOLING, HEAD, SQUARE
 
 from restshape.cli.main import main
@@ -81,3 +81,28 @@ def test_a_flux_on_the_whole_shape_says_what_it_needs(tmp_path):
     assert "an edge, a hole, a region, the outline or a group" in caught.value.do
     with pytest.raises(UserError, match="a source cannot act on 'left', which is an edge"):
         load_scene(write_scene(tmp_path, BODY + FIXED + '[loads.f]\non = "left"\nsource = 3\n'))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("effects.storage.initial", "50 degC"),
+        ("effects.storage", {"time_step": 0.5, "initial": "50 degC"}),
+    ],
+)
+def test_what_matters_at_the_start_cannot_be_set_later(tmp_path, capsys, key, value):
+    scene, event = write_scene(tmp_path, COOLING), {"do": "set", "key": key, "value": value}
+    script = write_script(tmp_path, [{"do": "idle", "frames": 2}, event])
+    assert main(["check", str(scene), str(script)]) == 1
+    assert "effects.storage.initial matters at the start alone" in capsys.readouterr().out
+    *_, before, after = rows_of(make_replay(scene, script))
+    assert "effects.storage.initial matters" in after["refused"] and "--set" in after["refused"]
+    assert not before["refused"]
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("effects.storage.time_step", 0.25), ("effects.storage", {"time_step": 1, "initial": 0})]
+)
+def test_other_settings_of_an_effect_may_be_set(tmp_path, key, value):
+    script = write_script(tmp_path, [{"do": "idle"}, {"do": "set", "key": key, "value": value}])
+    assert not any(row["refused"] for row in rows_of(make_replay(write_scene(tmp_path, COOLING), script)))

@@ -43,6 +43,11 @@ class SettingsResolver(Protocol):
 
 
 @dataclass(frozen=True)
+class StartOnly:
+    """The annotation of an effect's key that matters at the start alone: no edit can change it."""
+
+
+@dataclass(frozen=True)
 class Effect:
     """One physical effect that an application knows.
 
@@ -67,6 +72,12 @@ class Effect:
     quantities: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
     repeats: tuple[str, ...] = ()
+
+    @property
+    def start_keys(self) -> list[str]:
+        """The keys of its model that matter at the start alone."""
+        fields = self.model.model_fields.items()
+        return [key for key, field in fields if any(isinstance(said, StartOnly) for said in field.metadata)]
 
 
 @dataclass(frozen=True)

@@ -110,13 +110,19 @@ def refuse_switched(old: Scene, new: Scene, application: Application) -> None:
     """Refuses an edit from one scene to another that switches an effect with which the analysis is another one.
 
     Raises:
-        UserError: such an effect is on in one of them only, or something differs that the physics say is invariant.
+        UserError: such an effect is on in one of them only, or something differs that the physics say is invariant, or
+            to matter at the start alone.
     """
     for name, effect in application.effects.items():
         if effect.fixed and not effect.required and (name in old.effects) != (name in new.effects):
             way = "off" if name in old.effects else "on"
             do = f"make it two scenes, one with [effects.{name}] and one without"
             raise UserError(f"the effect {name!r} cannot be switched {way} during an edit", do=do)
+        for key in effect.start_keys:
+            before, after = (scene.effects.get(name, {}) for scene in (old, new))
+            if before and after and before[key] != after[key]:
+                what = f"effects.{name}.{key} matters at the start alone, and the edit comes later"
+                raise UserError(what, do="change it in the scene, or use --set")
     for invariant in (one for physics in application.physics for one in physics.invariants):
         before, after = (invariant.of(one, _on(one, application)) for one in (old, new))
         if before != after:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from restshape.scene.derived_effects import On
-from restshape.scene.effect import Effect
+from restshape.scene.effect import Effect, StartOnly
 from restshape.scene.load_kind import AREAS, CURVES, LoadKind
 from restshape.scene.model import Material, Scene
 from restshape.scene.physics import Invariant, Physics, PictureField
@@ -48,7 +48,7 @@ class Storage(Strict):
     time_step: Annotated[number_of("time"), Field(gt=0)]
     steps: Annotated[int, Field(ge=1)] = 1
     theta: Annotated[float, Field(ge=0.5, le=1)] = 1.0
-    initial: number_of("temperature")
+    initial: Annotated[number_of("temperature"), StartOnly()]
     capacity: Literal["consistent", "lumped"] = "consistent"
 
 
