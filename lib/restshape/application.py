@@ -222,9 +222,10 @@ class Application:
         return _attribute(self.analysis)
 
     def own_columns(self, scene: Scene) -> dict[str, Any]:
-        """Names and types of the columns that only this application has."""
+        """Names and types of the columns that only this application has; simulated time [s] where a frame goes on."""
         declared = [one.columns(scene) for one in self.physics if one.columns]
-        return {name: of for columns in declared for name, of in columns.items()}
+        own = {name: of for columns in declared for name, of in columns.items()}
+        return own | ({"time": float} if self.transient(scene) else {})
 
     def scenes(self) -> list[Path]:
         """The scene files that ship with this application, sorted by name."""

@@ -106,7 +106,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     def row(self) -> RowValues:
         """What the frame's row reports besides."""
-        return rounding_note(self.state.residual, self.solver.tolerance)
+        return super().row() | rounding_note(self.state.residual, self.solver.tolerance)
 
     # --- a new frame --------------------------------------------------------------------------------------------------
 

@@ -170,8 +170,8 @@ class TransientAnalysis:
         return self._observed[1]
 
     def row(self) -> RowValues:
-        """Columns of the frame's row that only this analysis has: none."""
-        return {}
+        """Columns of the frame's row that only this analysis has: the simulated time [s]."""
+        return {"time": self.time}
 
     def solution(self) -> Solution:
         """The unknowns and, of second order in time, their rates, and what their energies are measured by."""

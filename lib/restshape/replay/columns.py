@@ -45,6 +45,10 @@ ESTIMATES = ("estimate", "estimate_time", "prediction_error")
 """What is estimated, or measured, of a frame's error."""
 
 
+SIMULATED = "time"
+"""The simulated time [s] at the end of a frame, of analyses in time: a column of `Application.own_columns`."""
+
+
 def columns(quantities: list[str], own: dict[str, npt.DTypeLike] | None = None) -> dict[str, npt.DTypeLike]:
     """Name to numpy type, or `str`, of each column.
 

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.replay.columns import ALIASES, renamed
+from restshape.replay.columns import ALIASES, SIMULATED, renamed
 from restshape.replay.containment import refuse_other_files
 from restshape.replay.vtkhdf import FORMAT, PARTS, checksum
 
@@ -111,6 +111,14 @@ class Recording:
     def times(self) -> np.ndarray:
         """Edit time of each frame [s] as ParaView sees it: frames at the same time are one last bit apart."""
         return self._steps["Values"]
+
+    def moments(self, i: int) -> list[str]:
+        """The edit time of frame i in words, and its simulated time where it has one that is not the same."""
+        t, simulated = float(self.times[i]), float(self.table[SIMULATED][i]) if SIMULATED in self.table else np.nan
+        words = [f"t = {t:.2f} s"]
+        return (
+            words if not np.isfinite(simulated) or abs(simulated - t) < 0.005 else [*words, f"sim. {simulated:.4g} s"]
+        )
 
     @property
     def summary(self) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from restshape.replay.columns import STAGES
+from restshape.replay.columns import SIMULATED, STAGES
 from restshape.replay.constraints import status_counts
 
 if TYPE_CHECKING:
@@ -101,6 +101,7 @@ def summarise(rows: list[RowValues], policy: str, ranks: int, estimated_quantity
         "quantities": {
             key[2:]: [known(row[key]) for row in rows] for key in (rows[0] if rows else {}) if key.startswith("q_")
         },
+        **({SIMULATED: [known(row[SIMULATED]) for row in rows]} if rows and SIMULATED in rows[0] else {}),
         **({"rest": counts} if (counts := convergence(rows)) else {}),
         "rows": rows,
     }

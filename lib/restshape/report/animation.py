@@ -103,11 +103,11 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: Scenery) -> Ite
     canvas.draw()
     still = canvas.copy_from_bbox(figure.bbox)
     stopped = refused(recording)
-    t = recording.times
     for i in map(int, chosen):
         canvas.restore_region(still)
         drawing.show(recording, i)
-        caption.set_text(f"frame {i}, t = {t[i]:.2f} s" + (" (refused)" if stopped[i] else ""))
+        words = ", ".join((f"frame {i}", *recording.moments(i)))
+        caption.set_text(words + (" (refused)" if stopped[i] else ""))
         for artist in (drawing.body, drawing.rest, caption):
             axes.draw_artist(artist)
         yield even(canvas)

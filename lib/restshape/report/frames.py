@@ -103,7 +103,7 @@ def scene_name(recording: Recording) -> str:
 def _caption(recording: Recording, i: int, room: int) -> str:
     """What a frame is, in lines of at most `room` letters where that can be."""
     table = recording.table
-    words = [f"frame {i}", f"t = {recording.times[i]:.2f} s"]
+    words = [f"frame {i}", *recording.moments(i)]
     if "level" in table:
         still = "values" if with_values(recording)[i] else "idle"
         words.append(f"level {table['level'][i]}" if table["level"][i] else still)
