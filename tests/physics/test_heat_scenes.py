@@ -106,3 +106,17 @@ def test_what_matters_at_the_start_cannot_be_set_later(tmp_path, capsys, key, va
 def test_other_settings_of_an_effect_may_be_set(tmp_path, key, value):
     script = write_script(tmp_path, [{"do": "idle"}, {"do": "set", "key": key, "value": value}])
     assert not any(row["refused"] for row in rows_of(make_replay(write_scene(tmp_path, COOLING), script)))
+
+
+def test_messages_on_heat_in_time_name_the_time_integration(tmp_path, capsys):
+    scene = write_scene(tmp_path, COOLING)
+    script = write_script(tmp_path, [{"do": "idle"}])
+    head, *rest = script.read_text().splitlines()
+    script.write_text("\n".join([head.replace("{", '{"analysis": "on demand", ', 1), *rest]) + "\n")
+    said = []
+    assert main(["check", str(scene), str(script)]) == 2
+    said.append(capsys.readouterr().err)
+    assert main(["replay", str(scene), "--edits", str(write_script(tmp_path, [])), "--predict", "linear"]) == 2
+    said.append(capsys.readouterr().err)
+    for text in said:
+        assert "integrat" in text and "motion" not in text

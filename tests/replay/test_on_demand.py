@@ -127,7 +127,9 @@ def test_a_motion_is_not_analysed_on_demand(tmp_path, capsys, command):
     )
     assert main([command, str(scene), *(["--edits"] if command == "replay" else []), str(edits)]) == 2
     told = capsys.readouterr().err
-    assert "edits.jsonl: line 1: a motion goes on from frame to frame" in told and 'leave "analysis" out' in told
+    assert (
+        "edits.jsonl: line 1: time integration goes on from frame to frame" in told and 'leave "analysis" out' in told
+    )
 
 
 def test_the_constraint_status_of_quantities():

@@ -55,7 +55,7 @@ class TransientAnalysis:
     """
 
     predictor = None
-    why_not = "only equilibria and modes are predicted: a motion in time depends on its past, not on the shape alone"
+    why_not = "only steady states and modes are predicted: time integration depends on the past, not on the shape alone"
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
         self.context, self.make = context, make

@@ -295,11 +295,12 @@ def _first_line() -> str:
 
 
 def _check_analysis(header: Header, scene: Scene | None, path: Path, line: int) -> None:
-    """Refuses analysis on demand of what moves in time."""
+    """Refuses analysis on demand of what is integrated in time."""
     if header.analysis == "every frame" or scene is None or not application(scene.app).transient(scene):
         return
     raise UserError(
-        f"a motion goes on from frame to frame, so that none can be left out: {scene.app!r} has no analysis on demand",
+        f"time integration goes on from frame to frame, so that none can be left out: "
+        f"{scene.app!r} has no analysis on demand for this scene",
         f"{path.name}: line {line}",
         'leave "analysis" out',
     )

@@ -79,4 +79,4 @@ def test_what_cannot_be_measured(tmp_path, command, scene, words, told):
 
 def test_a_motion_has_no_prediction(command):
     done = command("bench", "predict", SCENES / "building.toml", "--edits", SCENES / "building.jsonl", "--repeat", 1)
-    assert done.returncode == 2 and "a motion in time depends on its past" in done.stderr
+    assert done.returncode == 2 and "time integration depends on the past" in done.stderr
