@@ -18,6 +18,11 @@ HOLDS, FAILS = "holds", "fails"
 LIMIT, MIN, MAX = "limit", "min", "max"
 """Kind of a finding on a quantity, and its details: below the least value, above the largest one."""
 
+DIGITS = (4, 5, 6, 7, 8, 16)
+"""Of a value and its limit, from the first that do."""
+ROUNDED = 1e-6
+"""Relative change by which a limit may be rounded."""
+
 
 @dataclass(frozen=True)
 class Limit:
@@ -69,11 +74,13 @@ def violated_constraints(limits: Limits, quantities: Mapping[str, float]) -> tup
 
 
 def value_and_bound(finding: Finding) -> tuple[str, str]:
-    """A value beyond a limit and the limit, with units and as many digits as distinguish the two."""
+    """A value beyond a limit and the limit, with units and as many digits as give the limit and distinguish the two."""
     value, bound, unit = finding.value, finding.bound, finding.unit
     if value is None or bound is None:
         raise ValueError("the finding has no value or no bound")
-    texts = ((in_unit(unit, value, n), in_unit(unit, bound, n)) for n in (4, 8, 16))
+    # Four digits turn 363.15 K, which is 90 degC, into 363.1 K.
+    enough = (n for n in DIGITS if abs(float(f"{bound:.{n}g}") - bound) <= ROUNDED * abs(bound))
+    texts = ((in_unit(unit, value, n), in_unit(unit, bound, n)) for n in enough)
     return next((pair for pair in texts if pair[0] != pair[1]), (str(value), str(bound)))
 
 

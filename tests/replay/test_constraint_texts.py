@@ -1,0 +1,23 @@
+"""Violated constraints in words: a limit is the one that was written, and the value can be told from it."""
+
+import pytest
+
+from restshape.replay.constraints import Limit, formatted_constraint, violated_constraints
+
+
+@pytest.mark.parametrize(
+    ("value", "limit", "text"),
+    [
+        (373.1123, Limit(most=363.15, unit="K"), "q is 373.11 K, at most 363.15 K"),
+        (363.1512, Limit(most=363.15, unit="K"), "q is 363.151 K, at most 363.15 K"),
+        (270.0, Limit(least=273.15, unit="K"), "q is 270 K, at least 273.15 K"),
+        (-12.34567, Limit(least=-12.345, unit="W"), "q is -12.346 W, at least -12.345 W"),
+        (0.0032137, Limit(most=0.003, unit="m"), "q is 3.214 mm, at most 3 mm"),
+        (0.35, Limit(most=1 / 3), "q is 0.35, at most 0.333333"),
+        (1 + 1e-15, Limit(most=1.0, unit="N"), "q is 1.000000000000001 N, at most 1 N"),
+        (1e-3, Limit(most=0.0, unit="m"), "q is 1 mm, at most 0 m"),
+    ],
+)
+def test_value_and_limit_are_told_apart(value, limit, text):
+    (found,) = violated_constraints({"q": limit}, {"q": value})
+    assert formatted_constraint(found) == text
