@@ -120,3 +120,18 @@ def test_messages_on_heat_in_time_name_the_time_integration(tmp_path, capsys):
     said.append(capsys.readouterr().err)
     for text in said:
         assert "integrat" in text and "motion" not in text
+
+
+@pytest.mark.parametrize(
+    ("written", "shown"),
+    [
+        ("300 K + 10 K*x", "temperature = 300 K + 10 K*x on left\n"),
+        ("20 degC + 5*x", "temperature = 20 degC + 5*x on left\n"),
+        ("300 + 10*x", "temperature = (300 + 10*x) K on left\n"),
+        ("20 degC", "temperature = 293.15 K on left\n"),
+    ],
+)
+def test_check_shows_a_formula_with_one_unit(tmp_path, capsys, written, shown):
+    text = BODY + FIXED.replace("300", f'"{written}"')
+    assert main(["check", str(write_scene(tmp_path, text))]) == 0
+    assert shown in "\n".join(line.rstrip(" |") for line in capsys.readouterr().out.splitlines()) + "\n"

@@ -6,7 +6,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from restshape.scene.expressions import Expression
-from restshape.scene.units import SYMBOLS
+from restshape.scene.units import SYMBOLS, in_si
 from restshape.scene.values import annotation_of, dimension_of
 
 
@@ -20,8 +20,13 @@ def listing(value: Any) -> str:
 
 
 def with_symbol(value: Any, dimension: Any) -> str:
-    """A value, as in `listing`, with the SI unit of its dimension."""
-    return f"{listing(value)} {SYMBOLS.get(dimension, '') if isinstance(dimension, str) else ''}".rstrip()
+    """A value, as in `listing`, with the SI unit of its dimension; a formula that has units of its own without."""
+    symbol = SYMBOLS.get(dimension, "") if isinstance(dimension, str) else ""
+    parts = value if isinstance(value, tuple | list) else (value,)
+    formulas = [part.text for part in parts if isinstance(part, Expression)]
+    if not symbol or any(in_si(text) != text for text in formulas):
+        return listing(value)
+    return f"({listing(value)}) {symbol}" if formulas and value is parts[0] else f"{listing(value)} {symbol}"
 
 
 def keys_in_words(model: BaseModel, without: tuple[str, ...] = ()) -> str:
