@@ -1,9 +1,21 @@
-"""Pages of docs/ link to what is there, name files that exist, and have tables that fit."""
+"""Pages of docs/ link to what is there, name files that exist, have tables that fit, and scenes that are valid."""
 
 import re
+import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
+from pydantic import TypeAdapter, ValidationError
+
+from restshape.application import applications
+from restshape.errors import UserError
+from restshape.scene.load import load_scene
+from restshape.scene.model import ShapeSpec
+from restshape.scene.registered import checked_applications, installed_physics
+from restshape.scene.scene_type import any_scene_type, scene_type
+from restshape.scene.values import annotation_of
+from restshape.shape.build import outline_from_spec
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -50,3 +62,70 @@ def test_source_files_that_pages_name_exist():
     for page in PAGES:
         for name in re.findall(r"`([\w./]+\.(?:py|hpp))`", prose(page)):
             assert "NAME" in name or any(path.endswith("/" + name) for path in there), (page.name, name)
+
+
+SHIPPED = {path.parent.name for path in (ROOT / "apps").glob("*/__init__.py")}
+BLOCKS = [
+    (f"{page.relative_to(ROOT)}:{page.read_text(encoding='utf-8')[: found.start()].count(chr(10)) + 1}", found[1])
+    for page in PAGES
+    for found in re.finditer(r"^```toml\n(.*?)^```$", page.read_text(encoding="utf-8"), re.S | re.M)
+]
+
+
+def validate_part(tables: dict[str, Any]) -> None:
+    """Refuses what is no part of a scene: of the application that it names, else of any that is installed.
+
+    Raises:
+        ValidationError: a key or a value that its table does not have.
+        KeyError: a table, an application or an effect that does not exist.
+    """
+    installed = applications()
+    apps = [installed[tables["app"]]] if "app" in tables else list(installed.values())
+    kind = scene_type(apps[0].physics) if "app" in tables else any_scene_type(installed_physics(apps))
+    for key, table in tables.items():
+        if key != "shape" or table:
+            TypeAdapter(annotation_of(kind.model_fields[key])).validate_python(table)
+    for name, settings in tables.get("effects", {}).items():
+        models = [app.effects[name].model for app in apps if name in app.effects]
+        errors = [error for model in models if (error := refusal(model, settings))]
+        if len(errors) == len(models):
+            raise errors[0] if errors else KeyError(name)
+
+
+def refusal(model: Any, settings: object) -> ValidationError | None:
+    """What a model finds wrong with settings; None where nothing is."""
+    try:
+        model.model_validate(settings)
+    except ValidationError as error:
+        return error
+    return None
+
+
+@pytest.mark.skipif(not set(applications()) >= SHIPPED, reason="pages show scenes of applications that are absent")
+@pytest.mark.parametrize(("place", "text"), BLOCKS, ids=[place for place, _ in BLOCKS])
+def test_scenes_and_parts_of_them_are_valid(place, text, tmp_path):
+    checked_applications()
+    tables = tomllib.loads(text)
+    if "format" in tables:
+        (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+        load_scene(tmp_path / "scene.toml")
+    else:
+        validate_part(tables)
+    if tables.get("shape", {}).get("outline"):
+        outline_from_spec(ShapeSpec.model_validate(tables["shape"]), tmp_path)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[shap]\noutline = ['a']",
+        "[shape.edges]\nbottom = { lin = ['a', 'b'] }",
+        "[mesh]\nsize = '2 kg'",
+        "[effects.no_such]",
+        "[quantities]\nq = { no_such = true }",
+        "[solve]\ntolerance = 2",
+    ],
+)
+def test_what_is_no_part_of_a_scene_is_found(text):
+    with pytest.raises((ValidationError, KeyError, UserError)):
+        validate_part(tomllib.loads(text))
