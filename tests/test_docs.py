@@ -12,7 +12,7 @@ from restshape.application import applications
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.model import ShapeSpec
-from restshape.scene.registered import checked_applications, installed_physics
+from restshape.scene.registered import installed_physics
 from restshape.scene.scene_type import any_scene_type, scene_type
 from restshape.scene.values import annotation_of
 from restshape.shape.build import outline_from_spec
@@ -104,7 +104,6 @@ def refusal(model: Any, settings: object) -> ValidationError | None:
 @pytest.mark.skipif(not set(applications()) >= SHIPPED, reason="pages show scenes of applications that are absent")
 @pytest.mark.parametrize(("place", "text"), BLOCKS, ids=[place for place, _ in BLOCKS])
 def test_scenes_and_parts_of_them_are_valid(place, text, tmp_path):
-    checked_applications()
     tables = tomllib.loads(text)
     if "format" in tables:
         (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
