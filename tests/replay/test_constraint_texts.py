@@ -9,7 +9,7 @@ from restshape.replay.constraints import Limit, formatted_constraint, violated_c
     ("value", "limit", "text"),
     [
         (373.1123, Limit(most=363.15, unit="K"), "q is 373.11 K, at most 363.15 K"),
-        (363.1512, Limit(most=363.15, unit="K"), "q is 363.151 K, at most 363.15 K"),
+        (363.1512, Limit(most=363.15, unit="K"), "q is 363.1512 K, at most 363.15 K"),
         (270.0, Limit(least=273.15, unit="K"), "q is 270 K, at least 273.15 K"),
         (-12.34567, Limit(least=-12.345, unit="W"), "q is -12.346 W, at least -12.345 W"),
         (0.0032137, Limit(most=0.003, unit="m"), "q is 3.214 mm, at most 3 mm"),

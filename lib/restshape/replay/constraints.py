@@ -18,8 +18,6 @@ HOLDS, FAILS = "holds", "fails"
 LIMIT, MIN, MAX = "limit", "min", "max"
 """Kind of a finding on a quantity, and its details: below the least value, above the largest one."""
 
-DIGITS = (4, 5, 6, 7, 8, 16)
-"""Of a value and its limit, from the first that do."""
 ROUNDED = 1e-6
 """Relative change by which a limit may be rounded."""
 
@@ -79,8 +77,8 @@ def value_and_bound(finding: Finding) -> tuple[str, str]:
     if value is None or bound is None:
         raise ValueError("the finding has no value or no bound")
     # Four digits turn 363.15 K, which is 90 degC, into 363.1 K.
-    enough = (n for n in DIGITS if abs(float(f"{bound:.{n}g}") - bound) <= ROUNDED * abs(bound))
-    texts = ((in_unit(unit, value, n), in_unit(unit, bound, n)) for n in enough)
+    enough = (n for n in (4, 5, 6) if abs(float(f"{bound:.{n}g}") - bound) <= ROUNDED * abs(bound))
+    texts = ((in_unit(unit, value, n), in_unit(unit, bound, n)) for n in (next(enough, 8), 8, 16))
     return next((pair for pair in texts if pair[0] != pair[1]), (str(value), str(bound)))
 
 
