@@ -158,7 +158,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
         self.state = replace(self.state, gain=replace(gain, gained=gained, largest=largest))
         if not gained <= GAIN * (largest - max(gained, 0.0)):
             raise ReplayProblem(
-                f"time integration has gained {gained:.3g} J from nothing: the time step is too long for so large a "
+                f"the motion has gained {gained:.3g} J from nothing: the time step is too long for so large a "
                 f"deformation; make {self.problem.time_step_key} smaller"
             )
 
