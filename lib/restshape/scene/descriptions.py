@@ -26,7 +26,11 @@ def with_symbol(value: Any, dimension: Any) -> str:
     formulas = [part.text for part in parts if isinstance(part, Expression)]
     if not symbol or any(in_si(text) != text for text in formulas):
         return listing(value)
-    return f"({listing(value)}) {symbol}" if formulas and value is parts[0] else f"{listing(value)} {symbol}"
+    return (
+        f"({listing(value)}) {symbol}"
+        if isinstance(value, Expression) and value.is_sum
+        else f"{listing(value)} {symbol}"
+    )
 
 
 def keys_in_words(model: BaseModel, without: tuple[str, ...] = ()) -> str:

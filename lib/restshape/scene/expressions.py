@@ -47,11 +47,14 @@ class Expression:
             may have a unit, as in ``3 mm*(1 - x/2)``.
         wanted: name of the dimension that its value must have; None: of any, or not known.
 
+    Attributes:
+        is_sum: what stands behind it belongs to its last term alone.
+
     Raises:
         ExpressionError: not a formula of + - * / ** ^, numbers, names and the known functions.
     """
 
-    __slots__ = ("_code", "_numbers", "names", "text", "wanted")
+    __slots__ = ("_code", "_numbers", "is_sum", "names", "text", "wanted")
 
     def __init__(self, text: str, wanted: str | None = None) -> None:
         self.text, self.wanted = text, wanted
@@ -69,6 +72,7 @@ class Expression:
         tree = numbers.visit(tree)
         self._numbers = numbers.values
         self.names = frozenset(names)
+        self.is_sum = isinstance(body, ast.BinOp) and isinstance(body.op, ast.Add | ast.Sub)
         self._code = compile(tree, "<formula>", "eval")
 
     def __repr__(self) -> str:
