@@ -23,7 +23,6 @@ application = Application(
         events="restshape.scene.script:PLAIN_EVENTS",
         check="restshape.scene.checks:check_parameters",
         held="restshape_apps.furniture.cli.check_planks:checked",
-        meshed=False,
     ),
     lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.plank_language:PlankInterpreter"),
     report=Reporting(

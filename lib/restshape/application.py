@@ -37,8 +37,23 @@ class ScriptLines:
 
 
 @dataclass(frozen=True)
+class MeshReuse:
+    """What a mesh that follows the edits lets frames reuse, as reports and studies show it.
+
+    Args:
+        levels: path ``module:attribute`` of what draws the level of reuse of each frame of a recording into a file.
+    """
+
+    levels: str
+
+    def draw_levels(self, recording: Any, path: Path) -> None:
+        """Draws the level of reuse of each frame."""
+        _attribute(self.levels)(recording, path)
+
+
+@dataclass(frozen=True)
 class Editing:
-    """What edit scripts edit, and what follows it from frame to frame; each but the last a path ``module:attribute``.
+    """What edit scripts edit, and what follows it from frame to frame; each but `mesh` a path ``module:attribute``.
 
     Args:
         session: makes the `Session` of a scene, a script, the application and, where the shape is not the scene's own,
@@ -48,7 +63,7 @@ class Editing:
         events: of its scripts by name, besides those that physics add.
         check: of a scene, the application and its source; raises a `UserError` of what makes no sense.
         held: of a scene and its plan, what the scene holds: for programs, as rows for people, and its outline if any.
-        meshed: what is edited has a mesh, which frames reuse.
+        mesh: what frames reuse of the mesh; None: what is edited has none.
     """
 
     session: str
@@ -56,7 +71,7 @@ class Editing:
     events: str
     check: str
     held: str
-    meshed: bool = True
+    mesh: MeshReuse | None = None
 
     def make_session(self, *scene_script_application: Any) -> Any:
         """The session, whose maker is imported now."""
@@ -89,6 +104,7 @@ SHAPES = Editing(
     events="restshape.scene.script:EVENTS",
     check="restshape.scene.checks:check_shaped",
     held="restshape.cli.check_scene:checked_shape",
+    mesh=MeshReuse(levels="restshape.report.levels:draw_levels"),
 )
 """Scripts that edit an outline, whose mesh follows."""
 

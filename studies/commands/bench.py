@@ -77,7 +77,7 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
         return [Case(kind.scenes, installed_scene(kind.scenes), None)]
     if args.edits and len(args.scenes) != 1:
         raise UserError("a script belongs to one scene", "--edits", "name one scene")
-    meshed = [app for app in applications().values() if app.editing.meshed]
+    meshed = [app for app in applications().values() if app.editing.mesh]
     installed = [path for app in meshed for path in app.scenes() if script_of(path)]
     paths = args.scenes or installed
     stems = [path.stem for path in paths]

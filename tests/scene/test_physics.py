@@ -8,6 +8,7 @@ import pytest
 from pydantic import Field
 
 from restshape.application import Application, Editing
+from restshape.cli.options import require_mesh
 from restshape.cli.schema import scene_schema, script_schema
 from restshape.errors import UserError
 from restshape.scene.effect import Effect
@@ -62,7 +63,6 @@ ROPE_EDITING = Editing(
     events="restshape.scene.script:PLAIN_EVENTS",
     check="restshape.scene.checks:check_parameters",
     held="nowhere:nothing",
-    meshed=False,
 )
 HANGING = Application(
     name="hanging",
@@ -187,3 +187,9 @@ def test_a_scene_of_an_application_that_is_not_installed_says_so(tmp_path, insta
         load_scene(path)
     assert caught.value.where == "chair.toml: app" and "'benches'" in caught.value.what
     assert "hanging" in caught.value.do and "install" in caught.value.do
+
+
+def test_studies_of_meshes_refuse_what_has_none(tmp_path, install):
+    install(HANGING)
+    with pytest.raises(UserError, match="has no mesh: nothing would be reused"):
+        require_mesh(scene_of(tmp_path, ROPE), "nothing would be reused")

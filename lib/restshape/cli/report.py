@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from restshape.application import Application, applications
+from restshape.application import SHAPES, Application, applications
 from restshape.cli.options import add_json, open_json, print_table, write_json
 from restshape.errors import UserError
 
@@ -131,22 +131,21 @@ def _short(value: Any) -> Any:
 def _draw(recording: Any, folder: Path, args: argparse.Namespace, application: Application | None) -> list[Path]:
     """Draws all pictures; their paths."""
     from restshape.report.drape import shows_cloth
-    from restshape.report.levels import draw_levels
     from restshape.report.timeline import draw_timeline
 
     cloth = shows_cloth(recording)
-    own, meshed = (application.report, application.editing.meshed) if application else (None, True)
+    own, reuse = (application.report, application.editing.mesh) if application else (None, SHAPES.mesh)
     if (cloth or own) and args.scale is not None:
         what = own.true_scale if own else "cloth is drawn where it lies"
         raise UserError(f"{what}, not exaggerated", "--scale", "leave --scale out")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         pictures = [folder / "timeline.png"]
-        draw_timeline(recording, pictures[0], iterations=meshed)
+        draw_timeline(recording, pictures[0], iterations=reuse is not None)
         # Without a mesh there is none to reuse; where bodies move, and the pattern stays, there are no levels.
-        if recording.n > 1 and meshed and not (cloth and not recording.table["level"][1:].any()):
+        if recording.n > 1 and reuse and not (cloth and not recording.table["level"][1:].any()):
             pictures.insert(0, folder / "levels.png")
-            draw_levels(recording, pictures[0])
+            reuse.draw_levels(recording, pictures[0])
         if recording.dimension == 2:
             moving = None if args.animation == "none" else folder / f"animation.{args.animation}"
             (_draw_cloth if cloth else _draw_plane)(recording, args, folder / "frames.png", moving)
