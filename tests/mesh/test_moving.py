@@ -338,3 +338,21 @@ def test_outline_edges_never_flip():
 
 def test_nothing_is_an_idle_frame():
     assert MeshUpdate.nothing().level == 0 and not len(MeshUpdate.nothing().changed_cells)
+
+
+@pytest.mark.parametrize("kind", ["harmonic", "mvc", "laplacian"])
+@pytest.mark.parametrize("spec", [{}, {"order": 2}, {"levels": 2}])
+def test_its_motion_has_the_dimension_of_the_mesh(kind, spec):
+    outline = plate()
+    mesh = MovingMesh(outline, MeshSpec(size=0.3, relocation=kind, **spec), order_of=lambda scene: spec.get("order", 1))
+    known = mesh.dim
+    hand, gesture = Hand(outline, mesh.spec), gestures.drag(outline, outline.entity("window"))
+    mesh.update(hand.frame("start", "start"))
+    mesh.update(hand.frame("press", "none", gesture))
+    nodes = mesh.field_mesh
+    assert known == mesh.dim == nodes.dim == nodes.X.shape[1]
+    assert mesh.field_motion.shape == (2, len(nodes.X), mesh.dim)
+    # A unit of the hand's second coefficient takes the nodes of the hole along the second axis.
+    np.testing.assert_allclose(
+        mesh.field_motion[1][nodes.nodes_of("window")], [[0.0, 1.0]] * len(nodes.nodes_of("window")), atol=1e-12
+    )

@@ -6,6 +6,7 @@ from mesh_samples import holed_mesh, l_mesh, shaken
 
 from restshape import _kernels
 from restshape.mesh.extrude import Extrusion
+from restshape.mesh.plate import PlateMesh
 from restshape.mesh.quality import areas
 from restshape.mesh.transfer import Transfer, transfer
 
@@ -55,3 +56,13 @@ def test_cells_of_another_dimension_are_refused():
     body = Extrusion(l_mesh(2), 1, 0.1)
     with pytest.raises(ValueError, match="triangles in the plane, not between cells 'tet4'"):
         transfer(body, body, body.X)
+
+
+def test_points_of_another_dimension_are_refused():
+    plane = l_mesh(2)
+    body = Extrusion(plane, 1, 0.1)
+    with pytest.raises(ValueError, match="2 and 3 coordinates"):
+        transfer(plane, body, plane.X)
+    sheet = PlateMesh(plane, 0.1)
+    with pytest.raises(ValueError, match="3 and 2 coordinates"):
+        transfer(sheet, plane, plane.X)

@@ -50,7 +50,7 @@ class Kept:
     Args:
         state: attributes of the moving mesh.
         versions: outline, geometry and topology of the mesh; None before the first one.
-        X: (n, 2) nodes [m], where they were moved; connectivity: copies of its arrays, where edges were flipped.
+        X: (n, d) nodes [m], where they were moved; connectivity: copies of its arrays, where edges were flipped.
     """
 
     state: dict[str, Any]

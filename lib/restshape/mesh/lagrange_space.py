@@ -47,7 +47,7 @@ class LagrangeSpace(OverMesh):
         mesh: of the corners, whose nodes may move and whose edges may flip.
 
     Attributes:
-        X: (n, 2) rest positions [m]; cells: (ne, 6) corners, then the middles of the sides (0, 1), (1, 2), (2, 0).
+        X: (n, d) rest positions [m]; cells: (ne, 6) corners, then the middles of the sides (0, 1), (1, 2), (2, 0).
         corners: (ne, 3) first columns of `cells`, contiguous.
         facets: (nf, 3) ends and middle of each facet of the mesh.
         corner_number: (corners,) node of each of the mesh's; side_number: (edges,) node of each mesh edge.
@@ -69,7 +69,7 @@ class LagrangeSpace(OverMesh):
         self.side_number = np.empty(len(ends), dtype=np.int32)
         self.side_number[order] = ends[order] + 1 + np.arange(len(ends))
         self.node_offsets = (mesh.node_offsets + first[mesh.node_offsets]).astype(np.int32)
-        self.X = np.empty((n + len(ends), 2))
+        self.X = np.empty((n + len(ends), self.dim))
         self.places = np.zeros(len(self.X), dtype=np.int32)
         self.places[self.corner_number] = mesh.places
         self.corners = np.empty_like(mesh.cells)
@@ -142,9 +142,9 @@ class LagrangeSpace(OverMesh):
         self._reference = self.offset.copy()
 
     def set_gesture(self, basis: np.ndarray | None) -> None:
-        """Take up a gesture by its basis (2, k, 2) of the outline's control points; None where it has no basis."""
+        """Take up a gesture by its basis (2, k, d) of the outline's control points; None where it has no basis."""
         if basis is None:
-            self._basis = np.zeros((2, len(self.curved), 2))
+            self._basis = np.zeros((2, len(self.curved), self.dim))
         else:
             self._basis = np.stack([self._offsets(self.mesh.outline, points) for points in basis])
 
@@ -209,7 +209,7 @@ class LagrangeSpace(OverMesh):
         self.place()
 
     def motion(self, Psi: np.ndarray) -> np.ndarray:
-        """Displacements (2, n, 2) of all nodes a unit of the gesture's coefficients, from those of the corners."""
+        """Displacements (2, n, d) of all nodes a unit of the gesture's coefficients, from those of the corners."""
         result = np.empty((2, *self.X.shape))
         for psi, bent, out in zip(Psi, self._basis, result):
             out[self.corner_number] = psi
@@ -226,7 +226,7 @@ class LagrangeSpace(OverMesh):
         chosen = np.flatnonzero(bends[mesh.facet_edge])
         chosen = chosen[np.argsort(mesh.facet_edge[chosen], kind="stable")]
         self.curved, own = edges[chosen].astype(np.int32), mesh.facet_edge[chosen]
-        self.offset = np.zeros((len(chosen), 2))
+        self.offset = np.zeros((len(chosen), self.dim))
         self._straight = np.zeros(len(chosen), dtype=bool)
         nodes = mesh.facets[chosen]
         starts = mesh.vertex_node[[mesh.outline.edges[e].start for e in own]] if len(own) else own
@@ -241,10 +241,10 @@ class LagrangeSpace(OverMesh):
         ]
 
     def _offsets(self, outline: Outline, points: np.ndarray | None = None) -> np.ndarray:
-        """From the middles of curved sides' ends to the curves (nc, 2) [m], or their displacements; see `point`."""
-        result = np.empty((len(self.curved), 2))
+        """From the middles of curved sides' ends to the curves (nc, d) [m], or their displacements; see `point`."""
+        result = np.empty((len(self.curved), self.dim))
         for edge, rows, s in self._groups:
-            middle, start, end = outline.point(edge, s, points).reshape(3, -1, 2)
+            middle, start, end = outline.point(edge, s, points).reshape(3, -1, self.dim)
             result[rows] = middle - 0.5 * (start + end)
         result[self._straight] = 0.0
         return result

@@ -48,7 +48,7 @@ class MorleySpace(OverMesh):
         self.side_number = np.empty(edges, dtype=np.int32)
         order = np.argsort(owner, kind="stable")
         self.side_number[order] = offsets[owner[order] + 1] + np.arange(edges)
-        self.X = np.empty((len(mesh.X) + edges, 2))
+        self.X = np.empty((len(mesh.X) + edges, mesh.dim))
         self.cells = np.empty((len(mesh.cells), 6), dtype=np.int32)
         self.corners = np.empty_like(mesh.cells)
         self.signs = np.empty((len(mesh.cells), 3))

@@ -117,6 +117,11 @@ class MovingMesh:
         return self._gesture
 
     @property
+    def dim(self) -> int:
+        """Coordinates d of a node, as of the meshes of all outlines; before the first frame too."""
+        return Mesh.dim
+
+    @property
     def field_mesh(self) -> Mesh | LagrangeSpace:
         """What fields live on: the mesh, the finest of those nested in it, or the nodes of second order over it."""
         return self.nested.finest if self.nested else self.space or self.mesh
@@ -128,7 +133,7 @@ class MovingMesh:
 
     @property
     def Psi(self) -> np.ndarray:
-        """Displacements (2, n, 2) of the nodes of `mesh` a unit of the gesture's coefficients; made on demand.
+        """Displacements (2, n, d) of the nodes of `mesh` a unit of the gesture's coefficients; made on demand.
 
         Source: docs/theory.md, section 3.
         """

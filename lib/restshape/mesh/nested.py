@@ -110,7 +110,7 @@ class NestedMesh:
 
         Args:
             outline: of which the bent edges are.
-            X: (n_coarse, 2) where the coarsest mesh's nodes are [m]; default: where they are now.
+            X: (n_coarse, d) where the coarsest mesh's nodes are [m]; default: where they are now.
         """
         X = self.meshes[0].X if X is None else X
         on_curves, invalid = self._on_curves(outline), 0
@@ -128,10 +128,10 @@ class NestedMesh:
             mesh.outline, mesh.geometry = self.meshes[0].outline, self.meshes[0].geometry
 
     def motion(self, Psi: np.ndarray, basis: np.ndarray | None) -> np.ndarray:
-        """Displacements (2, n, 2) of the finest nodes a unit of a gesture's coefficients, from those of the coarsest.
+        """Displacements (2, n, d) of the finest nodes a unit of a gesture's coefficients, from those of the coarsest.
 
         Args:
-            Psi: (2, n_coarse, 2); basis: (2, k, 2) of the outline's control points, None where the gesture has none.
+            Psi: (2, n_coarse, d); basis: (2, k, d) of the outline's control points, None where the gesture has none.
         """
         result = []
         for psi, points in zip(Psi, basis if basis is not None else (None, None)):
@@ -162,8 +162,8 @@ class NestedMesh:
         self._count = int(ends[-1])
 
     def _on_curves(self, outline: Outline, points: np.ndarray | None = None) -> np.ndarray:
-        """Places (m, 2) of the curved nodes of all levels, or their displacements; see `Outline.point`."""
-        result = np.empty((self._count, 2))
+        """Places (m, d) of the curved nodes of all levels, or their displacements; see `Outline.point`."""
+        result = np.empty((self._count, self.meshes[0].dim))
         for edge, rows, s in self._curves:
             result[rows] = outline.point(edge, s, points)
         return result

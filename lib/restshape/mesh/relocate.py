@@ -18,9 +18,11 @@ class BoundaryNodes:
 
     Attributes:
         nodes: (nb,) their numbers, ascending.
+        dim: coordinates d of a node.
     """
 
     def __init__(self, mesh: Mesh) -> None:
+        self.dim = mesh.dim
         placed = mesh.node_edge >= 0
         vertices = np.flatnonzero(mesh.vertex_node >= 0)
         lonely = vertices[~placed[mesh.vertex_node[vertices]]]
@@ -36,20 +38,20 @@ class BoundaryNodes:
         self._groups = [(int(edge), row[chunk], mesh.node_param[chunk]) for edge, chunk in zip(edges, chunks)]
 
     def values(self, outline: Outline, points: np.ndarray) -> np.ndarray:
-        """Positions (nb, 2) of the nodes, or displacements, for control points or displacements of them.
+        """Positions (nb, d) of the nodes, or displacements, for control points or displacements of them.
 
         Args:
             outline: gives curves and bulges.
-            points: (k, 2) control points [m], or any displacement of them.
+            points: (k, d) control points [m], or any displacement of them.
         """
-        result = np.empty((len(self.nodes), 2))
+        result = np.empty((len(self.nodes), self.dim))
         for edge, rows, parameters in self._groups:
             result[rows] = outline.point(edge, parameters, points=points)
         result[self._vertex_rows] = points[self._vertices]
         return result
 
     def basis(self, outline: Outline, basis: Sequence[np.ndarray]) -> np.ndarray:
-        """Displacements (2, nb, 2) of the nodes for the two displacements (k, 2) of the control points of a gesture."""
+        """Displacements (2, nb, d) of the nodes for the two displacements (k, d) of the control points of a gesture."""
         return np.stack([self.values(outline, points) for points in basis])
 
 
@@ -148,13 +150,13 @@ def extension(mesh: Mesh, nodes: np.ndarray, kind: str) -> Extension:
 
 
 def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str) -> np.ndarray:
-    """Psi (2, n, 2): node displacements a unit of each of a gesture's two coefficients.
+    """Psi (2, n, d): node displacements a unit of each of a gesture's two coefficients.
 
     The harmonic map is solved twice: the strain of the first solution stiffens the second.
 
     Args:
         mesh: the mesh as it lies now.
-        boundary_basis: (2, nb, 2) displacements of the boundary nodes, in the order of ``Boundary(mesh).nodes``.
+        boundary_basis: (2, nb, d) displacements of the boundary nodes, in the order of ``Boundary(mesh).nodes``.
         kind: "harmonic", "mvc" or "laplacian" (boundary nodes alone).
 
     Source: docs/theory.md, section 3.
@@ -165,4 +167,5 @@ def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str) -> np.ndarray:
     if isinstance(extend, HarmonicExtension):
         extend.stiffen(together)
         together = extend(values)
-    return np.ascontiguousarray(together.reshape(len(mesh.X), 2, 2).transpose(1, 0, 2))
+    parted = together.reshape(len(mesh.X), len(boundary_basis), mesh.dim)
+    return np.ascontiguousarray(parted.transpose(1, 0, 2))

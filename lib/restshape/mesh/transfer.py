@@ -8,8 +8,10 @@ from restshape import _kernels
 
 
 class FieldNodes(Protocol):
-    """Nodes X (n, d) [m] and cells on them, of a type that says dimension, shape and order: "tri3", "tri6"."""
+    """Nodes X (n, d) [m] and cells on them, of a dimension, and of a type that says shape and order: "tri3", "tri6"."""
 
+    @property
+    def dim(self) -> int: ...
     @property
     def cell_type(self) -> str: ...
     @property
@@ -27,14 +29,17 @@ class Transfer:
 
     Args:
         mesh: where the fields live, triangles of first or second order.
-        points: (m, 2) where they are wanted [m].
+        points: (m, d) where they are wanted [m].
 
     Raises:
-        ValueError: cells of the mesh's type cannot be searched for points.
+        ValueError: cells of the mesh's type cannot be searched for points, or points are of another dimension.
     """
 
     def __init__(self, mesh: FieldNodes, points: np.ndarray) -> None:
         points = np.ascontiguousarray(points, dtype=float)
+        if not mesh.X.shape[1] == points.shape[1] == mesh.dim:
+            many = f"{mesh.X.shape[1]} and {points.shape[1]} coordinates"
+            raise ValueError(f"nodes and points have {many}: cells of dimension {mesh.dim} are searched in it alone")
         if mesh.cell_type == "tri6":
             found, self.weights = _kernels.locate_quadratic(mesh.X, mesh.corners, mesh.cells, points)
         elif mesh.cell_type == "tri3":
