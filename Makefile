@@ -36,7 +36,7 @@ demo: setup
 test: setup
 	.venv/bin/python -m pytest -n 2 --dist worksteal $(PYTEST_ARGS)
 
-# What is committed under results/, made anew.
+# What is committed under results/, rebuilt.
 results: setup
 	$(restshape) replay $(plate) --edits $(plate_edits) --out results/plate.vtkhdf
 	$(restshape) report results/plate.vtkhdf --animation none

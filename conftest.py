@@ -81,8 +81,8 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.Captu
             code = main([*map(str, words)])
         except SystemExit as ended:
             code = int(ended.code or 0)
-        told = capfd.readouterr()
-        return subprocess.CompletedProcess(words, code, told.out, told.err)
+        printed = capfd.readouterr()
+        return subprocess.CompletedProcess(words, code, printed.out, printed.err)
 
     return run
 

@@ -97,7 +97,7 @@ def mpi_flags(what: str, keep: str) -> list[str]:
         except subprocess.CalledProcessError:
             continue
         return [word for word in done.stdout.split() if re.match(keep, word)]
-    raise SystemExit(f"{compiler} tells no flags: set MPICXX to a working wrapper")
+    raise SystemExit(f"{compiler} reports no flags: set MPICXX to a working wrapper")
 
 
 def eigen_folder() -> str:

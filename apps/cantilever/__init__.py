@@ -1,4 +1,4 @@
-"""Beams held at one end that deform by their own weight and by wind, to meet a goal: after figure 4.4 of the thesis.
+"""Beams clamped at one end that deform by their own weight and by wind, to meet a goal: after figure 4.4 of the thesis.
 
 Quantities of interest: the mean distance of the deformed outline from a goal, and those of static solids.
 """

@@ -22,7 +22,7 @@ application = Application(
         replayed="restshape_apps.furniture.session.plank_session:replayed_planks",
         events="restshape.scene.script:PLAIN_EVENTS",
         check="restshape.scene.checks:check_parameters",
-        held="restshape_apps.furniture.cli.check_planks:checked",
+        contents="restshape_apps.furniture.cli.check_planks:checked",
     ),
     lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.plank_language:PlankInterpreter"),
     report=Reporting(

@@ -48,7 +48,7 @@ def headed(name: str, furniture: Furniture, letters: int) -> str:
     return "\n".join(wrap(f"{name}: {state(furniture)}", letters, max_lines=2, placeholder=" …"))
 
 
-def told(one: Combination, furniture: Furniture) -> str:
+def caption(one: Combination, furniture: Furniture) -> str:
     """What a suggestion changes, and between which changes it is valid."""
     size, lines = furniture.piece.size, []
     for words, part in zip(one.words, one.parts):
@@ -97,7 +97,7 @@ def suggestions(path: Path, name: str = "table") -> None:
     draw_piece(panels[0], furniture, f"{name}: {result}", box=box)
     for axes, one in zip(panels[1:], found):
         draw_piece(
-            axes, furniture, told(one, furniture), DesignDirectionView(one.direction, one.t), numbers=False, box=box
+            axes, furniture, caption(one, furniture), DesignDirectionView(one.direction, one.t), numbers=False, box=box
         )
     if supports:
         made = model(supports[0].piece)

@@ -77,15 +77,15 @@ def main(words: Sequence[str] | None = None) -> int:
         (key, f"{p:.6g}", *(f"{p * d / f:+.5f}" for d, f in zip(found, frequencies))) for key, (p, found) in by.items()
     ]
     print_table("relative derivatives: p df/dp / f", heads, rows, right=heads[1:])
-    told: dict[str, Any] = {
+    derivatives_found: dict[str, Any] = {
         "frequencies": frequencies.tolist(),
         "by": {key: {"value": p, "derivatives": found.tolist()} for key, (p, found) in by.items()},
     }
     if args.outline:
-        told["outline"] = along_outline(analysis)
-        print_outline(told["outline"])
+        derivatives_found["outline"] = along_outline(analysis)
+        print_outline(derivatives_found["outline"])
     if args.json:
-        args.json.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        args.json.write_text(json.dumps(derivatives_found, indent=1) + "\n", encoding="utf-8")
     return 0
 
 

@@ -62,7 +62,7 @@ class Editing:
             policy and a communicator.
         events: of its scripts by name, besides those that physics add.
         check: of a scene, the application and its source; raises a `UserError` of what makes no sense.
-        held: of a scene and its plan, what the scene holds: for programs, as rows for people, and its outline if any.
+        contents: of a scene and its plan, what is in it: for programs, as rows for people, and its outline if any.
         mesh: what frames reuse of the mesh; None: what is edited has none.
     """
 
@@ -70,7 +70,7 @@ class Editing:
     replayed: str
     events: str
     check: str
-    held: str
+    contents: str
     mesh: MeshReuse | None = None
 
     def make_session(self, *scene_script_application: Any) -> Any:
@@ -95,7 +95,7 @@ class Editing:
 
     def checked(self, scene: Scene, effects: Any) -> tuple[dict[str, Any], list[tuple[str, str]], Any]:
         """What a scene holds: for programs, as rows for people, and its outline; None without one."""
-        return _attribute(self.held)(scene, effects)
+        return _attribute(self.contents)(scene, effects)
 
 
 SHAPES = Editing(
@@ -103,7 +103,7 @@ SHAPES = Editing(
     replayed="restshape.replay.shapes:replayed_shape",
     events="restshape.scene.script:EVENTS",
     check="restshape.scene.checks:check_shaped",
-    held="restshape.cli.check_scene:checked_shape",
+    contents="restshape.cli.check_scene:checked_shape",
     mesh=MeshReuse(levels="restshape.report.levels:draw_levels"),
 )
 """Scripts that edit an outline, whose mesh follows."""

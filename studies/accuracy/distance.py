@@ -124,7 +124,7 @@ class Reference:
 
     def save(self, path: Path) -> None:
         """Write this reference into a file (.npz)."""
-        held = self.solution
+        solution = self.solution
         none = np.empty(0)
         np.savez(
             path,
@@ -133,28 +133,28 @@ class Reference:
             stiffness=self.stiffness,
             outline=self.outline,
             spectrum=np.array(self.spectrum),
-            u=none if held.u is None else held.u,
-            strain=none if held.strain is None else held.strain,
-            v=none if held.v is None else held.v,
-            curvature=none if held.curvature is None else held.curvature,
+            u=none if solution.u is None else solution.u,
+            strain=none if solution.strain is None else solution.strain,
+            v=none if solution.v is None else solution.v,
+            curvature=none if solution.curvature is None else solution.curvature,
             sheet=none if self.sheet is None else self.sheet,
-            values=held.values,
-            shapes=held.shapes,
-            names=np.array(list(held.quantities), dtype=str),
-            quantities=np.array(list(held.quantities.values()), dtype=float),
+            values=solution.values,
+            shapes=solution.shapes,
+            names=np.array(list(solution.quantities), dtype=str),
+            quantities=np.array(list(solution.quantities.values()), dtype=float),
         )
 
     @classmethod
     def load(cls, path: Path) -> Reference:
         """The reference in a file."""
         with np.load(path) as data:
-            held = {name: data[name] for name in data.files}
+            entries = {name: data[name] for name in data.files}
         names = ("u", "strain", "v", "curvature", "sheet")
-        u, strain, v, curvature, sheet = (held[name] if held[name].size else None for name in names)
-        quantities = dict(zip(held["names"].tolist(), held["quantities"].tolist()))
-        solution = Sampled(u, strain, v, held["values"], held["shapes"], quantities, curvature)
-        geometry = (held[name] for name in ("points", "weights", "stiffness", "outline"))
-        return cls(*geometry, str(held["spectrum"]), solution, sheet)
+        u, strain, v, curvature, sheet = (entries[name] if entries[name].size else None for name in names)
+        quantities = dict(zip(entries["names"].tolist(), entries["quantities"].tolist()))
+        solution = Sampled(u, strain, v, entries["values"], entries["shapes"], quantities, curvature)
+        geometry = (entries[name] for name in ("points", "weights", "stiffness", "outline"))
+        return cls(*geometry, str(entries["spectrum"]), solution, sheet)
 
 
 def spectral(scale: np.ndarray, a: np.ndarray, b: np.ndarray) -> float:

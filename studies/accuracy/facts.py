@@ -85,11 +85,11 @@ def compared_values(study: Study) -> Facts:
         finest = sorted(found.finest.items(), key=lambda pair: pair[1][0])
         then = sorted(found.then.items(), key=lambda pair: pair[1])
         names = {value: shown(own if value is None else value) for value in found.finest}
-        told = ", ".join(f"{names[value]} {percent(error)} (h^{p:.2f})" for value, (error, p) in finest)
-        lines.append((f"{key}, finest meshes", told))
+        listed = ", ".join(f"{names[value]} {percent(error)} (h^{p:.2f})" for value, (error, p) in finest)
+        lines.append((f"{key}, finest meshes", listed))
         if then:
-            told = ", ".join(f"{names[value]} {percent(error)}" for value, error in then)
-            lines.append((f"{key}, frames of {found.ms:.3g} ms", told))
+            listed = ", ".join(f"{names[value]} {percent(error)}" for value, error in then)
+            lines.append((f"{key}, frames of {found.ms:.3g} ms", listed))
     return lines
 
 

@@ -72,10 +72,10 @@ def rates(records: Sequence[Row], policy: str) -> dict[str, dict[str, float]]:
         for order in sorted({record["order"] for record in grid}):
             points = []
             for record in (r for r in grid if r["order"] == order):
-                held = record["quantities"].get(name[2:]) if name.startswith("q_") else record["errors"].get(name)
-                known = held and held["worst"] and held["worst"] > max(held["uncertainty"], CLEAR * held["solver"])
+                entry = record["quantities"].get(name[2:]) if name.startswith("q_") else record["errors"].get(name)
+                known = entry and entry["worst"] and entry["worst"] > max(entry["uncertainty"], CLEAR * entry["solver"])
                 if known:
-                    points.append((record["size"], held["worst"]))
+                    points.append((record["size"], entry["worst"]))
             if len(points) > 1:
                 p = exponent(*zip(*points))
                 if p is not None:
@@ -167,7 +167,7 @@ def picks(records: Sequence[Row], within: float | None, error: float | None) -> 
     vague = [r for r in kept if error is not None and r["error"] < error]
     if vague and not below:
         raise UserError(
-            f"no point can be told to have an error below {percent(error)}: the reference itself is known to "
+            f"no point is known to have an error below {percent(error)}: the reference itself is known to "
             f"{percent(vague[0]['uncertainty'])} only, though {vague[0]['name']} is {percent(vague[0]['error'])} off",
             "--error",
             "allow that error, or have a finer reference by finer points: --sizes 1,0.5,0.25",

@@ -114,9 +114,9 @@ def _quantities(study: Study) -> str:
     names = [*front[0]["errors"], *(f"q_{q}" for q in front[0]["quantities"])]
     lines = []
     for record in front:
-        held = [record["quantities"][n[2:]] if n.startswith("q_") else record["errors"][n] for n in names]
-        stars = [" *" * (h["worst"] is not None and h["worst"] <= h["uncertainty"]) for h in held]
-        lines.append([record["name"], *(f"{percent(h['worst'])}{star}" for h, star in zip(held, stars))])
+        compared = [record["quantities"][n[2:]] if n.startswith("q_") else record["errors"][n] for n in names]
+        stars = [" *" * (h["worst"] is not None and h["worst"] <= h["uncertainty"]) for h in compared]
+        lines.append([record["name"], *(f"{percent(h['worst'])}{star}" for h, star in zip(compared, stars))])
     truth = study.truth
     doubts = [truth.doubt(n[2:]) if n.startswith("q_") else truth.uncertainty.get(n) for n in names]
     lines.append(["reference's uncertainty", *("–" if doubt is None else percent(doubt) for doubt in doubts)])
@@ -125,20 +125,20 @@ def _quantities(study: Study) -> str:
 
 def _effectivity(study: Study) -> str:
     """The effectivity of the estimates of the frames."""
-    told = [record for record in study.records if record["effectivity"]]
-    if not told:
+    rated = [record for record in study.records if record["effectivity"]]
+    if not rated:
         return "The frames carry no error estimate.\n"
-    inside = sum(record["effectivity"]["within"] for record in told)
+    inside = sum(record["effectivity"]["within"] for record in rated)
     lines = [
         [
             record["name"],
             *(f"{record['effectivity'][key]:.2g}" for key in ("least", "median", "largest")),
             BELOW if record["below_reference"] else "",
         ]
-        for record in told
+        for record in rated
         if not record["effectivity"]["within"]
     ]
-    head = f"Of the {measure_name(told[0]['effectivity']['measure'])}: within the bounds at {inside} of {len(told)}."
+    head = f"Of the {measure_name(rated[0]['effectivity']['measure'])}: within the bounds at {inside} of {len(rated)}."
     outside = table(("point outside", "least", "median", "largest", "remarks"), lines) if lines else ""
     return f"{head}\n\n{outside}"
 

@@ -37,7 +37,7 @@ class Truth:
 
     def scale(self, name: str) -> float:
         """The largest size of a quantity over the frames, that its errors are relative to; 0 where it has no number."""
-        sizes = [abs(held[name]) for held in self.values.values() if np.isfinite(held.get(name, np.nan))]
+        sizes = [abs(part_of[name]) for part_of in self.values.values() if np.isfinite(part_of.get(name, np.nan))]
         return max([*sizes, abs(self.exact.get(name, 0.0))], default=0.0)
 
     def error(self, name: str, frame: str, value: float) -> float:
@@ -88,24 +88,25 @@ def record(name: str, scene: Scene, setting: Setting, outcome: Outcome, truth: T
         of: "field", or the quantity whose error is `error`.
     """
     blank = _blank(name, scene, setting) | {"problem": nameless(outcome.problem)}
-    told = outcome.found
-    if not told:
-        return blank | {"problem": blank["problem"] or "the process told nothing"}
-    frames = [frame for frame in told["frames"] if "errors" in frame]
-    problems = [f"frame {frame['index']}: {frame['problem']}" for frame in told["frames"] if "problem" in frame]
-    problems += without(told["refused"], "have no solution")
+    run = outcome.found
+    if not run:
+        return blank | {"problem": blank["problem"] or "the process reported nothing"}
+    frames = [frame for frame in run["frames"] if "errors" in frame]
+    problems = [f"frame {frame['index']}: {frame['problem']}" for frame in run["frames"] if "problem" in frame]
+    problems += without(run["refused"], "have no solution")
     problems += without(
-        told["lost"], f"have no solution at the tolerance {told['tight_tolerance']:g}, so that the error is not split"
+        run["lost"],
+        f"have no solution at the tolerance {run['tight_tolerance']:g}, so that the error is not split",
     )
-    times = {key: told[key] for key in ("frame_ms", "total_s", "unknowns", "elements", "timed_frames", "replayed")}
+    times = {key: run[key] for key in ("frame_ms", "total_s", "unknowns", "elements", "timed_frames", "replayed")}
     found = blank | times | {"problem": nameless("; ".join(problems)), "frames": frames}
     if not frames:
         return found
     errors = {measure: _summed([f["errors"][measure] for f in frames]) for measure in frames[0]["errors"]}
-    for measure, held in errors.items():
-        held["uncertainty"] = truth.uncertainty.get(measure, 0.0)
+    for measure, part_of in errors.items():
+        part_of["uncertainty"] = truth.uncertainty.get(measure, 0.0)
         parts = [f["parts"][measure] for f in frames if "parts" in f]
-        held["solver"] = max((p["reuse"] + p["algebraic"] for p in parts), default=0.0)
+        part_of["solver"] = max((p["reuse"] + p["algebraic"] for p in parts), default=0.0)
     main = next(iter(errors))
     quantities = {q: _quantity(frames, truth, q) for q in frames[0]["quantities"]}
     chosen = errors[main] if of == "field" else quantities.get(of)
@@ -181,10 +182,10 @@ def _parts(frames: list[Row], main: str, of: str, truth: Truth) -> dict[str, flo
     if of == "field":
         return {part: max(frame["parts"][main][part] for frame in frames) for part in PARTS}
     scale = truth.scale(of) or 1.0
-    held = [frame["quantity_parts"].get(of) for frame in frames]
-    if any(parts is None for parts in held):
+    part_of = [frame["quantity_parts"].get(of) for frame in frames]
+    if any(parts is None for parts in part_of):
         return None
-    return {part: max(abs(parts[part]) for parts in held) / scale for part in PARTS}
+    return {part: max(abs(parts[part]) for parts in part_of) / scale for part in PARTS}
 
 
 def effectivity(frames: list[Row], main: str) -> Mapping[str, Any] | None:

@@ -178,7 +178,7 @@ def solve(
     Raises:
         UserError: there is no reference.
     """
-    told = []
+    solutions = []
     kinds = ("coarse", COARSER, plan.coarse, ""), ("fine", 1.0, plan.overrides, "coarse")
     for name, coarser, turned, other in kinds:
         own = folder / name
@@ -199,9 +199,9 @@ def solve(
                 break
         if not outcome.found:
             if not out_of_time:
-                what = f"the reference has no solution: {outcome.problem or 'it told nothing'}"
+                what = f"the reference has no solution: {outcome.problem or 'it reported nothing'}"
                 raise UserError(what, job.scene, ", or ".join(advice[:-1]))
             what = f"the reference was not finished{outcome.problem.removeprefix(STOPPED)} (--reference-seconds)"
             raise UserError(what, job.scene, ", or ".join(advice))
-        told.append(outcome.found | {"tolerance": tolerance})
-    return told[1], told[0]
+        solutions.append(outcome.found | {"tolerance": tolerance})
+    return solutions[1], solutions[0]

@@ -25,7 +25,7 @@ NO_CELLS = np.empty(0, dtype=np.int32)
 
 
 class LinearisedScene:
-    """A replay that has stopped where a hand takes hold of the shape, and lays its nodes where it is told to.
+    """A replay that has stopped where a hand takes hold of the shape, and lays its nodes where a study wants them.
 
     Args:
         request: of a static problem, with a script that drags.
@@ -55,7 +55,7 @@ class LinearisedScene:
         return np.array(max(places, key=lambda c: c[0] ** 2 + c[1] ** 2))
 
     def lay(self, dX: np.ndarray) -> bool:
-        """Lay the nodes dX (n, 2) [m] from where they were held; returns whether no triangle is inverted."""
+        """Lay the nodes dX (n, 2) [m] from where they were grabbed; returns whether no triangle is inverted."""
         self.mesh.X[...] = self.X + dX
         corners = np.ascontiguousarray(self.mesh.cells[:, :3])
         return _kernels.check_cells(self.mesh.X, corners, 0.0, 0.0)[1] == 0
@@ -66,7 +66,7 @@ class LinearisedScene:
         return self.analysis.solve(Frame(self.mesh, NO_CELLS, None, self.scene, (None, (0.0, 0.0))))
 
     def derivative(self, Psi: np.ndarray) -> np.ndarray:
-        """s (2, n, 2) where the nodes were held."""
+        """s (2, n, 2) where the nodes were grabbed."""
         self.lay(np.zeros_like(self.X))
         self.solve(self.x)
         self.x = self.analysis.x.copy()

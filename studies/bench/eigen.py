@@ -128,13 +128,13 @@ class Contest:
 
 def summary(rows: list[Row], problems: int) -> Row:
     """The record of one solver."""
-    told: dict[str, Callable[[list[float]], float]] = {
+    averages: dict[str, Callable[[list[float]], float]] = {
         "ms": mean,
         "substitutions": mean,
         "residual": max,
         "error": max,
     }
-    found: dict[str, Any] = {key: take([row[key] for row in rows]) if rows else None for key, take in told.items()}
+    found: dict[str, Any] = {key: take([row[key] for row in rows]) if rows else None for key, take in averages.items()}
     return {**found, "p50": median(row["ms"] for row in rows) if rows else None, "problems": problems}
 
 

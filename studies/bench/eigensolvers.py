@@ -150,7 +150,7 @@ def _vectors(rows: np.ndarray | list[np.ndarray]) -> list[PETSc.Vec]:
 
 def _weight(pencil: Pencil, modes: np.ndarray, dofs_with_mass: bool) -> float:
     """The least |M phi| of modes (k, n), or where these are not `dofs_with_mass`, |M phi| / |phi|."""
-    heavy = np.empty_like(modes)
-    pencil.apply(pencil.mass, np.ascontiguousarray(modes), heavy)
-    sizes = np.linalg.norm(heavy, axis=1)
+    mass_products = np.empty_like(modes)
+    pencil.apply(pencil.mass, np.ascontiguousarray(modes), mass_products)
+    sizes = np.linalg.norm(mass_products, axis=1)
     return float((sizes if dofs_with_mass else sizes / np.linalg.norm(modes, axis=1)).min())

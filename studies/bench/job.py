@@ -94,8 +94,8 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
         UserError: the job cannot be run: a bad scene, script, or option.
     """
     with tempfile.TemporaryDirectory(prefix="restshape-bench-") as folder:
-        told = Path(folder) / "told.jsonl"
-        command = [sys.executable, "-P", "-m", "restshape_studies.bench.process", str(told)]
+        reports = Path(folder) / "reports.jsonl"
+        command = [sys.executable, "-P", "-m", "restshape_studies.bench.process", str(reports)]
         process = start(
             command,
             stdin=subprocess.PIPE,
@@ -114,7 +114,7 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
             if process.poll() is None:
                 process.kill()
                 process.communicate()
-        return _read(told, problem)
+        return _read(reports, problem)
 
 
 def ending(code: int, stderr: str) -> str:
@@ -128,10 +128,10 @@ def ending(code: int, stderr: str) -> str:
     return f"ended with code {code}: {lines[-1] if lines else 'no message'}"
 
 
-def _read(told: Path, problem: str) -> Outcome:
+def _read(reports: Path, problem: str) -> Outcome:
     """The outcome from the lines of a process; a last line that is torn is left out."""
     outcome = Outcome([], problem)
-    for line in told.read_text().split("\n")[:-1] if told.is_file() else []:
+    for line in reports.read_text().split("\n")[:-1] if reports.is_file() else []:
         kind, content = json.loads(line)
         if kind == "error":
             raise UserError(**content)

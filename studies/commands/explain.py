@@ -87,12 +87,12 @@ def _line(row: dict[str, Any]) -> list[str]:
     name, part = row["effect"], row["kind"] == "part"
     if not row["on"]:
         return [name, "off", *["-"] * 5, f"nothing calls for it: {row['why']}"]
-    told = row["how"] in ("by difference", "measured")
+    has_share = row["how"] in ("by difference", "measured")
     core = "solver" in row
-    counted = told or core or any(row[key] for key in COUNTED)
+    counted = has_share or core or any(row[key] for key in COUNTED)
     counts = [str(row[key]) for key in COUNTED[:-1]] if counted and not part else ["-"] * 3
-    share = f"{100 * row['share']:.1f} ± {100 * row['spread']:.1f} %" if told or core else "-"
-    why = row["why"] if told else f"{row['why']} ({row['how']})"
+    share = f"{100 * row['share']:.1f} ± {100 * row['spread']:.1f} %" if has_share or core else "-"
+    why = row["why"] if has_share else f"{row['why']} ({row['how']})"
     return [name, "" if part else "on", *counts, f"{row['calls']:.3g}" if counted else "-", share, why]
 
 

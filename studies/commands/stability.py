@@ -143,11 +143,11 @@ def _fuzz(args: argparse.Namespace) -> int:
     from restshape_studies.stability.fuzz import fuzz
     from restshape_studies.verification import verifications
 
-    def told(tried: Any) -> None:
+    def report(tried: Any) -> None:
         print(f"{tried.examples} examples, {len(tried.found)} faults, {tried.seconds:.0f} s", flush=True)
 
     apps = tuple(app for app, known in verifications().items() if known.random_scenes)
-    tried = fuzz(args.fuzz, args.seed, apps, args.keep, EACH, args.seconds, told=told)
+    tried = fuzz(args.fuzz, args.seed, apps, args.keep, EACH, args.seconds, report=report)
     numbers = tried.as_dict()
     shown = ("examples", "valid", "refused", "too_large", "broken", "damaged", "written")
     shown += ("frames", "refused_frames", "largest")

@@ -110,12 +110,12 @@ def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None,
             matrices[k] += stored()[0] - count
             filled[k].update(watch.entries())
             filled[k].subtract(entries)
-            mine = {names: held for names, held in filled[k].items() if held}
+            mine = {names: counts for names, counts in filled[k].items() if counts}
             kept = {key: row[key] for key in (*KEPT, *TIMES, "calls", "calls_beside")} | {"tried": row.get("tried", 0)}
             if left is not None and k == 0 and step and moved(row):
                 left -= 1
-            held = {"matrices": matrices[k], "entries": sum(mine.values()), "filled": mine}
-            rows.append({"variant": k, **held, **kept})
+            counts = {"matrices": matrices[k], "entries": sum(mine.values()), "filled": mine}
+            rows.append({"variant": k, **counts, **kept})
         step += 1
     return rows
 

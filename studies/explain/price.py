@@ -12,7 +12,7 @@ MESH = ("ms_relocate", "ms_map", "ms_flip", "ms_mesh")
 PARTS = ("edit", "mesh", "observation", "record", "solve")
 """What the time of a frame is made of; `solve` is all that is none of the others."""
 TWIN = "twin"
-ANOTHER_WAY = "not to be told: without it another state is found, by a way of other length"
+ANOTHER_WAY = "not determined: without it another state is found, by a way of other length"
 OF_EFFECTS = np.array([0.0, 0.0, 1.0, 0.0, 1.0])
 """The parts that effects have a share in: of all others a difference would be noise."""
 
@@ -47,7 +47,7 @@ class Counts:
             self.elements - other.elements,
             self.entries - other.entries,
             difference(self.calls, other.calls),
-            {name: held for name in {*self.filled, *other.filled} if (held := self._held(other, name))},
+            {name: number for name in {*self.filled, *other.filled} if (number := self._held(other, name))},
         )
 
     def _held(self, other: "Counts", names: str) -> int:
@@ -94,7 +94,7 @@ def prices(runs: Sequence[Sequence[Row]], tried: Variants, nonlinear: bool = Fal
     failed = {row["variant"]: row["problem"] for row in runs[0] if "problem" in row}
     pairs = {name: (sets[pair.more], sets[pair.less]) for name, pair in (tried.differences | tried.alone).items()}
     broken = {name: next((failed[k] for k in pair if k in failed), "") for name, pair in pairs.items()}
-    problems = {name: f"not to be told: without it {why}" for name, why in broken.items() if why}
+    problems = {name: f"not determined: without it {why}" for name, why in broken.items() if why}
     counted = {name: pair for name, pair in pairs.items() if not broken[name]}
     known = {name: pair for name, pair in counted.items() if name in tried.differences}
     frames = min(len(tables[0][k]) for k in range(count) if k not in failed)

@@ -27,13 +27,13 @@ def command_problem(folder: Path, example: Example, message: str, frames: int, r
     """
     for name in (RECORDING, TABLE, SUMMARY):
         (folder / name).unlink(missing_ok=True)
-    code, told = _run(folder, example)
+    code, printed = _run(folder, example)
     if code != (2 if message else 0):
         return f"the command ends with {code}, where the replay said {message or 'nothing'!r}"
-    if message and not told.rstrip().rpartition("restshape replay: ")[2]:
+    if message and not printed.rstrip().rpartition("restshape replay: ")[2]:
         return "the command ends with 2 and says nothing"
-    if "Traceback" in told:
-        return f"the command prints a traceback: {told[-300:]}"
+    if "Traceback" in printed:
+        return f"the command prints a traceback: {printed[-300:]}"
     return _written(folder, frames, refused) if frames else ""
 
 
@@ -55,7 +55,7 @@ def _written(folder: Path, frames: int, refused: int) -> str:
     except ValueError as error:
         return f"the JSON file is none: {error}"
     if (summary["frames"], summary["refused"]) != (frames, refused):
-        return f"the JSON file tells {summary['frames']} frames, {summary['refused']} refused, not {frames}, {refused}"
+        return f"the JSON file has {summary['frames']} frames, {summary['refused']} refused, not {frames}, {refused}"
     with (folder / TABLE).open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file, strict=True))
     if [row["index"] for row in rows] != [str(k) for k in range(frames)] or any(None in row for row in rows):

@@ -9,8 +9,8 @@ from restshape_studies.stability.shape_strategies import Table, angles, numbers,
 
 def gestures(names: Sequence[str], at: st.SearchStrategy[list[float]] = places) -> st.SearchStrategy[list[Table]]:
     """A press or pull, a drag through one to five places, and a release."""
-    held = st.sampled_from(["press", "press", "pull"])
-    return st.tuples(held, st.sampled_from(list(names)), st.lists(at, min_size=1, max_size=5)).map(
+    grabs = st.sampled_from(["press", "press", "pull"])
+    return st.tuples(grabs, st.sampled_from(list(names)), st.lists(at, min_size=1, max_size=5)).map(
         lambda found: [
             {"do": found[0], "on": found[1]},
             {"do": "drag", "path": found[2]},

@@ -87,8 +87,8 @@ class Tried:
     def as_dict(self) -> dict[str, Any]:
         """The numbers for `--json`."""
         table = {key: value for key, value in vars(self).items() if key not in ("found", "warned", "messages")}
-        told = {"warned": dict(self.warned), "messages": dict(self.messages.most_common())}
-        return {**table, **told, "faults": [asdict(found) for found in self.found.values()]}
+        report = {"warned": dict(self.warned), "messages": dict(self.messages.most_common())}
+        return {**table, **report, "faults": [asdict(found) for found in self.found.values()]}
 
 
 def fuzz(
@@ -99,7 +99,7 @@ def fuzz(
     each: float = 120.0,
     seconds: float = float("inf"),
     shrink: bool = True,
-    told: Callable[[Tried], None] = lambda tried: None,
+    report: Callable[[Tried], None] = lambda tried: None,
 ) -> Tried:
     """What came of at least `count` random examples.
 
@@ -127,7 +127,7 @@ def fuzz(
         _play(batch, tried, keep, each)
         number += 1
         tried.seconds = time.monotonic() - start
-        told(tried)
+        report(tried)
         if tried.examples == before:
             raise UserError("no example could be played", "--fuzz", "; ".join(f.what for f in tried.found.values()))
     return tried

@@ -51,7 +51,7 @@ def run_case(name: str, case: Case, trial: Trial) -> Row:
     start = time.perf_counter()
     row: Row = {"case": name, "policy": trial.policy, "left_out": case.exempt.get(trial.policy, "")}
     if row["left_out"]:
-        return {**row, **told([]), "holds": None, "seconds": 0.0}
+        return {**row, **row_of([]), "holds": None, "seconds": 0.0}
     found: list[Statement] = []
     try:
         found += case.run(trial)
@@ -59,7 +59,7 @@ def run_case(name: str, case: Case, trial: Trial) -> Row:
         found.append(Statement("nothing refused as a whole", str(problem), False))
     # Folders of trials are gone when a row is read, and differ from run to run.
     found = [replace(one, value=_without(trial.folder, one.value)) for one in found]
-    return {**row, **told(found), "seconds": time.perf_counter() - start}
+    return {**row, **row_of(found), "seconds": time.perf_counter() - start}
 
 
 def _without(folder: Path, value: float | str) -> float | str:
@@ -70,10 +70,10 @@ def _without(folder: Path, value: float | str) -> float | str:
 def not_begun(name: str, policy: str, seconds: float) -> Row:
     """The row of a case that would have begun after so long."""
     reason = f"no more than {seconds:g} s were wanted"
-    return {"case": name, "policy": policy, "left_out": reason, **told([]), "holds": None, "seconds": 0.0}
+    return {"case": name, "policy": policy, "left_out": reason, **row_of([]), "holds": None, "seconds": 0.0}
 
 
-def told(found: Sequence[Statement]) -> Row:
+def row_of(found: Sequence[Statement]) -> Row:
     """What a row says: the first statement that fails, else the first one; and all of them."""
     shown = next((s for s in found if not s.holds), found[0] if found else Statement("", "", False))
     statements = [{**asdict(s), "value": _plain(s.value)} for s in found]
@@ -92,7 +92,7 @@ def run_apart(
     share: float,
     seconds: float,
     petsc: Sequence[str],
-    told_of: Callable[[Row], None],
+    report: Callable[[Row], None],
 ) -> list[Row]:
     """The rows of all jobs, run one after the other in a process; one that it does not survive fails.
 
@@ -102,14 +102,14 @@ def run_apart(
         share: of each case's frames or seeds.
         seconds: no job begins after so long: the rest is left out.
         petsc: words for PETSc's options database.
-        told_of: is given each row, as soon as it is there.
+        report: is given each row, as soon as it is there.
     """
     rows: list[Row] = []
     start = time.monotonic()
 
     def add(row: Row) -> None:
         rows.append(row)
-        told_of(row)
+        report(row)
 
     while len(rows) < len(wanted):
         left = wanted[len(rows) :]
@@ -121,7 +121,7 @@ def run_apart(
         if left and end.problem:
             name, policy = left[0]
             words = end.last_words.rpartition(" | ")[2] or end.problem
-            lost = told([Statement("the process survives", f"{end.problem}: {words}"[:600], False)])
+            lost = row_of([Statement("the process survives", f"{end.problem}: {words}"[:600], False)])
             add({"case": name, "policy": policy, "left_out": "", **lost, "seconds": math.nan})
         elif left:
             for name, policy in left:

@@ -14,7 +14,7 @@ from restshape_studies.bench.job import ending
 
 from restshape.cli.verbosity import relay
 
-TOLD = "told.jsonl"
+REPORTS = "reports.jsonl"
 LOOK = 0.05
 """Seconds between two looks at a process."""
 
@@ -44,7 +44,7 @@ class Telling:
     """The file that a process reports its lines to; ``report(kind, content)``."""
 
     def __init__(self, folder: Path) -> None:
-        self.file = (folder / TOLD).open("w", buffering=1)
+        self.file = (folder / REPORTS).open("w", buffering=1)
 
     def __call__(self, kind: str, content: Any = None) -> None:
         self.file.write(json.dumps([kind, content]) + "\n")
@@ -75,14 +75,14 @@ def watch(
         try:
             process.stdin.write(json.dumps(job))
             process.stdin.close()
-            hung = _listen(process, folder / TOLD, silence, heard)
+            hung = _listen(process, folder / REPORTS, silence, heard)
         finally:
             if process.poll() is None:
                 process.kill()
             process.wait()
     messages = (folder / "stderr").read_text(errors="replace")
     relay(messages)
-    problem = f"told nothing for {silence:g} s" if hung else ending(process.returncode, messages)
+    problem = f"reported nothing for {silence:g} s" if hung else ending(process.returncode, messages)
     lines = [line for line in messages.splitlines() if line.strip()]
     return End(problem, hung, " | ".join(lines[-8:]))
 

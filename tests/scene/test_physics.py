@@ -62,7 +62,7 @@ ROPE_EDITING = Editing(
     replayed="nowhere:nothing",
     events="restshape.scene.script:PLAIN_EVENTS",
     check="restshape.scene.checks:check_parameters",
-    held="nowhere:nothing",
+    contents="nowhere:nothing",
 )
 HANGING = Application(
     name="hanging",

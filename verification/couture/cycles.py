@@ -1,7 +1,7 @@
 """What makes cloth cycle for ever on its way to rest, and what cures it.
 
 The author's released program moves cloth in steps of one length with kinetic damping. The force of its contact begins
-with a kink; normal forces, and anchors of friction on springs about as stiff as contact, are taken anew in each step.
+with a kink; normal forces, and anchors of friction on springs about as stiff as contact, are taken in each step.
 Here cloth on a ball is moved like that until it goes round. From there it goes on once more like that, with either
 cause taken away, with both, with both and an eye on the energy, and by the way of this application.
 
@@ -47,7 +47,7 @@ SLIP = 1e-5
 BEFORE, AFTER = 300, 400
 """Steps until the cloth goes round, and steps of each way on from there."""
 LATE = 100
-"""Steps at the end of which the speed is told."""
+"""Steps at the end of which the speed is reported."""
 REST = 1e-4
 
 
@@ -72,24 +72,24 @@ class Manner:
 
     Args:
         kink: the force begins with one; otherwise it is smooth.
-        anew: normal forces and anchors are taken in each step; otherwise they stay until the cloth rests with them.
+        refreshed: normal forces and anchors are taken in each step, else they stay until the cloth rests with them.
         checked: steps that gain energy are taken back; otherwise all have one length and stand.
     """
 
     kink: bool
-    anew: bool
+    refreshed: bool
     checked: bool = False
 
 
 AUTHOR = Manner(True, True)
 MANNERS = {
     "as the author's program": AUTHOR,
-    "friction held, kink": Manner(True, False),
-    "smooth onset, friction anew in each step": Manner(False, True),
-    "smooth onset, friction held": Manner(False, False),
-    "smooth onset, friction held, steps that gain energy taken back": Manner(False, False, True),
+    "friction kept, kink": Manner(True, False),
+    "smooth onset, friction in each step": Manner(False, True),
+    "smooth onset, friction kept": Manner(False, False),
+    "smooth onset, friction kept, steps that gain energy taken back": Manner(False, False, True),
 }
-OURS = "smooth onset, friction held, descent"
+OURS = "smooth onset, friction kept, descent"
 
 
 class Cloth:
@@ -140,7 +140,7 @@ def move(sheet: ClothProblem, x: np.ndarray, manner: Manner, most: int) -> Cours
         left = Steps(TIME_STEP, longest=longest, most=most - len(course.residuals))
         moving = KineticDamping(PETSc.COMM_SELF, "cycles_", equations, sheet.lumped.mass, x.shape, equations.rows, left)
         moving.on_step = note
-        if manner.anew:
+        if manner.refreshed:
             moving.on_move = sheet.follow_friction
         norm = moving.run(x, REST * sheet.lumped.load)
         moving.free()

@@ -97,8 +97,8 @@ def main(words: Sequence[str] | None = None) -> int:
     print("without a board:", " and ".join(f"{use:.3f}" for use in uses(piece)))
     for width in WIDTHS:
         best = min((row for row in rows if row.width == width), key=lambda row: max(row.uses))
-        told = " and ".join(f"{use:.3f}" for use in best.uses)
-        print(f"with the best of {width * 1e3:g} mm, {best.place * 1e3:.0f} mm from the upright board: {told}")
+        utilisations = " and ".join(f"{use:.3f}" for use in best.uses)
+        print(f"with the best of {width * 1e3:g} mm, {best.place * 1e3:.0f} mm from the upright board: {utilisations}")
     if args.json:
         args.json.write_text(json.dumps([asdict(row) for row in rows], indent=1), encoding="utf-8")
     return 0

@@ -30,8 +30,8 @@ def plank_problem(analysis: FurnitureAnalysis, row: dict[str, Any]) -> str:
     if analysis.way is not None and analysis.design.guidance.ranges and (wrong := _off_range(analysis.way, row)):
         return wrong
     fresh = [_holds(analysis, suggestion) for suggestion in analysis.suggestion_list.found]
-    told = [suggestion.valid for suggestion in analysis.suggestion_list.found]
-    return "" if fresh == told else f"suggestions are valid {told}, and in tests of their own {fresh}"
+    listed = [suggestion.valid for suggestion in analysis.suggestion_list.found]
+    return "" if fresh == listed else f"suggestions are valid {listed}, and in tests of their own {fresh}"
 
 
 def _unbalanced(analysis: FurnitureAnalysis) -> str:

@@ -60,7 +60,7 @@ def ratio_rows(study: PlankStudy) -> Lines:
 
 
 HEADS: dict[str, Sequence[str]] = {
-    "ranges": ("samples", "expected ends", "wrongly told, worst", "mean", "intervals unseen", "ms a range, p50"),
+    "ranges": ("samples", "expected ends", "wrong, worst", "mean", "intervals unseen", "ms a range, p50"),
     "ends": ("tolerance", "error of an end, worst", "ms a range, p50"),
     "searches": ("tested at most", "tested", "suggestions found", "ms a search"),
     "newton": ("tolerance of the residual", "Newton steps", "error of a force, relative", "ms"),
@@ -96,14 +96,14 @@ def write_plank_page(study: PlankStudy, folder: Path, command: str) -> None:
     parts = [
         f"# {name}: what accuracy costs\n",
         f"{study.scene.title or name}. Planks are rigid and have no mesh, so that there is no error of one. What "
-        "can be told more or less exactly is guidance: where a range ends, which intervals it has, which suggestions "
+        "can be found more or less exactly is guidance: where a range ends, which intervals it has, which suggestions "
         "there are. Forces are exact up to Newton's tolerance, once the stiffness of joints is chosen. Times are the "
         "least of five on one core; of ranges, the median over all of them.\n",
         f"```sh\n{command}\n```\n",
         f"![errors against time, a panel a question]({name}.png)\n",
         "## Samples of a range\n",
         f"Ranges of {study.ways} design parameters of the first piece, {study.planks} planks. References have {DENSE} "
-        f"samples and ends to {EXACT:.0e} of the way; they have {study.intervals} intervals in all. *Wrongly told* is "
+        f"samples and ends to {EXACT:.0e} of the way; they have {study.intervals} intervals in all. *Wrong* is "
         "the part of the way looked at where range and reference differ. *Unseen* are intervals of the reference that "
         "no interval of the range meets. With *expected ends*, samples are added around places where the derivative "
         "of forces expects an end. Ends are bisected to 1e-06 of the way here.\n",

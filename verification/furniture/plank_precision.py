@@ -43,14 +43,14 @@ def _ranges(axes: Any, rows: Rows, usual: int) -> None:
     """The part of a range that is reported wrongly, over its time; a point a number of samples."""
     axes.set_title("samples of a range (their number beside each point)")
     if not any(row["worst"] for row in rows):
-        _nothing(axes, "nothing is told wrongly")
+        _nothing(axes, "nothing is wrong")
         return
     for hints, colour, label in ((True, FULL, "with ends that derivatives expect"), (False, BARE, "samples alone")):
         chosen = [row for row in rows if row["hints"] is hints]
         axes.plot([row["ms"] for row in chosen], [100.0 * row["worst"] for row in chosen], "o-", c=colour, label=label)
         for k, row in enumerate(chosen if hints else []):
             _number(axes, (row["ms"], 100.0 * row["worst"]), row["samples"], k, row["samples"] == usual)
-    axes.set(xscale="log", yscale="log", xlabel="time of a range, median [ms]", ylabel="wrongly told, worst way [%]")
+    axes.set(xscale="log", yscale="log", xlabel="time of a range, median [ms]", ylabel="wrong, worst way [%]")
     axes.margins(0.18)
     low, high = axes.get_ylim()
     axes.set_ylim(low, high * (high / low) ** ABOVE)

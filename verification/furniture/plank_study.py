@@ -191,8 +191,8 @@ def searched(design: Design) -> tuple[Row, ...]:
             {"trials": limits.trials, "tested": found.tested, "ms": 1e3 * float(np.median(times)), "names": names}
         )
     everything = rows[-1]["names"]
-    told = [{**row, "found": len(row["names"] & everything), "all": len(everything)} for row in rows]
-    return tuple({key: value for key, value in row.items() if key != "names"} for row in told if everything)
+    tallied = [{**row, "found": len(row["names"] & everything), "all": len(everything)} for row in rows]
+    return tuple({key: value for key, value in row.items() if key != "names"} for row in tallied if everything)
 
 
 def solved(piece: Any) -> tuple[Row, ...]:

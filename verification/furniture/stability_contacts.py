@@ -70,7 +70,7 @@ def feet_on_two_planes(trial: Trial) -> Iterator[Statement]:
         wall = own / (2.0 * np.tan(angle))
         feet = furniture.forces().contacts.reshape(-1, 4, 3).sum(axis=1)
         yield near(f"forces of a ladder at {angle} [N]", feet, [[wall, 0.0, own], [-wall, 0.0, 0.0]], 1e-6)
-        yield true("no row is told of it", rows_of(furniture).size == 0)
+        yield true("no row is reported of it", rows_of(furniture).size == 0)
     sliding = Furniture(ladder(0.7, 0.5))
     yield true("a low ladder slides", bool(sliding.test().flaws & UNSTABLE))
     yield true("nothing is suggested without rows", suggest(sliding).found == ())

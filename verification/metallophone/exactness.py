@@ -94,13 +94,13 @@ def norms(comm: PETSc.Comm) -> list[Check]:
     ):
         analysis = solved(scene, comm, overrides)
         modes = analysis.state.modes.vectors
-        heavy = products(analysis.state.body, modes)[1]
-        gram = float(np.abs(modes @ heavy.T - np.eye(len(modes))).max())
+        mass_products = products(analysis.state.body, modes)[1]
+        gram = float(np.abs(modes @ mass_products.T - np.eye(len(modes))).max())
         checks.append(Check(f"{what}: largest entry of phi M phi - 1", gram, 0.0, 1e-10, "definition"))
         rigid = analysis.state.body.free_rigid_motions()
         if len(rigid):
-            mixed = np.abs(heavy @ rigid.T) / np.linalg.norm(rigid, axis=1)
-            share = float((mixed / np.linalg.norm(heavy, axis=1)[:, None]).max())
+            mixed = np.abs(mass_products @ rigid.T) / np.linalg.norm(rigid, axis=1)
+            share = float((mixed / np.linalg.norm(mass_products, axis=1)[:, None]).max())
             checks.append(Check(f"{what}: largest rigid share of a mode", share, 0.0, 1e-10, "definition"))
     return checks
 

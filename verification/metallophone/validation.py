@@ -179,11 +179,11 @@ def pair(comm: PETSc.Comm) -> list[Check]:
 def crossing(comm: PETSc.Comm) -> list[Check]:
     """A bar is shortened until bending overtakes torsion: each mode keeps its number."""
     overrides = ["effects.modal.model=plate", "effects.modal.modes=4"]
-    rows, anew = (
+    rows, rebuilt = (
         replay_files(SCENES / "bar_150.toml", EDITS / "crossing.jsonl", policy, overrides)["rows"]
         for policy in ("auto", "refactor")
     )
-    off = max(abs(one[f"f_{k}"] / other[f"f_{k}"] - 1) for one, other in zip(rows, anew) for k in range(1, 5))
+    off = max(abs(one[f"f_{k}"] / other[f"f_{k}"] - 1) for one, other in zip(rows, rebuilt) for k in range(1, 5))
     drag = [rows[0], *(row for row in rows if row["event"] == "drag")]
 
     def followed(row: dict, number: int) -> float:

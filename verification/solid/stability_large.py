@@ -42,7 +42,7 @@ def greenhill(trial: Trial) -> Iterator[Statement]:
         rows = trial.rows(text, set_value("effects.gravity.g", [-share * limit, 0]), overrides=start)
         statements += sound(rows, int(share > 1))
     # It says how far it came: a little beyond the limit is where the straight column ends.
-    yield near("limit that the refusal tells over Greenhill's", 1.1 * reached(rows[-1]["refused"]), 1.0, 0.03)
+    yield near("limit that the refusal reports over Greenhill's", 1.1 * reached(rows[-1]["refused"]), 1.0, 0.03)
     yield from statements
 
 

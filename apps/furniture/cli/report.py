@@ -46,8 +46,8 @@ def draw(recording: Any, folder: Path, options: Namespace) -> list[Path]:
     draw_piece_frames(recording, telling_frames(recording, options.frames), folder / "frames.png")
     draw_guidance(recording, folder / "guidance.png")
     pictures = [folder / "frames.png", folder / "guidance.png"]
-    told = searches(recording)
-    for i in told[max(len(told) - options.searches, 0) :]:
+    searched = searches(recording)
+    for i in searched[max(len(searched) - options.searches, 0) :]:
         pictures.append(folder / f"suggestions-{i}.png")
         draw_suggestions(recording, int(i), pictures[-1])
     if options.animation != "none":

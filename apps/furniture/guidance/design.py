@@ -342,9 +342,9 @@ def _verb(parameter: str) -> str:
 def _distinct(piece: Piece, found: list[Suggestion]) -> list[Suggestion]:
     """The suggestions, with more digits where words are the same; what still reads the same is the same."""
     said = Counter(one.words for one in found)
-    told: dict[str, Suggestion] = {}
+    distinct: dict[str, Suggestion] = {}
     for one in found:
         if said[one.words] > 1 and one.direction is not None:
             one = replace(one, words=amounts.in_words(piece, one.t * one.direction, MORE_DIGITS))
-        told.setdefault(one.words, one)
-    return list(told.values())
+        distinct.setdefault(one.words, one)
+    return list(distinct.values())

@@ -28,8 +28,8 @@ MEANING = (
 
 def searches(recording: Recording) -> np.ndarray:
     """Indices of the frames in which suggestions were found, of those that report the same the first."""
-    told = [same[0] for same in guided.searches(rows_of(recording))]
-    return np.array([row["index"] for row in told if row["suggestions"]], dtype=int)
+    searched = [same[0] for same in guided.searches(rows_of(recording))]
+    return np.array([row["index"] for row in searched if row["suggestions"]], dtype=int)
 
 
 def draw_suggestions(recording: Recording, i: int, path: Path) -> None:

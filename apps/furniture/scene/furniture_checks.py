@@ -31,7 +31,7 @@ def check_furniture(scene: Scene, source: Source) -> None:
     """
     for key in OTHERS:
         if key in scene.model_fields_set:
-            do = f"leave it out; a piece of furniture is told by {', '.join(TABLES)}"
+            do = f"leave it out; a piece of furniture is described by {', '.join(TABLES)}"
             raise source.error((key,), f"furniture is made of planks: {key} has no meaning in it", do)
     if not scene.planks:
         raise source.error(("planks",), "the piece has no planks", "add [planks.NAME]")

@@ -102,9 +102,9 @@ def _refuse_taken(piece: Piece, name: str) -> None:
 def _met(before: Piece, after: Piece) -> str:
     """Which joints and feet a piece has more than before."""
 
-    def told(joint: Joint) -> str:
+    def described(joint: Joint) -> str:
         return f"{after.planks[joint.i].name} on {after.planks[joint.j].name}"
 
-    met = [told(joint) for joint in after.joints[len(before.joints) :]]
+    met = [described(joint) for joint in after.joints[len(before.joints) :]]
     met += [f"{after.planks[foot.plank].name} on the floor" for foot in after.feet[len(before.feet) :]]
     return f"joined: {', '.join(met)}" if met else "joined to nothing: it is near no face and not near the floor"

@@ -43,7 +43,7 @@ def removed(piece: Piece, plank: int) -> Piece:
         UserError: it is the only one.
     """
     if len(piece.planks) == 1:
-        raise UserError("a piece keeps at least one plank", piece.name, "delete another one, or start anew")
+        raise UserError("a piece keeps at least one plank", piece.name, "delete another one, or start again")
     number = [k - (k > plank) for k in range(len(piece.planks))]
 
     def kept(loads: Iterable[Load]) -> tuple[Load, ...]:

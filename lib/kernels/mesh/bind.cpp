@@ -35,8 +35,8 @@ void require_same_size(py::ssize_t size, py::ssize_t expected, const char* name)
     if (size != expected) throw std::invalid_argument(std::string(name) + " has the wrong size");
 }
 
-py::tuple as_tuple(const restshape::Verdict& verdict) {
-    return py::make_tuple(verdict.min_quality, verdict.inverted, verdict.distorted);
+py::tuple as_tuple(const restshape::CellQuality& found) {
+    return py::make_tuple(found.min_quality, found.inverted, found.distorted);
 }
 
 py::tuple check_cells(const Doubles& X, const Indices& cells, double area_floor, double quality_floor) {

@@ -7,7 +7,7 @@
 
 namespace restshape {
 
-struct Verdict {
+struct CellQuality {
     double min_quality = 1.0;
     int inverted = 0;
     int distorted = 0;
@@ -16,13 +16,13 @@ struct Verdict {
 // Checks triangles against the two thresholds of a criterion (docs/theory.md, section 1). The quality is inscribed
 // radius over longest edge, scaled to 1 for the equilateral triangle and signed like the area; the author's ratio
 // longest edge x half perimeter / area is 2 sqrt(3) over it, so that one number serves both criteria.
-inline Verdict check_cells(const double* X, const std::int32_t* cells, std::ptrdiff_t count, double area_floor,
-                           double quality_floor) {
+inline CellQuality check_cells(const double* X, const std::int32_t* cells, std::ptrdiff_t count, double area_floor,
+                               double quality_floor) {
     constexpr int lanes = 64;  // blocks that stay in the first-level cache and fill the vector registers
     using Lane = Eigen::Array<double, lanes, 1>;
     const double scale = 2.0 * std::sqrt(3.0);
     Lane ax, ay, bx, by, cx, cy;
-    Verdict verdict;
+    CellQuality found;
     double worst = 1.0;
     for (std::ptrdiff_t first = 0; first < count; first += lanes) {
         const auto size = std::min<std::ptrdiff_t>(lanes, count - first);
@@ -44,11 +44,11 @@ inline Verdict check_cells(const double* X, const std::int32_t* cells, std::ptrd
             inverted += !(0.5 * twice_area[j] > area_floor);
             distorted += !(quality[j] >= quality_floor);
         }
-        verdict.inverted += inverted;
-        verdict.distorted += distorted;
+        found.inverted += inverted;
+        found.distorted += distorted;
     }
-    verdict.min_quality = worst;
-    return verdict;
+    found.min_quality = worst;
+    return found;
 }
 
 // X = X_reference + c0 Psi[0] + c1 Psi[1] (docs/theory.md, section 3).

@@ -39,7 +39,7 @@ class SearchSpace:
 
     def __init__(self, pencil: Pencil, capacity: int) -> None:
         self.pencil, self.capacity = pencil, capacity
-        self.rows, self.stiff, self.heavy = (np.empty((capacity, pencil.size)) for _ in range(3))
+        self.rows, self.stiff, self.mass_products = (np.empty((capacity, pencil.size)) for _ in range(3))
         self.projected = np.zeros((capacity, capacity))
         self.count = 0
 
@@ -53,20 +53,20 @@ class SearchSpace:
         rows = rows[norms > 0.0] / norms[norms > 0.0, None]
         if not len(rows):
             return 0
-        own, weights = self.rows[: self.count], self.heavy[: self.count]
+        own, weights = self.rows[: self.count], self.mass_products[: self.count]
         self.deflation.clean(rows)
         rows -= (rows @ weights.T) @ own
-        heavy = np.empty_like(rows)
-        self.pencil.apply(self.pencil.mass, rows, heavy)
-        rows, heavy = _orthonormal(rows, heavy)
+        mass_products = np.empty_like(rows)
+        self.pencil.apply(self.pencil.mass, rows, mass_products)
+        rows, mass_products = _orthonormal(rows, mass_products)
         # Twice is enough (Kahan, Parlett): what the first pass leaves behind by rounding goes in the second.
-        self.deflation.clean(rows, heavy)
+        self.deflation.clean(rows, mass_products)
         parts = rows @ weights.T
-        rows, heavy = _orthonormal(rows - parts @ own, heavy - parts @ weights)
+        rows, mass_products = _orthonormal(rows - parts @ own, mass_products - parts @ weights)
         room = len(self.rows) - self.count
-        rows, heavy = rows[:room], heavy[:room]
+        rows, mass_products = rows[:room], mass_products[:room]
         start, stop = self.count, self.count + len(rows)
-        self.rows[start:stop], self.heavy[start:stop] = rows, heavy
+        self.rows[start:stop], self.mass_products[start:stop] = rows, mass_products
         self.pencil.apply(self.pencil.stiffness, self.rows[start:stop], self.stiff[start:stop])
         block = self.rows[:stop] @ self.stiff[start:stop].T
         self.projected[:stop, start:stop] = block
@@ -81,23 +81,23 @@ class SearchSpace:
         chosen = weights[:, :count].T
         return (
             values[:count],
-            *(np.ascontiguousarray(chosen @ part[:k]) for part in (self.rows, self.stiff, self.heavy)),
+            *(np.ascontiguousarray(chosen @ part[:k]) for part in (self.rows, self.stiff, self.mass_products)),
         )
 
 
-def _orthonormal(rows: np.ndarray, heavy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _orthonormal(rows: np.ndarray, mass_products: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A basis of what rows (k, n) span, orthonormal in the mass, without directions that are lost in rounding."""
-    gram = rows @ heavy.T
+    gram = rows @ mass_products.T
     scale = np.sqrt(np.maximum(np.diagonal(gram), 0.0))
     kept = scale > 0.0
     if not kept.all():
-        rows, heavy, gram, scale = rows[kept], heavy[kept], gram[np.ix_(kept, kept)], scale[kept]
+        rows, mass_products, gram, scale = rows[kept], mass_products[kept], gram[np.ix_(kept, kept)], scale[kept]
     if not len(rows):
-        return rows, heavy
+        return rows, mass_products
     values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
     good = values > DEPENDENT
     weights = (vectors[:, good] / np.sqrt(values[good])).T / scale
-    return weights @ rows, weights @ heavy
+    return weights @ rows, weights @ mass_products
 
 
 def davidson(
@@ -131,9 +131,9 @@ def davidson(
         space.append(block)
     iterations = 0
     while True:
-        values, modes, stiff, heavy = space.ritz(count + spare)
-        forces = stiff - values[:, None] * heavy
-        scale = np.abs(values) * np.linalg.norm(heavy, axis=1)
+        values, modes, stiff, mass_products = space.ritz(count + spare)
+        forces = stiff - values[:, None] * mass_products
+        scale = np.abs(values) * np.linalg.norm(mass_products, axis=1)
         residuals = np.linalg.norm(forces, axis=1) / scale
         open_ones = np.flatnonzero(~(residuals[:count] <= tolerance))
         if not len(open_ones) and len(values) >= count:

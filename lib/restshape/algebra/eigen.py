@@ -190,9 +190,9 @@ class EigenSolver:
     def _rounding(self, found: Found, count: int) -> float:
         """What rounding leaves of residuals that do not come to meet the tolerance; as before if it is not to blame."""
         rows, worst = found.modes[:count], float(found.residuals[:count].max())
-        heavy = np.empty_like(rows)
-        self.pencil.apply(self.pencil.mass, rows, heavy)
-        sizes = np.linalg.norm(rows, axis=1) / (np.abs(found.values[:count]) * np.linalg.norm(heavy, axis=1))
+        mass_products = np.empty_like(rows)
+        self.pencil.apply(self.pencil.mass, rows, mass_products)
+        sizes = np.linalg.norm(rows, axis=1) / (np.abs(found.values[:count]) * np.linalg.norm(mass_products, axis=1))
         largest = self.pencil.stiffness.norm(PETSc.NormType.NORM_INFINITY)
         left = min(MOST_ROUNDING, ROUNDING * largest * float(sizes.max()))
         return ROUNDING_SLACK * worst if worst <= left else self.floor
@@ -343,14 +343,14 @@ class EigenSolver:
             (1987) 449, for the bound of the mass by its diagonal.
         """
         pencil, rows = self.pencil, found.modes
-        stiff, heavy = np.empty_like(rows), np.empty_like(rows)
+        stiff, mass_products = np.empty_like(rows), np.empty_like(rows)
         pencil.apply(pencil.stiffness, rows, stiff)
-        pencil.apply(pencil.mass, rows, heavy)
+        pencil.apply(pencil.mass, rows, mass_products)
         diagonal = pencil.mass.getDiagonal()
         weights = diagonal.getArray().copy()
         diagonal.destroy()
         weights[weights == 0.0] = np.inf
-        return np.sqrt(((stiff - found.values[:, None] * heavy) ** 2 / weights).sum(axis=1) / LEAST_MASS)
+        return np.sqrt(((stiff - found.values[:, None] * mass_products) ** 2 / weights).sum(axis=1) / LEAST_MASS)
 
     def _missing(self, found: Found) -> int:
         """How many more eigenvalues the kept factor has counted below its shift than were found there."""
@@ -362,10 +362,10 @@ class EigenSolver:
         starts = [found.modes]
         if missing:
             rows = np.random.default_rng(7 + turn).uniform(-1.0, 1.0, (missing + SPARE, self.pencil.size))
-            heavy = np.empty_like(rows)
+            mass_products = np.empty_like(rows)
             # What supports hold has no mass, so that nothing of it is left.
-            self.pencil.apply(self.pencil.mass, rows, heavy)
-            starts.append(self.pencil.solve(self.pencil.solve(heavy)))
+            self.pencil.apply(self.pencil.mass, rows, mass_products)
+            starts.append(self.pencil.solve(self.pencil.solve(mass_products)))
         space = SearchSpace(self.pencil, sum(map(len, starts)) + max(ROOM, 4 * (wanted + SPARE)))
         limit = math.ceil(self.krylov_cost * (wanted + SPARE))
         with self.stages("krylov"):
@@ -374,7 +374,7 @@ class EigenSolver:
 
 def _rayleigh(pencil: Pencil, rows: np.ndarray) -> float:
     """The Rayleigh quotient of one row (1, n)."""
-    stiff, heavy = np.empty_like(rows), np.empty_like(rows)
+    stiff, mass_products = np.empty_like(rows), np.empty_like(rows)
     pencil.apply(pencil.stiffness, rows, stiff)
-    pencil.apply(pencil.mass, rows, heavy)
-    return float(np.vdot(rows, stiff) / np.vdot(rows, heavy))
+    pencil.apply(pencil.mass, rows, mass_products)
+    return float(np.vdot(rows, stiff) / np.vdot(rows, mass_products))

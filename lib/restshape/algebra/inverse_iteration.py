@@ -32,13 +32,13 @@ def inverse_iteration(pencil: Pencil, deflation: Deflation, starts: np.ndarray, 
     Source: the thesis's appendix A; its epsilon is taken off again by the Rayleigh quotient.
     """
     n = pencil.size
-    modes, heavy = np.empty((count, n)), np.empty((count, n))
+    modes, mass_products = np.empty((count, n)), np.empty((count, n))
     values, residuals, total = np.empty(count), np.empty(count), 0
     for k in range(count):
         phi, weight, force = starts[k : k + 1].copy(), np.empty((1, n)), np.empty((1, n))
         for step in range(MOST + 1):
             deflation.clean(phi)
-            phi -= (phi @ heavy[:k].T) @ modes[:k]
+            phi -= (phi @ mass_products[:k].T) @ modes[:k]
             pencil.apply(pencil.mass, phi, weight)
             size = np.sqrt(np.vdot(phi, weight))
             phi, weight = phi / size, weight / size
@@ -51,6 +51,6 @@ def inverse_iteration(pencil: Pencil, deflation: Deflation, starts: np.ndarray, 
                 raise ReplayProblem(f"inverse iteration for mode {k + 1} did not converge in {step} steps")
             phi = pencil.solve(weight)
             total += 1
-        modes[k], heavy[k] = phi[0], weight[0]
+        modes[k], mass_products[k] = phi[0], weight[0]
     order = np.argsort(values, kind="stable")
     return Found(values[order], modes[order], residuals[order], total, True)

@@ -106,14 +106,14 @@ def refine_ritz(
     """The Ritz pairs of K and M over rows (k, n), with their true residuals, `count` of which must be small."""
     rows = np.array(modes)
     deflation.clean(rows)
-    heavy, stiff = np.empty_like(rows), np.empty_like(rows)
-    pencil.apply(pencil.mass, rows, heavy)
+    mass_products, stiff = np.empty_like(rows), np.empty_like(rows)
+    pencil.apply(pencil.mass, rows, mass_products)
     pencil.apply(pencil.stiffness, rows, stiff)
-    factor = np.linalg.cholesky(rows @ heavy.T)
+    factor = np.linalg.cholesky(rows @ mass_products.T)
     small = np.linalg.solve(factor, np.linalg.solve(factor, rows @ stiff.T).T)
     values, weights = np.linalg.eigh(0.5 * (small + small.T))
     turn = np.linalg.solve(factor.T, weights).T
-    rows, heavy, stiff = turn @ rows, turn @ heavy, turn @ stiff
-    residuals = np.linalg.norm(stiff - values[:, None] * heavy, axis=1)
-    residuals /= np.abs(values) * np.linalg.norm(heavy, axis=1)
+    rows, mass_products, stiff = turn @ rows, turn @ mass_products, turn @ stiff
+    residuals = np.linalg.norm(stiff - values[:, None] * mass_products, axis=1)
+    residuals /= np.abs(values) * np.linalg.norm(mass_products, axis=1)
     return Found(values, rows, residuals, iterations, bool(np.all(residuals[:count] <= tolerance)))

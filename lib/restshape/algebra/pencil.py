@@ -78,9 +78,9 @@ class Pencil:
 
     def norms(self, rows: np.ndarray) -> np.ndarray:
         """The squared norms phi^T M phi (k,) of rows (k, n) in the mass."""
-        heavy = np.empty_like(rows)
-        self.apply(self.mass, rows, heavy)
-        return np.einsum("ki,ki->k", rows, heavy)
+        mass_products = np.empty_like(rows)
+        self.apply(self.mass, rows, mass_products)
+        return np.einsum("ki,ki->k", rows, mass_products)
 
     def factor(self, shift: float) -> int:
         """Factor K - shift M as they stand, and keep it; the number of eigenvalues below the shift.
@@ -206,10 +206,10 @@ class Deflation:
             rigid, weighted = np.linalg.solve(factor, rigid), np.linalg.solve(factor, weighted)
         self.rigid, self.weighted = np.ascontiguousarray(rigid), np.ascontiguousarray(weighted)
 
-    def clean(self, rows: np.ndarray, heavy: np.ndarray | None = None) -> None:
+    def clean(self, rows: np.ndarray, mass_products: np.ndarray | None = None) -> None:
         """Make rows (k, n) orthogonal to the rigid motions in the mass, in place; their products M phi go with them."""
         if self.count:
             parts = rows @ self.weighted.T
             rows -= parts @ self.rigid
-            if heavy is not None:
-                heavy -= parts @ self.weighted
+            if mass_products is not None:
+                mass_products -= parts @ self.weighted

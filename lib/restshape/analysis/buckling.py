@@ -216,14 +216,14 @@ class BucklingAnalysis:
     def _with_ids(self, state: BucklingState, found: Found) -> BucklingModes:
         """The modes with ids as those before that they look like; those of the first frame in their order."""
         vectors, pencil, before, ids = found.modes.copy(), self.solver.pencil, state.modes.vectors, state.modes.ids
-        heavy = np.empty_like(vectors)
-        pencil.apply(pencil.mass, vectors, heavy)
+        mass_products = np.empty_like(vectors)
+        pencil.apply(pencil.mass, vectors, mass_products)
         if len(before) and len(vectors):
-            ids = ids.track(before, vectors, heavy, pencil.norms(before))
+            ids = ids.track(before, vectors, mass_products, pencil.norms(before))
         elif len(vectors):
-            normalise_signs(vectors, heavy)
+            normalise_signs(vectors, mass_products)
             ids = ModeIds.first(len(vectors), np.arange(len(vectors)))
-        return BucklingModes(-1.0 / found.values, vectors, heavy, ids)
+        return BucklingModes(-1.0 / found.values, vectors, mass_products, ids)
 
     def _report(self, prebuckling: LinearReport) -> LinearReport:
         """The report of a prebuckling solve and of what was found for it."""

@@ -27,13 +27,13 @@ class BucklingModes:
 
     Args:
         load_factors: (k,) ascending, as many as there are up to those that the scene asks for.
-        vectors: (k, 2 n) with phi K phi = 1; heavy: (k, 2 n) their products K phi.
+        vectors: (k, 2 n) with phi K phi = 1; mass_products: (k, 2 n) their products K phi.
         ids: of the modes.
     """
 
     load_factors: np.ndarray
     vectors: np.ndarray
-    heavy: np.ndarray
+    mass_products: np.ndarray
     ids: ModeIds
 
     @classmethod

@@ -80,14 +80,14 @@ class ModalPrediction:
             """K phi and M phi (2, k, n f) of rows (k, n f), at free unknowns."""
             return np.where(free, products(body, rows), 0.0)
 
-        stiff, heavy = weighed(vectors)
-        values = np.einsum("ki,ki->k", vectors, stiff) / np.einsum("ki,ki->k", vectors, heavy)
-        missing = solver.pencil.auxiliary_solve(np.ascontiguousarray(values[:, None] * heavy - stiff))
+        stiff, mass_products = weighed(vectors)
+        values = np.einsum("ki,ki->k", vectors, stiff) / np.einsum("ki,ki->k", vectors, mass_products)
+        missing = solver.pencil.auxiliary_solve(np.ascontiguousarray(values[:, None] * mass_products - stiff))
         # The rigid motions are those of the last solve: what is left of them is of higher order.
         solver.deflation.clean(missing)
         space = np.concatenate([vectors, missing])
-        stiff, heavy = (np.concatenate(pair) for pair in zip((stiff, heavy), weighed(missing)))
-        values = np.sort(1.0 / largest_values(space @ heavy.T, space @ stiff.T, len(vectors)))
+        stiff, mass_products = (np.concatenate(pair) for pair in zip((stiff, mass_products), weighed(missing)))
+        values = np.sort(1.0 / largest_values(space @ mass_products.T, space @ stiff.T, len(vectors)))
         return largest_difference(state.frequencies, frequencies(values[state.modes.chosen]))
 
     def _reordered(self, state: ModalState, order: np.ndarray) -> Modes:

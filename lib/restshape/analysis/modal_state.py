@@ -26,7 +26,7 @@ class Modes:
     Args:
         values: (k,) eigenvalues [1/s^2], ascending.
         basis: (k, n f) the modes, or what `turn` mixes them of.
-        heavy: (k, n f) products M phi of the last solution.
+        mass_products: (k, n f) products M phi of the last solution.
         participation: (k,) parts of the kinetic energy normal to the plane.
         ids: of the modes.
         chosen: (modes,) indices of those that the scene asks for.
@@ -35,7 +35,7 @@ class Modes:
 
     values: np.ndarray
     basis: np.ndarray
-    heavy: np.ndarray
+    mass_products: np.ndarray
     participation: np.ndarray
     ids: ModeIds
     chosen: np.ndarray
@@ -123,7 +123,7 @@ class ModalState:
 
     def solved_for(self, found: FoundModes, ids: ModeIds) -> ModalState:
         """This state with modes that have been solved for."""
-        modes = Modes(found.values, found.vectors, found.heavy, found.participation, ids, found.chosen)
+        modes = Modes(found.values, found.vectors, found.mass_products, found.participation, ids, found.chosen)
         return replace(self, modes=modes, solved=modes, count=found.count, report=found.report)
 
 

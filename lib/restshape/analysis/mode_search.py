@@ -24,7 +24,7 @@ class FoundModes:
 
     values: np.ndarray
     vectors: np.ndarray
-    heavy: np.ndarray
+    mass_products: np.ndarray
     participation: np.ndarray
     chosen: np.ndarray
     count: int
@@ -63,14 +63,14 @@ class ModeSearch:
         while True:
             found, report = self.solver.solve(stiffness, mass, rigid, count, new_system and total is None, verify)
             total = report if total is None else total.followed_by(report)
-            heavy = np.empty_like(found.modes)
-            self.solver.pencil.apply(mass, found.modes, heavy)
-            participation = self.body.normal_participation(found.modes, heavy)
+            mass_products = np.empty_like(found.modes)
+            self.solver.pencil.apply(mass, found.modes, mass_products)
+            participation = self.body.normal_participation(found.modes, mass_products)
             chosen = self.choose(participation, np.arange(len(participation)) < count)
             if len(chosen) == self.modes:
                 whole = cluster_end(found.values, int(chosen[-1]))
                 if whole <= count or count >= self.modes + MOST_BESIDE:
-                    return FoundModes(found.values, found.modes, heavy, participation, chosen, count, total)
+                    return FoundModes(found.values, found.modes, mass_products, participation, chosen, count, total)
                 count = whole
                 continue
             if count >= self.modes + MOST_BESIDE:
@@ -89,8 +89,8 @@ class ModeSearch:
             sizes: (k,) their phi^T M phi in the mass of now.
         """
         if len(previous):
-            return before.track(previous, found.vectors, found.heavy, sizes)
-        normalise_signs(found.vectors, found.heavy)
+            return before.track(previous, found.vectors, found.mass_products, sizes)
+        normalise_signs(found.vectors, found.mass_products)
         return ModeIds.first(len(found.vectors), found.chosen)
 
     def choose(self, participation: np.ndarray, known: np.ndarray) -> np.ndarray:

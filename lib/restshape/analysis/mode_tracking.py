@@ -12,13 +12,13 @@ SAME = 0.3
 theirs: half each where they turn by 45 degrees in a frame."""
 
 
-def normalise_signs(modes: np.ndarray, heavy: np.ndarray) -> None:
+def normalise_signs(modes: np.ndarray, mass_products: np.ndarray) -> None:
     """Make the component of largest size positive: a mode's sign means nothing, but must not depend on luck.
 
     Args:
-        modes: (k, n), changed in place; heavy: (k, n) their products M phi, likewise.
+        modes: (k, n), changed in place; mass_products: (k, n) their products M phi, likewise.
     """
-    for mode, weight in zip(modes, heavy):
+    for mode, weight in zip(modes, mass_products):
         # The first one of nearly the largest, for symmetric modes have several.
         top = np.flatnonzero(np.abs(mode) > 0.999 * np.abs(mode).max())[0]
         if mode[top] < 0.0:
@@ -60,15 +60,16 @@ class ModeIds:
         """The same where mode k is what was mode order[k]."""
         return ModeIds(self.ids[order], self.free)
 
-    def track(self, before: np.ndarray, after: np.ndarray, heavy: np.ndarray, sizes: np.ndarray) -> ModeIds:
+    def track(self, before: np.ndarray, after: np.ndarray, mass_products: np.ndarray, sizes: np.ndarray) -> ModeIds:
         """The ids of the modes of a frame: of those before that look most like them, whose signs they take.
 
         Args:
             before: (k, n) modes that these ids are of, on the nodes of now.
-            after: (m, n) modes of now, whose signs are changed in place; heavy: (m, n) their products M phi, likewise.
+            after: (m, n) modes of now, whose signs are changed in place.
+            mass_products: (m, n) their products M phi, likewise.
             sizes: (k,) phi^T M phi of the modes before, in the mass of now.
         """
-        overlap = before @ heavy.T
+        overlap = before @ mass_products.T
         # Transferred to a new mesh old modes are not of unit mass any more; new ones are. A body that was thrown off
         # its old place takes nothing of its modes along.
         mac = overlap**2 / np.where(sizes > 0.0, sizes, np.inf)[:, None]
@@ -79,7 +80,7 @@ class ModeIds:
                 ids[column] = self.ids[row]
                 if overlap[row, column] < 0.0:
                     after[column] *= -1.0
-                    heavy[column] *= -1.0
+                    mass_products[column] *= -1.0
         for column in np.flatnonzero(ids < 0):
             ids[column], free = free, free + 1
         return ModeIds(ids, free)

@@ -46,9 +46,9 @@ def local_error(
     of_mass = scheme.a0 + scheme.a1 * body.damping_of.alpha
 
     def product(d: np.ndarray) -> np.ndarray:
-        heavy = body.mass.apply(np.ascontiguousarray(d.reshape(change.shape)))
-        heavy[body.constrained] = 0.0
-        return of_stiffness * stiff(d) + of_mass * heavy.ravel()
+        mass_products = body.mass.apply(np.ascontiguousarray(d.reshape(change.shape)))
+        mass_products[body.constrained] = 0.0
+        return of_stiffness * stiff(d) + of_mass * mass_products.ravel()
 
     smoothed = conjugate_steps(product, precondition, scheme.a0 * change.ravel())
     return scheme.error_factor * scheme.dt**scheme.order * smoothed.reshape(change.shape)

@@ -84,7 +84,7 @@ def require_mesh(scene: Scene, why: str) -> None:
         UserError: its application needs none, and the command has no meaning for it, as `why` reports.
     """
     if application(scene.app).editing.mesh is None:
-        do = "name a scene of another application; restshape replay tells times and residuals of this one"
+        do = "name a scene of another application; restshape replay reports times and residuals of this one"
         raise UserError(f"a scene of {scene.app!r} has no mesh: {why}", str(scene.path), do)
 
 

@@ -65,7 +65,7 @@ class Eigenproblem(Protocol):
     def fields(self, x: np.ndarray) -> Fields:
         """What a recording shows of modes x (k, n f)."""
 
-    def normal_participation(self, modes: np.ndarray, heavy: np.ndarray) -> np.ndarray:
+    def normal_participation(self, modes: np.ndarray, mass_products: np.ndarray) -> np.ndarray:
         """Shares (k,) of the kinetic energy that is normal to the plane, of modes (k, n f) with products M phi."""
 
     def error_estimate(self) -> ModeEstimate:

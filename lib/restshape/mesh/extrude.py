@@ -30,7 +30,7 @@ class Extrusion(OverMesh):
     second order curved sides of the plane mesh become curved walls.
 
     Args:
-        plane: held by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
+        plane: by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
         layers: how many, one or more.
         thickness: a number [m] or a formula of x and y [m]; parameters: of the scene, for the formula.
         flat: which of the faces, or the surface midway, lies in z = 0.

@@ -19,7 +19,7 @@ class PlateMesh(OverMesh):
     """The nodes of a plane mesh with the plate's thickness, with the attributes that analyses use of a `Mesh`.
 
     Args:
-        plane: held by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
+        plane: by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
         thickness: a number [m] or a formula of x and y [m]; parameters: of the scene, for the formula.
 
     Attributes:

@@ -69,19 +69,19 @@ def frequency_derivatives(analysis: SolvedModes, velocity: np.ndarray, width: fl
 
 
 def rates(
-    analysis: SolvedModes, known: np.ndarray, stiff: np.ndarray, heavy: np.ndarray, width: float = 0.0
+    analysis: SolvedModes, known: np.ndarray, stiff: np.ndarray, mass_products: np.ndarray, width: float = 0.0
 ) -> np.ndarray:
     """Derivatives (modes,) of the frequencies that the scene asks for, from K' phi and M' phi of the known modes.
 
     Args:
         analysis: solved on the mesh as it lies.
         known: (k,) indices of modes that have converged, those of clusters together.
-        stiff, heavy: (k, n f) K' phi and M' phi; width: as in `frequency_derivatives`.
+        stiff, mass_products: (k, n f) K' phi and M' phi; width: as in `frequency_derivatives`.
     """
     state = analysis.state
     modes, values = state.modes.vectors[known], state.modes.values[known]
     middle = 0.5 * (values[:, None] + values[None, :])
-    found = parted(values, modes @ stiff.T - middle * (modes @ heavy.T), analysis.solver.tolerance, width)
+    found = parted(values, modes @ stiff.T - middle * (modes @ mass_products.T), analysis.solver.tolerance, width)
     return found[state.modes.chosen] / (8.0 * np.pi**2 * state.frequencies)
 
 
@@ -143,13 +143,13 @@ def modal_derivative(analysis: SolvedModes, plane_motion: np.ndarray, tolerance:
     for direction, velocity in zip(result, state.body.motion(plane_motion)):
         if not np.any(velocity):
             continue
-        stiff, heavy = design_products(analysis, modes, velocity)
-        reduced_mass = modes @ heavy.T
+        stiff, mass_products = design_products(analysis, modes, velocity)
+        reduced_mass = modes @ mass_products.T
         middle = 0.5 * (values[:, None] + values[None, :])
         direction[: len(known), : len(known)] = modes @ stiff.T - middle * reduced_mass
         change = -0.5 * reduced_mass @ modes
         for k in known:
-            force = -(stiff[k] - values[k] * heavy[k])
+            force = -(stiff[k] - values[k] * mass_products[k])
             change[k] += _beyond(analysis, modes, float(values[k]), force, tolerance)
         direction[: len(known), count:] = change
     return result
@@ -164,14 +164,14 @@ def _beyond(analysis: SolvedModes, modes: np.ndarray, value: float, force: np.nd
     """
     solver = analysis.solver
     pencil, rigid = solver.pencil, solver.deflation
-    heavy = analysis.state.modes.heavy[: len(modes)]
+    mass_products = analysis.state.modes.mass_products[: len(modes)]
 
     def clean(v: np.ndarray) -> np.ndarray:
-        row = v - (heavy @ v) @ modes
+        row = v - (mass_products @ v) @ modes
         return row - (rigid.weighted @ row) @ rigid.rigid if rigid.count else row
 
     def clean_force(r: np.ndarray) -> np.ndarray:
-        row = r - (modes @ r) @ heavy
+        row = r - (modes @ r) @ mass_products
         return row - (rigid.rigid @ row) @ rigid.weighted if rigid.count else row
 
     def product(v: np.ndarray) -> np.ndarray:
@@ -208,10 +208,10 @@ def nodal_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
     """
     body, modes = analysis.state.body, analysis.state.modes
     phi, value = modes.vectors[mode].reshape(body.boundary.mask.shape), modes.values[mode]
-    (stiff,), (heavy,) = (
+    (stiff,), (mass_products,) = (
         [integral.work_derivatives(phi) for integral in body.integrals(kind)] for kind in (STIFFNESS, MASS)
     )
-    rates, gradient = stiff - value * heavy, np.zeros_like(body.space.X)
+    rates, gradient = stiff - value * mass_products, np.zeros_like(body.space.X)
     for i, nodes in enumerate(body.space.cells.T):
         for axis in range(gradient.shape[1]):
             gradient[:, axis] += np.bincount(nodes, rates[:, i, axis], len(gradient))
@@ -231,7 +231,9 @@ def material_derivatives(analysis: SolvedModes, mode: int) -> dict[str, dict[str
     body, modes = analysis.state.body, analysis.state.modes
     value = float(modes.values[mode])
     phi = np.ascontiguousarray(modes.vectors[mode].reshape(body.boundary.mask.shape))
-    (stiff,), (heavy,) = ([2.0 * part.energies(phi) for part in body.integrals(kind)] for kind in (STIFFNESS, MASS))
+    (stiff,), (mass_products,) = (
+        [2.0 * part.energies(phi) for part in body.integrals(kind)] for kind in (STIFFNESS, MASS)
+    )
     scale = 1.0 / (8.0 * np.pi**2 * np.sqrt(value) / (2.0 * np.pi))
     result = {}
     for name, material in analysis.state.scene.material.items():
@@ -240,6 +242,6 @@ def material_derivatives(analysis: SolvedModes, mode: int) -> dict[str, dict[str
         key, size = ("stiffness", 1.0) if material.E is None else ("E", material.E)
         result[name] = {
             key: scale * float(stiff[cells].sum()) / size,
-            "rho": -scale * value * float(heavy[cells].sum()) / material.rho,
+            "rho": -scale * value * float(mass_products[cells].sum()) / material.rho,
         }
     return result

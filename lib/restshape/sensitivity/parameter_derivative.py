@@ -79,10 +79,10 @@ def _differenced(analysis: SolvedModes, key: str, value: float, step: float) -> 
         scene = revise(state.scene, *_revision(analysis, key, changed))
         body = analysis.make(scene, state.plan, state.space, analysis.context.policy.lumped_mass)
         ends.append([_products(body, state.modes.vectors[known], kind) for kind in (STIFFNESS, MASS)])
-    stiff, heavy = ((ahead - behind) / (2.0 * step) for ahead, behind in zip(*ends))
-    if not (np.isfinite(stiff).all() and np.isfinite(heavy).all()):
+    stiff, mass_products = ((ahead - behind) / (2.0 * step) for ahead, behind in zip(*ends))
+    if not (np.isfinite(stiff).all() and np.isfinite(mass_products).all()):
         raise UserError(f"{value:g} +- {step:g} makes no sense", key, "choose another value")
-    return rates(analysis, known, stiff, heavy)
+    return rates(analysis, known, stiff, mass_products)
 
 
 def number_at(analysis: SolvedModes, key: str) -> float:

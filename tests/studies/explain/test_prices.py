@@ -106,7 +106,7 @@ def test_an_effect_without_which_there_is_no_answer_has_no_price():
     rows = [row for row in runs(1, 0.0)[0] if row["variant"] != 2]
     rows.insert(1, {"variant": 2, "problem": "nothing holds the body"})
     found = prices([rows], TRIED)
-    assert "b" not in found.counts and found.problems == {"b": "not to be told: without it nothing holds the body"}
+    assert "b" not in found.counts and found.problems == {"b": "not determined: without it nothing holds the body"}
     assert sum(found.shares.values()) == pytest.approx(1.0, abs=1e-12)
     assert found.shares[""] == pytest.approx((SOLVE + EFFECTS["b"]) / TOTAL)
 

@@ -58,7 +58,7 @@ main()
     [
         ("raise ZeroDivisionError('by nothing')", "fault", "ZeroDivisionError: by nothing"),
         ("os.kill(os.getpid(), 11)", "crash", "crash at broken_process.py:7"),
-        ("time.sleep(60)", "hang", "told nothing for 4 s"),
+        ("time.sleep(60)", "hang", "reported nothing for 4 s"),
     ],
 )
 def test_what_breaks_is_told_and_kept(tmp_path, monkeypatch, then, kind, words):

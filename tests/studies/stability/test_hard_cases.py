@@ -112,7 +112,7 @@ def test_a_case_that_kills_or_hangs_its_process_fails_alone(tmp_path, monkeypatc
     monkeypatch.setattr("restshape_studies.stability.suite.PROCESS", "dying_cases")
     rows = run_apart([(name, "auto") for name in ("dies", "good", "hangs", "good")], 4.0, 1.0, 60.0, (), lambda r: None)
     assert [row["holds"] for row in rows] == [False, True, False, True]
-    assert "told nothing for 4 s" in rows[2]["value"]
+    assert "reported nothing for 4 s" in rows[2]["value"]
 
 
 def test_no_more_time(monkeypatch, tmp_path):

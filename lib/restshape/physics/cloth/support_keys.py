@@ -22,5 +22,5 @@ class ClothSupport(Support):
         if self.fix and self.symmetry is not None:
             raise UnitError("a support has fix or symmetry, not both: make it two supports")
         if self.fix.get("slope", 0.0) != 0.0:
-            raise UnitError("a slope is held as it is, and has no displacement: write slope = 0")
+            raise UnitError("a slope is fixed as it is, and has no displacement: write slope = 0")
         return self

@@ -107,8 +107,8 @@ class BucklingKeys(Strict):
                 "effects.buckling",
                 "leave out one of [effects.buckling] and [effects.large_deformation]",
             )
-        held = [value for support in scene.supports.values() for value in support.fix.values()]
-        if not (scene.loads or "gravity" in scene.effects or any(value != 0 for value in held)):
+        prescribed = [value for support in scene.supports.values() for value in support.fix.values()]
+        if not (scene.loads or "gravity" in scene.effects or any(value != 0 for value in prescribed)):
             raise UserError(
                 "nothing loads the body, so that nothing buckles it",
                 "effects.buckling",

@@ -38,8 +38,8 @@ def _displacement(scene: Scene, on: On, moving: bool) -> System:
     if LARGE in on and followers:
         why = f"a pressure follows the boundary ({', '.join(followers)}): its forces have no potential"
         return System(of, UNSYMMETRIC, "gmres", "lu", why)
-    held = "inertia and supports hold the body" if moving else "supports hold the body"
-    why = f"all forces have a potential, and {held}"
+    why_stable = "inertia and supports hold the body" if moving else "supports hold the body"
+    why = f"all forces have a potential, and {why_stable}"
     if LARGE in on and not moving:
         why += "; where stability is due the pivots of its factor tell"
     return System(of, DEFINITE, "cg", "cholesky", why)

@@ -124,12 +124,12 @@ class VibratingBody(ABC):
     def shapes(self, modes: np.ndarray) -> np.ndarray:
         """Displacements (k, n2, 3) of the plane nodes in modes (k, n f), those of the middle surface of bodies."""
 
-    def normal_participation(self, modes: np.ndarray, heavy: np.ndarray) -> np.ndarray:
+    def normal_participation(self, modes: np.ndarray, mass_products: np.ndarray) -> np.ndarray:
         """Shares (k,) of the kinetic energy that is normal to the plane, of modes (k, n f) with products M phi."""
         column = self.axes.index("z") if "z" in self.axes else None
         if column is None:
             return np.zeros(len(modes))
-        weighted = (modes * heavy).reshape(len(modes), -1, len(self.axes))
+        weighted = (modes * mass_products).reshape(len(modes), -1, len(self.axes))
         return weighted[:, :, column].sum(axis=1) / weighted.sum(axis=(1, 2))
 
     @abstractmethod

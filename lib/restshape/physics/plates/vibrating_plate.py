@@ -66,7 +66,7 @@ class VibratingPlate(VibratingBody):
         shapes[:, :, 2] = modes.reshape(len(modes), -1, 3)[:, :, 0]
         return shapes
 
-    def normal_participation(self, modes: np.ndarray, heavy: np.ndarray) -> np.ndarray:
+    def normal_participation(self, modes: np.ndarray, mass_products: np.ndarray) -> np.ndarray:
         """Ones (k,): what a plate does is out of its plane."""
         return np.ones(len(modes))
 
