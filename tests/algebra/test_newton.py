@@ -47,10 +47,16 @@ class System:
             return float(self.of(x[:, 0]))
 
 
-def newton_of(system, n, method="direct", tolerance=1e-10):
+def newton_of(system, n, method="direct", tolerance=1e-10, traits=None):
     calibration = Calibration.load()
     linear = LinearSolver(
-        PETSc.COMM_SELF, "newton_test_", method, tolerance, calibration, Stages(), traits=Traits(system.potential)
+        PETSc.COMM_SELF,
+        "newton_test_",
+        method,
+        tolerance,
+        calibration,
+        Stages(),
+        traits=traits or Traits(system.potential),
     )
     newton = Newton(PETSc.COMM_SELF, "newton_test_", linear, (n, 1), slice(0, n))
     newton.set_equations(system)
@@ -208,3 +214,48 @@ def test_a_tangent_is_kept_for_a_last_small_step(method):
     kept = [steps - tangents for steps, tangents in counts]
     # One tangent a step at least where each is factored; fewer where a preconditioner and the tangent are kept.
     assert max(kept) == (1 if method == "stale" else 0), counts
+
+
+class TestSaddle:
+    """The nearest point to a given one on an ellipse, with its multiplier: a symmetric tangent that is indefinite."""
+
+    AXES, TRAITS = np.array([4.0, 1.0]), Traits(definite=False, fields=1)
+
+    def system(self, given):
+        def residual(z):
+            x, multiplier = z[:2], z[2]
+            return np.append(x - given + multiplier * x / self.AXES, 0.5 * (np.sum(x * x / self.AXES) - 1.0))
+
+        def tangent(z):
+            stiffness = np.diag(1.0 + z[2] / self.AXES)
+            row = (z[:2] / self.AXES)[None]
+            return np.block([[stiffness, row.T], [row, np.zeros((1, 1))]])
+
+        return System(residual, tangent)
+
+    @staticmethod
+    def nearest(given):
+        """By the angle on the ellipse, by search."""
+        angle = np.linspace(0, 2 * np.pi, 2_000_001)
+        points = np.column_stack([2.0 * np.cos(angle), np.sin(angle)])
+        return points[np.argmin(((points - given) ** 2).sum(axis=1))]
+
+    @pytest.mark.parametrize("method", ["direct", "stale", "auto"])
+    @pytest.mark.parametrize("searched", [False, True])
+    def test_it_is_found(self, method, searched):
+        given = np.array([2.5, 1.5])
+        system = self.system(given)
+        newton = newton_of(system, 3, method, traits=self.TRAITS)
+        start = np.append(given / np.sqrt(np.sum(given**2 / self.AXES)), 0.0)
+        z, outcome = run(system, start, newton=newton, searched=searched)
+        assert outcome.converged and not outcome.why
+        np.testing.assert_allclose(z[:2], self.nearest(given), atol=1e-5)
+        values = np.linalg.eigvalsh(system.jacobian(z))
+        assert values[0] < 0.0 < values[1]
+        assert outcome.newton <= 8
+
+    def test_a_singular_tangent_is_not_taken_for_an_unstable_equilibrium(self):
+        # At the centre of the ellipse the constraint has no gradient.
+        system = self.system(np.array([2.5, 1.5]))
+        _, outcome = run(system, [0.0, 0.0, 0.0], newton=newton_of(system, 3, traits=self.TRAITS))
+        assert not outcome.converged and outcome.why and outcome.why != INDEFINITE

@@ -61,3 +61,7 @@ def test_a_symmetric_system_with_zeros_on_its_diagonal_is_solved():
         solver = LinearSolver(PETSc.COMM_SELF, "saddle_", method, 1e-9, Calibration.load(), Stages(), traits=traits)
         solver.solve(mat, b, x, True)
         assert np.linalg.norm(full @ x.array - b.array) < 1e-8 * b.norm(), method
+
+
+def test_only_matrices_that_are_definite_where_stable_belong_to_an_energy_that_is_least():
+    assert Traits().minimises and not Traits(definite=False).minimises and not Traits(symmetric=False).minimises

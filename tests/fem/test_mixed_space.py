@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from mesh.mesh_samples import SQUARE, grid, mesh_of, polygon_outline, shaken
 from petsc4py import PETSc
+from stokes import Stokes, flow
 
 from restshape import _kernels
 from restshape.algebra.linear import LinearSolver
@@ -11,60 +12,17 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.linear_system import LinearSystem
 from restshape.calibration import Calibration
 from restshape.fem.assembled import Assembled
-from restshape.fem.dirichlet import Dirichlet, Prescribed
 from restshape.fem.elements import STOKES
-from restshape.fem.integral import Integral
 from restshape.fem.mixed import MixedSpace
-from restshape.fem.problem import INTERNAL, STIFFNESS, Problem, Unknown
+from restshape.fem.problem import INTERNAL
 from restshape.fem.residuals import dead_loads, internal_norm, residual_norm
 from restshape.mesh.lagrange_space import EdgeInterpolation, LagrangeSpace
-from restshape.scene.expressions import Expression
-
-VISCOSITY = 0.1
-FLOW = ("(sin(y) + y*cos(y))*exp(x)", "-y*sin(y)*exp(x)", "-0.2*exp(x)*sin(y)")
-"""Velocity and pressure of the stream function y e^x sin y, which needs no body force at this viscosity."""
-
-
-class Stokes(Problem):
-    """Creeping flow in a square, whose velocity is prescribed all around and whose pressure is at one corner."""
-
-    name = "stokes"
-    unknowns = (Unknown("velocity", "m/s", ("x", "y")), Unknown("pressure", "Pa", ("p",)))
-    symmetric, definite, linear, varies, loaded_inside = True, False, True, True, False
-
-    def __init__(self, base: LagrangeSpace) -> None:
-        self.element = STOKES[base.cell_type]
-        self.space = MixedSpace(base, self.element.layout)
-        velocity = self.space.rows("velocity", base.nodes_of("outline"))
-        pressure = self.space.rows("pressure", base.nodes_of("v0"))
-        parts = zip(("x", "y", "p"), (velocity[:, 0], velocity[:, 1], pressure[:, 0]), FLOW)
-        given = [Prescribed(f"flow.{name}", 0, rows, Expression(value)) for name, rows, value in parts]
-        self.boundary = Dirichlet((len(self.space.node), 1), given, {})
-        self.update()
-
-    def update(self) -> None:
-        self.boundary.evaluate(self.space.dof_X)
-
-    def blocks(self):
-        return [(self.space.cells, self.space.dofs)]
-
-    def integrals(self, kind, part=1.0):
-        if kind not in (INTERNAL, STIFFNESS):
-            return []
-        parameters = np.array([VISCOSITY, 0.0, 0.0])
-        return [Integral(self.element, self.space.X, self.space.cells, parameters, dofs=self.space.dofs)]
 
 
 def base(per_side: int) -> LagrangeSpace:
     """A square of triangles whose inner corners are shaken."""
     mesh = mesh_of(polygon_outline(SQUARE), *grid(per_side, per_side, 1.0, 1.0))
     return LagrangeSpace(shaken(mesh, 0.15 / per_side))
-
-
-def flow(X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    x, y = X.T
-    velocity = np.column_stack([np.sin(y) + y * np.cos(y), -y * np.sin(y)]) * np.exp(x)[:, None]
-    return velocity, -2 * VISCOSITY * np.exp(x) * np.sin(y)
 
 
 def solved(problem: Stokes, method: str) -> np.ndarray:
@@ -85,7 +43,7 @@ def solved(problem: Stokes, method: str) -> np.ndarray:
 
 def errors(per_side: int, method: str) -> tuple[float, float]:
     """L2 errors of velocity and of pressure."""
-    problem = Stokes(base(per_side))
+    problem = Stokes(None, None, base(per_side))
     x, space = solved(problem, method), problem.space
     assert residual_norm(problem, x) < 1e-9 * internal_norm(problem, x)
     velocity, pressure = flow(space.X)
@@ -106,7 +64,7 @@ def test_velocity_is_of_order_3_and_pressure_of_order_2(method):
 
 
 def test_its_residual_follows_nodes_that_move():
-    problem = Stokes(base(3))
+    problem = Stokes(None, None, base(3))
     rng = np.random.default_rng(2)
     x, X = rng.uniform(-1, 1, problem.boundary.mask.shape), problem.space.X
     dX, kept = rng.uniform(-1, 1, X.shape), X.copy()

@@ -111,7 +111,7 @@ SPACE = (CHOLESKY, ICC_SPACE, ILU_SPACE, GAMG)
 
 def candidates(traits: Traits) -> tuple[Candidate, ...]:
     """What may be chosen for matrices with these traits; nothing where a complete factor is all that is known of."""
-    if not (traits.symmetric and traits.definite):
+    if not traits.minimises:
         return ()
     return SPACE if traits.dimension == 3 else PLANE
 

@@ -10,7 +10,7 @@ class Equations(Protocol):
     """r(x) = 0 for nodal values x (n, f); rows of other ranks need not be set.
 
     Attributes:
-        potential: whether r is the gradient of an energy.
+        potential: whether r is the gradient of an energy that is least at stable solutions; that of a saddle is not.
     """
 
     potential: bool

@@ -5,10 +5,8 @@ from petsc4py import PETSc
 
 from restshape.algebra.choice import ILU, Candidate, Choice, Prices, Size, prices
 from restshape.algebra.pivots import factors_of, negative_pivots, zero_pivots
-from restshape.algebra.preconditioner import kind_of, nonzeros, set_preconditioner, set_rigid_motions
+from restshape.algebra.preconditioner import COMPLETE, kind_of, nonzeros, set_preconditioner, set_rigid_motions
 from restshape.algebra.traits import Traits
-
-COMPLETE = ("cholesky", "lu")
 
 
 class KeptPreconditioner:
@@ -48,13 +46,13 @@ class KeptPreconditioner:
 
     @property
     def complete(self) -> bool:
-        """Whether it is a complete factor, of each rank's own rows."""
+        """Whether it is a complete factor, of each rank's own rows or of the whole matrix."""
         return self.kind in COMPLETE
 
     @property
     def exact(self) -> bool:
         """Whether it is a complete factor of the whole matrix."""
-        return self.complete and self.ranks == 1
+        return self.complete and (self.ranks == 1 or self.traits.pivots)
 
     def measure(self, mat: PETSc.Mat) -> bool:
         """Take in the size of a matrix that is another one; returns whether it has changed."""

@@ -8,8 +8,9 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.choice import MEMORY, Choice
-from restshape.algebra.kept_preconditioner import COMPLETE, KeptPreconditioner
+from restshape.algebra.kept_preconditioner import KeptPreconditioner
 from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.preconditioner import COMPLETE
 from restshape.algebra.projection import Projection
 from restshape.algebra.refresh import RefreshCriterion
 from restshape.algebra.stages import Stages
@@ -59,7 +60,8 @@ class LinearSolver:
         age: solves since it was made; callers add frames that solve nothing to it.
         on_solve: called with matrix, right side, guess, whether the system is new, and places, before each solve.
 
-    On several ranks the factors are those of the ranks' own rows (block Jacobi), so that the bits repeat.
+    On several ranks the factors are those of the ranks' own rows (block Jacobi), so that the bits repeat. That of
+    symmetric matrices that are not definite is of the whole matrix: their blocks may have none.
     An idle frame solves nothing and refreshes nothing, for a frame with nothing to do does nothing.
 
     Source: docs/theory.md, section 1 (rent or buy).

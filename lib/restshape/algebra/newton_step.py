@@ -66,7 +66,7 @@ class NewtonStep:
         try:
             report = linear.solve(mat, b, y, new_system, patched=self.patched, places=self.places, scale=scale)
         except ReplayProblem as problem:
-            self.why = INDEFINITE if linear.symmetric else str(problem)
+            self.why = INDEFINITE if linear.traits.minimises else str(problem)
             return False
         self.iterations += report.iterations
         self.refreshed |= report.refreshed

@@ -3,13 +3,15 @@
 import numpy as np
 from petsc4py import PETSc
 
-FACTORS = ("cholesky", "lu", "icc", "ilu")
+COMPLETE = ("cholesky", "lu")
+FACTORS = (*COMPLETE, "icc", "ilu")
 
 
 def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = False) -> list[str]:
     """Give a solver a preconditioner; what PETSc's options say of it goes first.
 
-    On several ranks a factor is that of the ranks' own rows (block Jacobi), so that the bits repeat.
+    On several ranks a factor is that of the ranks' own rows (block Jacobi), so that the bits repeat; one with exchanges
+    of rows is that of the whole matrix: blocks of an indefinite matrix may be singular.
 
     Args:
         ksp: without a set-up, or just reset.
@@ -21,18 +23,19 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
     """
     pc = ksp.getPC()
     wanted: dict[str, object] = {}
-    if kind in FACTORS and ksp.getComm().size > 1:
+    whole = pivots and kind in COMPLETE
+    if kind in FACTORS and not whole and ksp.getComm().size > 1:
         # Block Jacobi as additive Schwarz without overlap: petsc4py 3.18 gives the blocks' solvers for that only.
         pc.setType("asm")
         pc.setASMOverlap(0)
-        wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels, pivots)}
+        wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels)}
     else:
         pc.setType(kind)
         if kind == "gamg":
             wanted = {"pc_gamg_reuse_interpolation": True}
-        elif kind in ("cholesky", "lu") and pivots:
+        elif whole:
             pc.setFactorSolverType("mumps")
-        elif kind in ("cholesky", "lu"):
+        elif kind in COMPLETE:
             pc.setFactorOrdering("amd")
         elif kind in FACTORS:
             pc.setFactorLevels(levels)
@@ -46,10 +49,8 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
     return given
 
 
-def _factor_options(kind: str, levels: int, pivots: bool) -> dict[str, object]:
-    if kind in ("cholesky", "lu") and pivots:
-        return {"sub_pc_factor_mat_solver_type": "mumps"}
-    if kind in ("cholesky", "lu"):
+def _factor_options(kind: str, levels: int) -> dict[str, object]:
+    if kind in COMPLETE:
         return {"sub_pc_factor_mat_ordering_type": "amd"}
     return {"sub_pc_factor_levels": levels, "sub_pc_factor_shift_type": "positive_definite"}
 
@@ -80,7 +81,9 @@ def nonzeros(pc: PETSc.PC) -> float:
     if pc.getType() == "gamg":
         grids = (pc.getMGSmoother(k).getOperators()[0] for k in range(pc.getMGLevels()))
         return sum(grid.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"] for grid in grids)
-    parts = [ksp.getPC() for ksp in pc.getASMSubKSP()] if pc.getType() == "asm" else [pc]
+    blocks = pc.getType() == "asm"
+    parts = [ksp.getPC() for ksp in pc.getASMSubKSP()] if blocks else [pc]
     factors = [part.getFactorMatrix() for part in parts if part.getType() in FACTORS]
     filled = sum(factor.getInfo()["nz_used"] for factor in factors)
-    return filled if comm.size == 1 else comm.tompi4py().allreduce(filled)
+    # A factor of the whole matrix counts the nonzeros of all ranks by itself.
+    return comm.tompi4py().allreduce(filled) if blocks else filled

@@ -30,7 +30,12 @@ class Traits:
     @property
     def krylov(self) -> str:
         """PETSc's type of the iteration that serves with any preconditioner."""
-        return "cg" if self.symmetric and self.definite else "gmres"
+        return "cg" if self.minimises else "gmres"
+
+    @property
+    def minimises(self) -> bool:
+        """Whether solutions are least of an energy, so that a matrix that is not definite shows an unstable one."""
+        return self.symmetric and self.definite
 
     @property
     def pivots(self) -> bool:

@@ -29,7 +29,8 @@ class ResidualEquations:
 
     def __init__(self, problem: Problem, operator: Operator, stages: Stages) -> None:
         self.problem, self.operator, self.stages = problem, operator, stages
-        self.potential, self.constrained = problem.symmetric, problem.boundary.constrained
+        self.potential = problem.symmetric and problem.definite
+        self.constrained = problem.boundary.constrained
         mask = problem.boundary.mask
         self.dead, self.undeformed = np.zeros(mask.shape), np.zeros(mask.shape)
         self.free = np.where(mask, 0.0, 1.0)
