@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from restshape.analysis.steady import SteadyAnalysis
 from restshape.fem.dirichlet import Dirichlet, Prescribed
 from restshape.fem.elements import STOKES
 from restshape.fem.integral import Integral
@@ -16,18 +17,17 @@ FLOW = ("(sin(y) + y*cos(y))*exp(x)", "-y*sin(y)*exp(x)", "-0.2*exp(x)*sin(y)")
 
 
 class Stokes(Problem):
-    """Creeping flow whose velocity is prescribed all around the outline and whose pressure is at one corner."""
+    """Creeping flow whose velocity is prescribed on the whole boundary, and whose pressure is at a corner."""
 
     name = "stokes"
     unknowns = (Unknown("velocity", "m/s", ("x", "y")), Unknown("pressure", "Pa", ("p",)))
     symmetric, definite, linear, varies, loaded_inside = True, False, True, True, False
-    corner = "v0"
 
     def __init__(self, scene, plan, base: LagrangeSpace) -> None:
         self.element = STOKES[base.cell_type]
         self.space = MixedSpace(base, self.element.layout)
-        velocity = self.space.rows("velocity", base.nodes_of("outline"))
-        pressure = self.space.rows("pressure", base.nodes_of(self.corner))
+        velocity = self.space.rows("velocity", np.unique(base.facets))
+        pressure = self.space.rows("pressure", base.corner_number[base.mesh.vertex_node[:1]])
         parts = zip(("x", "y", "p"), (velocity[:, 0], velocity[:, 1], pressure[:, 0]), FLOW)
         given = [Prescribed(f"flow.{name}", 0, rows, Expression(value)) for name, rows, value in parts]
         self.boundary = Dirichlet((len(self.space.node), 1), given, {})
@@ -44,6 +44,19 @@ class Stokes(Problem):
             return []
         parameters = np.array([VISCOSITY, 0.0, 0.0])
         return [Integral(self.element, self.space.X, self.space.cells, parameters, dofs=self.space.dofs)]
+
+    def observer(self, quantities):
+        return lambda x: {"drop": float(np.ptp(self.space.values("pressure", x)))}
+
+    def fields(self, x):
+        pressure = np.full(len(self.space.X), np.nan)
+        pressure[self.space.base.corner_number] = self.space.values("pressure", x)[:, 0]
+        return {"velocity": self.space.values("velocity", x), "pressure": pressure}, {}
+
+
+def stokes_analysis(scene, plan, context) -> SteadyAnalysis:
+    """The flow in the shape of any scene whose elements are of second order."""
+    return SteadyAnalysis(scene, plan, context, Stokes)
 
 
 def flow(X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -164,7 +164,7 @@ class BucklingAnalysis:
             return {"estimate": float("nan")}
         if state.predicted:
             return {"estimate": self.predictor.distance()}
-        estimate, shape = self.prebuckling.error_estimate, state.prebuckling.x.shape
+        estimate, shape = made(self.prebuckling.error_estimate), state.prebuckling.x.shape
         return {"estimate": max(estimate.relative(mode.reshape(shape)) ** 2 for mode in state.modes.vectors)}
 
     def compare_cold(self) -> Comparison:

@@ -7,9 +7,18 @@ from restshape.algebra.gathering import GatheredSystem, matrix_difference
 from restshape.analysis.analysis import Comparison
 
 
-def compared(warm: GatheredSystem, cold: GatheredSystem) -> Comparison:
-    """How far a system is from a cold one: entries relative to the largest, solutions in the energy norm."""
+def compared(warm: GatheredSystem, cold: GatheredSystem, definite: bool = True) -> Comparison:
+    """How far a system is from a cold one: entries relative to the largest, solutions in the energy norm.
+
+    Args:
+        definite: matrices are positive definite; those that are not give no norm, and solutions are compared by the
+            largest difference over the largest unknown.
+    """
     entries = matrix_difference(warm.matrix, cold.matrix)
+    if not definite:
+        largest = float(np.abs(cold.solution).max(initial=0.0))
+        difference = float(np.abs(warm.solution - cold.solution).max(initial=0.0))
+        return Comparison(entries, difference / largest if largest else difference)
     return Comparison(entries, energy_distance(cold.matrix, warm.solution, cold.solution, warm.energy))
 
 

@@ -31,7 +31,8 @@ from restshape.fem.observer import Observer
 from restshape.fem.problem import INTERNAL, Fields, Problem
 from restshape.fem.residuals import dead_loads, energy, internal_norm, residual_norm
 from restshape.fem.space import Space
-from restshape.mesh.transfer import transfer
+from restshape.mesh.lagrange_space import LagrangeSpace
+from restshape.mesh.mesh import Mesh
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
@@ -46,11 +47,13 @@ class BoundProblem(Generic[P]):
     """What is set up for a mesh and the values of a scene.
 
     Args:
+        mesh: of the frame: the problem's space, or what that is over.
         problem: of the scene on its space.
         system: what outlives frames on the space.
         observer: of the scene's quantities.
     """
 
+    mesh: Mesh | LagrangeSpace
     problem: P
     system: LinearSystem
     observer: Observer
@@ -98,6 +101,11 @@ class SteadyState(Generic[P]):
     def space(self) -> Space | None:
         """Where the unknowns live; None before the first frame."""
         return None if self.bound is None else self.bound.problem.space
+
+    @property
+    def mesh(self) -> Mesh | LagrangeSpace | None:
+        """Of the last frame, which the space is or is over; None before the first one."""
+        return None if self.bound is None else self.bound.mesh
 
 
 class SteadyAnalysis(Generic[P]):
@@ -161,7 +169,7 @@ class SteadyAnalysis(Generic[P]):
             UserError: the scene makes no sense for the problem any more. In both cases the state is that of before.
         """
         mesh, before = frame.mesh, self.state
-        new_mesh, new_scene = mesh is not before.space, self.interrupted or frame.scene is not before.scene
+        new_mesh, new_scene = mesh is not before.mesh, self.interrupted or frame.scene is not before.scene
         if not (new_mesh or new_scene or mesh.topology != before.topology or mesh.geometry != before.geometry):
             self.solver.age += 1
             return LinearReport(0, False, self.solver.age, self.solver.name)
@@ -251,15 +259,17 @@ class SteadyAnalysis(Generic[P]):
 
         Of a prediction its distance from the solution on the same mesh, by a correction with the kept preconditioner.
         """
-        state = self.state
+        state, estimate = self.state, self.error_estimate
+        if estimate is None:
+            return {}
         if not state.predicted:
-            return {"estimate": self.error_estimate.relative(state.x)}
+            return {"estimate": estimate.relative(state.x)}
         missing = correction(state.problem, state.x, self.solver, state.system.rows)
-        return {"estimate": self.error_estimate.distance(state.x, state.x + missing)}
+        return {"estimate": estimate.distance(state.x, state.x + missing)}
 
     @property
-    def error_estimate(self) -> RecoveryEstimate:
-        """The estimate on the problem's space, kept until there is another problem."""
+    def error_estimate(self) -> RecoveryEstimate | None:
+        """The estimate on the problem's space, kept until there is another problem; None where it has none."""
         problem, estimate = self._estimate
         if estimate is None or problem is not self.problem:
             estimate = self.problem.error_estimate()
@@ -314,17 +324,22 @@ class SteadyAnalysis(Generic[P]):
                 system = self._make_system(problem)
             else:
                 system = before.system
-                system.operator.set_constraints(problem.boundary.mask)
+                if problem.space is before.space:
+                    system.operator.set_constraints(problem.boundary.mask)
+                else:
+                    # Unknowns that are numbered over the mesh are numbered by each problem's own space.
+                    system.operator.set_topology(problem.blocks(), problem.boundary.mask)
         x = before.x
         if new_mesh:
             projected = None
             if context.policy.transfer and before.space is not None:
                 with context.stages("map"):
-                    projected = transfer(before.space, mesh, frame.interpolate(x))
+                    last = before.space.interpolate(x, frame.interpolations)
+                    projected = problem.space.project(before.space, last)
             log.info("%s", "Cold start" if projected is None else f"Unknowns interpolated to {len(projected)} nodes")
             x = projected if projected is not None else np.zeros(problem.boundary.mask.shape)
             self.guess.restart()
-        self.state = replace(before, plan=plan, bound=BoundProblem(problem, system, observer), x=x)
+        self.state = replace(before, plan=plan, bound=BoundProblem(mesh, problem, system, observer), x=x)
 
     def _observed_quantities(self, quantities: dict[str, Quantity]) -> dict[str, Quantity]:
         """The quantities of the scene that the problem knows."""
@@ -336,12 +351,16 @@ class SteadyAnalysis(Generic[P]):
 
     def _flip(self, frame: Frame) -> None:
         """Follow flipped edges: with the pattern and, where such edges have nodes, with the last solutions."""
-        self.state.system.operator.patch(0, frame.changed_cells)
+        state, space = self.state, self.state.problem.space
+        state.system.operator.patch(0, space.follow(frame.changed_cells))
         if frame.interpolations:
-            shape = self.state.x.shape
-            self.state = replace(self.state, x=frame.interpolate(self.state.x))
-            self.guess.interpolate(frame.interpolate)
-            self.solver.interpolate(lambda row: frame.interpolate(row.reshape(shape)).ravel())
+
+            def interpolate(field: np.ndarray) -> np.ndarray:
+                return space.interpolate(field, frame.interpolations)
+
+            self.state = replace(state, x=interpolate(state.x))
+            self.guess.interpolate(interpolate)
+            self.solver.interpolate(lambda row: interpolate(row.reshape(state.x.shape)).ravel())
 
     def _solve(self, frame: Frame, new_mesh: bool) -> LinearReport:
         state, context = self.state, self.context
@@ -405,7 +424,7 @@ class SteadyAnalysis(Generic[P]):
 
     def compare_cold(self) -> Comparison:
         """The state beside a solve with new pattern, values and factor, and no guess."""
-        return compared(self.warm_system(), self.cold_system())
+        return compared(self.warm_system(), self.cold_system(), self.solver.traits.definite)
 
     def warm_system(self) -> GatheredSystem:
         """The matrix and the free part of the solution as they stand, whole on every rank."""
@@ -416,7 +435,7 @@ class SteadyAnalysis(Generic[P]):
     def cold_system(self) -> GatheredSystem:
         """Matrix and solution of this frame with new pattern, values and factor, and no guess."""
         comm, space = self.context.comm, self.problem.space
-        problem = self.make(self.state.scene, self.state.plan, space)
+        problem = self.make(self.state.scene, self.state.plan, made(self.state.bound).mesh)
         shape = problem.boundary.mask.shape
         operator = Operator(comm, shape[1], space.node_offsets, "coo")
         operator.set_topology(problem.blocks(), problem.boundary.mask)

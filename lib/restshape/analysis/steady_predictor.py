@@ -28,7 +28,7 @@ class Steady(Protocol):
     @property
     def x(self) -> np.ndarray: ...
     @property
-    def error_estimate(self) -> RecoveryEstimate: ...
+    def error_estimate(self) -> RecoveryEstimate | None: ...
 
     def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
         """s (n, f) with (dR/dx) s = rhs (n, f) at free unknowns, 0 at prescribed ones, by the kept preconditioner."""
@@ -65,5 +65,9 @@ class SteadyPredictor:
         return self.analysis.x if self.analysis.state.predicted else None
 
     def error(self, predicted: np.ndarray) -> float:
-        """The relative distance of predicted unknowns (n, f) on this space from the solution, in the energy norm."""
-        return self.analysis.error_estimate.distance(predicted, self.analysis.x)
+        """The relative distance of predicted unknowns (n, f) on this space from the solution, in the energy norm.
+
+        Not a number where the problem has no estimate, which knows that norm.
+        """
+        estimate = self.analysis.error_estimate
+        return float("nan") if estimate is None else estimate.distance(predicted, self.analysis.x)

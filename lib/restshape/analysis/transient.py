@@ -208,7 +208,7 @@ class TransientAnalysis:
         """The estimate on the problem's space, kept until there is another problem."""
         body, estimate = self._estimate
         if estimate is None or body is not self.body:
-            estimate = self.problem.error_estimate()
+            estimate = made(self.problem.error_estimate())
             self._estimate = (self.body, estimate)
         return estimate
 

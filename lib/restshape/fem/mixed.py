@@ -9,6 +9,7 @@ import numpy as np
 from restshape.fem.space import Space
 from restshape.mesh.lagrange_space import EdgeInterpolation
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.transfer import Transfer
 from restshape.shape.outline import Outline
 
 Layout = Sequence[tuple[str, int, int]]
@@ -137,6 +138,20 @@ class MixedSpace:
     def cells_of(self, name: str) -> np.ndarray:
         """Cells inside an entity; see `Space.cells_of`."""
         return self.base.cells_of(name)
+
+    def at_dofs(self, field: np.ndarray) -> np.ndarray:
+        """A field (n, k) of the nodes as one (m, k) of the unknowns: of each that of its node."""
+        return field[self.node]
+
+    def project(self, old: MixedSpace, field: np.ndarray) -> np.ndarray:
+        """Unknowns (m, 1) from those (m_old, 1) of another mesh: each field by itself, on its own cells."""
+        found = np.zeros((len(self.node), 1))
+        for name, nodes, _ in self.layout:
+            rows = self.rows(name)
+            # Corners are numbered in the order of the mesh's nodes.
+            cells = old.base if nodes == old.cells.shape[1] else old.mesh
+            found[rows, 0] = Transfer(cells, self.X[self.node[rows[:, 0]]])(old.values(name, field))
+        return found
 
     def follow(self, changed: np.ndarray) -> np.ndarray:
         """Go where the mesh below is; the cells that are others than before. Corners stay corners under flips."""

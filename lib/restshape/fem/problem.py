@@ -158,8 +158,9 @@ class Problem(Protocol):
             UserError: a quantity has no meaning, or none where it is asked for.
         """
 
-    def error_estimate(self) -> RecoveryEstimate:
-        """The recovery-based estimate on this space."""
+    def error_estimate(self) -> RecoveryEstimate | None:
+        """The recovery-based estimate on this space; None where there is none."""
+        return None
 
 
 class PrestressedProblem(Problem, Protocol):

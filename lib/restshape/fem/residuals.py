@@ -86,7 +86,8 @@ def design_rates(problem: Problem, x: np.ndarray, dX: np.ndarray) -> tuple[np.nd
 
     Source: docs/theory.md, "The design derivative": f_i of the thesis's (5.11).
     """
-    prescribed = problem.boundary.rate(problem.space.X, dX)
+    space = problem.space
+    prescribed = problem.boundary.rate(space.dof_X, space.at_dofs(dX))
     moved = prescribed if np.any(prescribed) else None
     out = np.zeros_like(x)
     for kind in (INTERNAL, LOADS, FOLLOWERS):

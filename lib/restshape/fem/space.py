@@ -1,6 +1,6 @@
 """What a finite-element space offers: nodes and cells that unknowns live on, over a mesh that moves."""
 
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -87,6 +87,17 @@ class Space(Protocol):
         Args:
             field: before the flips; it stays as it is.
             interpolations: what the flips did, in their order.
+        """
+
+    def at_dofs(self, field: np.ndarray) -> np.ndarray:
+        """A field (n, k) of the nodes X as one (m, k) of the rows of unknowns, which lie at `dof_X`."""
+
+    def project(self, old: Any, field: np.ndarray) -> np.ndarray:
+        """Unknowns (m, f) of this space from those of another one of the same kind, on nearly the same shape.
+
+        Args:
+            old: where they live.
+            field: (m_old, f), one for each of its rows.
         """
 
 

@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from restshape.mesh.transfer import FieldNodes, transfer
 from restshape.shape.outline import Outline
 
 
@@ -26,6 +27,7 @@ class NodesAndCells:
 
     X: np.ndarray
     cells: np.ndarray
+    dim: int
 
     @property
     def n_nodes(self) -> int:
@@ -46,6 +48,14 @@ class NodesAndCells:
     def dof_X(self) -> np.ndarray:
         """Material coordinates (n, d) [m] of the nodes that have unknowns: all of them."""
         return self.X
+
+    def at_dofs(self, field: np.ndarray) -> np.ndarray:
+        """A field (n, k) of the nodes by the rows of unknowns: as it is."""
+        return field
+
+    def project(self, old: FieldNodes, field: np.ndarray) -> np.ndarray:
+        """Unknowns (n, f) of another space at the nodes of this one; see `transfer`."""
+        return transfer(old, self, field)
 
 
 class OverMesh(NodesAndCells):

@@ -59,13 +59,20 @@ class Transfer:
         return np.einsum("ij,ijk->ik", self.weights, field[self.nodes])
 
 
-def transfer(old: FieldNodes, new: FieldNodes, field: np.ndarray) -> np.ndarray:
+class Points(Protocol):
+    """Points X (m, d) [m]."""
+
+    @property
+    def X(self) -> np.ndarray: ...
+
+
+def transfer(old: FieldNodes, new: Points, field: np.ndarray) -> np.ndarray:
     """Values (n_new, f) of a nodal field of the old mesh at the nodes of the new one.
 
     Exact for linear fields, and of second order for quadratic ones too where sides are straight.
 
     Args:
-        old, new: meshes of nearly the same shape, each of either order.
+        old, new: meshes of nearly the same shape, each of either order; of the new one the nodes count alone.
         field: (n_old, f) values.
     """
     return Transfer(old, new.X)(field)
