@@ -1,31 +1,8 @@
 """Small scenes of large deformation for tests."""
 
-from small_scenes import HEAD, block, meshed
+from functools import partial
 
-RUBBER = '\n[material.rubber]\nE = "1 MPa"\nnu = 0.3\nrho = 1000\n'
-LARGE = "\n[effects.large_deformation]\n"
-WALL = '\n[supports.wall]\non = "left"\nfix = ["x", "y"]\n'
-TIP = """
-[quantities]
-x = { displacement = "x", at = "c" }
-y = { displacement = "y", at = "c" }
-wall_x = { reaction = "x", at = "left" }
-wall_y = { reaction = "y", at = "left" }
-energy = { energy = "strain" }
-"""
+from restshape_studies.stability import rubber
 
-
-def solid(model: str = "plane_strain") -> str:
-    """The [effects.solid] of a plane model."""
-    return f'\n[effects.solid]\nmodel = "{model}"\n'
-
-
-def gravity(x: float, y: float) -> str:
-    """The [effects.gravity] along (x, y) [m/s^2]."""
-    return f"\n[effects.gravity]\ng = [{x}, {y}]\n"
-
-
-def beam(*parts: str, length: float = 1.0, height: float = 0.2, size: float = 0.05) -> str:
-    """A rubber beam held at its left end, of large deformation."""
-    shape = HEAD + block(length, height) + RUBBER + WALL + LARGE
-    return shape + "".join(parts or (solid(), gravity(0, -10))) + meshed(size) + TIP
+LARGE, WALL, solid, gravity = rubber.LARGE, rubber.WALL, rubber.solid, rubber.gravity
+beam = partial(rubber.beam, "plane")

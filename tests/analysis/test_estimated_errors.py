@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from modal import SCENES, mindlin
+from modal import SCENES
+from restshape_studies.validation.shear_waves import mindlin
 from scipy.sparse.linalg import eigsh
 from small_scenes import make_replay, rows_of
 from vibrating import dynamics, idle, tower

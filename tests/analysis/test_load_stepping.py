@@ -4,9 +4,9 @@ import pathlib
 
 import numpy as np
 import pytest
-from elastica import stretched_elastica
 from large import beam, solid
 from petsc4py import PETSc
+from restshape_studies.validation.elastica import stretched_elastica
 from scipy.integrate import solve_bvp
 from small_scenes import make_replay, rows_of, write_scene
 

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from petsc4py import PETSc
 from restshape_studies.validation.case import Check
-from restshape_verification.metallophone.reference import EDITS, SCENES, mindlin, solved
+from restshape_studies.validation.shear_waves import mindlin
+from restshape_verification.metallophone.reference import EDITS, SCENES, solved
 
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.stages import Stages

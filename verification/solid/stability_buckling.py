@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, true
+from restshape_studies.stability.columns import FOOT, HINGES, PUSHED, euler
 from restshape_studies.stability.scenery import across, drag, rows_of
-from restshape_verification.solid.hard_scenes import FOOT, HINGES, PUSHED, TWINS, column, euler
+from restshape_verification.solid.hard_scenes import TWINS, column
 
 from restshape.policy import POLICIES
 

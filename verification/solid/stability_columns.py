@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 from restshape_studies.stability.case import Case, Statement, Trial, above, below, refused_for, sound, true
+from restshape_studies.stability.rubber import LARGE, solid
 from restshape_studies.stability.scenery import across, block, drag, meshed, set_value
-from restshape_verification.solid.hard_scenes import HEAD, LARGE, solid
+from restshape_verification.solid.hard_scenes import HEAD
 from restshape_verification.solid.stability_large import SPRINGS, UNTOLD, reached
 
 E, THICKNESS, DEPTH = 1e6, 0.05, 0.1

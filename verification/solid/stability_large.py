@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, refused_for, sound, true
+from restshape_studies.stability.rubber import LARGE, TIP, WALL, gravity, solid
 from restshape_studies.stability.scenery import CLAMPED, PULLED, STEEL, across, block, drag, meshed, rows_of, set_value
-from restshape_verification.solid.elastica import stretched_elastica
-from restshape_verification.solid.hard_scenes import HEAD, LARGE, TIP, WALL, beam, gravity, plate, solid
+from restshape_studies.validation.elastica import stretched_elastica
+from restshape_verification.solid.hard_scenes import HEAD, beam, plate
 from restshape_verification.solid.stability_static import unrefreshed
 
 from restshape import _kernels

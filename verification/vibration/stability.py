@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from restshape_studies.stability.case import Case, Row, Statement, Trial, below, near, sound, true
 from restshape_studies.stability.scenery import across, block, drag
-from restshape_verification.vibration.hard_scenes import HEAD, HELD, QUANTITIES, RUBBER, SHAKEN, dynamics, tower
+from restshape_studies.stability.towers import HELD, QUANTITIES, RUBBER, SHAKEN, dynamics
+from restshape_verification.vibration.hard_scenes import HEAD, tower
 
 from restshape.analysis.frequencies import lowest_modes
 from restshape.analysis.harmonic import harmonic_response
