@@ -8,6 +8,8 @@
 
 #include "derivative.hpp"
 #include "mixed.hpp"
+#include "overlap.hpp"
+#include "rows.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;
@@ -92,10 +94,11 @@ py::array_t<double> array(const Rows& a) {
     return out;
 }
 
-py::tuple tuple(const Verdict& v) {
+py::tuple tuple(const DesignCheck& v) {
     py::list faults, broken;
     for (const Flawed& one : v.faults) faults.append(py::make_tuple(static_cast<int>(one.fault), one.where));
-    for (const Broken& one : v.broken) broken.append(py::make_tuple(one.joint, one.load_case, one.use, one.sheared));
+    for (const Overloaded& one : v.overloaded)
+        broken.append(py::make_tuple(one.joint, one.load_case, one.utilisation, one.sheared));
     return py::make_tuple(v.flaws, v.pull, v.shear, v.missing, faults, v.overlaps, v.falls, v.unbalanced, broken);
 }
 
@@ -153,7 +156,7 @@ py::tuple scan(Furniture& f, const Doubles& direction, const Doubles& t, int wan
     py::array_t<double> pull(t.size()), shear(t.size());
     for (py::ssize_t k = 0; k < t.size(); ++k) {
         for (size_t a = 0; a < gamma.size(); ++a) gamma[a] = t.data()[k] * direction.data()[a];
-        const Verdict v = f.test(gamma.data(), wanted, true);
+        const DesignCheck v = f.test(gamma.data(), wanted, true);
         flaws.mutable_data()[k] = v.flaws & wanted;
         pull.mutable_data()[k] = v.pull, shear.mutable_data()[k] = v.shear;
     }

@@ -1,7 +1,7 @@
 // Derivatives with respect to the design: A dx = db - dA x for all modes with one factor, and what follows from them.
 #pragma once
 
-#include "verdict.hpp"
+#include "furniture.hpp"
 
 namespace restshape::planks {
 
@@ -20,74 +20,10 @@ class DesignDerivative {
         : F(furniture), n_(8 * furniture.piece().count()), directions_(directions), m_(m) {}
 
     // The geometry must be that of the piece as it is, and the state of the case its equilibrium.
-    Derivatives solve(int load_case) {
-        const Piece& P = F.piece();
-        const CaseState& state = F.states()[load_case];
-        const int size = 6 * P.count();
-        Equilibrium& equilibrium = F.equilibrium();
-        equilibrium.set_case(load_case);
-        equilibrium.stiffness(F.shape(), state.law, state.x.data(), true);
-        equilibrium.blocks().factor();
-        Rows rhs(size, m_);
-        std::vector<Design> x(size), r(size), d(6 * P.joints.size());
-        for (int first = 0; first < m_; first += lanes) {
-            shape(first);
-            for (int k = 0; k < size; ++k) x[k] = Design(state.x[k]);
-            equilibrium.gradient(shape_, load_case, state.law, x.data(), r.data());
-            for (int k = 0; k < size; ++k)
-                for (int lane = 0; lane < used(first); ++lane) rhs(k, first + lane) = -r[k].d[lane];
-        }
-        equilibrium.blocks().solve(rhs);
-        Derivatives out;
-        const int joints = static_cast<int>(P.joints.size()), contacts = static_cast<int>(F.shape().contacts.size());
-        out.x = rhs.transpose();
-        for (Rows* rows : {&out.bending, &out.tension, &out.shear_x, &out.shear_y, &out.length})
-            rows->resize(m_, joints);
-        out.normal.resize(m_, contacts);
-        for (int first = 0; first < m_; first += lanes) {
-            shape(first);
-            for (int k = 0; k < size; ++k) {
-                x[k] = Design(state.x[k]);
-                for (int lane = 0; lane < used(first); ++lane) x[k].d[lane] = rhs(k, first + lane);
-            }
-            equilibrium.gradient(shape_, load_case, state.law, x.data(), r.data(), d.data());
-            for (int k = 0; k < joints; ++k) {
-                const auto f = joint_force(shape_.joints[k], &d[6 * k], P.settings);
-                for (int lane = 0; lane < used(first); ++lane) {
-                    out.bending(first + lane, k) = f.bending.d[lane];
-                    out.tension(first + lane, k) = f.tension.d[lane];
-                    out.shear_x(first + lane, k) = f.shear_x.d[lane];
-                    out.shear_y(first + lane, k) = f.shear_y.d[lane];
-                    out.length(first + lane, k) = shape_.joints[k].length.d[lane];
-                }
-            }
-            for (int k = 0; k < contacts; ++k) {
-                const auto& contact = shape_.contacts[k];
-                const Place<Design> a = place_of(x.data() + 6 * contact.plank);
-                const V3<Design> v = a.u + times(a.t.less_one, contact.arm);
-                const Design pressed =
-                    dot(contact_force(v, contact.normal, contact.mu, equilibrium.floor(), state.law), contact.normal);
-                for (int lane = 0; lane < used(first); ++lane) out.normal(first + lane, k) = pressed.d[lane];
-            }
-        }
-        return out;
-    }
+    Derivatives solve(int load_case);
 
     // Derivatives (m, rows) of the rows of stability; their values in `values`.
-    Rows stability(int load_case, std::vector<double>& values) {
-        values.clear();
-        StabilityRows<double>(F.piece(), F.equilibrium(), F.shape(), load_case, values);
-        Rows out(m_, values.size());
-        std::vector<Design> rows;
-        for (int first = 0; first < m_; first += lanes) {
-            shape(first);
-            rows.clear();
-            StabilityRows<Design>(F.piece(), F.equilibrium(), shape_, load_case, rows);
-            for (size_t k = 0; k < rows.size(); ++k)
-                for (int lane = 0; lane < used(first); ++lane) out(first + lane, k) = rows[k].d[lane];
-        }
-        return out;
-    }
+    Rows stability(int load_case, std::vector<double>& values);
 
  private:
     Furniture& F;
@@ -99,61 +35,11 @@ class DesignDerivative {
 
     int used(int first) const { return std::min(lanes, m_ - first); }
 
-    void shape(int first) {
-        gamma_.assign(n_, Design(0.0));
-        for (int k = 0; k < n_; ++k)
-            for (int lane = 0; lane < used(first); ++lane) gamma_[k].d[lane] = directions_[(first + lane) * n_ + k];
-        Shaper<Design>(F.piece(), gamma_.data(), shape_);
-    }
+    void shape(int first);
 };
 
 // For each plank the design parameters that change the piece and keep all joints closed and all feet on the ground;
 // of those that make the same change, the first among lengths, moves and turns (figure 6.13 of the thesis).
-inline std::vector<std::array<int, 2>> valid_freedoms(Furniture& furniture, double step) {
-    const Piece& P = furniture.piece();
-    const int n = P.count();
-    std::vector<std::array<int, 2>> valid;
-    std::vector<Design> gamma(8 * n, Design(0.0));
-    std::vector<double> moved(8 * n, 0.0);
-    Shape<Design> shape;
-    Shape<double> tried;
-    const auto closes = [&](double by, int at) {
-        moved[at] = by;
-        Shaper<double>(P, moved.data(), tried);
-        moved[at] = 0.0;
-        for (const Flawed& one : tried.faults)
-            if (one.fault == Fault::slant || one.fault == Fault::behind) return false;
-        for (size_t k = 0; k < P.joints.size(); ++k)
-            if (tried.joints[k].fault == Fault::gap) return false;
-        for (Fault fault : tried.foot_faults)
-            if (fault != Fault::none) return false;
-        return true;
-    };
-    for (int i = 0; i < n; ++i) {
-        for (int k = 0; k < 8; ++k) gamma[8 * i + k] = Design::seed(0.0, k);
-        Shaper<Design>(P, gamma.data(), shape);
-        for (int k = 0; k < 8; ++k) gamma[8 * i + k] = Design(0.0);
-        Eigen::MatrixXd change(15 * n, 8);
-        for (int p = 0; p < n; ++p)
-            for (int k = 0; k < 8; ++k) {
-                for (int a = 0; a < 3; ++a) {
-                    change(15 * p + a, k) = shape.centre[p][a].d[k];
-                    change(15 * p + 3 + a, k) = shape.size[p][a].d[k];
-                }
-                for (int a = 0; a < 9; ++a) change(15 * p + 6 + a, k) = shape.axes[p][a].d[k];
-            }
-        std::vector<Eigen::VectorXd> kept;
-        for (int k : {6, 7, 0, 1, 2, 3, 4, 5}) {
-            Eigen::VectorXd rest = change.col(k);
-            const double size = rest.norm();
-            if (!(size > 1e-9)) continue;
-            for (const auto& q : kept) rest -= q.dot(rest) * q;
-            if (rest.norm() < 1e-8 * size || !closes(step, 8 * i + k) || !closes(-step, 8 * i + k)) continue;
-            kept.push_back(rest.normalized());
-            valid.push_back({i, k});
-        }
-    }
-    return valid;
-}
+std::vector<std::array<int, 2>> valid_freedoms(Furniture& furniture, double step);
 
 }  // namespace restshape::planks

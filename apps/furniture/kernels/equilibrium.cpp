@@ -1,0 +1,261 @@
+// Newton's method for the equilibrium of a piece, and its stiffness block by block.
+#include "equilibrium.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <limits>
+#include <numeric>
+
+namespace restshape::planks {
+
+std::vector<Part> parts_of(const Piece& piece) {
+    const int n = piece.count();
+    std::vector<int> of(n);
+    for (int i = 0; i < n; ++i) of[i] = i;
+    const auto root = [&of](int i) {
+        while (of[i] != i) i = of[i] = of[of[i]];
+        return i;
+    };
+    for (const JointSpec& joint : piece.joints) of[root(joint.i)] = root(joint.j);
+    std::vector<Part> parts;
+    std::vector<int> index(n, -1);
+    for (int i = 0; i < n; ++i) {
+        int& k = index[root(i)];
+        if (k < 0) k = static_cast<int>(parts.size()), parts.emplace_back();
+        parts[k].planks.push_back(i);
+    }
+    for (const FootSpec& foot : piece.feet) {
+        Part& part = parts[index[root(foot.plank)]];
+        part.grounded = true;
+        if (part.carrier < 0) part.carrier = foot.plank;
+    }
+    for (Part& part : parts)
+        if (part.carrier < 0) part.carrier = part.planks[0];
+    return parts;
+}
+
+Equilibrium::Equilibrium(const Piece& piece, std::vector<Part>& parts)
+    : P(piece), parts_(parts), plank_part_(piece.count()) {
+    std::vector<std::pair<int, int>> pairs;
+    for (const JointSpec& joint : P.joints) pairs.emplace_back(joint.i, joint.j);
+    blocks_ = Blocks(P.count(), pairs);
+    for (size_t k = 0; k < parts_.size(); ++k)
+        for (int i : parts_[k].planks) plank_part_[i] = static_cast<int>(k);
+}
+
+void Equilibrium::find_free(const Shape<double>& shape) {
+    for (Part& part : parts_) part.free.clear();
+    std::vector<Block> ground(parts_.size(), Block::Zero());
+    std::vector<double> reach(parts_.size(), 0.0);
+    for (const auto& contact : shape.contacts) {
+        const int k = plank_part_[contact.plank];
+        const V3<double> arm = contact.point - shape.centre[parts_[k].carrier];
+        reach[k] = std::max(reach[k], std::sqrt(dot(arm, arm)));
+        Eigen::Matrix<double, 3, 6> way;
+        way << Eigen::Matrix3d::Identity(), -spin(arm);
+        const Eigen::Vector3d n(contact.normal.data());
+        Eigen::Matrix3d held = n * n.transpose();
+        if (contact.mu > 0.0) held.setIdentity();
+        ground[k] += way.transpose() * held * way;
+    }
+    for (size_t k = 0; k < parts_.size(); ++k) {
+        Wrench6 scale;
+        scale << 1, 1, 1, 1, 1, 1;
+        if (reach[k] > 0.0) scale.tail<3>().setConstant(1.0 / reach[k]);
+        const Eigen::SelfAdjointEigenSolver<Block> found(scale.asDiagonal() * ground[k] * scale.asDiagonal());
+        const double most = std::max(found.eigenvalues()[5], 1e-300);
+        for (int m = 0; m < 6; ++m)
+            if (found.eigenvalues()[m] <= 1e-9 * most)
+                parts_[k].free.push_back((scale.asDiagonal() * found.eigenvectors().col(m)).normalized());
+    }
+}
+
+double Equilibrium::energy(const Shape<double>& shape, int load_case, const double* x,
+                           const double* joint_forces) const {
+    const int n = P.count();
+    std::vector<Place<double>> at(n);
+    double sum = 0.0;
+    for (int i = 0; i < n; ++i) {
+        at[i] = place_of(x + 6 * i);
+        if (carried(i)) sum -= shape.mass[i] * dot(at[i].u, P.gravity);
+    }
+    for (size_t k = 0; k < P.joints.size(); ++k) {
+        V3<double> dt, dr;
+        opening(at[P.joints[k].i], at[P.joints[k].j], shape.joints[k].arm_i, shape.joints[k].arm_j, dt, dr);
+        const double* h = joint_forces + 6 * k;
+        for (int a = 0; a < 3; ++a)
+            sum +=
+                h[a] * (dt[a] - 0.5 * P.settings.eps_t * h[a]) + h[3 + a] * (dr[a] - 0.5 * P.settings.eps_r * h[3 + a]);
+    }
+    for (const auto& contact : shape.contacts) {
+        const Place<double>& a = at[contact.plank];
+        const V3<double> v = a.u + times(a.t.less_one, contact.arm);
+        const double pen = dot(v, contact.normal);
+        sum += 0.5 * floor() * (contact.mu == 0.0 ? pen * pen : dot(v, v));
+    }
+    for (size_t k = 0; k < P.loads.size(); ++k)
+        if (const Place<double>& a = at[P.loads[k].plank]; carried(P.loads[k].plank))
+            sum -= dot(a.u + times(a.t.less_one, shape.load_arms[k]), P.cases[load_case][k]);
+    for (const Part& part : parts_)
+        for (const auto& q : part.free) {
+            double along = 0.0;
+            for (int a = 0; a < 6; ++a) along += x[6 * part.carrier + a] * q[a];
+            sum += 0.5 * floor() * along * along;
+        }
+    return sum;
+}
+
+void Equilibrium::stiffness(const Shape<double>& shape, Law law, const double* x, bool exact) {
+    blocks_.clear();
+    for (size_t k = 0; k < P.joints.size(); ++k) exact ? exact_joint(shape, k, x) : small_joint(shape, k);
+    add_ground(shape, law, x, exact, [this](int i, const Block& block) { blocks_.at(i, i) += block; });
+    for (int i = 0; i < P.count(); ++i) blocks_.at(i, i).diagonal().array() += P.settings.shift * joint_t();
+}
+
+int Equilibrium::solve(const Shape<double>& shape, int load_case, Law law, std::vector<double>& x) {
+    const int n = 6 * P.count();
+    load_case_ = load_case;
+    double scale = 0.0;
+    for (int i = 0; i < P.count(); ++i) scale += shape.mass[i] * std::abs(P.gravity[2]);
+    for (const auto& f : P.cases[load_case]) scale += std::sqrt(dot(f, f));
+    std::vector<double> r(n);
+    double last = 1e300;
+    bool exact = false, fresh = false;
+    const int most = law == Law::bilateral ? 25 : 40;
+    for (int step = 0; step < most; ++step) {
+        gradient(shape, load_case, law, x.data(), r.data());
+        double norm = 0.0;
+        for (double v : r) norm = std::max(norm, std::abs(v));
+        if (!(norm < 1e15)) return -1;
+        if (norm <= 1e-11 * scale) return step;
+        // A residual that stays small is rounding.
+        if (norm <= 1e-8 * scale && norm > 0.5 * last) return step;
+        if (!fresh || norm > 0.1 * last) {
+            exact = exact || (law == Law::bilateral && fresh);
+            stiffness(shape, law, x.data(), exact);
+            blocks_.factor();
+            fresh = true;
+        }
+        std::vector<double> slope = r;
+        blocks_.solve(r);
+        if (law == Law::bounded) {
+            search(shape, load_case, slope, r, x);
+        } else {
+            for (int k = 0; k < n; ++k) x[k] -= r[k];
+        }
+        last = norm;
+    }
+    return -1;
+}
+
+bool Equilibrium::ease(const Shape<double>& shape, int load_case, const std::vector<V3<double>>& balance,
+                       std::vector<double>& x) {
+    bounds_.assign(shape.contacts.size(), std::numeric_limits<double>::infinity());
+    if (solve(shape, load_case, Law::bounded, x) < 0) return false;
+    const std::vector<double> stuck = x;
+    for (const bool balanced : {false, true}) {
+        x = stuck;
+        for (size_t k = 0; k < bounds_.size(); ++k) {
+            const auto& contact = shape.contacts[k];
+            const Place<double> at = place_of(x.data() + 6 * contact.plank);
+            const V3<double> v = at.u + times(at.t.less_one, contact.arm);
+            const double pressed = dot(contact.normal, balanced ? balance[k] : scaled(v, -floor()));
+            bounds_[k] = contact.mu * std::max(pressed, 0.0);
+        }
+        if (solve(shape, load_case, Law::bounded, x) >= 0 && solve(shape, load_case, Law::unilateral, x) >= 0)
+            return true;
+    }
+    return false;
+}
+
+void Equilibrium::search(const Shape<double>& shape, int load_case, const std::vector<double>& slope,
+                         const std::vector<double>& step, std::vector<double>& x) {
+    const auto along = [&step](const std::vector<double>& g) {
+        return std::inner_product(step.begin(), step.end(), g.begin(), 0.0);
+    };
+    const double first = along(slope);
+    std::vector<double> at(x.size()), r(x.size());
+    double low = 0.0, high = 0.0, t = 1.0;
+    for (int k = 0; k < 30; ++k) {
+        for (size_t a = 0; a < x.size(); ++a) at[a] = x[a] - t * step[a];
+        gradient(shape, load_case, Law::bounded, at.data(), r.data());
+        const double now = along(r);
+        if (!(std::abs(now) > 0.1 * std::abs(first))) break;
+        (now > 0.0 ? low : high) = t;
+        t = high == 0.0 ? 2.0 * t : 0.5 * (low + high);
+    }
+    x = at;
+}
+
+void Equilibrium::small_joint(const Shape<double>& shape, size_t k) {
+    const int i = P.joints[k].i, j = P.joints[k].j;
+    const Eigen::Matrix3d a = -spin(shape.joints[k].arm_i), b = -spin(shape.joints[k].arm_j);
+    const auto put = [this](int r, int c, const Eigen::Matrix3d& left, const Eigen::Matrix3d& right, double sign) {
+        Block& block = blocks_.at(r, c);
+        block.topLeftCorner<3, 3>().diagonal().array() += sign * joint_t();
+        block.topRightCorner<3, 3>() += sign * joint_t() * right;
+        block.bottomLeftCorner<3, 3>() += sign * joint_t() * left.transpose();
+        block.bottomRightCorner<3, 3>() += sign * joint_t() * left.transpose() * right;
+        block.bottomRightCorner<3, 3>().diagonal().array() += sign * joint_r();
+    };
+    put(i, i, a, a, 1.0), put(j, j, b, b, 1.0), put(i, j, a, b, -1.0), put(j, i, b, a, -1.0);
+}
+
+void Equilibrium::exact_joint(const Shape<double>& shape, size_t k, const double* x) {
+    using D = Dual<12>;
+    const int i = P.joints[k].i, j = P.joints[k].j;
+    D xi[6], xj[6], ri[6], rj[6];
+    for (int a = 0; a < 6; ++a) {
+        xi[a] = D::seed(x[6 * i + a], a), xj[a] = D::seed(x[6 * j + a], 6 + a);
+        ri[a] = rj[a] = D(0.0);
+    }
+    const Place<D> pi = place_of(xi), pj = place_of(xj);
+    V3<D> dt, dr;
+    const JointShape<double>& joint = shape.joints[k];
+    opening(pi, pj, joint.arm_i, joint.arm_j, dt, dr);
+    joint_gradient(pi, pj, joint.arm_i, joint.arm_j, scaled(dt, joint_t()), scaled(dr, joint_r()), ri, rj);
+    for (int a = 0; a < 6; ++a)
+        for (int b = 0; b < 6; ++b) {
+            blocks_.at(i, i)(a, b) += ri[a].d[b], blocks_.at(i, j)(a, b) += ri[a].d[6 + b];
+            blocks_.at(j, i)(a, b) += rj[a].d[b], blocks_.at(j, j)(a, b) += rj[a].d[6 + b];
+        }
+}
+
+Block Equilibrium::block_of(const Dual<6> (&r)[6]) {
+    Block block;
+    for (int a = 0; a < 6; ++a)
+        for (int b = 0; b < 6; ++b) block(a, b) = r[a].d[b];
+    return block;
+}
+
+Block Equilibrium::exact_contact(const Contact<double>& contact, Law law, const double* x, double bound) const {
+    using D = Dual<6>;
+    D at[6], r[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    for (int a = 0; a < 6; ++a) at[a] = D::seed(x[a], a);
+    const Place<D> place = place_of(at);
+    const V3<D> v = place.u + times(place.t.less_one, contact.arm);
+    force_gradient(place, contact.arm, contact_force(v, contact.normal, contact.mu, floor(), law, bound), r);
+    return block_of(r);
+}
+
+Block Equilibrium::small_contact(const Contact<double>& contact, Law law, const double* x, double bound) const {
+    using D = Dual<3>;
+    const V3<double> moved = V3<double>{x[0], x[1], x[2]} + cross(V3<double>{x[3], x[4], x[5]}, contact.arm);
+    const V3<D> v{D::seed(moved[0], 0), D::seed(moved[1], 1), D::seed(moved[2], 2)};
+    const V3<D> f = contact_force(v, contact.normal, contact.mu, floor(), law, bound);
+    Eigen::Matrix3d stiffness;
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) stiffness(a, b) = -f[a].d[b];
+    Eigen::Matrix<double, 3, 6> way;
+    way << Eigen::Matrix3d::Identity(), -spin(contact.arm);
+    return way.transpose() * stiffness * way;
+}
+
+Block Equilibrium::load_stiffness(const Shape<double>& shape, size_t k, const double* x) const {
+    using D = Dual<6>;
+    D at[6], r[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    for (int a = 0; a < 6; ++a) at[a] = D::seed(x[a], a);
+    force_gradient(place_of(at), shape.load_arms[k], P.cases[load_case_][k], r);
+    return block_of(r);
+}
+
+}  // namespace restshape::planks

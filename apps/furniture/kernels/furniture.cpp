@@ -1,0 +1,209 @@
+// The tests of a piece, in their order, and the state of each load case between them.
+#include "furniture.hpp"
+
+#include <limits>
+
+#include "overlap.hpp"
+#include "rows.hpp"
+#include "support.hpp"
+
+namespace restshape::planks {
+
+void Furniture::set_shape(const double* gamma) {
+    Shaper<double>(P, gamma, shape_);
+    equilibrium_->find_free(shape_);
+}
+
+DesignCheck Furniture::test(const double* gamma, int wanted, bool quick) {
+    DesignCheck check;
+    if (parts_.size() > 1) check.flaws |= apart;
+    Shaper<double>(P, gamma, shape_);
+    check.faults = shape_.faults;
+    if (!shape_.faults.empty()) check.flaws |= lost;
+    // A shape that cannot be closed has no numbers to go on with.
+    if (shape_.spoilt()) return spoilt(check);
+    if (quick && (check.flaws & wanted)) return check;
+    if (wanted & overlapping) check.overlaps = overlaps(P, shape_, quick);
+    if (!check.overlaps.empty()) check.flaws |= overlapping;
+    if (quick && (check.flaws & wanted)) return check;
+    stand(check);
+    if (!(wanted & (weak | unbalanced)) || (quick && (check.flaws & wanted))) return check;
+    equilibrium_->find_free(shape_);
+    std::vector<Overloaded> most(P.joints.size(), {-1, -1, 1.0, false});
+    for (size_t c = 0; c < P.cases.size(); ++c) {
+        settle(static_cast<int>(c));
+        if (!states_[c].found) check.flaws |= unbalanced, check.unbalanced.push_back(static_cast<int>(c));
+        use(static_cast<int>(c), check, most);
+    }
+    for (const Overloaded& one : most)
+        if (one.joint >= 0) check.overloaded.push_back(one);
+    if (!(check.pull <= 1.0 && check.shear <= 1.0)) check.flaws |= weak;
+    return check;
+}
+
+int Furniture::bisect(const double* direction, double& good, double& bad, double tolerance, int wanted) {
+    std::vector<double> gamma(8 * P.count());
+    int tests = 0;
+    for (; std::abs(bad - good) > tolerance; ++tests) {
+        const double middle = 0.5 * (good + bad);
+        for (size_t a = 0; a < gamma.size(); ++a) gamma[a] = middle * direction[a];
+        ((test(gamma.data(), wanted, true).flaws & wanted) == 0 ? good : bad) = middle;
+    }
+    return tests;
+}
+
+bool Furniture::one_sided(int load_case) {
+    settle(load_case);
+    return states_[load_case].law == Law::unilateral;
+}
+
+std::vector<double> Furniture::openings(int load_case) {
+    std::vector<double> d(6 * P.joints.size()), r(6 * P.count());
+    const CaseState& state = states_[load_case];
+    equilibrium_->gradient(shape_, load_case, state.law, state.x.data(), r.data(), d.data());
+    return d;
+}
+
+std::vector<V3<double>> Furniture::contact_forces(int load_case) const {
+    const CaseState& state = states_[load_case];
+    std::vector<V3<double>> forces;
+    for (const auto& contact : shape_.contacts) {
+        const Place<double> a = place_of(state.x.data() + 6 * contact.plank);
+        const V3<double> v = a.u + times(a.t.less_one, contact.arm);
+        forces.push_back(contact_force(v, contact.normal, contact.mu, equilibrium_->floor(), state.law));
+    }
+    return forces;
+}
+
+double Furniture::missing(int load_case, std::vector<V3<double>>* forces) const {
+    double most = 0.0;
+    if (forces) forces->assign(shape_.contacts.size(), {0.0, 0.0, 0.0});
+    for (const Part& part : parts_) most = std::max(most, missing(part, load_case, forces));
+    return most;
+}
+
+void Furniture::forget() {
+    for (CaseState& state : states_) std::fill(state.x.begin(), state.x.end(), 0.0), state.found = false;
+}
+
+void Furniture::set_state(int load_case, const double* x, Law law) {
+    CaseState& state = states_[load_case];
+    state.x.assign(x, x + 6 * P.count());
+    state.law = law, state.found = true;
+}
+
+bool Furniture::inside(int load_case) const {
+    const auto forces = contact_forces(load_case);
+    for (size_t k = 0; k < forces.size(); ++k) {
+        const auto& contact = shape_.contacts[k];
+        const double pressed = dot(forces[k], contact.normal);
+        const V3<double> t = forces[k] - scaled(contact.normal, pressed);
+        if (pressed < 0.0 || dot(t, t) > contact.mu * contact.mu * pressed * pressed) return false;
+    }
+    return true;
+}
+
+void Furniture::stand(DesignCheck& check) {
+    for (size_t c = 0; c < P.cases.size(); ++c) {
+        states_[c].missing = 0.0;
+        for (const Part& part : parts_) {
+            const double left = missing(part, static_cast<int>(c), nullptr);
+            states_[c].missing = std::max(states_[c].missing, left);
+            if (!(left <= balance_tolerance)) check.falls.emplace_back(static_cast<int>(c), part.planks[0]);
+        }
+        check.missing = std::max(check.missing, states_[c].missing);
+    }
+    if (!check.falls.empty()) check.flaws |= unstable;
+}
+
+DesignCheck Furniture::spoilt(DesignCheck check) {
+    check.flaws |= lost | unstable | weak | unbalanced;
+    check.pull = check.shear = check.missing = std::numeric_limits<double>::infinity();
+    return check;
+}
+
+void Furniture::settle(int load_case) {
+    CaseState& state = states_[load_case];
+    const bool balanced = state.missing <= balance_tolerance;
+    if (state.found && state.law == Law::unilateral && balanced &&
+        equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state))
+        return;
+    if (!state.found || state.law == Law::unilateral) std::fill(state.x.begin(), state.x.end(), 0.0);
+    state.law = Law::bilateral;
+    state.found = equilibrium_->solve(shape_, load_case, Law::bilateral, state.x) >= 0 && !wild(state);
+    if (!state.found || !balanced || inside(load_case)) return;
+    const std::vector<double> kept = state.x;
+    const bool ends = equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state);
+    if (ends || ease(load_case, kept)) {
+        state.law = Law::unilateral;
+    } else {
+        state.x = kept;
+    }
+}
+
+bool Furniture::ease(int load_case, const std::vector<double>& springs) {
+    CaseState& state = states_[load_case];
+    std::vector<V3<double>> balance;
+    missing(load_case, &balance);
+    state.x = springs;
+    return equilibrium_->ease(shape_, load_case, balance, state.x) && !wild(state);
+}
+
+bool Furniture::wild(const CaseState& state) const {
+    for (double v : state.x)
+        if (!(std::abs(v) < 0.5)) return true;
+    return false;
+}
+
+void Furniture::use(int load_case, DesignCheck& check, std::vector<Overloaded>& most) {
+    const std::vector<double> d = openings(load_case);
+    for (size_t k = 0; k < P.joints.size(); ++k) {
+        const auto f = joint_force(shape_.joints[k], &d[6 * k], P.settings);
+        const JointSpec& spec = P.joints[k];
+        const double nails = shape_.joints[k].nails, lever = shape_.size[spec.i][2];
+        const double pull = (2.0 * std::abs(f.bending) / lever + f.tension) / nails / spec.pull;
+        const double shear = std::hypot(f.shear_x, f.shear_y) / nails / spec.shear;
+        check.pull = std::max(check.pull, pull), check.shear = std::max(check.shear, shear);
+        // A case that only repeats an earlier one, up to rounding, is not what breaks the joint.
+        const double known = most[k].joint < 0 ? most[k].utilisation : most[k].utilisation * (1.0 + repeated);
+        if (!(std::max(pull, shear) <= known))
+            most[k] = {static_cast<int>(k), load_case, std::max(pull, shear), shear > pull};
+    }
+}
+
+double Furniture::missing(const Part& part, int load_case, std::vector<V3<double>>* forces) const {
+    std::vector<V3<double>> points, normals;
+    std::vector<double> mu;
+    std::vector<size_t> index;
+    std::vector<char> mine(P.count(), 0);
+    for (int i : part.planks) mine[i] = 1;
+    for (size_t k = 0; k < shape_.contacts.size(); ++k) {
+        const auto& contact = shape_.contacts[k];
+        if (!mine[contact.plank]) continue;
+        points.push_back(contact.point), normals.push_back(contact.normal), mu.push_back(contact.mu);
+        index.push_back(k);
+    }
+    if (points.empty()) return 1.0;
+    V3<double> middle{0.0, 0.0, 0.0};
+    for (const auto& p : points) middle = middle + scaled(p, 1.0 / points.size());
+    double reach = 1e-9;
+    for (auto& p : points) p = p - middle, reach = std::max(reach, std::sqrt(dot(p, p)));
+    for (auto& p : points) p = scaled(p, 1.0 / reach);
+    V3<double> force{0.0, 0.0, 0.0}, moment = force;
+    double weight = 0.0;
+    const auto add = [&](const V3<double>& at, const V3<double>& f) {
+        force = force - f, moment = moment - cross(scaled(at - middle, 1.0 / reach), f);
+        weight += std::sqrt(dot(f, f));
+    };
+    for (int i : part.planks) add(shape_.centre[i], scaled(P.gravity, shape_.mass[i]));
+    for (size_t k = 0; k < P.loads.size(); ++k)
+        if (const int i = P.loads[k].plank; mine[i]) add(shape_.centre[i] + shape_.load_arms[k], P.cases[load_case][k]);
+    if (weight == 0.0) return 0.0;
+    Wrench load;
+    load << force[0], force[1], force[2], moment[0], moment[1], moment[2];
+    const Support found = ConeProjection(points, normals, mu, load / weight).solve(0.1 * balance_tolerance);
+    for (size_t k = 0; forces && k < index.size(); ++k) (*forces)[index[k]] = scaled(found.forces[k], weight);
+    return found.missing;
+}
+
+}  // namespace restshape::planks

@@ -1,0 +1,114 @@
+// Whether a piece is valid at values of its design parameters: joined, free of overlaps, stable, durable.
+#pragma once
+
+#include <memory>
+
+#include "equilibrium.hpp"
+
+namespace restshape::planks {
+
+// What is not as it must be, as bits.
+enum Flaw { lost = 1, overlapping = 2, unstable = 4, weak = 8, unbalanced = 16, apart = 32 };
+constexpr int every_flaw = 63;
+
+struct CaseState {
+    std::vector<double> x;     // 6 a plank
+    Law law = Law::bilateral;  // that x is an equilibrium of
+    bool found = false;
+    double missing = 0.0;  // the part of the load that contacts cannot balance
+};
+
+// The largest use of a joint's strength, if that is more than there is.
+struct Overloaded {
+    int joint, load_case;
+    double utilisation;
+    bool sheared;
+};
+
+struct DesignCheck {
+    int flaws = 0;
+    double pull = 0.0, shear = 0.0;  // the largest use of a joint's strength, in parts of it
+    double missing = 0.0;
+    std::vector<Flawed> faults;
+    std::vector<std::pair<int, int>> overlaps;  // as the function of that name
+    std::vector<std::pair<int, int>> falls;     // case, and the first plank of the part that falls
+    std::vector<int> unbalanced;                // cases
+    std::vector<Overloaded> overloaded;
+};
+
+class Furniture {
+ public:
+    static constexpr double balance_tolerance = 1e-7;
+    static constexpr double repeated = 1e-6;  // of a joint's use, that counts as the same in two cases
+
+    explicit Furniture(Piece piece) : P(std::move(piece)) {
+        P.find_held();
+        parts_ = parts_of(P);
+        equilibrium_ = std::make_unique<Equilibrium>(P, parts_);
+        states_.resize(P.cases.size());
+        for (CaseState& state : states_) state.x.assign(6 * P.count(), 0.0);
+    }
+
+    const Piece& piece() const { return P; }
+    Equilibrium& equilibrium() { return *equilibrium_; }
+    const Shape<double>& shape() const { return shape_; }
+    const std::vector<CaseState>& states() const { return states_; }
+    int parts() const { return static_cast<int>(parts_.size()); }
+
+    // Sets the geometry to design parameters (8 a plank), or to the piece as it is.
+    void set_shape(const double* gamma);
+
+    // Tests at design parameters; with `quick` it ends at the first flaw among those `wanted`.
+    DesignCheck test(const double* gamma, int wanted, bool quick);
+
+    // Narrows a bracket of a parameter t along a direction (8 a plank), of whose ends one is free of what is wanted
+    // away, until it is within a tolerance; gives the number of tests.
+    int bisect(const double* direction, double& good, double& bad, double tolerance, int wanted);
+
+    // Brings a case to equilibrium, from the state that it has; returns whether with one-sided contacts.
+    bool one_sided(int load_case);
+
+    // Openings (6 a joint) at the state of a case.
+    std::vector<double> openings(int load_case);
+
+    // Forces (3 each) of the contacts on their planks at the state of a case.
+    std::vector<V3<double>> contact_forces(int load_case) const;
+
+    // Balances the loads of a case by forces inside the friction cones; fills them in where asked for.
+    double missing(int load_case, std::vector<V3<double>>* forces = nullptr) const;
+
+    void forget();
+
+    // Sets the state of a case from elsewhere.
+    void set_state(int load_case, const double* x, Law law);
+
+    // Whether no contact of the springs pulls, or pushes sideways beyond its friction.
+    bool inside(int load_case) const;
+
+ private:
+    Piece P;
+    std::vector<Part> parts_;
+    std::unique_ptr<Equilibrium> equilibrium_;
+    Shape<double> shape_;
+    std::vector<CaseState> states_;
+
+    // Which loads the contacts of each part cannot balance.
+    void stand(DesignCheck& check);
+
+    static DesignCheck spoilt(DesignCheck check);
+
+    // One-sided contact from the last such state where there is one; else springs, and one-sided contact where those
+    // pull or slide.
+    void settle(int load_case);
+
+    // Whether one-sided contacts converge by the longer way, from where springs are.
+    bool ease(int load_case, const std::vector<double>& springs);
+
+    bool wild(const CaseState& state) const;
+
+    void use(int load_case, DesignCheck& check, std::vector<Overloaded>& most);
+
+    double missing(const Part& part, int load_case, std::vector<V3<double>>* forces) const;
+};
+
+}  // namespace restshape::planks
