@@ -4,14 +4,19 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib.metadata import entry_points
+from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 # Before any test imports PETSc or matplotlib, which would obey files of the current folder.
 import restshape.surroundings
+
+if TYPE_CHECKING:
+    from two_ranks import TwoRanks
 
 ROOT = Path(__file__).parent
 ENVIRONMENT = {
@@ -28,11 +33,14 @@ ENVIRONMENT = {
     "PYTHONPATH": os.pathsep.join(filter(None, [str(ROOT / "tests" / "applications"), os.environ.get("PYTHONPATH")])),
 }
 os.environ.update(ENVIRONMENT)
+# Where the surroundings forbid compiled files, each worker and each process of a test would compile all anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 # A shell that starts the tests in the background has them ignore Ctrl-C, and their children with them.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 RESTSHAPE = (sys.executable, "-m", "restshape.cli.main")
 Run = Callable[..., subprocess.CompletedProcess]
-PROCESSES = {"restshape", "start_restshape", "outside"}
+PROCESSES = {"restshape", "start_restshape", "outside", "two_ranks"}
 """Fixtures of tests that start processes."""
 
 
@@ -47,8 +55,56 @@ def pytest_ignore_collect(collection_path: Path) -> bool | None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark tests that start processes, which are those with a fixture of one, or of its environment."""
     for item in items:
-        if not PROCESSES.isdisjoint(getattr(item, "fixturenames", ())):
+        names = getattr(item, "fixturenames", ())
+        if not PROCESSES.isdisjoint(names):
             item.add_marker(pytest.mark.cli)
+        if "two_ranks" in names:
+            item.add_marker(pytest.mark.mpi)
+
+
+# The words of the processes that the present test has started.
+_started: list[list[str]] = []
+
+
+def _notice(event: str, args: tuple) -> None:
+    if event == "subprocess.Popen":
+        _started.append([os.fspath(word) for word in args[1]] if not isinstance(args[1], str) else [args[1]])
+
+
+sys.addaudithook(_notice)
+
+
+def mark_needed(words: list[str]) -> str:
+    """The mark of tests that start a process with these words; none for those that the program starts by itself."""
+    if Path(words[0]).name == "mpiexec":
+        return "mpi"
+    modules = [module for flag, module in pairwise(words) if flag == "-m"]
+    own = any(module.startswith(("restshape.replay.", "restshape_studies.")) for module in modules)
+    return "" if own else "cli"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    """A test that starts a process has the mark that says so."""
+    _started.clear()
+    yield
+    for words in _started:
+        mark = mark_needed(words)
+        assert not mark or item.get_closest_marker(mark), f"a test with {words} needs the mark {mark}"
+
+
+def _one_core() -> set[int]:
+    """A core for ranks that wait for each other: they look busy to each other's core, but give way on the same one."""
+    worker, cores = os.environ.get("PYTEST_XDIST_WORKER", "gw0"), sorted(os.sched_getaffinity(0))
+    return {cores[int(worker.removeprefix("gw")) % len(cores)]}
+
+
+def _ranks(number: int) -> tuple[tuple[str, ...], Callable[[], None] | None]:
+    """What starts ranks: words before a command, and what their process does first."""
+    if number == 1:
+        return (), None
+    core = _one_core()
+    return ("mpiexec", "--bind-to", "none", "-n", str(number)), lambda: os.sched_setaffinity(0, core)
 
 
 def _outside() -> dict[str, str]:
@@ -62,9 +118,9 @@ def restshape(tmp_path: Path) -> Run:
     """Runs a `restshape` command in tmp_path: ``restshape("replay", scene, ranks=2)``."""
 
     def run(*words: object, ranks: int = 1) -> subprocess.CompletedProcess:
-        start = () if ranks == 1 else ("mpiexec", "-n", str(ranks))
-        command = [*start, *RESTSHAPE, *map(str, words)]
-        return subprocess.run(command, cwd=tmp_path, env=_outside(), capture_output=True, text=True, timeout=120)
+        start, first = _ranks(ranks)
+        command, settings = [*start, *RESTSHAPE, *map(str, words)], {"capture_output": True, "text": True}
+        return subprocess.run(command, cwd=tmp_path, env=_outside(), timeout=120, preexec_fn=first, **settings)
 
     return run
 
@@ -87,12 +143,25 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.Captu
     return run
 
 
+@pytest.fixture(scope="session")
+def two_ranks() -> Iterator["TwoRanks"]:
+    """Two ranks that stay for all tests."""
+    from two_ranks import TwoRanks
+
+    ranks = TwoRanks(*_ranks(2), _outside())
+    yield ranks
+    ranks.stop()
+
+
 @pytest.fixture
-def on_ranks(restshape: Run, command: Run) -> Run:
-    """Runs a command on one rank in this process, on more in processes of theirs: ``on_ranks(2, "replay", scene)``."""
+def on_ranks(two_ranks: "TwoRanks", command: Run, tmp_path: Path) -> Run:
+    """Runs a command in tmp_path on one rank, in this process, or on two, which stay for further commands.
+
+    ``on_ranks(2, "replay", scene)``. Words after ``--`` come too late for them: they have started PETSc.
+    """
 
     def run(ranks: int, *words: object) -> subprocess.CompletedProcess:
-        return command(*words) if ranks == 1 else restshape(*words, ranks=ranks)
+        return command(*words) if ranks == 1 else two_ranks(*words, folder=tmp_path)
 
     return run
 
@@ -103,9 +172,10 @@ def start_restshape(tmp_path: Path) -> Callable[..., subprocess.Popen]:
     started = []
 
     def start(*words: object, ranks: int = 1) -> subprocess.Popen:
-        prefix = () if ranks == 1 else ("mpiexec", "-n", str(ranks))
+        prefix, first = _ranks(ranks)
         process = subprocess.Popen(
             [*prefix, *RESTSHAPE, *map(str, words)],
+            preexec_fn=first,
             cwd=tmp_path,
             env=_outside(),
             stdout=subprocess.PIPE,

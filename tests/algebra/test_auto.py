@@ -306,21 +306,24 @@ def test_projected_guesses_save_iterations(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["icc", "ilu", "gamg"])
-def test_a_forced_preconditioner_has_parity(tmp_path, restshape, kind):
+def test_a_forced_preconditioner_has_parity(tmp_path, command, kind):
     scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
-    done = restshape("replay", scene, "--edits", script, "--parity", "--json", "a.json", "--", "-solid_pc_type", kind)
+    PETSc.Options()["solid_pc_type"] = kind
+    try:
+        done = command("replay", scene, "--edits", script, "--parity", "--json", "a.json")
+    finally:
+        PETSc.Options().delValue("solid_pc_type")
     assert done.returncode == 0, done.stdout + done.stderr
     found = json.loads((tmp_path / "a.json").read_text())
     assert found["parity"]["holds"] and list(found["preconditioners"]) == [kind]
 
 
-@pytest.mark.mpi
-def test_two_ranks_choose_alike_and_twice_the_same(tmp_path, restshape):
+def test_two_ranks_choose_alike_and_twice_the_same(tmp_path, on_ranks):
     scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
     found = []
     for name in ("a", "b"):
         words = ("replay", scene, "--edits", script, "--csv", f"{name}.csv", "--parity", "--json", f"{name}.json")
-        done = restshape(*words, ranks=2)
+        done = on_ranks(2, *words)
         assert done.returncode == 0, done.stdout + done.stderr
         lines = (tmp_path / f"{name}.csv").read_text().splitlines()
         head = lines[0].split(",")

@@ -34,9 +34,9 @@ def test_replay(tmp_path, on_ranks, name):
         np.testing.assert_allclose(two["quantities"][quantity], values, rtol=1e-5, err_msg=quantity)
 
 
-def test_validation(tmp_path, restshape):
+def test_validation(tmp_path, on_ranks):
     cases = ("plane.patch", "solid.manufactured")
-    done = restshape("validate", *(w for case in cases for w in ("--case", case)), "--json", "v.json", ranks=2)
+    done = on_ranks(2, "validate", *(w for case in cases for w in ("--case", case)), "--json", "v.json")
     assert done.returncode == 0, done.stdout + done.stderr
     rows = json.loads((tmp_path / "v.json").read_text())
     assert {row["case"] for row in rows} == set(cases) and all(row["passed"] for row in rows)

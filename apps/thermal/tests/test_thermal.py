@@ -10,10 +10,10 @@ SCENE = application.folder / "scenes" / "fins.toml"
 EDITS = application.folder / "edits" / "fins.jsonl"
 
 
-def test_two_ranks_give_what_one_gives(restshape, tmp_path):
+def test_two_ranks_give_what_one_gives(on_ranks, tmp_path):
     found = []
     for ranks in (1, 2):
-        done = restshape("replay", SCENE, "--edits", EDITS, "--parity", "--json", f"{ranks}.json", ranks=ranks)
+        done = on_ranks(ranks, "replay", SCENE, "--edits", EDITS, "--parity", "--json", f"{ranks}.json")
         assert done.returncode == 0, done.stderr
         found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
     for name in ("hottest", "mean", "air_heat"):
@@ -22,8 +22,8 @@ def test_two_ranks_give_what_one_gives(restshape, tmp_path):
     assert found[0]["levels"]["1"] > 0
 
 
-def test_the_sink_loses_what_the_chip_gives_in_every_frame(restshape, tmp_path):
-    done = restshape("replay", SCENE, "--edits", EDITS, "--set", "solve.tolerance=1e-9", "--json", "out.json")
+def test_the_sink_loses_what_the_chip_gives_in_every_frame(command, tmp_path):
+    done = command("replay", SCENE, "--edits", EDITS, "--set", "solve.tolerance=1e-9", "--json", "out.json")
     assert done.returncode == 0, done.stderr
     quantities = json.loads((tmp_path / "out.json").read_text())["quantities"]
     np.testing.assert_allclose(quantities["chip_heat"], -60.0, rtol=1e-9)
