@@ -139,6 +139,7 @@ def test_no_modules_import_each_other(annotations):
         pytest.fail(f"import each other: {error.args[1]}")
 
 
+@pytest.mark.cli
 def test_help_imports_nothing_heavy():
     program = "import sys; from restshape.cli.main import main; sys.argv[1:] = ['--help']\ntry: main()\nfinally: "
     program += f"print('heavy:', sorted({HEAVY!r} & set(sys.modules)))"

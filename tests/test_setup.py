@@ -86,6 +86,7 @@ def test_no_text_names_a_registry_a_path_of_a_machine_or_a_paper_that_is_not_her
     assert wrong == []
 
 
+@pytest.mark.cli
 def test_setup_names_the_missing_petsc(tmp_path: Path) -> None:
     script, absent = ROOT / "scripts" / "setup.sh", tmp_path / "absent"
     done = subprocess.run(

@@ -249,6 +249,7 @@ def test_after_a_patch_a_refresh_is_dearer(tmp_path):
     assert seen
 
 
+@pytest.mark.slow
 def test_a_thousand_frames_without_a_refresh(tmp_path):
     """The factor of the first frame serves for good, unless the mesh is rebuilt; each frame is solved or says why."""
     path = [(0.5 + 0.45 * np.sin(0.05 * k), 0.5 + 0.1 * np.sin(0.13 * k)) for k in range(1, 1001)]
@@ -293,6 +294,7 @@ def test_a_guess_is_the_nearest_point_in_energy():
     np.testing.assert_allclose(x.getArray(), solutions[-1] + steps @ weights, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_projected_guesses_save_iterations(tmp_path):
     scene, script = write_scene(tmp_path, plate(0.025)), write_script(tmp_path, EVENTS)
     spent = []
@@ -333,6 +335,7 @@ def test_two_ranks_choose_alike_and_twice_the_same(tmp_path, on_ranks):
     assert json.loads((tmp_path / "a.json").read_text())["parity"]["holds"]
 
 
+@pytest.mark.slow
 def test_the_choice_is_told(tmp_path, command):
     scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
     told = {}

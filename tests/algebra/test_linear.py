@@ -95,6 +95,7 @@ def run(systems, method="stale", dearer=1.0):
     return reports, made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dearer", [0.3, 1.0, 4.0, 1e6])
 def test_iterations_are_those_of_an_independent_method(systems, table, dearer):
     reports, _ = run(systems, dearer=dearer)

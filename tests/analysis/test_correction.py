@@ -25,6 +25,7 @@ def directly(analysis, rest):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("policy", ["auto", "thesis"])
 def test_error_of_a_time_step_with_an_incomplete_factor(tmp_path, monkeypatch, policy):
     replay = make_replay(BUILDING, write_script(tmp_path, MOVED), policy)
@@ -38,6 +39,7 @@ def test_error_of_a_time_step_with_an_incomplete_factor(tmp_path, monkeypatch, p
     np.testing.assert_allclose(ratios, 1.0, atol=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_two_ranks_tell_the_error_of_time_steps_that_one_tells(tmp_path, on_ranks):
     script, found = write_script(tmp_path, MOVED), []

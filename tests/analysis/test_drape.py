@@ -254,6 +254,7 @@ def test_a_body_that_comes_through_is_told(tmp_path):
     assert ball.row()["note"] == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bending", ["hinge", "morley"])
 def test_steps_know_of_new_supports_bending_and_nodes(tmp_path, bending):
     """Their matrix in blocks, kept over all changes, is that of new equations in rows."""

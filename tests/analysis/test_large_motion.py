@@ -55,6 +55,7 @@ def test_energy_is_the_work_of_gravity(tmp_path):
     assert found[1] < 1e-3 and found[1] < 0.5 * found[0]
 
 
+@pytest.mark.slow
 def test_a_step_too_long_is_refused(tmp_path):
     script = write_script(tmp_path, [{"do": "idle", "frames": 60}])
     made = swinging(tmp_path, gravity(40, 0), dt=0.15, steps=10, script=script)

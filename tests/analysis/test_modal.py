@@ -21,6 +21,7 @@ WILD = """{"format": "restshape-edits", "version": 1, "scene": "bar_100.toml", "
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["solid 1", "solid 2", "plate", "plane_stress"])
 @pytest.mark.parametrize("name", ["auto", "thesis"])
 def test_wild_edit_agrees_with_cold_solves_on_the_same_meshes(tmp_path, model, name):
@@ -41,6 +42,7 @@ def test_wild_edit_agrees_with_cold_solves_on_the_same_meshes(tmp_path, model, n
     assert parity.solution <= 1e-5
 
 
+@pytest.mark.slow
 def test_slow_drag_reuses_its_factor():
     run = replay("bar_100.toml", EDITS / "bar_100.jsonl", ["mesh.layers=1"])
     rows = [row for row in run.frames() if row["level"] == 1]
@@ -50,6 +52,7 @@ def test_slow_drag_reuses_its_factor():
     assert sum(row["inertia_checked"] for row in rows) >= 5 and not any(row["missed_modes"] for row in rows)
 
 
+@pytest.mark.slow
 def test_bar_comes_back_to_its_first_tone():
     run = replay("bar_100.toml", EDITS / "bar_100.jsonl", ["mesh.layers=1"])
     rows = list(run.frames())
@@ -57,6 +60,7 @@ def test_bar_comes_back_to_its_first_tone():
     assert rows[there]["f_1"] == pytest.approx(rows[0]["f_1"], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_predicted_frames_follow_the_solved_ones_to_first_order():
     overrides = ["effects.modal.model=plate", "effects.modal.modes=3"]
     solved_rows, predicted = (

@@ -8,6 +8,7 @@ from scipy.linalg import eigh
 from restshape.algebra.davidson import Found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", sorted(SMALL))
 def test_an_eigenvalue_lies_within_the_distance(model):
     analysis = solved(model)

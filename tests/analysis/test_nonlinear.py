@@ -89,6 +89,7 @@ def test_the_wall_carries_the_weight(tmp_path):
     assert row["q_wall_y"] == pytest.approx(1000 * 10 * 0.2, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", POLICIES)
 @pytest.mark.parametrize("loads", [(), (solid("plane_stress"), '\n[loads.wind]\non = "top"\npressure = 800\n')])
 def test_reuse_equals_a_cold_solve(tmp_path, name, loads):

@@ -19,6 +19,7 @@ COMMANDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_reader_that_has_gone_ends_a_command_quietly(tmp_path, start_restshape, name):
     write_scene(tmp_path, plate(), "plate.toml")
@@ -37,6 +38,7 @@ def test_messages_that_nobody_reads_end_a_command_as_well(start_restshape):
     assert process.wait() == 141
 
 
+@pytest.mark.slow
 def test_what_a_replay_is_asked_to_write_is_there_although_nobody_reads(tmp_path, start_restshape):
     write_scene(tmp_path, plate(), "plate.toml")
     process = start_restshape("replay", "plate.toml", "--json", "found.json", "--csv", "found.csv")

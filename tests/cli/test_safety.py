@@ -69,17 +69,18 @@ def attacks(trace: Path) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("name", list(attacks(Path())))
-def test_a_geo_file_runs_nothing(restshape, tmp_path, name):
+def test_a_geo_file_runs_nothing(command, tmp_path, name):
     scene, trace = write_scene(tmp_path), tmp_path / "trace"
     (tmp_path / "x.geo").write_text(SQUARE + attacks(trace)[name])
     before = sorted(tmp_path.iterdir())
-    ended = restshape("check", scene)
+    ended = command("check", scene)
     assert ended.returncode == 2
     assert f"x.geo (line {SQUARE.count(chr(10)) + 1}): the statement {name} is not run" in ended.stderr
     assert "--trust-geo" in ended.stderr
     assert sorted(tmp_path.iterdir()) == before
 
 
+@pytest.mark.slow
 def test_a_trusted_geo_file_runs_in_a_process_of_its_own(restshape, tmp_path):
     scene, trace = write_scene(tmp_path), tmp_path / "trace"
     (tmp_path / "x.geo").write_text(SQUARE + attacks(trace)["SystemCall"])
@@ -90,6 +91,7 @@ def test_a_trusted_geo_file_runs_in_a_process_of_its_own(restshape, tmp_path):
     assert ended.returncode == 2 and "before it was done" in ended.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["petscrc", ".petscrc"])
 def test_petscrc_is_not_obeyed(restshape, tmp_path, name):
     scene, out = write_scene(tmp_path), tmp_path / "out.vtkhdf"
@@ -111,6 +113,7 @@ def test_petscrc_is_not_obeyed_by_programs_that_import_petsc(outside, tmp_path):
     assert ended.returncode == 0 and "trace" not in ended.stdout and "skip_petscrc" in ended.stdout
 
 
+@pytest.mark.slow
 def test_an_options_file_that_is_named_is_read_and_recorded(restshape, tmp_path):
     scene, out = write_scene(tmp_path), tmp_path / "out.vtkhdf"
     (tmp_path / "x.geo").write_text(SQUARE)
@@ -123,10 +126,11 @@ def test_an_options_file_that_is_named_is_read_and_recorded(restshape, tmp_path)
     assert ended.returncode == 2 and "PETSc cannot start" in ended.stderr
 
 
-def test_matplotlibrc_changes_no_picture(restshape, tmp_path):
+@pytest.mark.slow
+def test_matplotlibrc_changes_no_picture(command, restshape, tmp_path):
     scene, out = write_scene(tmp_path), tmp_path / "out.vtkhdf"
     (tmp_path / "x.geo").write_text(SQUARE)
-    assert restshape("replay", scene, "--out", out).returncode == 0
+    assert command("replay", scene, "--out", out).returncode == 0
     pictures = []
     for text in (None, b"figure.facecolor: red\nfont.family: monospace\naxes.grid: True\n", b"\xff\xfe"):
         if text:
@@ -137,6 +141,7 @@ def test_matplotlibrc_changes_no_picture(restshape, tmp_path):
     assert all(np.array_equal(pictures[0], picture) for picture in pictures[1:])
 
 
+@pytest.mark.slow
 def test_files_that_scenes_name_lie_beside_them(command, restshape, tmp_path):
     scene, elsewhere = write_scene(tmp_path / "scene", "../elsewhere/x.geo"), tmp_path / "elsewhere"
     elsewhere.mkdir()
@@ -163,7 +168,7 @@ def test_files_that_scenes_name_lie_beside_them(command, restshape, tmp_path):
     assert ended.returncode == 2 and "there is no such folder" in ended.stderr
 
 
-def test_an_edit_names_no_file_outside(restshape, tmp_path):
+def test_an_edit_names_no_file_outside(command, tmp_path):
     scene = write_scene(tmp_path / "scene")
     (tmp_path / "scene" / "x.geo").write_text(SQUARE)
     (tmp_path / "secret.geo").write_text(SQUARE)
@@ -176,12 +181,12 @@ def test_an_edit_names_no_file_outside(restshape, tmp_path):
     for key, way in ways.items():
         edits.write_text("".join(json.dumps(line) + "\n" for line in (head, {"t": 0.2, "do": "set", **way})))
         for words in (["check", scene, edits], ["replay", scene, "--edits", edits]):
-            ended = restshape(*words)
+            ended = command(*words)
             assert ended.returncode == 2 and f"edits.jsonl: line 2: {key}" in ended.stderr
             assert "the file '../secret.geo' lies outside of the scene's folder" in ended.stderr
             assert f"--allow-path {tmp_path}" in ended.stderr
     edits.write_text(edits.read_text().replace("../secret.geo", "x.geo"))
-    ended = restshape("check", scene, edits)
+    ended = command("check", scene, edits)
     assert ended.returncode == 1 and "refused" in ended.stdout
 
 
@@ -208,7 +213,7 @@ def recorded(tmp_path_factory) -> Path:
     return path
 
 
-def test_a_report_follows_no_link(restshape, tmp_path, recorded):
+def test_a_report_follows_no_link(command, tmp_path, recorded):
     with h5py.File(tmp_path / "other.h5", "w") as other:
         other["secret"] = np.arange(10.0)
     for name in ("link", "outside", "view"):
@@ -223,5 +228,5 @@ def test_a_report_follows_no_link(restshape, tmp_path, recorded):
                 layout = h5py.VirtualLayout((10,), "f8")
                 layout[:] = h5py.VirtualSource(str(tmp_path / "other.h5"), "secret", (10,))
                 file.create_virtual_dataset("more", layout)
-        ended = restshape("report", path)
+        ended = command("report", path)
         assert ended.returncode == 2 and "which no recording does" in ended.stderr

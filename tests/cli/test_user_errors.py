@@ -40,6 +40,7 @@ def change(path, old, new):
     path.write_text(text.replace(old, new))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "named"),
     [
@@ -56,16 +57,19 @@ def test_what_petsc_refuses_is_told_with_its_option(folder, replay, words, named
     assert "Traceback" not in told and "MPI_ABORT" not in told and len(told.splitlines()) <= 3
 
 
+@pytest.mark.slow
 def test_words_that_petsc_never_used_are_named(folder, replay):
     code, _, told = replay("--", "-solid_ksp_tpye", "cg", "-foo", "3", "nonsense", "-solid_ksp_type", "cg")
     assert code == 0
     assert "no use of these words after --: -solid_ksp_tpye -foo nonsense\n" in told
 
 
+@pytest.mark.slow
 def test_words_that_petsc_used_leave_no_note(folder, replay):
     assert "no use of" not in replay("--", "-solid_ksp_type", "cg", "-options_left", "no")[2]
 
 
+@pytest.mark.slow
 def test_a_table_that_cannot_be_written(folder, replay):
     code, _, told = replay("--csv", "/dev/full")
     assert code == 2 and "/dev/full: cannot write" in told and "Traceback" not in told
@@ -76,6 +80,7 @@ def test_a_recording_is_named_for_what_it_is(folder, capsys):
     assert "x.vtkhdf" in capsys.readouterr().err
 
 
+@pytest.mark.cli
 @pytest.mark.parametrize("rank", ["0", "1"])
 def test_one_rank_speaks_for_all(folder, rank):
     environment = {**os.environ, "OMPI_COMM_WORLD_RANK": rank}
@@ -124,6 +129,7 @@ def test_a_mesh_without_end_is_not_begun(folder, capsys, command, key, size):
     assert f"plate.toml: {key}" in told and "triangles" in told and "a larger size" in told
 
 
+@pytest.mark.slow
 def test_a_hole_goes_with_its_mesh_size_and_comes_back_with_it(folder, replay):
     lines = [{"do": "delete", "on": "window"}, {"do": "undo"}]
     header = (folder / "plate.jsonl").read_text().splitlines()[0]
@@ -188,6 +194,7 @@ size = 1
 """
 
 
+@pytest.mark.slow
 def test_a_mesh_whose_parts_all_have_materials(tmp_path, replay):
     (tmp_path / "parts.inp").write_text(SQUARE)
     (tmp_path / "plate.toml").write_text(PARTS)
@@ -196,6 +203,7 @@ def test_a_mesh_whose_parts_all_have_materials(tmp_path, replay):
     assert "4 elements" in printed
 
 
+@pytest.mark.slow
 def test_a_part_without_a_material(tmp_path, replay):
     (tmp_path / "parts.inp").write_text(SQUARE)
     (tmp_path / "plate.toml").write_text(PARTS.replace('hard = { E = "2 GPa", nu = 0.3, region = ["RIGHT"] }\n', ""))

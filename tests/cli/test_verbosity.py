@@ -34,6 +34,7 @@ def replayed(tmp_path, edits, *words):
         return list(csv.DictReader(file)), done.stderr
 
 
+@pytest.mark.slow
 def test_verbose_names_levels_and_rebuilt_preconditioners(tmp_path, edits):
     rows, log = replayed(tmp_path, edits, "-v")
     levels = {(row["index"], row["level"]) for row in rows if int(row["level"]) > 1}
@@ -46,11 +47,13 @@ def test_verbose_names_levels_and_rebuilt_preconditioners(tmp_path, edits):
     assert "refactorisation criterion" in log or "no convergence" in log
 
 
+@pytest.mark.slow
 def test_very_verbose_counts_the_iterations_of_each_frame(tmp_path, edits):
     rows, log = replayed(tmp_path, edits, "-vv")
     counted = re.findall(r"^algebra: +Linear \S+ solve .* iterations (\d+)$", log, re.MULTILINE)
     assert sum(map(int, counted)) == sum(int(row["iterations"]) for row in rows)
 
 
+@pytest.mark.slow
 def test_nothing_is_logged_unasked(tmp_path, edits):
     assert replayed(tmp_path, edits)[1] == ""

@@ -146,6 +146,7 @@ class TestPenalty:
         wanted = np.random.default_rng(8).uniform(-0.03, 1.2 * THICKNESS, len(x))
         return (x + (wanted - distance)[:, None] * gradient)[:200]
 
+    @pytest.mark.slow
     def test_gradient_and_hessian(self, name):
         x = self.near(name)
         body = BODIES[name]
@@ -157,6 +158,7 @@ class TestPenalty:
         close = np.isclose(hessian, found, atol=1e-3).all(axis=(1, 2))
         assert close.mean() > 0.97  # the rest: a step across the border of two features
 
+    @pytest.mark.slow
     def test_hessian_without_curvature_is_semidefinite(self, name):
         _, gradient, hessian = contact_of(BODIES[name], self.near(name), curved=False)
         assert np.linalg.eigvalsh(hessian).min() > -1e-12 * STIFFNESS

@@ -118,6 +118,7 @@ def test_a_bound_that_is_too_low_inverts_nothing():
     assert not inverted(places)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.floats(-0.3, 0.3), min_size=12, max_size=12))
 def test_a_cell_is_inverted_where_its_jacobian_is(moves):

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_two_ranks_give_the_rows_of_one():
     command = ["mpiexec", "-n", "2", "--oversubscribe", "--allow-run-as-root", sys.executable, "ranks_program.py"]

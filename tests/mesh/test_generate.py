@@ -249,6 +249,7 @@ def resident() -> float:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
+@pytest.mark.slow
 def test_hundreds_of_meshes_do_not_grow_the_process():
     for i in range(500):
         if i == 100:

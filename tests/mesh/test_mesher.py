@@ -211,6 +211,8 @@ def digest(mesh: Mesh) -> str:
     return found.hexdigest()
 
 
+@pytest.mark.slow
+@pytest.mark.cli
 def test_meshes_do_not_depend_on_addresses_or_on_meshes_before():
     spec = MeshSpec(size=0.03, near={"pin": 0.01})
     own = digest(generate(inlaid(), spec))
@@ -244,6 +246,7 @@ def stars(draw) -> tuple[Outline, float]:
     return outline.moved(points), draw(st.floats(0.05, 0.6))
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(stars())
 def test_any_shape_gives_a_valid_mesh_or_is_refused(shape):

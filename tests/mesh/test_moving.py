@@ -257,6 +257,7 @@ def state_of(mesh):
     return id(held), held.outline, held.geometry, mesh.min_quality, *(array.tobytes() for array in arrays)
 
 
+@pytest.mark.slow
 def test_a_frame_whose_relocated_mesh_is_poor_and_has_no_other_is_undone(monkeypatch):
     # Triangles are of low quality, not inverted: the mesh before has already followed when the mesher fails.
     mesh, hand, gesture = begin("harmonic", 0.08)

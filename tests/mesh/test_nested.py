@@ -162,6 +162,7 @@ def same(nested: NestedMesh, coarse: Mesh) -> None:
             assert np.array_equal(getattr(mesh, name), getattr(fresh, name)), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["harmonic", "mvc", "laplacian"])
 @pytest.mark.parametrize("levels", [2, 3])
 def test_a_hole_dragged_there_and_back(kind, levels):

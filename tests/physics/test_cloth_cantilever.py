@@ -98,6 +98,7 @@ def test_tip_of_the_heavy_strip(kind):
         np.testing.assert_allclose(strip.tip(), elastica(gamma), atol=0.01 if gamma == 8.0 else 1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["equilateral", "crossed", "unstructured"])
 def test_tip_converges_to_the_elastica(kind):
     errors = []

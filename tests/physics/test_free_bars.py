@@ -31,6 +31,7 @@ def bar(length: float, order: int, layers: int, size: float) -> Extrusion:
     return Extrusion(mesh if order == 1 else LagrangeSpace(mesh), layers, 0.004)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", BARS)
 def test_second_order_bar(length):
     """Two layers; one layer leaves torsion 1.2 % too high."""
@@ -46,6 +47,7 @@ def test_bending_of_a_second_order_bar_of_one_layer(length):
     np.testing.assert_allclose(ours, BARS[length], rtol=0.016)
 
 
+@pytest.mark.slow
 def test_first_order_bar_is_far_too_stiff():
     """Three layers of a 200 mm bar at the thesis's count of tetrahedra: some 70 % too high; still above when finer."""
     coarse = frequencies(bar(200, 1, 3, 0.005), "linear_elastic", LAME, count=1)[0]

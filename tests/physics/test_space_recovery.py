@@ -94,6 +94,7 @@ SWEEPS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SWEEPS)
 def test_effectivity_does_not_jump_with_the_mesh(name):
     """Of each of five modes: neighbours differ by less than a factor 1.6, and none is estimated as twice its error."""

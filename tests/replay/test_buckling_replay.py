@@ -19,6 +19,7 @@ THINNER = drag("top", (0.5, 0.3), across((0.5, 0.3), (0.5, 0.27), 6))
 SET = [{"do": "set", "key": "loads.head.force", "value": [-2e6, 0]}, {"do": "undo"}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
 def test_reuse_equals_rebuild(tmp_path, order):
     text = WIDE.replace("order = 2", f"order = {order}").replace("tolerance = 1e-9", "tolerance = 1e-8")
@@ -65,6 +66,7 @@ def test_a_refused_frame_leaves_all_as_it_was(tmp_path):
     assert rows[1]["mu_1"] == rows[0]["mu_1"] and not any(row["refused"] for row in rows[2:])
 
 
+@pytest.mark.slow
 def test_recording(tmp_path):
     scene, script = write_scene(tmp_path, WIDE), write_script(tmp_path, [*AROUND[:2], {"do": "release"}])
     replay = make_replay(scene, script)
@@ -86,6 +88,7 @@ def test_recording(tmp_path):
         assert np.abs(first[X[:, 0] == 0.0]).max() == 0.0 and X[np.argmax(np.abs(first[:, 1])), 0] > 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_two_ranks(tmp_path, on_ranks):
     scene = write_scene(tmp_path, WIDE)

@@ -34,6 +34,7 @@ def read_json(path):
     return json.loads(path.read_text(), parse_constant=refuse)
 
 
+@pytest.mark.slow
 def test_json_for_programs(tmp_path, restshape, scene, script):
     done = restshape("replay", scene, "--edits", script, "--json", "a.json")
     assert done.returncode == 0 and done.stderr == ""

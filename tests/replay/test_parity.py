@@ -24,7 +24,7 @@ def shortened(folder, scene):
     drags = [k for k, line in enumerate(lines) if line["do"] == "drag"]
     left_out = {k for i, k in enumerate(drags) if len(drags) > LONG and i % 10}
     lines = [line for k, line in enumerate(lines) if k not in left_out]
-    most = 2 if scene.stem in COARSE else LONG // 4
+    most = 2 if full_name(scene) in COARSE else LONG // 4
     for line in lines:
         if "frames" in line:
             line["frames"] = min(line["frames"], most)
@@ -36,14 +36,33 @@ def shortened(folder, scene):
     return path
 
 
-COARSE = {"sphere": 0.09, "pins": 0.08, "strip": 0.01, "cylinder": 0.02, "incline": 0.03, "bridge": 0.4}
-"""Mesh sizes [m] of scenes that take long: of cloth, and of many frames."""
+COARSE = {
+    "bridge/bridge": 0.4,
+    "couture/cylinder": 0.02,
+    "couture/incline": 0.03,
+    "couture/pins": 0.08,
+    "couture/sphere": 0.09,
+    "couture/strip": 0.01,
+    "metallophone/disc": 0.12,
+    "metallophone/fish": 0.014,
+    "metallophone/rosewood": 0.012,
+    "metallophone/square": 0.8,
+    "metallophone/supported": 0.5,
+    "solid/csm1": 0.02,
+}
+"""Mesh sizes [m] of scenes that take long: of cloth, of modes, and of many frames."""
+
+
+def full_name(scene):
+    """The folder of a scene's application and the scene's name."""
+    return f"{scene.parents[1].name}/{scene.stem}"
 
 
 def smaller(scene):
     """Overrides that make a scene cheap: few time steps a frame of what vibrates, a coarse mesh of what takes long."""
     steps = ["effects.dynamics.steps=4"] if "[effects.dynamics]" in scene.read_text() else []
-    return [*steps, *([f"mesh.size={COARSE[scene.stem]}"] if scene.stem in COARSE else [])]
+    size = COARSE.get(full_name(scene))
+    return [*steps, *([f"mesh.size={size}"] if size else [])]
 
 
 def parity(made):

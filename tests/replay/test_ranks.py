@@ -42,6 +42,7 @@ def test_validation(tmp_path, on_ranks):
     assert {row["case"] for row in rows} == set(cases) and all(row["passed"] for row in rows)
 
 
+@pytest.mark.slow
 def test_a_scene_that_cannot_be_simulated_ends_all_ranks(tmp_path, restshape):
     scene = write_scene(tmp_path, plate().replace('fix = ["x", "y"]', 'fix = ["x"]'))
     done = restshape("replay", scene, ranks=2)

@@ -28,6 +28,7 @@ def broken_pipes_are_errors():
     signal.signal(signal.SIGPIPE, before)
 
 
+@pytest.mark.cli
 def test_it_imports_neither_mpi_nor_petsc_nor_hdf5():
     code = "import sys, restshape.replay.recorder; print({'petsc4py', 'mpi4py', 'h5py'} & set(sys.modules) or 'none')"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "none\n"
@@ -90,6 +91,7 @@ def test_fields_that_do_not_fit_the_mesh_are_refused(tmp_path, fields, message):
             recorder.frame(0.0, CORNERS, fields, {}, {})
 
 
+@pytest.mark.slow
 def test_frames_larger_than_the_ring_and_a_full_ring(tmp_path, monkeypatch):
     monkeypatch.setattr("restshape.replay.recorder.RING_BYTES", 1 << 20)
     rng = np.random.default_rng(0)
@@ -175,6 +177,7 @@ def test_a_run_without_frames_leaves_an_earlier_recording(earlier):
     assert path.read_bytes() == data and [p.name for p in path.parent.iterdir()] == [path.name]
 
 
+@pytest.mark.slow
 def test_a_recorder_killed_before_its_first_frame_leaves_an_earlier_recording(earlier):
     path, data = earlier
     recorder = Recorder.start(path, {}, {})

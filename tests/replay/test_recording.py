@@ -50,6 +50,7 @@ def test_cells_are_stored_once_a_topology_and_points_once_a_change(plate):
         assert root["Points"].dtype == np.float64
 
 
+@pytest.mark.slow
 def test_vtk_reads_every_step(plate):
     vtk = pytest.importorskip("vtkmodules.all")
     from vtkmodules.util.numpy_support import vtk_to_numpy

@@ -29,6 +29,7 @@ def replayed(folder, name="auto", overrides=(), events=EVENTS, text=None, **chan
     return make_replay(scene, script, name, [ORDER, *overrides], **changed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changed", [{}, FLIPPING, {**FLIPPING, "backend": "coo"}], ids=["auto", "flips", "coo"])
 def test_reuse_equals_rebuild(tmp_path, changed):
     made = replayed(tmp_path, **changed)
@@ -41,6 +42,7 @@ def test_reuse_equals_rebuild(tmp_path, changed):
     assert not any(row["refused"] for row in rows)
 
 
+@pytest.mark.slow
 def test_large_deformation_under_a_following_pressure(tmp_path):
     text = plate().replace("E = 200e9", "E = 2e9").replace("[mesh]", "[effects.large_deformation]\n[mesh]")
     text = text.replace("[mesh]", "[loads.inside]\non = 'window'\npressure = 2e7\n[mesh]")
@@ -118,6 +120,7 @@ def test_the_order_may_change_in_a_session(tmp_path):
     assert rows[2]["q_energy"] == pytest.approx(rows[0]["q_energy"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_recording_holds_quadratic_triangles(tmp_path):
     vtk = pytest.importorskip("vtk")
     from vtk.util.numpy_support import vtk_to_numpy
@@ -157,6 +160,7 @@ def test_a_recording_holds_quadratic_triangles(tmp_path):
         assert (tmp_path / "frames.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_two_ranks_give_what_one_gives(tmp_path, on_ranks):
     scene, script = write_scene(tmp_path, plate(0.1)), write_script(tmp_path, EVENTS)

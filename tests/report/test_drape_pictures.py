@@ -238,6 +238,7 @@ def test_captions_tell_of_rest(recording):
     assert convergence_words(cloth, 2) == ("at rest, but not stable, residual 5e-05", False)
 
 
+@pytest.mark.slow
 def test_the_command_draws_cloth_in_space(recording, tmp_path, capsys):
     cloth = recording(0.0, -0.1, -0.2, rests=(1, 1, 0))
     out, data = tmp_path / "out", tmp_path / "report.json"

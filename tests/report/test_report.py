@@ -60,6 +60,7 @@ def test_stages_share_the_time_of_their_level(plate):
     assert sum(shares.values()) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_the_command_writes_pictures_tables_and_json(plate, tmp_path, capsys):
     path, _ = plate
     data = tmp_path / "report.json"
@@ -108,6 +109,7 @@ def test_the_boundary_of_two_triangles_is_their_four_sides():
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("frames", "refused", "fields", "columns"),
     [
@@ -150,6 +152,7 @@ def test_an_empty_recording_and_bad_words_are_bad_input(tmp_path, capsys, plate)
         assert message in printed
 
 
+@pytest.mark.slow
 def test_predicted_frames_are_hollow_in_the_timeline(tmp_path, monkeypatch):
     scene = write_scene(tmp_path, small_scenes.plate(0.2))
     edits = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.53, 0.5), 5)))

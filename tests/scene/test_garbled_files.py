@@ -3,6 +3,7 @@
 import tomllib
 from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from restshape_studies.stability.damage import keys_of, spliced, splices, values
@@ -39,6 +40,7 @@ def test_spliced_script(tmp_path, changes):
         assert error.what and "edits.jsonl" in error.where
 
 
+@pytest.mark.slow
 @quiet
 @given(st.sampled_from(keys_of(tomllib.loads(SCENE))), values)
 def test_any_value_at_any_key(tmp_path, key, value):

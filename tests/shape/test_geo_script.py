@@ -86,7 +86,9 @@ BOUNDS = {
 
 
 @pytest.mark.parametrize("name", list(BOUNDS))
-def test_bounds_are_told_with_their_line(tmp_path, name):
+def test_bounds_are_told_with_their_line(tmp_path, monkeypatch, name):
+    # A thirtieth of the work that is done outside of tests.
+    monkeypatch.setattr("restshape.shape.geo_tokens.MOST_STEPS", 100_000)
     text, why = BOUNDS[name]
     path = tmp_path / "x.geo"
     path.write_text(text)
@@ -103,6 +105,7 @@ def test_a_script_without_end_is_stopped(tmp_path, monkeypatch):
         read_geo(path, trusted=True)
 
 
+@pytest.mark.slow
 def test_a_boolean_without_end_is_ended(tmp_path, monkeypatch):
     path = tmp_path / "hard.geo"
     path.write_text(

@@ -255,6 +255,7 @@ place = st.tuples(coordinate, coordinate).map(list)
 NAMES = ("a", "b", "c", "d", "window", "window.v1", "window.2", "top", "bottom", "left", "q", "h1")
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.one_of(gestures(NAMES, place), single_edits(NAMES, place)), min_size=1, max_size=8))
 def test_no_edit_leaves_an_invalid_shape(tmp_path, edits):

@@ -12,6 +12,7 @@ from restshape.cli.verbosity import INHERITED
 PLATE = Path(__file__).parents[1] / "data/plate.toml"
 
 
+@pytest.mark.cli
 @pytest.mark.parametrize("command", ["explain", "accuracy", "bench reuse", "stability", "validate", "tables"])
 def test_every_command_that_solves_takes_verbose(command):
     words = [sys.executable, "-m", "restshape.cli.main", *command.split(), "--help"]

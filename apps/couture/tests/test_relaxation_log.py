@@ -6,9 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 STRIP = Path(__file__).parents[1] / "scenes/strip.toml"
 
 
+@pytest.mark.cli
 def test_a_relaxation_logs_its_strategy_and_why_it_ends(tmp_path):
     rows = tmp_path / "rows.csv"
     command = [sys.executable, "-m", "restshape.cli.main", "replay", str(STRIP), "--csv", str(rows), "-vv"]

@@ -25,6 +25,7 @@ def small(tmp_path) -> tuple[Path, Path]:
     return scene, write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.55, 0.5), 4)))
 
 
+@pytest.mark.slow
 def test_a_pick_is_written_run_again_and_holds(command, small, tmp_path):
     scene, edits = small
     told = command(

@@ -92,6 +92,7 @@ def strip(tmp_path_factory):
         return study(Case("strip", STRIP, edits), Asked(choice, samples=2), lambda words: None, play)
 
 
+@pytest.mark.slow
 def test_all_ways_of_bending_are_held_against_morleys_triangles(strip):
     assert strip.measure == "strain" and strip.plan.turned["effects.cloth.bending"] == "morley"
     assert not strip.omissions and not any(record["problem"] for record in strip.records)

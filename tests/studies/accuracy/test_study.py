@@ -65,6 +65,7 @@ def manufactured(tmp_path_factory):
     return study(case(tmp_path_factory.mktemp("study"), text, events), asked, lambda words: None, play)
 
 
+@pytest.mark.slow
 def test_errors_fall_at_the_rates_of_the_elements(manufactured):
     found = rates(manufactured.records, "auto")
     # Degree p: h^p in the energy norm, h^(p + 1) in L2, h^2p in the energy.
@@ -144,6 +145,7 @@ def test_records_have_the_keys_that_programs_want(manufactured):
     assert manufactured.uncertainty < min(record["error"] for record in manufactured.records)
 
 
+@pytest.mark.slow
 def test_motion_is_compared_with_finer_steps_and_keeps_its_frames_in_time(tmp_path):
     text = head("moving") + block(1.0, 2.0)
     text += '[material.rubber]\nE = "2 MPa"\nnu = 0.3\nrho = 1000\nthickness = 0.1\n'

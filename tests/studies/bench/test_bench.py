@@ -187,7 +187,13 @@ def test_the_frames_asked_for(tmp_path):
     scene = write_scene(tmp_path, plate(0.3))
     script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 10)))
     assert len(run_here(Job(str(scene), str(script), "auto", frames=4)).rows) == 4
-    assert [row["level"] for row in run_here(Job(str(scene), str(script), "auto", enough={"1": 3})).rows] == [3, 0, 1, 1, 1]
+    assert [row["level"] for row in run_here(Job(str(scene), str(script), "auto", enough={"1": 3})).rows] == [
+        3,
+        0,
+        1,
+        1,
+        1,
+    ]
 
 
 def test_a_folder_with_the_name_of_the_package_is_not_taken_for_it(tmp_path, monkeypatch):
