@@ -82,7 +82,7 @@ def mark_needed(words: list[str]) -> str:
     if program in ("git", "mpiexec"):
         return ""
     modules = [module for flag, module in pairwise(words) if flag == "-m"]
-    own = any(module.startswith(("restshape.replay.", "restshape_studies.")) for module in modules)
+    own = any(module.startswith("restshape") and module != RESTSHAPE[-1] for module in modules)
     return "" if own else "cli"
 
 
