@@ -79,7 +79,7 @@ def mark_needed(words: list[str]) -> str:
     program = Path(words[0]).name
     if program == "mpiexec" and "--version" not in words:
         return "mpi"
-    if program in ("git", "mpiexec"):
+    if program not in (Path(sys.executable).name, "restshape"):
         return ""
     modules = [module for flag, module in pairwise(words) if flag == "-m"]
     own = any(module.startswith("restshape") and module != RESTSHAPE[-1] for module in modules)

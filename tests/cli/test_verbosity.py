@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.cli
+
 DATA = Path(__file__).parents[1] / "data"
 FRAME = re.compile(r"^replay: +(\d+) Frame \w+: mesh level (\d);.*?(rebuilt)?$", re.MULTILINE)
 MESH = re.compile(r"^mesh: +(\d+) Mesh level (\d):", re.MULTILINE)

@@ -12,6 +12,8 @@ import pytest
 
 from restshape.replay.recording import Recording
 
+pytestmark = pytest.mark.cli
+
 SCRIPT = Path(__file__).with_name("record_forever.py")
 WRITTEN_BEHIND = 0.5
 
