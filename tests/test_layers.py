@@ -4,6 +4,7 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -83,9 +84,10 @@ def imported(path: Path, annotations: bool) -> Iterator[str]:
         waiting += ast.iter_child_nodes(node)
 
 
-def ours(path: Path, annotations: bool = False) -> set[str]:
+@cache
+def ours(path: Path, annotations: bool = False) -> frozenset[str]:
     """Modules of our packages that a file imports."""
-    return {name for name in imported(path, annotations) if name.partition(".")[0] in PACKAGES}
+    return frozenset(name for name in imported(path, annotations) if name.partition(".")[0] in PACKAGES)
 
 
 def layer(name: str) -> str:

@@ -9,6 +9,7 @@ from small_scenes import across, drag, make_replay, plate, rows_of, write_scene,
 from restshape import _kernels
 from restshape.application import applications
 from restshape.replay.parity import ENTRIES, Parity
+from restshape.scene.load import load_scene
 
 SCENES = [scene for app in applications().values() for scene in app.scenes()]
 LONG = 24
@@ -24,7 +25,7 @@ def shortened(folder, scene):
     drags = [k for k, line in enumerate(lines) if line["do"] == "drag"]
     left_out = {k for i, k in enumerate(drags) if len(drags) > LONG and i % 10}
     lines = [line for k, line in enumerate(lines) if k not in left_out]
-    most = 2 if full_name(scene) in COARSE else LONG // 4
+    most = 2 if scene.stem in COARSE else LONG // 4
     for line in lines:
         if "frames" in line:
             line["frames"] = min(line["frames"], most)
@@ -37,32 +38,27 @@ def shortened(folder, scene):
 
 
 COARSE = {
-    "bridge/bridge": 0.4,
-    "couture/cylinder": 0.02,
-    "couture/incline": 0.03,
-    "couture/pins": 0.08,
-    "couture/sphere": 0.09,
-    "couture/strip": 0.01,
-    "metallophone/disc": 0.12,
-    "metallophone/fish": 0.014,
-    "metallophone/rosewood": 0.012,
-    "metallophone/square": 0.8,
-    "metallophone/supported": 0.5,
-    "solid/csm1": 0.02,
+    "bridge": 0.4,
+    "csm1": 0.02,
+    "cylinder": 0.02,
+    "disc": 0.12,
+    "fish": 0.014,
+    "incline": 0.03,
+    "pins": 0.08,
+    "rosewood": 0.012,
+    "sphere": 0.09,
+    "square": 0.8,
+    "strip": 0.01,
+    "supported": 0.5,
 }
-"""Mesh sizes [m] of scenes that take long: of cloth, of modes, and of many frames."""
-
-
-def full_name(scene):
-    """The folder of a scene's application and the scene's name."""
-    return f"{scene.parents[1].name}/{scene.stem}"
+"""Mesh sizes [m] of scenes that take long, of cloth, of modes, of many frames; used where larger than their own."""
 
 
 def smaller(scene):
     """Overrides that make a scene cheap: few time steps a frame of what vibrates, a coarse mesh of what takes long."""
     steps = ["effects.dynamics.steps=4"] if "[effects.dynamics]" in scene.read_text() else []
-    size = COARSE.get(full_name(scene))
-    return [*steps, *([f"mesh.size={size}"] if size else [])]
+    size = COARSE.get(scene.stem)
+    return [*steps, *([f"mesh.size={size}"] if size and size > load_scene(scene).mesh.size else [])]
 
 
 def parity(made):
