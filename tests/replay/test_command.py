@@ -136,12 +136,14 @@ def test_parity_is_told(tmp_path, command, scene, script, name):
     assert found["holds"] and found["entries"] <= 1e-13 and found["solution"] <= 1e-6
 
 
+@pytest.mark.slow
 def test_parity_that_fails_ends_with_1(restshape, scene, script):
     # The solver is asked to stop before the scene's tolerance.
     done = restshape("replay", scene, "--edits", script, "--parity", "--", "-solid_ksp_rtol", "1e-2")
     assert done.returncode == 1 and "FAILS" in done.stdout
 
 
+@pytest.mark.slow
 def test_petsc_options_after_two_dashes(restshape, scene, script):
     plain = restshape("replay", scene, "--edits", script)
     monitored = restshape("replay", scene, "--edits", script, "--", "-solid_ksp_monitor")
@@ -149,6 +151,7 @@ def test_petsc_options_after_two_dashes(restshape, scene, script):
     assert "KSP Residual norm" not in plain.stdout and monitored.stdout.count("0 KSP Residual norm") >= 4
 
 
+@pytest.mark.slow
 def test_another_preconditioner_by_options(tmp_path, restshape, scene, script):
     words = ("replay", scene, "--edits", script, "--json", "a.json")
     done = restshape(*words, "--parity", "--", "-solid_pc_type", "jacobi")

@@ -16,6 +16,7 @@ EVENTS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_twice_the_same_bits(tmp_path, restshape, on_ranks, ranks):
     """In a process of its own and in one that has replayed before."""

@@ -20,6 +20,7 @@ def growth(folder, outside, policy):
     return used[-1][1] - used[1][1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("policy", ["auto", "thesis"])
 def test_memory_stays(tmp_path, outside, policy):
     assert growth(tmp_path, outside, policy) < LIMIT

@@ -60,6 +60,7 @@ def opened(path):
         time.sleep(0.05)
 
 
+@pytest.mark.slow
 def test_ctrl_c(tmp_path, start_restshape, words):
     process = start_restshape(*words)
     wait_for_frames(process)
@@ -72,6 +73,7 @@ def test_ctrl_c(tmp_path, start_restshape, words):
     assert recording.status == "interrupted" and 100 <= recording.n < FRAMES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
 def test_the_solver_is_killed(tmp_path, start_restshape, words, number):
     process = start_restshape(*words)
@@ -83,6 +85,7 @@ def test_the_solver_is_killed(tmp_path, start_restshape, words, number):
     assert recording.status == "interrupted" and 100 <= recording.n < FRAMES
 
 
+@pytest.mark.slow
 def test_everything_is_killed(tmp_path, start_restshape, words):
     process = start_restshape(*words)
     wait_for_frames(process)
@@ -95,6 +98,7 @@ def test_everything_is_killed(tmp_path, start_restshape, words):
         assert recording.verify() == []
 
 
+@pytest.mark.slow
 def test_a_full_disk(tmp_path, start_restshape, words):
     process = start_restshape(*words)
     wait_for_frames(process)
@@ -107,6 +111,7 @@ def test_a_full_disk(tmp_path, start_restshape, words):
     assert recording.status == "disk full" and f"the first {recording.n} frames" in told
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_one_of_two_ranks_ends(tmp_path, start_restshape, words, number):

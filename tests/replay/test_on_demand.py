@@ -76,6 +76,7 @@ def test_what_is_asked_for_is_what_every_frame_gives(files):
     assert {row["constraint_status"] for row in asked} == {"", "holds", "fails"}
 
 
+@pytest.mark.slow
 def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
     out, numbers = files / "a.vtkhdf", files / "a.json"
     call = ["replay", str(files / "plate.toml"), "--edits", str(files / "on demand.jsonl")]

@@ -19,6 +19,7 @@ def test_every_command_that_solves_takes_verbose(command):
     assert "--verbose" in subprocess.run(words, capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.slow
 def test_processes_of_a_study_log_as_their_command_does(monkeypatch, capfd):
     monkeypatch.setenv(INHERITED, "1")
     run(Job(str(PLATE), "", "auto", frames=1))

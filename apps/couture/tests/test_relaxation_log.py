@@ -11,6 +11,7 @@ import pytest
 STRIP = Path(__file__).parents[1] / "scenes/strip.toml"
 
 
+@pytest.mark.slow
 @pytest.mark.cli
 def test_a_relaxation_logs_its_strategy_and_why_it_ends(tmp_path):
     rows = tmp_path / "rows.csv"

@@ -164,6 +164,7 @@ def test_motion_is_compared_with_finer_steps_and_keeps_its_frames_in_time(tmp_pa
     assert lumped["error"] is not None and 0 not in found.frames
 
 
+@pytest.mark.slow
 def test_modes_of_a_bar_are_compared_with_layers_of_second_order(tmp_path, monkeypatch):
     usual = study_reference.scale_of
     monkeypatch.setattr(study_reference, "scale_of", lambda *args: replace(usual(*args), reference=5e3))

@@ -19,6 +19,7 @@ def scene(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_reuse_for_programs_and_people(tmp_path, command, scene):
     done = command("bench", "reuse", scene, "--policies", "rebuild,auto", "--repeat", 1, "--json", "a.json")
     assert done.returncode == 0, done.stderr
@@ -37,6 +38,7 @@ def test_reuse_for_programs_and_people(tmp_path, command, scene):
     assert (tmp_path / "results/bench-reuse.png").read_bytes().startswith(PNG)
 
 
+@pytest.mark.slow
 def test_set_frames_and_edits(tmp_path, command, scene):
     (tmp_path / "small.jsonl").rename(tmp_path / "other.jsonl")
     words = ("--policies", "auto", "--repeat", 1, "--frames", 3, "--set", "mesh.size=0.3", "--json", "a.json")
@@ -47,6 +49,7 @@ def test_set_frames_and_edits(tmp_path, command, scene):
     assert (tmp_path / "pictures/bench-reuse.png").is_file() and not (tmp_path / "results").exists()
 
 
+@pytest.mark.slow
 def test_size_for_programs_and_people(tmp_path, command):
     done = command("bench", "size", "--from", 300, "--to", 600, "--points", 2, "--json", "a.json")
     assert done.returncode == 0, done.stderr

@@ -22,6 +22,7 @@ def scene(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_predict_for_programs_and_people(tmp_path, command, scene):
     done = command("bench", "predict", scene, "--repeat", 1, "--json", "a.json", "--set", "solve.tolerance=1e-10")
     assert done.returncode == 0, done.stderr
@@ -38,6 +39,7 @@ def test_predict_for_programs_and_people(tmp_path, command, scene):
     assert (tmp_path / "results/bench-predict.png").read_bytes().startswith(PNG)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["", "[effects.large_deformation]\n"])
 def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
     scene.write_text(scene.read_text() + law)
@@ -57,6 +59,7 @@ def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
     assert (tmp_path / "pictures/sensitivity-epsilon.png").read_bytes().startswith(PNG)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -77,6 +80,7 @@ def test_what_cannot_be_measured(tmp_path, command, scene, words, told):
     assert all(word in done.stderr for word in told), done.stderr
 
 
+@pytest.mark.slow
 def test_a_motion_has_no_prediction(command):
     done = command("bench", "predict", SCENES / "building.toml", "--edits", SCENES / "building.jsonl", "--repeat", 1)
     assert done.returncode == 2 and "time integration depends on the past" in done.stderr

@@ -12,6 +12,7 @@ COARSE = ("--set", 'mesh.size="70 mm"', "--set", "effects.cloth.bending=hinge")
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
+@pytest.mark.slow
 def test_ways_bending_and_policies(tmp_path, command):
     words = ("--ways", "auto,kinetic", "--bending", "nonlinear", "--policies", "auto")
     files = ("--frames", 5, "--json", "a.json", "--picture", "a.png")
@@ -37,6 +38,7 @@ def test_ways_bending_and_policies(tmp_path, command):
     assert (tmp_path / "a.png").read_bytes().startswith(PNG)
 
 
+@pytest.mark.slow
 def test_a_run_that_takes_too_long_is_given_up(tmp_path, command):
     words = ("--ways", "cg", "--bending", "", "--policies", "", "--seconds", 0.1, "--json", "a.json")
     done = command("bench", "drape", SCENES / "pins.toml", *COARSE, *words)
@@ -46,6 +48,7 @@ def test_a_run_that_takes_too_long_is_given_up(tmp_path, command):
     assert entry["trace"]["residuals"][0] == pytest.approx(1.0), "laid flat nothing but the weight acts"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "told"),
     [

@@ -10,6 +10,7 @@ pytestmark = pytest.mark.cli
 SMALL = ("--set", 'mesh.size="12 mm"', "--set", "mesh.layers=1", "--set", "effects.modal.modes=3")
 
 
+@pytest.mark.slow
 def test_all_solvers_find_the_same(tmp_path, command):
     done = command("bench", "eigen", SCENES / "bar_100.toml", *SMALL, "--json", "a.json")
     assert done.returncode == 0, done.stderr
@@ -24,6 +25,7 @@ def test_all_solvers_find_the_same(tmp_path, command):
     assert "substitutions a frame" in done.stdout and "LOBPCG" in done.stdout
 
 
+@pytest.mark.slow
 def test_what_has_no_modes_is_refused(command):
     done = command("bench", "eigen", SCENES / "plate.toml", "--edits", EDITS / "plate.jsonl")
     assert done.returncode == 2 and "no eigenproblem" in done.stderr

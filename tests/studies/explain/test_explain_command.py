@@ -34,6 +34,7 @@ def found(tmp_path_factory):
     return json.loads((folder / "found.json").read_text())
 
 
+@pytest.mark.slow
 def test_every_effect_and_every_part_of_a_frame_has_a_row(found):
     app = application("plane")
     assert [row["effect"] for row in found] == [*app.effects, *app.derived, *PARTS]
@@ -82,6 +83,7 @@ def pattern(core):
     return 4 * (nodes + 2 * (nodes + core["elements"]))
 
 
+@pytest.mark.slow
 def test_each_effect_has_its_kernels_elements_and_matrices(tmp_path):
     rows = explained(tmp_path, MOVING)
     core, motion = rows["solid"], rows["dynamics"]
@@ -92,6 +94,7 @@ def test_each_effect_has_its_kernels_elements_and_matrices(tmp_path):
     assert rows["stresses"]["elements"] == core["elements"] and rows["stresses"]["entries"] == 0
 
 
+@pytest.mark.slow
 def test_an_effect_that_swaps_a_kernel_for_another_has_the_elements_of_its_own(tmp_path):
     rows = explained(tmp_path, plate(0.25) + "[effects.large_deformation]\n")
     core, large = rows["solid"], rows["large_deformation"]
@@ -100,6 +103,7 @@ def test_an_effect_that_swaps_a_kernel_for_another_has_the_elements_of_its_own(t
     assert rows["surface_loads"]["elements"] == 4
 
 
+@pytest.mark.slow
 def test_cloth_on_a_ball_is_told_what_can_be_told_of_it(tmp_path):
     scene = Path(__file__).parents[2] / "scenes" / "sphere.toml"
     words = ["explain", str(scene), "--set", "mesh.size=0.1", "--frames", "2", "--seconds", "0"]
@@ -129,6 +133,7 @@ def test_several_ranks_are_refused(tmp_path, monkeypatch, capsys):
     assert "on one rank" in told and "without mpiexec" in told
 
 
+@pytest.mark.slow
 def test_a_scene_without_edits_is_priced_by_its_first_frame(tmp_path, capsys):
     scene = write_scene(tmp_path, plate(0.3))
     assert main(["explain", str(scene), "--seconds", "0"]) == 0
@@ -136,6 +141,7 @@ def test_a_scene_without_edits_is_priced_by_its_first_frame(tmp_path, capsys):
     assert "the first frame, for there is no script" in told and "nothing calls for it" in told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "message"),
     [

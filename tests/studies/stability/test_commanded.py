@@ -23,6 +23,7 @@ def example(tmp_path):
     return made
 
 
+@pytest.mark.slow
 def test_what_a_command_writes_is_read(tmp_path, example):
     played = play(tmp_path, example)
     assert (played.message, played.frames, played.refused, played.written) == ("", 7, 1, True)
@@ -43,6 +44,7 @@ def test_refusals_as_a_whole_and_in_the_middle(tmp_path, example):
     assert played.message and (played.frames, played.written) == (0, True)
 
 
+@pytest.mark.slow
 def test_wrong_files_are_faults(tmp_path, example, monkeypatch):
     def with_nan(args, data):
         args.json.write_text(json.dumps({**data, "unknowns": float("nan")}))

@@ -22,6 +22,7 @@ def tried():
     return fuzz(40, 1, APPS)
 
 
+@pytest.mark.slow
 def test_nothing_breaks(tried):
     assert not tried.found, [vars(found) for found in tried.found.values()]
     assert tried.examples >= 40 and tried.examples == tried.valid + tried.refused + tried.too_large
