@@ -53,6 +53,7 @@ main()
 """
 
 
+@pytest.mark.cli
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("then", "kind", "words"),

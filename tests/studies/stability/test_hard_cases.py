@@ -106,6 +106,7 @@ main()
 """
 
 
+@pytest.mark.cli
 def test_a_case_that_kills_or_hangs_its_process_fails_alone(tmp_path, monkeypatch):
     (tmp_path / "dying_cases.py").write_text(DYING)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path) + os.pathsep + os.environ.get("PYTHONPATH", ""))
