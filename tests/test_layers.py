@@ -27,6 +27,7 @@ MAY_IMPORT = {
 LAYERS = (
     "_kernels",
     "errors",
+    "first_use",
     "findings",
     "surroundings",
     "policy",

@@ -6,12 +6,12 @@ from mesh_samples import SQUARE, holed_mesh, l_mesh, polygon_outline
 from test_moving import Hand, plate
 
 from restshape import _kernels
-from restshape.mesh import moving
 from restshape.mesh.generate import generate
 from restshape.mesh.lagrange_space import MIN_JACOBIAN, LagrangeSpace, interpolated, quadratic_basis
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import MovingMesh
 from restshape.mesh.quality import areas
+from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.transfer import Transfer, transfer
 from restshape.scene.model import MeshSpec
 from restshape.shape import gesture as gestures
@@ -192,7 +192,7 @@ def test_fields_survive_flips_at_rest():
     for values, tolerance in ((lambda X: X @ A.T + 1, 1e-11), (quadratic, None)):
         field = values(space.X)
         edges = mesh.edge_nodes.copy()
-        flips, changed = moving.Reconnection(mesh).flip(mesh.X)
+        flips, changed = Reconnection(mesh).flip(mesh.X)
         space.reconnect(changed)
         space.place()
         carried = interpolated(field, space.interpolations)

@@ -8,7 +8,6 @@ from petsc4py import PETSc
 
 from restshape.algebra.davidson import Found, SearchSpace, davidson, ritz_values
 from restshape.algebra.factor_life import FactorLife
-from restshape.algebra.first_use import made
 from restshape.algebra.inverse_iteration import EPSILON, inverse_iteration
 from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.pencil import Deflation, Pencil
@@ -16,6 +15,7 @@ from restshape.algebra.spectrum import apart, fallen, gap
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
+from restshape.first_use import made
 
 SPARE = 2
 """Modes beyond the wanted ones that are carried along: one that comes down from above is seen before it is wanted."""

@@ -8,7 +8,6 @@ from petsc4py import PETSc
 
 from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.equations import Equations
-from restshape.algebra.first_use import made
 from restshape.algebra.forcing_terms import ForcingTerms
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton_convergence import MOST_SEARCHED, WORDS, ConvergenceTest, Outcome
@@ -16,6 +15,7 @@ from restshape.algebra.newton_step import NewtonStep
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.tangent import Tangent
 from restshape.algebra.weak_calls import weak_call
+from restshape.first_use import made
 
 log = logging.getLogger("restshape.algebra")
 

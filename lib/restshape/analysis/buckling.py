@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.algebra.buckling_solver import BucklingSolver
-from restshape.algebra.first_use import made
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.buckling_binding import bound, flipped
@@ -24,6 +23,7 @@ from restshape.analysis.solution import Solution, stacked_modes
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.analysis.verified_shape import VerifiedShape
 from restshape.errors import ReplayProblem, UserError
+from restshape.first_use import made
 
 if TYPE_CHECKING:
     from petsc4py import PETSc

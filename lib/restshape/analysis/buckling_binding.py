@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.buckling_solver import BucklingSolver
-from restshape.algebra.first_use import made
 from restshape.analysis.analysis import Context
 from restshape.analysis.buckling_matrices import BucklingMatrices
 from restshape.analysis.buckling_state import BucklingState
@@ -14,6 +13,7 @@ from restshape.analysis.settings import buckling_settings
 from restshape.analysis.steady import SteadyState
 from restshape.errors import UserError
 from restshape.fem.problem import PrestressedProblem
+from restshape.first_use import made
 from restshape.mesh.transfer import transfer
 from restshape.scene.model import Scene
 

@@ -5,12 +5,12 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
-from restshape.algebra.first_use import made
 from restshape.algebra.gathering import GatheredSystem, gather_matrix, matrix_difference
 from restshape.algebra.operator import Operator
 from restshape.analysis.analysis import Comparison
 from restshape.analysis.buckling_state import BucklingState
 from restshape.fem.assembled import Assembled
+from restshape.first_use import made
 
 
 def compare_cold(state: BucklingState, warm: GatheredSystem, cold: GatheredSystem) -> Comparison:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.algebra.eigen import EigenSolver
-from restshape.algebra.first_use import made
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis import modal_output
 from restshape.analysis.analysis import Comparison, Context, RowValues
@@ -24,6 +23,7 @@ from restshape.analysis.settings import modal_settings
 from restshape.analysis.solution import Solution, stacked_modes
 from restshape.analysis.verified_shape import VerifiedShape
 from restshape.errors import ReplayProblem, UserError
+from restshape.first_use import made
 
 if TYPE_CHECKING:
     from restshape.fem.eigenproblem import Maker

@@ -3,7 +3,6 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.first_use import made
 from restshape.algebra.gathering import gather_matrix, matrix_difference
 from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.pencil import Deflation, Pencil
@@ -11,6 +10,7 @@ from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.modal_state import ModalState, frequencies
 from restshape.fem.eigenproblem import Maker
+from restshape.first_use import made
 
 COLD = 1e-10
 """Residual that a cold solve for comparison goes down to."""

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.eigen import EigenReport
-from restshape.algebra.first_use import made
 from restshape.analysis.correction import largest_values
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.modal_matrices import products
 from restshape.analysis.modal_state import ModalState, Modes, frequencies
 from restshape.analysis.mode_search import ModeSearch
 from restshape.analysis.settings import modal_settings
+from restshape.first_use import made
 from restshape.sensitivity.frequency_derivative import SolvedModes, modal_derivative
 
 

@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 
 from restshape.algebra.eigen import EigenReport
-from restshape.algebra.first_use import made
 from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.mode_search import FoundModes
 from restshape.analysis.mode_tracking import ModeIds
 from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.observer import Observer
 from restshape.fem.space import Space
+from restshape.first_use import made
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 

@@ -7,7 +7,6 @@ from typing import cast
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.first_use import made
 from restshape.algebra.gathering import GatheredSystem, gather_matrix
 from restshape.algebra.linear import COMPLETE, LinearSolver
 from restshape.algebra.linear_report import LinearReport
@@ -23,6 +22,7 @@ from restshape.analysis.steady import SteadyAnalysis, SteadyState
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
 from restshape.fem.residuals import energy
+from restshape.first_use import made
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.policy import policy

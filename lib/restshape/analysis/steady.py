@@ -9,7 +9,6 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.sparse.linalg import spsolve
 
-from restshape.algebra.first_use import made
 from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
@@ -31,6 +30,7 @@ from restshape.fem.observer import Observer
 from restshape.fem.problem import INTERNAL, Fields, Problem
 from restshape.fem.residuals import dead_loads, energy, internal_norm, residual_norm
 from restshape.fem.space import Space
+from restshape.first_use import made
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.scene.model import Quantity, Scene

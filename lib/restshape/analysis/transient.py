@@ -9,7 +9,6 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from restshape.algebra.first_use import made
 from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
@@ -30,6 +29,7 @@ from restshape.fem.problem import MASS, STIFFNESS, Fields, TransientProblem
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.space import Space
 from restshape.fem.time_integration import TimeIntegration, TimeState
+from restshape.first_use import made
 from restshape.mesh.transfer import transfer
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

@@ -4,13 +4,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from restshape.algebra.first_use import made
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.increment_subspace import IncrementProjection
 from restshape.fem.observer import Observer
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.space import Space
 from restshape.fem.time_integration import Motion, TimeIntegration, TimeState
+from restshape.first_use import made
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 

@@ -1,13 +1,11 @@
-"""What the advance of a moving mesh by a frame gives, and what is kept to take it back."""
+"""What the advance of a moving mesh by a frame gives."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
-from restshape.shape.outline import Outline
 
 NO_CELLS = np.empty(0, dtype=np.int32)
 
@@ -41,19 +39,3 @@ class MeshUpdate:
 
 CONNECTIVITY = ("cells", "cell_edges", "edge_nodes", "facet_cell")
 """Arrays of a mesh that flips change."""
-
-
-@dataclass(slots=True)
-class Kept:
-    """What a frame may change, as it was before.
-
-    Args:
-        state: attributes of the moving mesh.
-        versions: outline, geometry and topology of the mesh; None before the first one.
-        X: (n, d) nodes [m], where they were moved; connectivity: copies of its arrays, where edges were flipped.
-    """
-
-    state: dict[str, Any]
-    versions: tuple[Outline, int, int] | None
-    X: np.ndarray | None = None
-    connectivity: dict[str, np.ndarray] | None = None

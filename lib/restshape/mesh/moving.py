@@ -3,6 +3,7 @@
 import itertools
 import logging
 from collections.abc import Callable
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
@@ -10,14 +11,15 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import ReplayProblem, UserError
-from restshape.mesh.advance import CONNECTIVITY, NO_CELLS, Kept, MeshUpdate
+from restshape.first_use import made
+from restshape.mesh.advance import CONNECTIVITY, NO_CELLS, MeshUpdate
 from restshape.mesh.generate import generate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.moving_state import Generated, GestureMap, Kept, MovingState
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
-from restshape.mesh.reconnect import Reconnection
-from restshape.mesh.relocate import BoundaryNodes, Extension, extension, motion
+from restshape.mesh.relocate import BoundaryNodes, extension, motion
 from restshape.mesh.sizing import refuse_endless
 from restshape.scene.model import MeshSpec
 from restshape.shape.gesture import Gesture
@@ -77,10 +79,6 @@ class MovingMesh:
     Source: docs/theory.md, section 1.
     """
 
-    mesh: Mesh
-    space: LagrangeSpace | None
-    nested: NestedMesh | None
-
     def __init__(
         self,
         outline: Outline,
@@ -95,16 +93,47 @@ class MovingMesh:
         imported: Mesh | None = None,
         order_of: Callable[[Any], int] = lambda scene: scene.mesh.order or 1,
     ) -> None:
-        self.outline, self.spec, self.ranks, self.regenerate = outline, spec, ranks, regenerate
+        self.outline, self.ranks, self.regenerate = outline, ranks, regenerate
         self._broadcast = broadcast or (lambda make: make())
         self._chosen_relocation, self._chosen_criterion, self._imported = relocation, criterion, imported
         self._flip_everywhere = flip_everywhere
-        self._order_of, self._scene, self.order = order_of, None, 1
-        self._gesture: Gesture | None = None
-        self._extend: Extension | None = None
-        self._c = (0.0, 0.0)
+        self._order_of = order_of
+        self.state = MovingState(spec)
         self._kept: Kept | None = None
-        self.min_quality = float("nan")
+
+    @property
+    def spec(self) -> MeshSpec:
+        """How fine the mesh is, of which relocation and criterion."""
+        return self.state.spec
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh, of nested ones the coarsest.
+
+        Raises:
+            RuntimeError: there is none before the first frame.
+        """
+        return made(self.state.generated).mesh
+
+    @property
+    def space(self) -> LagrangeSpace | None:
+        """Nodes of second order over the mesh; None of first order."""
+        return made(self.state.generated).space
+
+    @property
+    def nested(self) -> NestedMesh | None:
+        """The nested meshes; None where there is one level."""
+        return self.state.nested
+
+    @property
+    def order(self) -> int:
+        """Of the elements."""
+        return self.state.order
+
+    @property
+    def min_quality(self) -> float:
+        """Smallest quality of a triangle."""
+        return self.state.min_quality
 
     @property
     def relocation(self) -> str:
@@ -114,7 +143,7 @@ class MovingMesh:
     @property
     def gesture(self) -> Gesture | None:
         """The gesture that the map belongs to."""
-        return self._gesture
+        return None if self.state.map is None else self.state.map.gesture
 
     @property
     def dim(self) -> int:
@@ -137,29 +166,33 @@ class MovingMesh:
 
         Source: docs/theory.md, section 3.
         """
-        if self._Psi is None:
-            basis = None if self._gesture is None else self._gesture.basis
-            if self.space:
-                self.space.set_gesture(basis)
-            if basis is None:
-                self._Psi = np.zeros((2, *self.mesh.X.shape))
-            else:
-                self._Psi = motion(self.mesh, self._boundary.basis(self.mesh.outline, basis), self.relocation)
-        return self._Psi
+        known = made(self.state.map)
+        if known.Psi is not None:
+            return known.Psi
+        basis = None if known.gesture is None else known.gesture.basis
+        if self.space:
+            self.space.set_gesture(basis)
+        if basis is None:
+            Psi = np.zeros((2, *self.mesh.X.shape))
+        else:
+            Psi = motion(self.mesh, self._boundary.basis(self.mesh.outline, basis), self.relocation)
+        self.state = replace(self.state, map=replace(known, Psi=Psi))
+        return Psi
 
     @property
     def field_motion(self) -> np.ndarray:
         """The same as `Psi` for the nodes of `field_mesh`."""
         if self.nested:
-            return self.nested.motion(self.Psi, None if self._gesture is None else self._gesture.basis)
+            return self.nested.motion(self.Psi, None if self.gesture is None else self.gesture.basis)
         return self.space.motion(self.Psi) if self.space else self.Psi
 
     @property
-    def _reconnection(self) -> Reconnection:
-        """What flips edges of the mesh; made at the first flip, for many meshes never see one."""
-        if self._flipper is None:
-            self._flipper = Reconnection(self.mesh)
-        return self._flipper
+    def _generated(self) -> Generated:
+        return made(self.state.generated)
+
+    @property
+    def _boundary(self) -> BoundaryNodes:
+        return self._generated.boundary
 
     def update(self, frame: EditFrame) -> MeshUpdate:
         """What the frame did to the mesh, which now lies on the frame's outline.
@@ -180,7 +213,7 @@ class MovingMesh:
         kept = self._kept
         if kept is None:
             return
-        self.__dict__.update(kept.state)
+        self.state = kept.state
         if kept.versions is None:
             return
         mesh = self.mesh
@@ -190,8 +223,9 @@ class MovingMesh:
         if kept.connectivity is not None:
             for name, values in kept.connectivity.items():
                 getattr(mesh, name)[...] = values
-            # Others may have seen the flips; and what flips edges knows them.
-            mesh.topology, self._flipper = next(_reconnections), None
+            # Others may have seen the flips; and what flips edges knows them, so that it is made again.
+            mesh.topology = next(_reconnections)
+            self.state = replace(self.state, generated=replace(self._generated))
             if self.space:
                 self.space.rebuild()
         if kept.X is not None and self.space:
@@ -201,26 +235,28 @@ class MovingMesh:
 
     def _keep(self) -> None:
         """Note what `rollback` restores; nodes and connectivity are copied when they are about to change."""
-        self._kept = None
-        mesh = self.__dict__.get("mesh")
-        if mesh is not None and self.space:
-            self.space.begin()
-        versions = None if mesh is None else (mesh.outline, mesh.geometry, mesh.topology)
-        self._kept = Kept(self.__dict__.copy(), versions)
+        generated = self.state.generated
+        if generated is None:
+            self._kept = Kept(self.state, None)
+            return
+        mesh = generated.mesh
+        if generated.space:
+            generated.space.begin()
+        self._kept = Kept(self.state, (mesh.outline, mesh.geometry, mesh.topology))
 
     def _update(self, frame: EditFrame) -> MeshUpdate:
         order = self.order
-        if frame.scene is not self._scene:
-            self._scene, self.order = frame.scene, self._order_of(frame.scene)
+        if frame.scene is not self.state.scene:
+            self.state = replace(self.state, scene=frame.scene, order=self._order_of(frame.scene))
         if frame.refused is not None or (frame.change in ("none", "values") and self.order == order):
             return self._rest(frame)
         if frame.change == "move":
-            if frame.gesture is self._gesture and frame.gesture.linear and frame.c == self._c:
+            if frame.gesture is self.gesture and frame.gesture.linear and frame.c == self.state.c:
                 return MeshUpdate.nothing(self.min_quality)
             if not self.regenerate:
                 return self._follow(frame)
         else:
-            self.spec = frame.scene.mesh
+            self.state = replace(self.state, spec=frame.scene.mesh)
         return self._reconstruct(frame, {}, REASONS.get(frame.change, "other settings of the mesh"))
 
     def _rest(self, frame: EditFrame) -> MeshUpdate:
@@ -233,12 +269,13 @@ class MovingMesh:
     def _follow(self, frame: EditFrame) -> MeshUpdate:
         """Relocate; flip, or reconstruct, where that is not enough."""
         stages: dict[str, float] = {}
-        mesh = self.mesh
-        if frame.gesture is not self._gesture or self._Psi is None:
+        generated, known = self._generated, made(self.state.map)
+        mesh = generated.mesh
+        if frame.gesture is not known.gesture or known.Psi is None:
             self._begin_gesture(frame, stages)
         start = perf_counter()
-        self._before[...] = mesh.X
-        self._kept.X = self._before
+        generated.before[...] = mesh.X
+        made(self._kept).X = generated.before
         placement = self._place(frame)
         stages["relocate"] = perf_counter() - start
         flips, changed, why = 0, NO_CELLS, ""
@@ -258,7 +295,7 @@ class MovingMesh:
             log.info(
                 "%4d Mesh level 2: %d edges flipped; %s; least quality %.3g", frame.index, flips, why, placement[0]
             )
-        self._c, self.min_quality = frame.c, placement[0]
+        self.state = self.state.placed(frame.c, placement[0])
         if not self.nested:
             return MeshUpdate(2 if flips else 1, flips, changed, placement[0], None, stages)
         self.nested.stamp()
@@ -267,19 +304,19 @@ class MovingMesh:
 
     def _restore_positions(self) -> None:
         """Lay the nodes where the frame before left them."""
-        self.mesh.X[...] = self._before
+        self.mesh.X[...] = self._generated.before
         if self.space:
             self.space.restore_positions()
 
     def _former(self) -> Mesh | LagrangeSpace:
         """What fields lived on before this frame, where its corners are now if its triangles bear that."""
-        kept = self._kept
-        nested = kept.state["nested"]
+        kept = made(self._kept)
+        nested = kept.state.nested
         if not nested:
             return self.field_mesh
         nested.place(self.mesh.outline)
         if areas(nested.finest.X, nested.finest.cells).min() <= 0.0:
-            nested.place(kept.versions[0], kept.X)
+            nested.place(made(kept.versions)[0], kept.X)
         return nested.finest
 
     def _place(self, frame: EditFrame) -> tuple[float, int, int]:
@@ -290,7 +327,7 @@ class MovingMesh:
         if not self.space:
             return quality, invalid, low_quality
         if frame.gesture.linear:
-            start = self._c_reference
+            start = made(self.state.map).c
             invalid_curved = self.space.place((frame.c[0] - start[0], frame.c[1] - start[1]))
         else:
             self.space.bend(frame.outline)
@@ -299,20 +336,21 @@ class MovingMesh:
 
     def _place_corners(self, frame: EditFrame) -> tuple[float, int, int]:
         """Move the corners; quality, invalid and low-quality triangles there."""
-        mesh, (c0, c1) = self.mesh, frame.c
+        generated, known = self._generated, made(self.state.map)
+        mesh, Psi, (c0, c1) = generated.mesh, made(known.Psi), frame.c
         if not frame.gesture.linear:
-            target = self._boundary.values(frame.outline, frame.outline.points)
-            self._Psi[0] = self._extend(target - self._reference[self._boundary.nodes])
+            target = generated.boundary.values(frame.outline, frame.outline.points)
+            Psi[0] = made(known.extend)(target - known.reference[generated.boundary.nodes])
             c0, c1 = 1.0, 0.0
         else:
-            c0, c1 = c0 - self._c_reference[0], c1 - self._c_reference[1]
-        floors = self._area_floor, self._quality_floor
+            c0, c1 = c0 - known.c[0], c1 - known.c[1]
+        floors = generated.area_floor, generated.quality_floor
         if self.relocation == "laplacian":
-            fixed = self._fixed
+            fixed = generated.fixed
             return _kernels.relax_and_check(
-                self._reference, self._Psi, c0, c1, mesh.X, mesh.cells, mesh.edge_nodes, fixed, SWEEPS, *floors
+                known.reference, Psi, c0, c1, mesh.X, mesh.cells, mesh.edge_nodes, fixed, SWEEPS, *floors
             )
-        return _kernels.move_and_check(self._reference, self._Psi, c0, c1, mesh.X, mesh.cells, *floors)
+        return _kernels.move_and_check(known.reference, Psi, c0, c1, mesh.X, mesh.cells, *floors)
 
     def _mend(
         self, frame: EditFrame, placement: tuple[float, int, int], stages: dict[str, float]
@@ -320,17 +358,17 @@ class MovingMesh:
         """Flips, the cells they changed, and the placement afterwards."""
         start = perf_counter()
         X, flips, changed = self.mesh.X, 0, NO_CELLS
-        self._kept.connectivity = {name: getattr(self.mesh, name).copy() for name in CONNECTIVITY}
+        made(self._kept).connectivity = {name: getattr(self.mesh, name).copy() for name in CONNECTIVITY}
         if placement[1]:
             self._restore_positions()
-            flips, changed = self._reconnection.flip(X)
+            flips, changed = self._generated.reconnection.flip(X)
             if flips:
                 self._reconnect(changed)
                 placement = self._place(frame)
         for _ in range(ROUNDS):
             if placement[1] or not placement[2]:
                 break
-            more, cells = self._reconnection.flip(X, self._flip_floor)
+            more, cells = self._generated.reconnection.flip(X, self._generated.flip_floor)
             if not more:
                 break
             self._reconnect(cells)
@@ -342,28 +380,28 @@ class MovingMesh:
     def _reconnect(self, changed: np.ndarray) -> None:
         """Let finer meshes, and nodes of second order, follow the flips that changed these cells."""
         if self.nested:
-            self.nested = self.nested.reconnected()
+            self.state = replace(self.state, nested=self.nested.reconnected())
         if self.space:
             self.space.reconnect(changed)
 
     def _begin_gesture(self, frame: EditFrame, stages: dict[str, float]) -> None:
         """Take up a gesture: where the nodes lie now becomes its reference, and its map is made."""
         start = perf_counter()
-        if frame.gesture is not self._gesture:
-            self._gesture, self._Psi = frame.gesture, None
-            self._set_reference((0.0, 0.0))
+        if frame.gesture is not self.gesture:
+            self._set_reference(frame.gesture, (0.0, 0.0))
         if frame.gesture.linear:
             self.Psi  # noqa: B018  made here, so that its time counts as the map's
         else:
-            self._extend = extension(self.mesh, self._boundary.nodes, self.relocation)
-            self._Psi = np.zeros((2, *self.mesh.X.shape))
+            extend = extension(self.mesh, self._boundary.nodes, self.relocation)
+            Psi = np.zeros((2, *self.mesh.X.shape))
+            self.state = replace(self.state, map=replace(made(self.state.map), extend=extend, Psi=Psi))
             if self.space:
                 self.space.set_gesture(None)
         stages["map"] = perf_counter() - start
 
-    def _set_reference(self, c: tuple[float, float]) -> None:
-        self._reference = self.mesh.X.copy()
-        self._c_reference = self._c = c
+    def _set_reference(self, gesture: Gesture | None, c: tuple[float, float]) -> None:
+        """The nodes as they lie now are the reference of a gesture, at its coefficients c."""
+        self.state = replace(self.state, map=GestureMap(gesture, self.mesh.X.copy(), c), c=c)
         if self.space:
             self.space.refer()
 
@@ -371,8 +409,7 @@ class MovingMesh:
         """Replace the mesh by a new one of the frame's outline; `why` is for the log."""
         start = perf_counter()
         old = None if frame.change == "start" else self._former()
-        if frame.gesture is not None:
-            self._gesture, self._c = frame.gesture, frame.c
+        gesture, c = (frame.gesture, frame.c) if frame.gesture is not None else (self.gesture, self.state.c)
         if self._imported is not None and frame.change == "start":
             mesh = self._imported
         else:
@@ -382,13 +419,10 @@ class MovingMesh:
         quality, invalid, _ = _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)
         if invalid or not len(mesh.cells):
             raise ReplayProblem(f"no valid mesh of the shape: {invalid} of {len(mesh.cells)} triangles have no area")
-        self._adopt(mesh)
         if area_floor:
             area_floor = min(area_floor, FRESH_AREA * areas(mesh.X, mesh.cells).min())
-        self._area_floor, self._quality_floor = area_floor, min(quality_floor, FRESH_SHARE * quality)
-        self._flip_floor = 1.0 if self._flip_everywhere else self._quality_floor
-        self._set_reference(self._c)
-        self.min_quality = quality
+        self._adopt(mesh, min(quality_floor, FRESH_SHARE * quality), area_floor, quality)
+        self._set_reference(gesture, c)
         stages["mesh"] = perf_counter() - start
         log.info("%4d Mesh level 3: %d triangles; %s; least quality %.3g", frame.index, len(mesh.cells), why, quality)
         return MeshUpdate(3, 0, NO_CELLS, quality, old, stages)
@@ -402,14 +436,10 @@ class MovingMesh:
             spec = spec.model_copy(update={"size": coarser * spec.size, "near": near})
         return generate(outline, spec, self.ranks)
 
-    def _adopt(self, mesh: Mesh) -> None:
-        self.mesh = mesh
-        levels = self.spec.levels
-        self.nested = NestedMesh(mesh, levels) if levels > 1 else None
-        self.space = LagrangeSpace(mesh) if self.order == 2 and not self.nested else None
-        self._boundary = BoundaryNodes(mesh)
-        self._flipper: Reconnection | None = None
-        self._fixed = np.zeros(len(mesh.X), dtype=np.uint8)
-        self._fixed[self._boundary.nodes] = 1
-        self._before = np.empty_like(mesh.X)
-        self._Psi: np.ndarray | None = None
+    def _adopt(self, mesh: Mesh, quality_floor: float, area_floor: float, quality: float) -> None:
+        """Take a new mesh, whose worst triangle has this quality."""
+        levels, flip_floor = self.spec.levels, 1.0 if self._flip_everywhere else quality_floor
+        nested = NestedMesh(mesh, levels) if levels > 1 else None
+        space = LagrangeSpace(mesh) if self.order == 2 and not nested else None
+        generated = Generated(mesh, space, quality_floor, area_floor, flip_floor)
+        self.state = replace(self.state, generated=generated, nested=nested, min_quality=quality)

@@ -1,0 +1,119 @@
+"""The state of a moving mesh: what its frames replace, so that a frame without a solution is taken back by one
+assignment."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from restshape.mesh.lagrange_space import LagrangeSpace
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.nested import NestedMesh
+from restshape.mesh.reconnect import Reconnection
+from restshape.mesh.relocate import BoundaryNodes, Extension
+from restshape.scene.model import MeshSpec
+from restshape.shape.gesture import Gesture
+from restshape.shape.outline import Outline
+
+
+@dataclass(frozen=True, eq=False)
+class Generated:
+    """A mesh as it was generated or imported, and what is set up for it.
+
+    Args:
+        mesh: its nodes move, and flips change its cells, in its own arrays.
+        space: nodes of second order over it; None of first order.
+        quality_floor, area_floor: below which a triangle has low quality, or counts as invalid.
+        flip_floor: of the quality, below which triangles are flipped.
+    """
+
+    mesh: Mesh
+    space: LagrangeSpace | None
+    quality_floor: float
+    area_floor: float
+    flip_floor: float
+    before: np.ndarray = field(init=False)
+    """Room for the nodes (n, d) [m] as they lay before the last frame."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "before", np.empty_like(self.mesh.X))
+
+    @cached_property
+    def boundary(self) -> BoundaryNodes:
+        """The nodes on the outline."""
+        return BoundaryNodes(self.mesh)
+
+    @cached_property
+    def fixed(self) -> np.ndarray:
+        """1 (n,) for these nodes, 0 for the others."""
+        fixed = np.zeros(len(self.mesh.X), dtype=np.uint8)
+        fixed[self.boundary.nodes] = 1
+        return fixed
+
+    @cached_property
+    def reconnection(self) -> Reconnection:
+        """What flips edges; made at the first flip, for many meshes never see one."""
+        return Reconnection(self.mesh)
+
+
+@dataclass(frozen=True, eq=False)
+class GestureMap:
+    """How the nodes follow a gesture.
+
+    Args:
+        gesture: None before the first.
+        reference: (n, d) nodes [m] at the coefficients `c`.
+        Psi: (2, n, d) their displacements a unit of the coefficients; None: not made yet.
+        extend: of gestures that are not linear, makes displacements of all nodes from those on the outline.
+    """
+
+    gesture: Gesture | None
+    reference: np.ndarray
+    c: tuple[float, float]
+    Psi: np.ndarray | None = None
+    extend: Extension | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class MovingState:
+    """What a frame may change.
+
+    Args:
+        spec: how fine meshes are; scene, order: it was asked for, and the order of its elements.
+        generated: the mesh; None before the first.
+        nested: the meshes that are nested in it, by its present flips; None without any.
+        map: of the gesture in force; None before the first mesh.
+        c: coefficients of the gesture at which the nodes lie.
+        min_quality: of the triangles there.
+    """
+
+    spec: MeshSpec
+    scene: Any = None
+    order: int = 1
+    generated: Generated | None = None
+    nested: NestedMesh | None = None
+    map: GestureMap | None = None
+    c: tuple[float, float] = (0.0, 0.0)
+    min_quality: float = float("nan")
+
+    def placed(self, c: tuple[float, float], min_quality: float) -> "MovingState":
+        """The state with the nodes placed for coefficients c."""
+        known = self.spec, self.scene, self.order, self.generated, self.nested, self.map
+        return MovingState(*known, c, min_quality)
+
+
+@dataclass(slots=True)
+class Kept:
+    """What a frame may change, as it was before.
+
+    Args:
+        state: of the moving mesh.
+        versions: outline, geometry and topology of the mesh; None before the first one.
+        X: (n, d) nodes [m], where they were moved; connectivity: copies of its arrays, where edges were flipped.
+    """
+
+    state: MovingState
+    versions: tuple[Outline, int, int] | None
+    X: np.ndarray | None = None
+    connectivity: dict[str, np.ndarray] | None = None
