@@ -28,6 +28,7 @@ LAYERS = (
     "_kernels",
     "errors",
     "first_use",
+    "outputs",
     "findings",
     "surroundings",
     "policy",

@@ -10,7 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from restshape.cli.options import refuse_overwriting
 from restshape.errors import UserError
+from restshape.outputs.kinds import PictureFile
 from restshape.replay.recording import Recording
 from restshape.report.drape import drape_scenery, shows_cloth
 from restshape.report.drape_frames import draw_drape_frames
@@ -36,9 +38,10 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m restshape_apps.couture.picture", description=__doc__)
     parser.add_argument("recording", metavar="RECORDING", type=Path, help="recording (.vtkhdf) that replay --out wrote")
     parser.add_argument("--frames", metavar="N", type=int, nargs="+", default=[0, -1], help="default: first and last")
-    parser.add_argument("--out", metavar="FILE", type=Path, required=True, help="the picture (.png)")
+    parser.add_argument("--out", metavar="FILE", type=PictureFile, required=True, help="the picture (.png)")
     args = parser.parse_args(words)
     try:
+        refuse_overwriting(args)
         with Recording(args.recording) as recording:
             draw(recording, args.frames, args.out)
     except UserError as error:

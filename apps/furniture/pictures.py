@@ -24,6 +24,7 @@ from restshape_apps.furniture.small_pieces import toppling
 
 from restshape.errors import UserError
 from restshape.guidance.combination_search import Combination, Limits
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import INK, LEVELS, REFUSED, new_figure
 
 SHOWN = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")
@@ -130,7 +131,7 @@ def force_space(path: Path, name: str = "scales", joints: tuple[int, int] | None
     rays, others, names = joint_rays(furniture, joints)
     draw_forces(right, rays, (-1.0, -1.0), (1.0, 1.0), names, others, f"durability: two joints of {name}")
     right.set_aspect("equal", adjustable="box")
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def regions(path: Path) -> None:
@@ -143,7 +144,7 @@ def regions(path: Path) -> None:
     draw_region(panels[1], durable, "scales, with two weak joints")
     kinds = [int(kind) for region in (stable, durable) for kind in np.unique(region.kind)]
     figure.legend(handles=region_marks(kinds), loc="outside lower center", ncols=3, fontsize=8)
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def thickness(path: Path) -> None:
@@ -177,7 +178,7 @@ def thickness(path: Path) -> None:
     beside.set_ylabel("suggestions, of up to 3 modes")
     beside.set_ylim(0, 2.0 * max(int(counts.max()), 1))
     right.legend(handles=lines, fontsize=8, loc="upper left")
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _outline(axes: Axes, region: Region, millimetres: int) -> None:
@@ -192,7 +193,7 @@ def _outline(axes: Axes, region: Region, millimetres: int) -> None:
 def _save(figure: Figure, path: Path) -> None:
     """Write a figure with room around its titles."""
     figure.get_layout_engine().set(h_pad=0.08, w_pad=0.06)
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 PICTURES: dict[str, Callable[[Path], None]] = {

@@ -4,18 +4,17 @@ python -m restshape_apps.metallophone.derivative SCENE [--edits FILE] [--by KEY 
 """
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from restshape_apps.metallophone.stage import add_scene, analysed
 
 from restshape.analysis.modal import ModalAnalysis
-from restshape.cli.options import print_table
+from restshape.cli.options import print_table, refuse_overwriting, write_json
 from restshape.errors import UserError
+from restshape.outputs.kinds import JsonFile
 from restshape.sensitivity.frequency_derivative import stands_alone
 from restshape.sensitivity.outline_density import edge_densities, outline_density
 from restshape.sensitivity.parameter_derivative import number_at, parameter_derivatives
@@ -62,9 +61,10 @@ def main(words: Sequence[str] | None = None) -> int:
     add_scene(parser)
     parser.add_argument("--by", action="append", default=[], metavar="KEY", help="a number of the scene (default: all)")
     parser.add_argument("--outline", action="store_true", help="also by the outline, as a density along each edge")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="the same for programs")
+    parser.add_argument("--json", type=JsonFile, metavar="FILE", help="the same for programs")
     args = parser.parse_args(words)
     try:
+        refuse_overwriting(args)
         analysis = analysed(args)
         keys = args.by or keys_of(analysis)
         by = {key: (number_at(analysis, key), parameter_derivatives(analysis, key)) for key in keys}
@@ -84,8 +84,7 @@ def main(words: Sequence[str] | None = None) -> int:
     if args.outline:
         derivatives_found["outline"] = along_outline(analysis)
         print_outline(derivatives_found["outline"])
-    if args.json:
-        args.json.write_text(json.dumps(derivatives_found, indent=1) + "\n", encoding="utf-8")
+    write_json(args, derivatives_found)
     return 0
 
 

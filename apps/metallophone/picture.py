@@ -14,8 +14,10 @@ from restshape_apps.metallophone.stage import add_scene, analysed
 
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.pitch import note
+from restshape.cli.options import refuse_overwriting
 from restshape.errors import UserError
 from restshape.mesh.lagrange_space import LagrangeSpace
+from restshape.outputs.kinds import PictureFile
 from restshape.report.modes import draw_modes
 from restshape.sensitivity.frequency_derivative import stands_alone
 from restshape.sensitivity.outline_density import outline_density
@@ -60,12 +62,13 @@ def main(words: Sequence[str] | None = None) -> int:
     """Draw; 0 on success, 2 on bad input."""
     parser = argparse.ArgumentParser(prog="python -m restshape_apps.metallophone.picture", description=__doc__)
     add_scene(parser)
-    parser.add_argument("--out", type=Path, metavar="FILE", help="modes and nodal lines (.png)")
+    parser.add_argument("--out", type=PictureFile, metavar="FILE", help="modes and nodal lines (.png)")
     parser.add_argument(
-        "--rasp", type=Path, metavar="FILE", help="what rasping the outline does to the first tone (.png)"
+        "--rasp", type=PictureFile, metavar="FILE", help="what rasping the outline does to the first tone (.png)"
     )
     args = parser.parse_args(words)
     try:
+        refuse_overwriting(args)
         if not (args.out or args.rasp):
             raise UserError("no picture is asked for", "--out", "--out modes.png, or --rasp rasp.png")
         analysis = analysed(args)

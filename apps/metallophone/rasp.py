@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import length_unit, new_figure
 
 
@@ -38,4 +39,4 @@ def draw_outline_density(
     way = {"orientation": "horizontal", "aspect": 40} if flat else {"shrink": 0.8}
     figure.colorbar(lines, ax=axes, label="change of the tone by what is rasped off [Hz/mm²]", **way)
     axes.set_title(title)
-    figure.savefig(path)
+    save_picture(figure, path)

@@ -13,7 +13,10 @@ import numpy as np
 from restshape_apps.metallophone.stage import add_scene, analysed
 
 from restshape.analysis.modal import ModalAnalysis
+from restshape.cli.options import refuse_overwriting
 from restshape.errors import UserError
+from restshape.outputs.kinds import SoundFile, mark_sound
+from restshape.outputs.whole import replacing
 
 PEAK = 0.9
 """Of the largest number that a WAV file holds."""
@@ -53,11 +56,13 @@ def write_wav(path: Path, sound: np.ndarray, rate: int = 44100) -> None:
     """
     numbers = np.round(PEAK * 32767.0 * np.clip(sound, -1.0, 1.0)).astype("<i2")
     try:
-        with wave.open(str(path), "wb") as file:
-            file.setnchannels(1)
-            file.setsampwidth(2)
-            file.setframerate(rate)
-            file.writeframes(numbers.tobytes())
+        with replacing(path) as part, part.open("r+b") as raw:
+            with wave.open(raw, "wb") as file:
+                file.setnchannels(1)
+                file.setsampwidth(2)
+                file.setframerate(rate)
+                file.writeframes(numbers.tobytes())
+            mark_sound(raw)
     except OSError as error:
         raise UserError(f"cannot write: {error.strerror}", str(path), "choose a place that may be written") from error
 
@@ -77,12 +82,13 @@ def main(words: Sequence[str] | None = None) -> int:
     """Write the sound; 0 on success, 2 on bad input."""
     parser = argparse.ArgumentParser(prog="python -m restshape_apps.metallophone.sound", description=__doc__)
     add_scene(parser)
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="the sound (.wav)")
+    parser.add_argument("--out", type=SoundFile, required=True, metavar="FILE", help="the sound (.wav)")
     parser.add_argument("--at", type=float, nargs=2, metavar=("X", "Y"), help="where it is struck [m]")
     parser.add_argument("--damping", type=float, default=1e-3, help="share of critical damping (default: %(default)s)")
     parser.add_argument("--seconds", type=float, default=2.0, help="how long (default: %(default)s)")
     args = parser.parse_args(words)
     try:
+        refuse_overwriting(args)
         if not (args.damping >= 0.0 and args.seconds > 0.0):
             raise UserError("damping is not negative, and time is positive", "--damping, --seconds", "leave them out")
         analysis = analysed(args)

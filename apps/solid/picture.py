@@ -11,7 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from restshape.analysis.buckling import BucklingAnalysis
+from restshape.cli.options import refuse_overwriting
 from restshape.errors import UserError
+from restshape.outputs.kinds import PictureFile
 from restshape.replay.first_frame import first_frame
 from restshape.report.modes import draw_modes
 
@@ -44,9 +46,10 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m restshape_apps.solid.picture", description=__doc__)
     parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.toml) with [effects.buckling]")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="changes a value of the scene")
-    parser.add_argument("--out", metavar="FILE", type=Path, required=True, help="the picture (.png)")
+    parser.add_argument("--out", metavar="FILE", type=PictureFile, required=True, help="the picture (.png)")
     args = parser.parse_args(words)
     try:
+        refuse_overwriting(args)
         analysis = first_frame(args.scene, args.set).analysis
         if not isinstance(analysis, BucklingAnalysis):
             raise UserError("the scene does not ask for buckling", str(args.scene), "add [effects.buckling]")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from restshape.errors import UserError
+from restshape.outputs.whole import write_whole
 
 FORMAT = "restshape-calibration"
 NOMINAL = Path(__file__).with_name("nominal.json")
@@ -90,7 +91,7 @@ class Calibration:
         """
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(json.dumps(self.as_dict(), indent=1) + "\n", encoding="utf-8")
+            write_whole(path, json.dumps(self.as_dict(), indent=1) + "\n")
         except OSError as error:
             raise UserError(f"{error.strerror}: calibration not written", str(path), "name another file") from error
 

@@ -19,6 +19,9 @@ from tomlkit.exceptions import TOMLKitError
 
 from restshape.application import application
 from restshape.errors import UserError
+from restshape.outputs.claims import refuse_foreign
+from restshape.outputs.kinds import SCENE_MARK, SceneFile
+from restshape.outputs.whole import write_whole
 from restshape.scene.load import load_scene, parse_override
 from restshape.scene.permits import allow
 from restshape.scene.script import load_script
@@ -57,7 +60,8 @@ def write_scene(case: Case, picked: dict[str, Any], path: Path) -> None:
     text = tomlkit.dumps(document)
     tomllib.loads(text)
     try:
-        path.write_text(text, encoding="utf-8")
+        refuse_foreign(SceneFile(path), str(path))
+        write_whole(path, SCENE_MARK + text)
     except OSError as error:
         raise UserError(f"{path} cannot be written: {error.strerror}", "--write", "name another file") from error
 

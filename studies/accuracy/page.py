@@ -12,6 +12,9 @@ from restshape_studies.accuracy.setting import shown
 from restshape_studies.accuracy.study import Study
 from restshape_studies.pictures.work_precision import draw_work_precision
 
+from restshape.outputs.claims import refuse_foreign
+from restshape.outputs.kinds import PageFile
+from restshape.outputs.whole import write_whole
 from restshape.report.style import si
 
 Row = dict[str, Any]
@@ -66,7 +69,7 @@ def write_page(study: Study, folder: Path, command: str, chosen: Row | None = No
         parts += ["## Picked\n", table(("setting", "scene", "frames", "errors at", "result"), pick)]
         parts += [f"- before it: {line}" for line in chosen["before"]] + [""] * bool(chosen["before"])
     parts += ["## Failed or left out\n", *(f"- {line}" for line in left_out(study) or ["nothing"]), "", LEGEND]
-    (folder / f"{name}.md").write_text("\n".join(parts), encoding="utf-8")
+    _write(folder / f"{name}.md", "\n".join(parts))
 
 
 def setup(study: Study) -> list[tuple[str, str]]:
@@ -176,4 +179,10 @@ def write_index(studies: Sequence[Study], folder: Path, command: str, meshless: 
     names = [*(study.case.name for study in studies), *(name for name, _ in meshless)]
     pictures = "\n\n".join(f"![{name}]({name}.png)" for name in names)
     parts = ["# Accuracy and cost\n", f"```sh\n{command}\n```\n", table(heads, lines), LEGEND, f"{pictures}\n"]
-    (folder / "README.md").write_text("\n".join(parts), encoding="utf-8")
+    _write(folder / "README.md", "\n".join(parts))
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a page, over an earlier one alone."""
+    refuse_foreign(PageFile(path), str(path))
+    write_whole(path, text)

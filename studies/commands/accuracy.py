@@ -7,11 +7,12 @@ from typing import Any
 
 from restshape_studies.verification import verification
 
-from restshape.cli.options import add_json, add_set, check_output, open_json, print_table, require_mesh, write_json
+from restshape.cli.options import add_json, add_set, print_table, require_mesh, write_json
 from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
+from restshape.outputs.kinds import SceneFile
 from restshape.policy import POLICIES
 
 PLACE = 4
@@ -58,7 +59,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--error", metavar="ERROR", help="pick the fastest point whose error is below, e.g. 1%%")
     parser.add_argument(
         "--write",
-        type=Path,
+        type=SceneFile,
         metavar="FILE",
         help="of the scene with the picked setting (default: DIR/SCENE-chosen.toml)",
     )
@@ -89,8 +90,6 @@ def run(args: argparse.Namespace) -> int:
     asked, within, error = read(args)
     cases = cases_of(args)
     make_folder(args.out)
-    open_json(args)
-    check_output(args.write, "--write")
     records, studies, meshless, sound = [], [], [], True
     command = command_of(args)
     for case in cases:

@@ -11,10 +11,13 @@ from restshape_studies.commands import bench_design, bench_drape, bench_eigen, b
 from restshape_studies.commands.bench_kind import Kind
 
 from restshape.application import applications
-from restshape.cli.options import add_json, add_set, open_json, require_mesh, write_json
+from restshape.cli.options import add_json, add_set, require_mesh, write_json
 from restshape.cli.shipped import script_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
+from restshape.outputs.claims import refuse_foreign
+from restshape.outputs.kinds import PictureFile
+from restshape.outputs.whole import writable
 
 PLACE = 5
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
@@ -47,7 +50,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure; 0 when it is done, 2 on bad input."""
-    open_json(args)
     kind = KINDS[args.study]
     kind.check(args)
     cases = cases_of(kind, args)
@@ -118,13 +120,11 @@ def _picture(folder: Path, name: str) -> Path:
     Raises:
         UserError: it cannot be written there.
     """
-    path = folder / name
+    path = PictureFile(folder / name)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        existed = path.exists()
-        path.open("ab").close()
-        if not existed:
-            path.unlink()
+        refuse_foreign(path, f"--out {folder}")
+        writable(path)
     except OSError as error:
         raise UserError(f"{path} cannot be written: {error.strerror}", "--out", "choose another folder") from error
     return path

@@ -9,8 +9,9 @@ from restshape_studies.bench.cloth_strategies import BENDING, POLICIES, WAYS
 from restshape_studies.bench.turns import Announce, Case
 from restshape_studies.commands.bench_kind import Kind, add_frames, job_of
 
-from restshape.cli.options import check_output, print_table
+from restshape.cli.options import print_table
 from restshape.errors import UserError
+from restshape.outputs.kinds import PictureFile
 
 KNOWN = {"ways": WAYS, "bending": BENDING, "policies": POLICIES}
 
@@ -32,7 +33,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "--seconds", type=float, default=60.0, metavar="S", help="after which a run is given up (default: %(default)g)"
     )
     add_frames(parser)
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="residuals against time and steps (.png)")
+    parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="residuals against time and steps (.png)")
 
 
 def check(args: argparse.Namespace) -> None:
@@ -40,7 +41,6 @@ def check(args: argparse.Namespace) -> None:
     if args.seconds <= 0 or args.frames < 0 or args.frames == 1:
         what = f"{args.frames} frames, {args.seconds:g} s a run: this measures nothing"
         raise UserError(what, "--frames, --seconds", "at least 2 frames, some seconds")
-    check_output(args.picture, "--picture")
     for name, names in KNOWN.items():
         chosen(getattr(args, name), name, names)
 

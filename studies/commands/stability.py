@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from restshape.cli.options import add_json, open_json, print_table, write_json
+from restshape.cli.options import add_json, print_table, write_json
 from restshape.cli.ranks import first_rank, launched
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
@@ -60,7 +60,6 @@ def _count(text: str) -> int:
 
 def run(args: argparse.Namespace) -> int:
     """Run the cases or the fuzz; 0 when all holds, 1 when something does not."""
-    open_json(args)
     return _fuzz(args) if args.fuzz else _cases(args)
 
 

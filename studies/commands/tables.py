@@ -4,9 +4,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from restshape.cli.options import add_json, check_output, open_json, print_table, write_json
+from restshape.cli.options import add_json, print_table, write_json
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
+from restshape.outputs.kinds import PageFile
+from restshape.outputs.whole import write_whole
 from restshape.surroundings import start_petsc
 
 PLACE = 6
@@ -22,7 +24,7 @@ time were measured on the machine that wrote this file. The thesis used a 2.5 GH
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument(
-        "--out", type=Path, default=Path("results/THESIS.md"), help="file to write (default: %(default)s)"
+        "--out", type=PageFile, default=PageFile("results/THESIS.md"), help="file to write (default: %(default)s)"
     )
     parser.add_argument("--check", action="store_true", help="compare the counts with the file and write nothing")
     add_json(parser)
@@ -31,10 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure and write, or check; 0 when written or equal, 1 when the file no longer matches."""
-    open_json(args)
-    if not args.check:
-        check_output(args.out, "--out")
-    elif not args.out.is_file():
+    if args.check and not args.out.is_file():
         raise UserError("there is no such file", str(args.out), "restshape tables writes it")
     start_petsc(args.petsc)
     from restshape_studies.thesis import thesis_table
@@ -50,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     if args.check:
         text = args.out.read_text(encoding="utf-8")
         return _check(text, [_lines(markdown_table, row) for row in rows], args.out)
-    args.out.write_text(HEADER + thesis_table(shown), encoding="utf-8")
+    write_whole(args.out, HEADER + thesis_table(shown))
     print(f"wrote {args.out}")
     return 0
 

@@ -2,7 +2,7 @@
 
 import argparse
 
-from restshape.cli.options import add_json, open_json, print_table, write_json
+from restshape.cli.options import add_json, print_table, write_json
 from restshape.cli.verbosity import add_verbose
 from restshape.surroundings import start_petsc
 
@@ -20,7 +20,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Validate; 0 when all checks pass, 1 when one fails."""
-    open_json(args)
     start_petsc(args.petsc)
     from petsc4py import PETSc
     from restshape_studies.verification import check_cases, verifications

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import FAINT, INK, new_figure
 
 LOOKS = (
@@ -46,4 +47,4 @@ def draw_accuracy(records: Sequence[Mapping[str, Any]], path: Path) -> None:
     panels[0].set_ylabel("largest error of five frequencies [%]")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     figure.suptitle("Five modes out of the plane against 3D elasticity, one core", x=0.01, ha="left", color=INK)
-    figure.savefig(path)
+    save_picture(figure, path)

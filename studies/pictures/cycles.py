@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import FAINT, GOAL, INK, new_figure
 
 COLOURS = ("#d55e00", "#e69f00", "#cc79a7", "#56b4e9", "#0072b2", "#222222")
@@ -46,4 +47,4 @@ def draw_cycles(path: Path, courses: Mapping[str, Any], goal: float) -> None:
     title = "Cloth on a ball that cycles as in the author's program, and from there without one cause, or both"
     figure.suptitle(title, x=0.01, ha="left", color=INK)
     figure.align_ylabels()
-    figure.savefig(path)
+    save_picture(figure, path)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import FAINT, INK, new_figure
 
 WAYS = {
@@ -36,7 +37,7 @@ def draw_derivative(name: str, found: Mapping[str, Any], path: Path) -> None:
     axes.legend(loc="lower left")
     title = f"{name}: three ways to the design derivative, {found['unknowns']:,} unknowns"
     figure.suptitle(title, x=0.01, ha="left", color=INK)
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def draw_prediction(name: str, found: Mapping[str, Any], path: Path) -> None:
@@ -63,4 +64,4 @@ def draw_prediction(name: str, found: Mapping[str, Any], path: Path) -> None:
     axes.grid(True, color="#e6e6e6", linewidth=0.6)
     title = f"{name}: predicted frames ({found['fps']['predicted']:,.0f} a second) against solved ones"
     figure.suptitle(title, x=0.01, ha="left", color=INK)
-    figure.savefig(path)
+    save_picture(figure, path)

@@ -8,6 +8,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import FAINT, INK, new_figure
 
 COLOURS = {"rebuild": "#999933", "refactor": "#88ccee", "thesis": "#cc6677", "auto": "#332288"}
@@ -40,7 +41,7 @@ def draw_policies(found: Mapping[str, Mapping[str, Mapping[str, Any]]], path: Pa
     axes.set_xlabel("time a moved frame [ms]: p50 (bar), p95 (whisker)")
     figure.suptitle("The same edits under several policies of reuse", x=0.01, ha="left", color=INK)
     figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=len(handles))
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _bar(axes: Axes, place: float, entry: Mapping[str, Any], colour: str) -> Any:

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import FAINT, GOAL, INK, new_figure
 
 COLOURS = {
@@ -66,7 +67,7 @@ def draw_residuals(name: str, runs: Mapping[str, Mapping[str, Any]], path: Path,
     right.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
     figure.legend(handles=_legend(drawn, colours, goal), loc="outside lower center", ncols=3)
     figure.suptitle(f"{name}: ways to rest from the same start, one core", x=0.01, ha="left", color=INK)
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _line(axes: Axes, place: np.ndarray, residuals: np.ndarray, rough: np.ndarray, at_rest: bool, colour: str) -> None:

@@ -5,6 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import FAINT, INK, LEVELS, REFUSED, new_figure, scaled_unit
 
 
@@ -74,4 +75,4 @@ def draw_response(path: Path, found: Response, what: str = "window") -> None:
     top.legend(loc="upper left")
     bottom.legend(loc="upper right")
     figure.suptitle(f"A {what} dragged through a resonance")
-    figure.savefig(path)
+    save_picture(figure, path)

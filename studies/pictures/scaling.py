@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import FAINT, INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, new_figure
 
 
@@ -41,7 +42,7 @@ def draw_scaling(records: Sequence[Mapping[str, Any]], fits: Mapping[str, Any], 
         times.legend(loc="upper left")
     figure.suptitle(f"A frame of each level at growing size, one core, policy {policy}", x=0.01, ha="left", color=INK)
     figure.align_ylabels()
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _level(axes: Axes, records: Sequence[Mapping[str, Any]], level: str, fit: Mapping[str, Any] | None) -> None:

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from matplotlib.axes import Axes
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import FAINT, INK, LEVELS, REFUSED, new_figure, scaled_unit
 
 COLOURS = (LEVELS[1], LEVELS[2])
@@ -51,7 +52,7 @@ def draw_score(path: Path, ways: Mapping[str, SessionCourse], limit: float) -> N
         "The same edits of a bridge, analysed in every frame or on demand\n"
         "illustration with one scripted designer, after figure 4.14 of the thesis; no user study"
     )
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _draw_areas(axes: Axes, always: SessionCourse, asked: SessionCourse, moments: np.ndarray) -> None:

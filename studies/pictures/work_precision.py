@@ -6,6 +6,7 @@ from typing import Any
 
 from matplotlib.lines import Line2D
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import INK, new_figure
 
 ORDERS = {1: "#0072b2", 2: "#d55e00"}
@@ -58,7 +59,7 @@ def draw_work_precision(
         _label_narrow(axis)
     figure.legend(handles=_legend(shown, uncertainty if shown and band else 0.0), loc="outside right upper")
     figure.suptitle(f"{name}: what accuracy costs, one core", x=0.01, ha="left", color=INK)
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _name_varied(axes: Any, front: Sequence[Mapping[str, Any]]) -> None:

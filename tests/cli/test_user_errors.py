@@ -4,13 +4,15 @@ import json
 import os
 import subprocess
 import sys
+from argparse import Namespace
 from pathlib import Path
 
 import pytest
 
 from restshape.cli.main import main
-from restshape.cli.options import check_output
+from restshape.cli.options import refuse_overwriting
 from restshape.errors import UserError
+from restshape.outputs.kinds import CsvFile
 from restshape.replay.recording import Recording
 
 DATA = Path(__file__).parents[1] / "data"
@@ -91,10 +93,11 @@ def test_one_rank_speaks_for_all(folder, rank):
 
 
 def test_an_output_is_probed_by_one_rank(tmp_path, monkeypatch):
+    files = Namespace(csv=CsvFile(tmp_path / "none" / "a.csv"))
     with pytest.raises(UserError):
-        check_output(tmp_path, "--csv")
+        refuse_overwriting(files)
     monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "1")
-    check_output(tmp_path, "--csv")
+    refuse_overwriting(files)
 
 
 @pytest.mark.parametrize("support", ["", '[supports.wall]\non = "left"\nfix = ["y"]\n'])

@@ -125,7 +125,7 @@ def test_bad_places_are_told_before_the_run(tmp_path):
     for path, message in [
         (tmp_path / "none" / "a.vtkhdf", "folder of the recording does not exist"),
         (tmp_path, "this is a folder"),
-        (text, "exists and is no recording"),
+        (text, "is not a recording of restshape"),
         ("/proc/a.vtkhdf", "cannot be written"),
     ]:
         with pytest.raises(UserError, match=message):

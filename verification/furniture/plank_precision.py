@@ -6,6 +6,7 @@ from typing import Any
 
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, ScalarFormatter
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 
 Rows = Sequence[Mapping[str, Any]]
@@ -36,7 +37,7 @@ def draw_plank_precision(
         axes.set_axisbelow(True)
         axes.title.set(fontsize=10, color=INK)
     figure.suptitle(f"{name}: what accuracy costs, one core", x=0.01, ha="left", color=INK)
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _ranges(axes: Any, rows: Rows, usual: int) -> None:

@@ -19,6 +19,7 @@ from restshape_apps.furniture.session.plank_session import PlankFrame
 
 from restshape.errors import UserError
 from restshape.guidance.ranges import Ranges
+from restshape.outputs.drawn import save_picture
 from restshape.replay.constraints import HOLDS
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
@@ -183,4 +184,4 @@ def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> N
     explanation = meaning(recording, chosen, any(direction_view for _, direction_view, _ in made))
     lines = wrap(explanation, int(14 * figure.get_figwidth()))
     finish_sheet(figure, panels, len(frames), across, "\n".join([name, *lines]))
-    figure.savefig(path)
+    save_picture(figure, path)

@@ -16,6 +16,7 @@ from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.report.guided import found, grabbed, only_limits
 from restshape_apps.furniture.report.status_colour import BEYOND, status_colour
 
+from restshape.outputs.drawn import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
@@ -50,7 +51,7 @@ def draw_guidance(recording: Recording, path: Path) -> None:
     limits = any(only_limits(row) for row in rows)
     _legend(figure, bool(units), any(row["suggestions"] for row in rows), limits)
     figure.align_ylabels()
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _holds(rows: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:

@@ -14,6 +14,7 @@ from restshape_apps.furniture.report.piece_frames import FEW, LETTERS, caption, 
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.session.plank_session import PlankFrame
 
+from restshape.outputs.drawn import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import REFUSED, new_figure
@@ -60,7 +61,7 @@ def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
         draw_piece(axes, furniture, _title(number, suggestion), direction_view, case, False, box)
     name = shorten(scene_name(recording), 80, placeholder=" …")
     finish_sheet(figure, panels, count, across, f"{name}: suggestions in frame {i}\n{MEANING}")
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _direction_view(suggestion: Suggestion, frame: PlankFrame) -> DesignDirectionView:

@@ -11,8 +11,9 @@ from typing import Any
 
 from restshape import __version__
 from restshape.calibration import Calibration, own_path
-from restshape.cli.options import add_json, check_output, open_json, print_table, write_json
+from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError
+from restshape.outputs.kinds import JsonFile
 from restshape.surroundings import start_petsc
 
 SUMMARY = "show versions, how things were built, and the machine"
@@ -24,17 +25,18 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
     parser.add_argument("--calibrate", action="store_true", help="measure what a unit of work costs on this machine")
     parser.add_argument(
-        "--out", metavar="FILE", type=Path, help=f"with --calibrate: where the calibration goes (default: {own_path()})"
+        "--out",
+        metavar="FILE",
+        type=JsonFile,
+        help=f"with --calibrate: where the calibration goes (default: {own_path()})",
     )
     add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Prints what is installed; with ``--calibrate`` measures and writes the machine's calibration."""
-    open_json(args)
     if args.out and not args.calibrate:
         raise UserError("--out goes with --calibrate", "--out", "add --calibrate")
-    check_output(args.out, "--out")
     rank, facts = software(args.petsc)
     if rank > 0:
         return 0

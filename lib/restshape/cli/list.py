@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 
 from restshape.application import Application, applications
-from restshape.cli.options import add_json, open_json, print_table, write_json
+from restshape.cli.options import add_json, print_table, write_json
 
 SUMMARY = "list the applications with their scenes and edit scripts"
 
@@ -18,7 +18,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Prints applications, scenes and scripts."""
-    open_json(args)
     found = {name: contents(app) for name, app in applications().items()}
     print_table("applications", ("name", "summary"), ((name, app["summary"]) for name, app in found.items()))
     print()

@@ -81,9 +81,10 @@ def _run(words: list[str]) -> int:
     args = (parser_for(named) if named else parser_for(all_commands(), listed=True)).parse_args(words)
     args.petsc, args.words = petsc, words
     try:
-        from restshape.cli.options import permit
+        from restshape.cli.options import permit, refuse_overwriting
 
         permit(args)
+        refuse_overwriting(args)
         if verbose := getattr(args, "verbose", 0):
             from restshape.cli.verbosity import set_verbosity
 

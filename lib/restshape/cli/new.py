@@ -26,7 +26,8 @@ def run(args: argparse.Namespace) -> int:
     try:
         args.dir.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():
-            (args.dir / name).write_text(text, encoding="utf-8")
+            with (args.dir / name).open("x", encoding="utf-8") as file:
+                file.write(text)
     except OSError as error:
         raise UserError(f"cannot write here: {error.strerror}", str(args.dir), "name another folder") from error
     scene, edits = (args.dir / name for name in FILES)

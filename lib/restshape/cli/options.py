@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Any
 from restshape.application import application
 from restshape.cli.ranks import first_rank
 from restshape.errors import UserError
+from restshape.outputs.claims import command_files, refuse_outputs
+from restshape.outputs.kinds import JsonFile
+from restshape.outputs.whole import write_whole
 from restshape.scene.permits import allow, trust_scripts
 
 if TYPE_CHECKING:
@@ -19,7 +22,7 @@ if TYPE_CHECKING:
 
 def add_json(parser: argparse.ArgumentParser) -> None:
     """Adds ``--json FILE``."""
-    parser.add_argument("--json", metavar="FILE", type=Path, help="write the result for programs into this file")
+    parser.add_argument("--json", metavar="FILE", type=JsonFile, help="write the result for programs into this file")
 
 
 def add_set(parser: argparse.ArgumentParser) -> None:
@@ -52,15 +55,16 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
 
 
 def read_scene(args: argparse.Namespace) -> Scene:
-    """The scene that the command line names, with its overrides; also makes sure that ``--json`` can be written.
+    """The scene that the command line names, with its overrides.
 
     Raises:
-        UserError: a bad scene, or an output that cannot be written.
+        UserError: a bad scene, or an output that is a file which the scene names.
     """
     from restshape.scene.load import load_scene
 
-    open_json(args)
-    return load_scene(args.scene, args.set)
+    scene = load_scene(args.scene, args.set)
+    refuse_files_of_scene(args, scene)
+    return scene
 
 
 def permit(args: argparse.Namespace) -> None:
@@ -88,31 +92,26 @@ def require_mesh(scene: Scene, why: str) -> None:
         raise UserError(f"a scene of {scene.app!r} has no mesh: {why}", str(scene.path), do)
 
 
-def open_json(args: argparse.Namespace) -> None:
-    """Makes sure, before any work, that the file of ``--json`` can be written.
+def refuse_overwriting(args: argparse.Namespace) -> None:
+    """Makes sure, before any work, that all files of the command line can be written, and destroy nothing.
 
     Raises:
-        UserError: it cannot.
+        UserError: an output is an input, another output or a foreign file, or cannot be written.
     """
-    check_output(args.json, "--json")
+    if first_rank():
+        refuse_outputs(*command_files(vars(args)))
 
 
-def check_output(path: Path | None, option: str) -> None:
-    """Makes sure, before any work, that a file can be written; leaves things as they were.
+def refuse_files_of_scene(args: argparse.Namespace, scene: Scene) -> None:
+    """Makes sure that no output is a file that the scene names.
 
     Raises:
-        UserError: it cannot.
+        UserError: one is.
     """
-    if path is None or not first_rank():
-        return
-    existed = path.exists()
-    try:
-        path.open("ab").close()
-    except OSError as error:
-        do = "make its folder first" if not path.parent.is_dir() else "name another file"
-        raise UserError(f"{path} cannot be written: {(error.strerror or str(error)).lower()}", option, do) from error
-    if not existed:
-        path.unlink(missing_ok=True)
+    named = [(key, table["file"]) for key, table in scene.raw.items() if isinstance(table, dict) and "file" in table]
+    inputs = {f"{args.scene} ({key}.file)": scene.folder / str(file) for key, file in named}
+    if inputs and first_rank():
+        refuse_outputs(command_files(vars(args))[0], inputs)
 
 
 def write_json(args: argparse.Namespace, data: Any) -> None:
@@ -124,7 +123,7 @@ def write_json(args: argparse.Namespace, data: Any) -> None:
     if args.json is None:
         return
     try:
-        args.json.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        write_whole(args.json, json.dumps(data, indent=1, allow_nan=False) + "\n")
     except OSError as error:
         what = f"{args.json} cannot be written: {(error.strerror or str(error)).lower()}"
         raise UserError(what, "--json", "name another file") from error

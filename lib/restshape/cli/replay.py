@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from restshape.application import Application, application
-from restshape.cli.options import add_scene, check_output, print_table, read_scene, write_json
+from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.ranks import first_rank
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
+from restshape.outputs.kinds import CsvFile, RecordingFile
 from restshape.policy import POLICIES, policy
 from restshape.scene.renamed import notes
 from restshape.surroundings import start_petsc
@@ -39,8 +40,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=KINDS[0],
         help="show the frames of a drag by the design derivative, and solve on release (default: %(default)s)",
     )
-    parser.add_argument("--out", type=Path, metavar="FILE", help="recording (.vtkhdf)")
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="a row of numbers a frame")
+    parser.add_argument("--out", type=RecordingFile, metavar="FILE", help="recording (.vtkhdf)")
+    parser.add_argument("--csv", type=CsvFile, metavar="FILE", help="a row of numbers a frame")
     parser.add_argument("--parity", action="store_true", help="compare each frame with a cold solve on the same mesh")
     add_verbose(parser)
     parser.add_argument("--calibration", type=Path, metavar="FILE", help="seconds a unit of work (default: nominal)")
@@ -55,7 +56,6 @@ def run(args: argparse.Namespace) -> int:
     from restshape.scene.script import Script, load_script
 
     scene = read_scene(args)
-    check_output(args.csv, "--csv")
     _check_name(args.out)
     app = application(scene.app, f"{args.scene}: app")
     script = load_script(args.edits, scene, keep_good=True) if args.edits else Script.empty(scene)

@@ -5,8 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from restshape.application import SHAPES, Application, applications
-from restshape.cli.options import add_json, open_json, print_table, write_json
+from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError
+from restshape.outputs.claims import refuse_foreign
+from restshape.outputs.kinds import AnimationFile, PictureFile
 
 SUMMARY = "tables and pictures of a recording"
 _FORMATS = ("gif", "mp4", "none")
@@ -27,7 +29,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Prints the tables and draws the pictures."""
-    open_json(args)
     if args.frames < 1:
         raise UserError("at least one frame must be shown", "--frames", "--frames 6")
     for app in applications().values():
@@ -48,6 +49,7 @@ def run(args: argparse.Namespace) -> int:
         folder = args.out or args.recording.with_name(f"{args.recording.stem}-report")
         if folder.exists() and not folder.is_dir():
             raise UserError("this is a file, and pictures need a folder", str(folder), "choose another --out")
+        refuse_pictures(folder)
         # A recording opens also where its application is not installed.
         application = applications().get(recording.header.get("app", ""))
         data = _tables(recording, application)
@@ -57,6 +59,17 @@ def run(args: argparse.Namespace) -> int:
         print(f"wrote {picture}")
     write_json(args, {**data, "pictures": [str(picture) for picture in pictures]})
     return 0
+
+
+def refuse_pictures(folder: Path) -> None:
+    """Makes sure that what a report draws into a folder replaces nothing but its own pictures.
+
+    Raises:
+        UserError: naming the first other file.
+    """
+    named = [PictureFile(folder / f"{name}.png") for name in ("frames", "levels", "timeline")]
+    for path in (*named, *(AnimationFile(folder / f"animation.{kind}") for kind in _FORMATS[:2])):
+        refuse_foreign(path, str(path))
 
 
 def _tables(recording: Any, application: Application | None) -> dict[str, Any]:

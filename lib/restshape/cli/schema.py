@@ -4,11 +4,12 @@ import argparse
 import json
 from functools import reduce
 from operator import or_
-from pathlib import Path
 from typing import Annotated, Any
 
 from restshape.application import applications
-from restshape.cli.options import check_output
+from restshape.errors import UserError
+from restshape.outputs.kinds import SchemaFile
+from restshape.outputs.whole import write_whole
 
 SUMMARY = "write the JSON schema of a scene or of a line of an edit script"
 
@@ -16,15 +17,18 @@ SUMMARY = "write the JSON schema of a scene or of a line of an edit script"
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
     parser.add_argument("of", metavar="scene|script", choices=("scene", "script"), help="what to describe")
-    parser.add_argument("--out", metavar="FILE", type=Path, help="write into this file, not to the terminal")
+    parser.add_argument("--out", metavar="FILE", type=SchemaFile, help="write into this file, not to the terminal")
 
 
 def run(args: argparse.Namespace) -> int:
     """Writes the schema."""
-    check_output(args.out, "--out")
     text = json.dumps(scene_schema() if args.of == "scene" else script_schema(), indent=1)
     if args.out:
-        args.out.write_text(text + "\n", encoding="utf-8")
+        try:
+            write_whole(args.out, text + "\n")
+        except OSError as error:
+            what = f"{args.out} cannot be written: {(error.strerror or str(error)).lower()}"
+            raise UserError(what, "--out", "name another file") from error
         print(f"wrote {args.out}")
     else:
         print(text)

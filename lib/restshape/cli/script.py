@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from restshape.application import application, applications
-from restshape.cli.options import add_scene, check_output, read_scene, write_json
+from restshape.cli.options import add_scene, read_scene, write_json
+from restshape.errors import UserError
+from restshape.outputs.kinds import ScriptFile, signed
+from restshape.outputs.whole import write_whole
 
 if TYPE_CHECKING:
     from restshape.scene.model import Scene
@@ -28,19 +30,25 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = f"{SUMMARY}\n\n{grammars}\n\n60 frames are a second of edit time."
     add_scene(parser)
     parser.add_argument("lines", metavar="LINE", nargs="+", help="what to do, one edit an argument, in order")
-    parser.add_argument("--out", metavar="FILE", type=Path, help="edit script to write (default: standard output)")
+    parser.add_argument(
+        "--out", metavar="FILE", type=ScriptFile, help="edit script to write (default: standard output)"
+    )
     parser.add_argument("--seed", type=int, default=0, help="of hand-like paths (default: 0)")
 
 
 def run(args: argparse.Namespace) -> int:
     """Writes the script and shows how many frames it has and what of it will be refused; the exit code."""
     scene = read_scene(args)
-    check_output(args.out, "--out")
     made = _composed(scene, args)
+    text = signed(made.text())
     if args.out is None:
-        sys.stdout.write(made.text())
+        sys.stdout.write(text)
     else:
-        args.out.write_text(made.text(), encoding="utf-8")
+        try:
+            write_whole(args.out, text)
+        except OSError as error:
+            what = f"{args.out} cannot be written: {(error.strerror or str(error)).lower()}"
+            raise UserError(what, "--out", "name another file") from error
         print(f"{args.out}: {len(made.lines) - 1} events, {made.frames} frames")
     for text, frames, why in made.refused:
         print(f"{text!r}: {frames} frame{'s' * (frames > 1)} will be refused: {why}", file=sys.stderr)

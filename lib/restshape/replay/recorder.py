@@ -19,6 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from restshape.errors import UserError
+from restshape.outputs.claims import refuse_foreign
+from restshape.outputs.kinds import RecordingFile
 from restshape.replay import ring as rings
 from restshape.replay.rows import RowPacker, row_dtype
 
@@ -27,7 +29,6 @@ if TYPE_CHECKING:
 
 RING_BYTES = 32 << 20
 _MPI_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PRTE_", "HYDRA_", "MPI_LOCAL")
-_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _CELL_TYPES = {2: 3, 3: 5, 6: 22, 4: 10, 8: 12, 10: 24}
 _CHECK_EVERY = 64
 
@@ -259,7 +260,7 @@ class Recorder:
             if expected in message:
                 return message[expected]
             if "error" in message:
-                self._fail(message["error"]["reason"], "free space on that disk, or choose another file by --out")
+                self._fail(message["error"]["reason"], message["error"]["do"])
 
     def _fail(self, reason: str, do: str) -> None:
         safe = self._ring.counters[rings.SAFE]
@@ -318,11 +319,4 @@ def _refuse_other_files(path: Path) -> None:
         raise UserError("the folder of the recording does not exist", str(path), f"mkdir -p {folder}")
     if path.is_dir():
         raise UserError("this is a folder", str(path), f"name a file in it, such as {path / 'run.vtkhdf'}")
-    if path.is_file() and path.stat().st_size:
-        try:
-            with path.open("rb") as file:
-                known = file.read(8) == _HDF5_SIGNATURE
-        except OSError:
-            return
-        if not known:
-            raise UserError("this file exists and is no recording", str(path), "choose another name by --out")
+    refuse_foreign(RecordingFile(path), str(path))

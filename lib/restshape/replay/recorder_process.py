@@ -18,9 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from restshape.outputs.locks import Locked
 from restshape.replay import ring as rings
 from restshape.replay.rows import row_dtype
-from restshape.replay.vtkhdf import NoRoom, RecordedFrame, Topology, VtkHdfWriter
+from restshape.replay.vtkhdf import NoRoom, RecordedFrame, Removed, Topology, VtkHdfWriter
 
 PERIOD = 0.2
 BATCH_BYTES = 8 << 20
@@ -123,7 +124,12 @@ class Writing:
         safe = self.ring.counters[rings.SAFE]
         full = number in _NO_ROOM
         reason = "the disk is full" if full else (os.strerror(number) if number else str(error).splitlines()[0])
-        self.answer(error={"reason": reason, "errno": number, "safe": safe})
+        do = "free space on that disk, or choose another file by --out"
+        if isinstance(error, Locked):
+            reason, do = error.strerror, "wait until it ends, or choose another file by --out"
+        elif isinstance(error, Removed | FileExistsError):
+            reason, do = error.strerror, "leave the files of a recording alone, or choose another file by --out"
+        self.answer(error={"reason": reason, "errno": number, "safe": safe, "do": do})
         self.ring.counters[rings.FAILED] = 1
 
 

@@ -7,6 +7,8 @@ from pathlib import Path
 
 from restshape.analysis.analysis import RowValues
 from restshape.errors import UserError
+from restshape.outputs.claims import refuse_foreign
+from restshape.outputs.kinds import CsvFile
 
 
 @contextmanager
@@ -16,6 +18,7 @@ def table_of_rows(path: Path | None, names: list[str]) -> Iterator[Callable[[Row
         yield None
         return
     with _user_errors(path):
+        refuse_foreign(CsvFile(path), str(path))
         file = path.open("w", newline="", buffering=1)
     writer = csv.DictWriter(file, names, extrasaction="ignore")
 

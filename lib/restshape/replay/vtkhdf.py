@@ -11,6 +11,7 @@ then `NSteps` is raised, and another flush brings that. The older superblock has
 import errno
 import json
 import os
+import re
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,6 +20,10 @@ from typing import NamedTuple
 import h5py
 import numpy as np
 import numpy.typing as npt
+
+from restshape.outputs.kinds import RecordingFile
+from restshape.outputs.locks import Lock
+from restshape.outputs.whole import new_part
 
 VERSION = (2, 0)
 FORMAT = 1
@@ -53,6 +58,10 @@ def checksum(topology: int, row: bytes, arrays: list[np.ndarray]) -> int:
 
 class NoRoom(OSError):
     """The disk has no room for the next batch; nothing of it has been written."""
+
+
+class Removed(OSError):
+    """The file is not at its place any more: removed, or replaced by another."""
 
 
 class Growing:
@@ -100,7 +109,8 @@ class Growing:
 class VtkHdfWriter:
     """Writes a recording; `append` then `commit` makes frames safe.
 
-    Until its first frames are safe the file is NAME.part, so that a run without any leaves an earlier recording whole.
+    Until its first frames are safe the file has a name of its own, NAME.part-..., so that a run without any leaves an
+    earlier recording whole. NAME.lock keeps a second writer away.
 
     Args:
         path: the file, replaced by the first commit of frames.
@@ -108,6 +118,7 @@ class VtkHdfWriter:
         row_dtype: record type of a row; a column ``checksum`` is added.
 
     Raises:
+        Locked: another process writes this recording.
         OSError: the file cannot be made.
     """
 
@@ -117,9 +128,16 @@ class VtkHdfWriter:
         self._header = dict(header)
         if path.exists() and not os.access(path, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
-        self._part: Path | None = path.with_name(f"{path.name}.part")
-        self.file = h5py.File(self._part, "w", libver=("earliest", "v110"), rdcc_nbytes=0)
-        self._space = os.open(self._part, os.O_RDWR | os.O_CLOEXEC)
+        self._lock = Lock(path)
+        try:
+            _remove_left(path)
+            self._part: Path | None = None
+            self._part, self._space = new_part(path)
+            # By its descriptor, not its name, which another program could have taken meanwhile.
+            self.file = h5py.File(f"/proc/self/fd/{self._space}", "w", libver=("earliest", "v110"), rdcc_nbytes=0)
+        except BaseException:
+            self._lock.release()
+            raise
         settings = self.file.id.get_mdc_config()
         settings.incr_mode = settings.flash_incr_mode = settings.decr_mode = 0
         settings.evictions_enabled = False
@@ -261,6 +279,7 @@ class VtkHdfWriter:
             OSError: no room on the disk; what was safe before still is.
         """
         datasets = self._datasets()
+        self._check_place()
         self._reserve(sum(d.pending_bytes for d in datasets))
         for dataset in datasets:
             dataset.write()
@@ -273,6 +292,21 @@ class VtkHdfWriter:
                 os.replace(self._part, self.path)
                 self._part = None
         self._size = self.file.id.get_filesize()
+
+    def _check_place(self) -> None:
+        """Makes sure that the file is where its readers look for it.
+
+        Raises:
+            Removed: it is not.
+        """
+        mine, path = os.fstat(self._space), self._part or self.path
+        try:
+            found = os.stat(path, follow_symlinks=False)
+        except FileNotFoundError:
+            found = None
+        if found is None or (found.st_dev, found.st_ino) != (mine.st_dev, mine.st_ino):
+            what = f"the recording was {'replaced' if found else 'removed'} while it was being written"
+            raise Removed(errno.ENOENT, what, str(path))
 
     def _reserve(self, pending: int) -> None:
         """Asks the disk for room before HDF5 writes: a write of its that fails half-way could cost the whole file.
@@ -297,11 +331,16 @@ class VtkHdfWriter:
         size = self.file.id.get_filesize()
         self.file.close()
         os.ftruncate(self._space, size)
-        os.close(self._space)
-        return 0 if self._discard() else size
+        try:
+            self._check_place()
+            return 0 if self._discard() else size
+        finally:
+            os.close(self._space)
+            self._lock.release()
 
     def abandon(self, status: str) -> None:
         """Leaves the file as the last `commit` made it, with this status; the process must end without closing it."""
+        self._lock.release()
         if self._discard():
             return
         os.ftruncate(self._space, self._size)
@@ -313,6 +352,14 @@ class VtkHdfWriter:
             return False
         self._part.unlink(missing_ok=True)
         return True
+
+
+def _remove_left(path: Path) -> None:
+    """Remove what killed writers of this recording left: they hold no lock any more, and no frame of theirs is safe."""
+    known = re.compile(re.escape(path.name) + r"\.part-\d+-[0-9a-f]{8}")
+    for left in path.parent.iterdir():
+        if known.fullmatch(left.name) and left.is_file() and not left.is_symlink() and RecordingFile(left).ours():
+            left.unlink()
 
 
 def _padded(values: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
+from restshape.outputs.drawn import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.animation import even, pause, write_animation
 from restshape.report.camera import Camera
@@ -142,7 +143,7 @@ def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeSc
         for axes in panels:
             axes.set_visible(False)
     _legend(figure, recording, scenery, drawing)
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _sheet(scenery: DrapeScenery, across: int, down: int) -> tuple[Figure, list[list[Axes]]]:

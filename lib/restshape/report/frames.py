@@ -7,6 +7,7 @@ from textwrap import shorten
 import numpy as np
 from matplotlib.figure import Figure
 
+from restshape.outputs.drawn import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.scenery import Drawing, Scenery
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
@@ -61,7 +62,7 @@ def draw_frames(recording: Recording, chosen: np.ndarray, scenery: Scenery, path
         )
         bar.set_label(scenery.colour[1])
         bar.outline.set_visible(False)
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def layout(count: int, aspect: float) -> tuple[int, int, float, float]:

@@ -5,6 +5,7 @@ from textwrap import shorten
 
 import numpy as np
 
+from restshape.outputs.drawn import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import FAINT, INK, LEVEL_NAMES, STAGES, new_figure
@@ -52,4 +53,4 @@ def draw_levels(recording: Recording, path: Path) -> None:
     if drawn:
         order = [name for name in STAGES if name in drawn]
         figure.legend([drawn[name] for name in order], order, loc="outside lower center", ncols=6)
-    figure.savefig(path)
+    save_picture(figure, path)

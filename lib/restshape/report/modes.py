@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.tri import Triangulation
 
+from restshape.outputs.drawn import save_picture
 from restshape.report.style import INK, length_unit, new_figure
 
 ACROSS = 3
@@ -58,4 +59,4 @@ def draw_modes(
     for axes in grid[len(shapes) :]:
         axes.set_visible(False)
     figure.suptitle(title)
-    figure.savefig(path)
+    save_picture(figure, path)

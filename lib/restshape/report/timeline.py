@@ -6,6 +6,7 @@ from textwrap import shorten
 import numpy as np
 from matplotlib.axes import Axes
 
+from restshape.outputs.drawn import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, RESTLESS, VALUES, new_figure
@@ -62,7 +63,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
         names.append(f"not at rest ({restless.sum()})")
     figure.legend(handles, names, loc="outside lower center", ncols=len(names))
     figure.align_ylabels()
-    figure.savefig(path)
+    save_picture(figure, path)
 
 
 def _mark(axes: Axes, frames: np.ndarray, colour: str) -> None:

@@ -1,0 +1,170 @@
+"""The kinds of files that commands write, as types of options; each knows a file of its own that is there already."""
+
+import os
+import re
+import stat
+import struct
+from pathlib import Path, PosixPath
+from typing import BinaryIO
+from zlib import crc32
+
+HEAD = 1 << 16
+"""Bytes of a file that are looked at."""
+SIGNED = "written by restshape script, "
+"""Beginning of the note in the first line of such a script; what follows it is the CRC-32 of all other lines."""
+SCENE_MARK = "# written by restshape accuracy --write\n"
+
+
+class OutputFile(PosixPath):
+    """A path of an option that names a file to write; what other paths of a command name is read."""
+
+    what = "a file that restshape has written"
+
+    def ours(self) -> bool:
+        """Whether restshape may replace what is there: nothing, an empty file, a device, or a file of this kind.
+
+        Raises:
+            OSError: it cannot be read.
+        """
+        try:
+            found = self.stat()
+        except FileNotFoundError:
+            return True
+        if not stat.S_ISREG(found.st_mode) or not found.st_size:
+            return True
+        with self.open("rb") as file:
+            return self.known(file.read(HEAD))
+
+    def known(self, head: bytes) -> bool:
+        """Whether a file that begins like this is of this kind."""
+        return False
+
+
+class JsonFile(OutputFile):
+    """A result for programs: a table or list of JSON, one more space a level, as no other program is used to."""
+
+    what = "a result that --json wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it is laid out as `--json` lays it out."""
+        return re.match(rb'(\{\}|\[\]|\{\n "|\[\n [^\s])', head) is not None
+
+
+class CsvFile(OutputFile):
+    """The rows of a replay."""
+
+    what = "a table that --csv wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it has the columns that all replays have."""
+        return head.startswith(b"index,line,level,flips,")
+
+
+class RecordingFile(OutputFile):
+    """A recording, whole or damaged."""
+
+    what = "a recording of restshape"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it is HDF5 with the groups of a recording: their names are in its first bytes."""
+        return head.startswith(b"\x89HDF\r\n\x1a\n") and b"restshape\0" in head and b"VTKHDF\0" in head
+
+
+class ScriptFile(OutputFile):
+    """An edit script that nobody has changed since `restshape script` wrote it."""
+
+    what = "a script that restshape script wrote and nobody changed"
+
+    def ours(self) -> bool:
+        """As of all files, but the whole of it counts."""
+        return not self.is_file() or not self.stat().st_size or _signature_holds(self)
+
+
+class SchemaFile(OutputFile):
+    """A JSON schema of scenes or scripts."""
+
+    what = "a schema that restshape schema wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it has our title."""
+        return re.match(rb'\{\n "\$schema": "[^"]*",\n "title": "(one line of a )?restshape ', head) is not None
+
+
+class SceneFile(OutputFile):
+    """A scene that `accuracy --write` made."""
+
+    what = "a scene that accuracy --write wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it says so in its first line."""
+        return head.startswith(SCENE_MARK.encode())
+
+
+class PageFile(OutputFile):
+    """A page of results in Markdown."""
+
+    what = "a page that restshape wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it names the command that wrote it."""
+        return head.startswith(b"# ") and (b"\n```sh\nrestshape " in head or b"Written by `restshape tables`" in head)
+
+
+class PictureFile(OutputFile):
+    """A picture (PNG) by matplotlib."""
+
+    what = "a picture that restshape drew"
+
+    def known(self, head: bytes) -> bool:
+        """Whether matplotlib wrote it."""
+        return head.startswith(b"\x89PNG\r\n\x1a\n") and b"tEXtSoftware\0Matplotlib" in head
+
+
+class AnimationFile(OutputFile):
+    """An animation in a folder of a report."""
+
+    what = "an animation in a folder of restshape report"
+
+    def known(self, head: bytes) -> bool:
+        """Whether the folder is that of a report, in which each has a timeline."""
+        timeline = PictureFile(self.with_name("timeline.png"))
+        return timeline.is_file() and timeline.ours()
+
+
+class SoundFile(OutputFile):
+    """A sound (WAV) that says in its last chunk which program wrote it."""
+
+    what = "a sound that restshape wrote"
+
+    def ours(self) -> bool:
+        """As of all files, but the end of it counts."""
+        if not self.is_file() or not self.stat().st_size:
+            return True
+        with self.open("rb") as file:
+            file.seek(max(0, self.stat().st_size - 64))
+            return file.read().endswith(SOUND_MARK)
+
+
+SOUND_MARK = b"LIST\x16\0\0\0INFOISFT\x0a\0\0\0restshape\0"
+"""A chunk of RIFF that names the program."""
+
+
+def signed(text: str) -> str:
+    """An edit script whose first line tells that nobody has changed the others."""
+    first, _, rest = text.partition("\n")
+    return f'{first.removesuffix("}")}, "note": "{SIGNED}{crc32(rest.encode()):08x}"}}\n{rest}'
+
+
+def _signature_holds(path: Path) -> bool:
+    with path.open("rb") as file:
+        first = file.readline(HEAD)
+        found = re.search(SIGNED.encode() + rb"([0-9a-f]{8})\"}\n$", first)
+        return bool(found and found[1] == b"%08x" % crc32(file.read()))
+
+
+def mark_sound(file: BinaryIO) -> None:
+    """Appends the program's name to a whole WAV file, open for reading and writing."""
+    length = file.seek(0, os.SEEK_END)
+    file.write(b"\0" * (length % 2) + SOUND_MARK)
+    file.seek(4)
+    file.write(struct.pack("<I", length + length % 2 + len(SOUND_MARK) - 8))
