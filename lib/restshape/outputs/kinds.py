@@ -86,8 +86,8 @@ class SchemaFile(OutputFile):
     what = "a schema that restshape schema wrote"
 
     def known(self, head: bytes) -> bool:
-        """Whether it has our title."""
-        return re.match(rb'\{\n "\$schema": "[^"]*",\n "title": "(one line of a )?restshape ', head) is not None
+        """Whether it begins as ours, in their layout."""
+        return head.startswith(b'{\n "$schema": "https://json-schema.org/draft/2020-12/schema",\n "title": "')
 
 
 class SceneFile(OutputFile):

@@ -126,9 +126,9 @@ class Writing:
         reason = "the disk is full" if full else (os.strerror(number) if number else str(error).splitlines()[0])
         do = "free space on that disk, or choose another file by --out"
         if isinstance(error, Locked):
-            reason, do = error.strerror, "wait until it ends, or choose another file by --out"
+            reason, do = str(error.strerror), "wait until it ends, or choose another file by --out"
         elif isinstance(error, Removed | FileExistsError):
-            reason, do = error.strerror, "leave the files of a recording alone, or choose another file by --out"
+            reason, do = str(error.strerror), "leave the files of a recording alone, or choose another file by --out"
         self.answer(error={"reason": reason, "errno": number, "safe": safe, "do": do})
         self.ring.counters[rings.FAILED] = 1
 
