@@ -1,6 +1,15 @@
 """Errors that a user can cause: each says what is wrong, where, and what to do."""
 
 
+def printable(text: str) -> str:
+    """A text without control characters, which a terminal would obey; ends of lines and tabs stay."""
+    return "".join(c for c in text if c in "\n\t" or not (ord(c) < 32 or 127 <= ord(c) < 160 or c in DIRECTIONS))
+
+
+DIRECTIONS = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
+"""Characters that turn the direction of what follows."""
+
+
 class UserError(Exception):
     """Something in the user's input or surroundings that stops a command; exit code 2.
 

@@ -28,8 +28,13 @@ def start_petsc(words: Sequence[str] = ()) -> None:
     """
     import petsc4py
 
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM)}
     try:
         petsc4py.init(["restshape", "-skip_petscrc", *words])
+        # PETSc would end in MPI_Abort at them.
+        with contextlib.suppress(ValueError):
+            for number, handler in handlers.items():
+                signal.signal(number, signal.SIG_DFL if handler is None else handler)
     # petsc4py's own class of errors is in the module that could not be started.
     except RuntimeError as error:
         where = f"-- {' '.join(words)}" if words else ""

@@ -13,7 +13,7 @@ from restshape.analysis.correction import largest_values
 from restshape.replay.columns import ESTIMATES, columns
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
-from restshape.replay.summary import distribution
+from restshape.replay.summary import summarise
 from restshape.report.tables import estimate_table
 
 SHORT = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.53), 8))
@@ -112,8 +112,9 @@ def test_recording_and_tables_hold_them(tmp_path):
         table = {row["error"]: row for row in estimate_table(recording)}
     assert table["estimate, of the mesh"]["frames"] == 3 and table["estimate, of predicted frames"]["frames"] == 8
     assert table["predicted against solved"]["max"] == rows[-1]["prediction_error"]
-    assert distribution(rows, "estimate", True)["max"] == table["estimate, of predicted frames"]["max"]
-    assert distribution(rows, "estimate_time", False) == {"p50": None, "max": None}
+    found = summarise(rows, "auto", 1)
+    assert found["predicted_estimate"]["max"] == table["estimate, of predicted frames"]["max"]
+    assert found["estimate_time"] == {"p50": None, "max": None}
 
 
 def test_summary_tells_them(tmp_path, command):

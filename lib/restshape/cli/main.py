@@ -1,6 +1,7 @@
 """The entry point `restshape`: picks the command, turns errors into messages and exit codes."""
 
 import argparse
+import errno
 import os
 import signal
 import sys
@@ -10,19 +11,23 @@ from contextlib import contextmanager
 from importlib import import_module
 from importlib.metadata import entry_points
 from types import ModuleType
+from typing import TextIO
 
 from restshape import __version__
 from restshape.cli.ranks import first_rank
-from restshape.errors import UserError
+from restshape.cli.signals import ending_signals, exit_code, open_streams
+from restshape.errors import UserError, printable
 
-COMMANDS = ("new", "script", "check", "list", "schema", "info", "replay", "report")
+COMMANDS = ("new", "script", "check", "list", "schema", "info", "replay", "report", "salvage")
 GROUP = "restshape.commands"
 """Entry points of further commands: modules with SUMMARY, `arguments` and `run`, listed by their PLACE in the help."""
 LAST_WORD = 2.0
 """Seconds that the first rank has for its message."""
 EXIT_CODES = (
-    "exit codes: 0 success, 1 a check failed, 2 bad input, 130 interrupted, 141 nobody reads the output any more"
+    "exit codes: 0 success, 1 a check failed, 2 bad input, 128 + N ended by signal N (130: interrupted), "
+    "141 nobody reads the output any more"
 )
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 UNREAD = 128 + signal.SIGPIPE
 """What a shell says of a program that ends because nobody reads its output any more."""
 
@@ -66,11 +71,22 @@ def parser_for(commands: dict[str, ModuleType], listed: bool = False) -> argpars
 def main(argv: list[str] | None = None) -> int:
     """The exit code of one command line."""
     words = list(sys.argv[1:] if argv is None else argv)
+    open_streams()
     try:
-        with quiet_pipes():
+        with ending_signals(), quiet_pipes():
             return _run(words)
     except BrokenPipeError:
         return UNREAD
+    except KeyboardInterrupt:
+        # While modules were imported, or after all was done.
+        print("restshape: interrupted", file=sys.stderr)
+        return exit_code()
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        _leave(sys.stdout)
+        print(f"restshape: the output cannot be written: {(error.strerror or '').lower()}", file=sys.stderr)
+        return 2
 
 
 def _run(words: list[str]) -> int:
@@ -92,14 +108,14 @@ def _run(words: list[str]) -> int:
         return args.run(args)
     except UserError as error:
         if first_rank():
-            print(f"restshape {args.command}: {error}", file=sys.stderr)
+            print(printable(f"restshape {args.command}: {error}"), file=sys.stderr)
         else:
             # mpiexec ends all ranks as soon as one has failed: the first one must have said why by then.
             time.sleep(LAST_WORD)
         return 2
     except KeyboardInterrupt:
         print(f"restshape {args.command}: interrupted", file=sys.stderr)
-        return 130
+        return exit_code()
 
 
 @contextmanager
@@ -117,11 +133,16 @@ def quiet_pipes() -> Iterator[None]:
             sys.stdout.flush()
             sys.stderr.flush()
     except BrokenPipeError:
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        for stream in (sys.stdout, sys.stderr):
-            os.dup2(nowhere, stream.fileno())
-        os.close(nowhere)
+        _leave(sys.stdout, sys.stderr)
         raise
+
+
+def _leave(*streams: TextIO) -> None:
+    """Lets what waits in streams go nowhere, so that the end of the process does not stumble over it."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in streams:
+        os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
 
 
 if __name__ == "__main__":

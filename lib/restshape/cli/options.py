@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from restshape.application import application
 from restshape.cli.ranks import first_rank
-from restshape.errors import UserError
+from restshape.errors import UserError, printable
 from restshape.outputs.claims import command_files, refuse_outputs
 from restshape.outputs.kinds import JsonFile
 from restshape.outputs.whole import write_whole
@@ -165,4 +165,4 @@ def shown(cell: Any) -> str:
     """A cell as text."""
     if isinstance(cell, float):
         return f"{cell:.6g}"
-    return "" if cell is None else str(cell)
+    return "" if cell is None else printable(str(cell))

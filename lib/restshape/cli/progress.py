@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -27,6 +27,8 @@ def progress(quiet: bool) -> Iterator[Callable[[], None]]:
             nonlocal count
             count += 1
             if count % 100 == 0:
-                print(f"{count} frames", file=sys.stderr, flush=True)
+                # A replay goes on although nobody reads how far it is.
+                with suppress(BrokenPipeError):
+                    print(f"{count} frames", file=sys.stderr, flush=True)
 
         yield line

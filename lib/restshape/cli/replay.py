@@ -10,8 +10,9 @@ from typing import Any
 from restshape.application import Application, application
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.ranks import first_rank
+from restshape.cli.signals import exit_code, interrupt_if_asked
 from restshape.cli.verbosity import add_verbose
-from restshape.errors import UserError
+from restshape.errors import UserError, printable
 from restshape.outputs.kinds import CsvFile, RecordingFile
 from restshape.policy import POLICIES, policy
 from restshape.scene.renamed import notes
@@ -24,6 +25,7 @@ LEVELS = {
     "3": "3 reconstruction",
     "still": "solved where nothing moved",
 }
+NOT_IN_JSON = ("rows", "reasons", "largest_residual")
 SUMMARY = "replay an edit script against a scene: result, cost and error of every frame"
 
 
@@ -108,8 +110,13 @@ def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any
     from restshape.cli.progress import progress
     from restshape.replay.run import run_replay
 
-    with progress(quiet=not first_rank()) as on_frame:
-        return run_replay(request, recorder, args.parity, args.csv, on_frame)
+    with progress(quiet=not first_rank()) as count:
+
+        def on_frame() -> None:
+            interrupt_if_asked()
+            count()
+
+        return run_replay(request, recorder, args.parity, args.csv, on_frame, keep_rows=False)
 
 
 def _note_unused(words: list[str]) -> None:
@@ -134,14 +141,14 @@ def _stop_other_ranks(error: BaseException) -> None:
         print("restshape replay: interrupted", file=sys.stderr, flush=True)
     else:
         traceback.print_exception(error)
-    codes = {UserError: 2, KeyboardInterrupt: 130}
+    codes = {UserError: 2, KeyboardInterrupt: exit_code()}
     PETSc.COMM_WORLD.tompi4py().Abort(codes.get(type(error), 1))
 
 
 def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> int:
     """Print the tables, write the JSON file, and give the exit code."""
     # What is printed may find nobody who reads it.
-    write_json(args, {key: value for key, value in summary.items() if key != "rows"})
+    write_json(args, {key: value for key, value in summary.items() if key not in NOT_IN_JSON})
     for note in notes(request.scene.raw):
         print(f"note: {note}")
     print_summary(summary, request.application)
@@ -159,8 +166,8 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
         f"{summary['frames']} frames, {summary['refused']} refused, {summary['unknowns']} unknowns, "
         f"{summary['elements']} elements, policy {summary['policy']}, {summary['ranks']} rank(s)"
     )
-    _print_reasons(summary["rows"], "refused")
-    _print_reasons(summary["rows"], "note")
+    for column, reasons in summary["reasons"].items():
+        _print_reasons(column, reasons)
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]")
     counts, times = summary["levels"] | {"still": summary["still"]}, summary["ms"]
     rows = [
@@ -169,12 +176,10 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
         if counts[k] or k != "still"
     ]
     print_table("time a frame", heads, rows, right=heads[1:])
-    # Frames that were not analysed have none.
-    residuals = [row["residual"] for row in summary["rows"] if row["residual"] >= 0.0 and not row["refused"]]
     print(
         f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); "
         f"{summary['iterations']} iterations, {summary['refreshes']} factorizations, "
-        f"largest true residual {max(residuals, default=0.0):.1e}"
+        f"largest true residual {summary['largest_residual']:.1e}"
     )
     if summary["predicted"]:
         ms = summary["predicted_ms"]["p50"]
@@ -245,13 +250,9 @@ def _ends(values: list[float | None]) -> list[str]:
     return ["-" if value is None else f"{value:.6g}" for value in found]
 
 
-def _print_reasons(rows: list[dict[str, Any]], column: str, most: int = 5) -> None:
+def _print_reasons(column: str, reasons: dict[str, tuple[int, int]], most: int = 5) -> None:
     """Print why frames were refused, or what there is to note, each reason once with its first line and frame."""
-    reasons: dict[str, tuple[int, int]] = {}
-    for row in rows:
-        if row[column]:
-            reasons.setdefault(row[column], (row["line"], row["index"]))
     for reason, (line, frame) in list(reasons.items())[:most]:
-        print(f"  {column}, line {line}, frame {frame}: {reason}")
+        print(printable(f"  {column}, line {line}, frame {frame}: {reason}"))
     if len(reasons) > most:
         print(f"  ... and {len(reasons) - most} more reasons: see the recording or --csv")

@@ -49,6 +49,7 @@ def run(args: argparse.Namespace) -> int:
         folder = args.out or args.recording.with_name(f"{args.recording.stem}-report")
         if folder.exists() and not folder.is_dir():
             raise UserError("this is a file, and pictures need a folder", str(folder), "choose another --out")
+        refuse_damage(recording)
         refuse_pictures(folder)
         # A recording opens also where its application is not installed.
         application = applications().get(recording.header.get("app", ""))
@@ -59,6 +60,21 @@ def run(args: argparse.Namespace) -> int:
         print(f"wrote {picture}")
     write_json(args, {**data, "pictures": [str(picture) for picture in pictures]})
     return 0
+
+
+def refuse_damage(recording: Any) -> None:
+    """Makes sure that all frames match their checksums.
+
+    Raises:
+        UserError: some do not; says which do.
+    """
+    from restshape.replay.recording import ranges
+
+    if damaged := recording.verify():
+        good = sorted(set(range(recording.n)) - set(damaged))
+        what = f"{len(damaged)} of {recording.n} frames are damaged: {ranges(damaged)}; good: {ranges(good) or 'none'}"
+        do = f"restshape salvage {recording.path} --out FILE.vtkhdf writes the good ones"
+        raise UserError(what, str(recording.path), do if good else "record it again")
 
 
 def refuse_pictures(folder: Path) -> None:

@@ -21,5 +21,17 @@ def save_picture(figure: Figure, path: Path) -> None:
         OSError: it cannot be written.
     """
     refuse_foreign(PictureFile(path), str(path))
+    plain_texts(figure)
     with replacing(path) as part:
         figure.savefig(part)
+
+
+def plain_texts(figure: Figure) -> None:
+    """Has all texts of a figure drawn as they are, whatever mathematics they look like, but for logarithmic ticks."""
+    from matplotlib.text import Text
+
+    scales = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis) if axis.get_scale() == "log"]
+    powers = {id(text) for axis in scales for text in axis.findobj(Text) if text is not axis.label}
+    for text in figure.findobj(Text):
+        if id(text) not in powers:
+            text.set_parse_math(False)

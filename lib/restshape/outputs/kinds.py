@@ -28,7 +28,7 @@ class OutputFile(PosixPath):
         """
         try:
             found = self.stat()
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             return True
         if not stat.S_ISREG(found.st_mode) or not found.st_size:
             return True

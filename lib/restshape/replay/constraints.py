@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from restshape.findings import Finding
 from restshape.scene.model import Quantity
@@ -104,15 +104,3 @@ def joined(row: RowValues, own: RowValues) -> RowValues:
         both[name] = "; ".join(filter(None, (one.get(name, "") for one in (own, row))))
     both["findings"] = (*own.get("findings", ()), *row.get("findings", ()))
     return {**own, **both}
-
-
-def status_counts(rows: Sequence[RowValues]) -> dict[str, Any]:
-    """How many frames hold and fail, the status of the last frame that has one, and the violated constraints there;
-    empty where no frame has one."""
-    known = [row["constraint_status"] for row in rows if row["constraint_status"]]
-    if not known:
-        return {}
-    counts = {"holds": known.count(HOLDS), "fails": known.count(FAILS), "last": known[-1]}
-    return counts | {
-        "violated_constraints": next(row["violated_constraints"] for row in reversed(rows) if row["constraint_status"])
-    }

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -85,9 +86,10 @@ class Recorder:
         data = json.dumps(opening, allow_nan=False).encode()
         ring = _new_ring(max(RING_BYTES, 4 * len(data)))
         inputs, control, answers = os.pipe(), os.pipe(), os.pipe()
+        cores = ",".join(map(str, sorted(_cores())))
         theirs = (ring.fd, inputs[0], control[0], answers[1])
         process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "restshape.replay.recorder_process", *map(str, theirs)],
+            [sys.executable, "-P", "-m", "restshape.replay.recorder_process", *map(str, theirs), cores],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -303,6 +305,15 @@ class Recorder:
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if self._state not in ("closed", "failed"):
             self.close("done" if kind is None else "interrupted")
+
+
+def _cores() -> set[int]:
+    """The cores for the recorder process: those of this process, or of the launcher that has bound this one to some."""
+    own = os.sched_getaffinity(0)
+    if any(name.startswith(_MPI_VARIABLES) for name in os.environ if name.endswith("_RANK")):
+        with suppress(OSError):
+            return own | os.sched_getaffinity(os.getppid())
+    return own
 
 
 def _new_ring(capacity: int) -> rings.Ring:

@@ -1,7 +1,7 @@
 """The process that writes a recording: takes frames out of the shared ring, outlives the solver, closes the file.
 
 Started by `restshape.replay.recorder.Recorder` with the numbers of four inherited file descriptors: RING COMMANDS
-CONTROL ANSWERS. It knows neither MPI nor PETSc. COMMANDS carries the ring's published position, CONTROL wakes it,
+CONTROL ANSWERS CORES. It knows neither MPI nor PETSc. COMMANDS carries the ring's published position, CONTROL wakes it,
 ANSWERS takes its JSON lines; the end of CONTROL means that the solver is gone.
 """
 
@@ -171,12 +171,12 @@ def serve(ring: rings.Ring, commands: int, control: int, answers: int) -> int:
 
 def main(words: list[str]) -> int:
     """The exit code of the process."""
-    for name in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+    for name in (signal.SIGINT, signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM):
         signal.signal(name, signal.SIG_IGN)
     with suppress(OSError):
         # mpiexec binds the solver to a core; the recorder must not share that one.
-        os.sched_setaffinity(0, range(os.cpu_count() or 1))
-    ring_fd, commands, control, answers = map(int, words)
+        os.sched_setaffinity(0, map(int, words[4].split(",")))
+    ring_fd, commands, control, answers = map(int, words[:4])
     os.set_blocking(commands, False)
     return serve(rings.Ring(ring_fd), commands, control, answers)
 

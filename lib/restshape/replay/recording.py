@@ -2,15 +2,17 @@
 
 import json
 import time
+import zlib
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
 
-from restshape.errors import UserError
+from restshape.errors import UserError, printable
 from restshape.replay.columns import ALIASES, SIMULATED, renamed
 from restshape.replay.containment import refuse_other_files
+from restshape.replay.layout import WIDTHS, refuse_bad_arrays, refuse_bad_header, refuse_bad_places
 from restshape.replay.vtkhdf import FORMAT, PARTS, checksum
 
 _ATTEMPTS, _PAUSE = 20, 0.05
@@ -56,14 +58,18 @@ class Recording:
         self._file = self._open()
         try:
             refuse_other_files(self._file, self.path)
+            refuse_bad_arrays(self._file, self.path)
             self._read_frame_index()
+            refuse_bad_header(self.header, self.path)
         except UserError:
             self._file.close()
             raise
-        except (KeyError, OSError, ValueError) as error:
+        # HDF5 answers damage with errors of many kinds.
+        except (KeyError, OSError, ValueError, TypeError, RuntimeError, AttributeError, IndexError) as error:
             self._file.close()
-            what = f"this is no recording, or it is damaged ({error})"
-            raise UserError(what, str(path), "record it again") from error
+            what = printable(f"this is no recording, or it is damaged ({str(error)[:200]})")
+            do = f"restshape salvage {path} --out FILE.vtkhdf writes the frames that are good, if there are any"
+            raise UserError(what, str(path), do) from error
 
     def _open(self) -> h5py.File:
         if not self.path.is_file():
@@ -75,7 +81,10 @@ class Recording:
                 # A writer that was just killed holds its lock until the system has buried it.
                 time.sleep(_PAUSE if attempt + 1 < _ATTEMPTS else 0.0)
             except OSError as error:
-                raise UserError("this is no recording (not an HDF5 file)", str(self.path)) from error
+                cut = "truncated" in str(error)
+                what = "this recording is cut off" if cut else "this is no recording (not an HDF5 file)"
+                do = f"restshape salvage {self.path} --out FILE.vtkhdf writes its good frames" if cut else ""
+                raise UserError(what, str(self.path), do) from error
         raise UserError("this recording is still being written", str(self.path), "wait for its replay to end")
 
     def _read_frame_index(self) -> None:
@@ -84,11 +93,16 @@ class Recording:
             raise ValueError(f"format {own.attrs['format']}, this program reads {FORMAT}")
         steps = self._root["Steps"]
         self.n = int(steps.attrs["NSteps"])
-        self.header: dict[str, Any] = json.loads(bytes(own["header"][()]))
+        data = bytes(own["header"][()])
+        if "header_checksum" in own.attrs and int(own.attrs["header_checksum"]) != zlib.crc32(data):
+            raise ValueError("its header does not match its checksum")
+        self.header: dict[str, Any] = cleaned(json.loads(data))
         self.dimension = int(own.attrs["dimension"])
-        status = own["status"][()].decode().strip()
+        status = printable(own["status"][()].decode().strip())
         self.status = "killed" if status == "recording" else status
         self.writer = {k.removeprefix("writer_"): float(v) for k, v in own.attrs.items() if k.startswith("writer_")}
+        if not 0 <= self.n <= len(own["table"]) or self.dimension not in (0, 2, 3):
+            raise ValueError("frames are missing")
         self._rows = own["table"][: self.n]
         stored = {name: _column(self._rows[name]) for name in self._rows.dtype.names if name != "checksum"}
         self.table = renamed(stored)
@@ -106,6 +120,39 @@ class Recording:
                 ((today, _),) = renamed({name: name}).items()
                 self.fields[today] = FieldInfo(where, int(attributes["components"]), int(attributes["first_frame"]))
                 self._stored[today] = StoredField(dataset, steps[f"{group}Offsets"][name][: self.n])
+        self._check_places()
+
+    def _check_places(self) -> None:
+        """Makes sure that all that frames refer to is in the file.
+
+        Raises:
+            ValueError: it is not.
+        """
+        parts = self._steps["PartOffsets"]
+        lengths = {len(values) for values in self._parts.values()}
+        if len(lengths) != 1:
+            raise ValueError("its parts do not fit each other")
+        refuse_bad_places(parts, np.ones_like(parts), lengths.pop(), "cells")
+        points, cells, ids = (self._parts[name][parts] for name in PARTS)
+        if (cells * np.isin(ids // np.maximum(cells, 1), WIDTHS) != cells).any() or (ids % np.maximum(cells, 1)).any():
+            raise ValueError("cells have no known number of nodes")
+        refuse_bad_places(self._steps["ConnectivityIdOffsets"], ids, len(self._root["Connectivity"]), "cells")
+        refuse_bad_places(self._steps["CellOffsets"], cells, len(self._root["Types"]), "cells")
+        if self.n and (self._root["Points"].ndim != 2 or self._root["Points"].shape[1] != 3):
+            raise ValueError("points have no three components")
+        if self.n:
+            refuse_bad_places(self._steps["PointOffsets"], points, len(self._root["Points"]), "points")
+        for name, (dataset, starts) in self._stored.items():
+            info = self.fields[name]
+            if len(starts) < self.n or not 0 <= info.first_frame <= self.n:
+                raise ValueError(f"frames of {name} are missing")
+            if dataset.dtype.kind != "f" or dataset.ndim != 1 + bool(info.components):
+                raise ValueError(f"{name} is no field of numbers")
+            if info.components and not 0 < info.components <= dataset.shape[1]:
+                raise ValueError(f"{name} has no {info.components} components")
+            counts = points if info.where == "point_data" else cells
+            here = slice(info.first_frame, self.n)
+            refuse_bad_places(starts[here], counts[here], len(dataset), name)
 
     @property
     def times(self) -> np.ndarray:
@@ -143,6 +190,15 @@ class Recording:
         flat = self._root["Connectivity"][start : start + count]
         return flat.astype(np.int32).reshape(self._parts["NumberOfCells"][part], -1)
 
+    def cell_type(self, i: int) -> int:
+        """VTK's number for the cells of frame i."""
+        return int(self._root["Types"][self._steps["CellOffsets"][self._frame(i)]])
+
+    @property
+    def rows(self) -> np.ndarray:
+        """The table as it is stored: a record a frame, with its checksum."""
+        return self._rows
+
     def points(self, i: int) -> np.ndarray:
         """The (n, dimension) rest positions of frame i [m]."""
         i = self._frame(i)
@@ -169,7 +225,10 @@ class Recording:
         return np.ascontiguousarray(rows[:, : info.components]) if info.components else rows
 
     def verify(self) -> list[int]:
-        """The frames whose bytes do not match their checksum: none in a sound file."""
+        """The frames whose bytes do not match their checksum, or that cannot be drawn: none in a sound file.
+
+        Edit times, which checksums do not cover, follow from those in the rows.
+        """
         damaged = []
         topologies: dict[int, int] = {}
         for i in range(self.n):
@@ -178,12 +237,18 @@ class Recording:
                 if part not in topologies:
                     topologies[part] = checksum(0, self.cells(i).tobytes(), [])
                 arrays = [self.points(i), *(self.field(i, k) for k, f in self.fields.items() if f.first_frame <= i)]
+                good = bool(np.isfinite(arrays[0]).all()) and self._cells_fit(i)
                 code = checksum(topologies[part], self._rows[i].tobytes()[:-4], arrays)
-            except (OSError, ValueError, IndexError):
-                code = -1
-            if code != self._rows["checksum"][i]:
+            except (OSError, ValueError, IndexError, RuntimeError):
+                code, good = -1, False
+            if not good or code != self._rows["checksum"][i]:
                 damaged.append(i)
         return damaged
+
+    def _cells_fit(self, i: int) -> bool:
+        """Whether the cells of frame i refer to points that it has."""
+        cells = self.cells(i)
+        return not cells.size or (cells.min() >= 0 and int(cells.max()) < len(self.points(i)))
 
     def _frame(self, i: int) -> int:
         if not -self.n <= i < self.n:
@@ -204,4 +269,24 @@ class Recording:
 def _column(values: np.ndarray) -> np.ndarray:
     if values.dtype.kind != "S":
         return np.ascontiguousarray(values)
-    return np.array([value.decode(errors="replace") for value in values], dtype=object)
+    return np.array([printable(value.decode(errors="replace")) for value in values], dtype=object)
+
+
+def cleaned(value: Any) -> Any:
+    """JSON without control characters in its texts."""
+    if isinstance(value, str):
+        return printable(value)
+    if isinstance(value, dict):
+        return {printable(key): cleaned(item) for key, item in value.items()}
+    return [cleaned(item) for item in value] if isinstance(value, list) else value
+
+
+def ranges(numbers: list[int]) -> str:
+    """Numbers in order, such as ``0-5, 7``."""
+    spans: list[list[int]] = []
+    for number in numbers:
+        if spans and number == spans[-1][-1] + 1:
+            spans[-1][1:] = [number]
+        else:
+            spans.append([number])
+    return ", ".join("-".join(map(str, span)) for span in spans)

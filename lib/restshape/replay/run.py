@@ -14,7 +14,7 @@ from restshape.replay.petsc_options import refusal
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.row_table import table_of_rows
-from restshape.replay.summary import summarise
+from restshape.replay.tally import Tally
 from restshape.surroundings import petsc_options
 
 
@@ -24,6 +24,7 @@ def run_replay(
     parity: bool = False,
     csv: Path | None = None,
     on_frame: Callable[[], None] = lambda: None,
+    keep_rows: bool = True,
 ) -> dict[str, Any]:
     """The summary of a replay on all ranks of PETSc's world, as `replay --json` writes it, with all `rows`.
 
@@ -33,6 +34,7 @@ def run_replay(
         parity: compare each frame with a cold solve on the same mesh.
         csv: file for a row of numbers a frame.
         on_frame: called after each frame.
+        keep_rows: give all `rows`; else those alone that the report of the application needs.
 
     Raises:
         UserError: the scene cannot be simulated, or a file cannot be written.
@@ -44,24 +46,31 @@ def run_replay(
         version = list(PETSc.Sys.getVersion())
         recorder.add_header({"ranks": comm.size, "petsc": version, "petsc_in_effect": petsc_options()})
     check = Parity(replay) if parity else None
-    rows, interrupted = [], False
+    tally, rows, interrupted = Tally(), [], False
+    keep = keep_rows or request.application.report is not None
     names = list(columns(list(request.scene.quantities), request.application.own_columns(request.scene)))
     with table_of_rows(csv if first else None, names) as table:
         try:
             for row in _frames(replay, request.petsc):
                 if check:
                     row |= check()
-                rows.append(row)
+                tally.add(row)
+                if keep:
+                    rows.append(row)
                 if table:
                     table(row)
                 on_frame()
         except KeyboardInterrupt:
             # The other ranks know nothing of it, and one that waits for this one cannot be determined.
-            if comm.size > 1 or not rows:
+            if comm.size > 1 or not tally.frames:
                 raise
             interrupted = True
-    summary = summarise(rows, request.policy.name, comm.size, replay.analysis.estimated_quantity) | {
-        "interrupted": interrupted
+    summary = tally.summary(request.policy.name, comm.size, replay.analysis.estimated_quantity)
+    summary |= {
+        "interrupted": interrupted,
+        "rows": rows,
+        "reasons": tally.reasons,
+        "largest_residual": tally.largest_residual,
     }
     if request.application.report:
         summary |= request.application.report.summarised(rows)

@@ -185,6 +185,7 @@ class VtkHdfWriter:
         # The order of tables is the order of what is in them.
         text = json.dumps(self._header, allow_nan=False).encode()
         self.own.create_dataset("header", data=np.frombuffer(text, dtype="u1"))
+        self.own.attrs["header_checksum"] = zlib.crc32(text)
 
     def add_header(self, extra: Mapping[str, object]) -> None:
         """Merges more keys into the header, and commits."""

@@ -13,6 +13,7 @@ from PIL import Image
 from scipy.spatial import cKDTree
 
 from restshape.errors import UserError
+from restshape.outputs.drawn import plain_texts
 from restshape.replay.recording import Recording
 from restshape.report.frames import title
 from restshape.report.scenery import Drawing, Scenery
@@ -100,6 +101,7 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: Scenery) -> Ite
     if scenery.field:
         bar = figure.colorbar(drawing.body, ax=axes, extend="max" if scenery.clipped else "neither")
         bar.set_label(scenery.colour[1])
+    plain_texts(figure)
     canvas.draw()
     still = canvas.copy_from_bbox(figure.bbox)
     stopped = refused(recording)

@@ -15,7 +15,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.drawn import plain_texts, save_picture
 from restshape.replay.recording import Recording
 from restshape.report.animation import even, pause, write_animation
 from restshape.report.camera import Camera
@@ -220,6 +220,7 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery) -
         words, good = convergence_words(recording, i)
         caption.set_text(f" frame {i}, t = {recording.times[i]:.2f} s, {words}")
         caption.set_color(INK if good else REFUSED)
+        plain_texts(figure)
         canvas.draw()
         yield even(canvas)
 

@@ -1,0 +1,31 @@
+"""`restshape salvage`: the good frames of a damaged recording in a new one."""
+
+import argparse
+from pathlib import Path
+
+from restshape.cli.options import add_json, write_json
+from restshape.errors import UserError
+from restshape.outputs.kinds import RecordingFile
+
+SUMMARY = "write the good frames of a damaged recording into a new one"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what this command takes."""
+    parser.add_argument("recording", metavar="RECORDING", type=Path, help="recording (.vtkhdf), damaged or cut off")
+    parser.add_argument("--out", metavar="FILE", type=RecordingFile, required=True, help="new recording (.vtkhdf)")
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Writes what is good and says what it is; the exit code."""
+    from restshape.replay.recording import ranges
+    from restshape.replay.salvage import salvage
+
+    if args.out.suffix != ".vtkhdf":
+        do = f"--out {args.out.with_suffix('.vtkhdf')}"
+        raise UserError("a recording's name ends in .vtkhdf", f"--out {args.out}", do)
+    good, count = salvage(args.recording, args.out)
+    print(f"wrote {args.out}: {len(good)} of {count} frames are good: {ranges(good)}")
+    write_json(args, {"frames": count, "good": good})
+    return 0

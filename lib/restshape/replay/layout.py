@@ -1,0 +1,87 @@
+"""Whether an HDF5 file can be a recording, found out before any of its arrays is read."""
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from restshape.errors import UserError, printable
+
+MOST_HEADER = 64 << 20
+"""Bytes of a header."""
+MOST_ATTRIBUTE = 4096
+"""Bytes of an attribute."""
+WIDTHS = (2, 3, 4, 6, 8, 10)
+"""Nodes of a cell."""
+TEXTS = ("script", "script_text", "title", "app", "policy", "predict")
+TABLES = ("scene_values", "calibration", "petsc_in_effect")
+
+
+def refuse_bad_arrays(file: h5py.File, path: Path) -> None:
+    """Makes sure that no array is larger than what the file holds, and that names and types are those of recordings.
+
+    Args:
+        file: opened for reading, without links.
+        path: of it.
+
+    Raises:
+        UserError: naming the first one that is not.
+    """
+    size = path.stat().st_size
+
+    def look(name: str, item: h5py.Group | h5py.Dataset) -> None:
+        if name != printable(name):
+            raise bad(path, f"the name {printable(name)!r} has control characters")
+        for key in item.attrs:
+            if item.attrs.get_id(key).get_storage_size() > MOST_ATTRIBUTE:
+                raise bad(path, f"the attribute {printable(key)!r} of {name} has more than {MOST_ATTRIBUTE} bytes")
+        if isinstance(item, h5py.Dataset):
+            _look_at_array(item, size, path)
+
+    file.visititems(look)
+    if file["restshape/header"].nbytes > MOST_HEADER:
+        raise bad(path, f"its header has more than {MOST_HEADER} bytes")
+
+
+def _look_at_array(array: h5py.Dataset, size: int, path: Path) -> None:
+    if array.dtype.hasobject or array.shape is None or array.id.get_create_plist().get_nfilters():
+        raise bad(path, f"{array.name} is not stored as recordings store arrays")
+    if array.nbytes > array.id.get_storage_size() or array.nbytes > size:
+        raise bad(path, f"{array.name} claims {array.nbytes} bytes, and the file has {size}")
+
+
+def refuse_bad_header(header: Any, path: Path) -> None:
+    """Makes sure that the header is a table whose entries are of the kinds that readers rely on.
+
+    Raises:
+        UserError: naming the first that is not.
+    """
+    if not isinstance(header, dict):
+        raise bad(path, "its header is no table")
+    for kind, names in ((str, TEXTS), (dict, TABLES)):
+        for name in names:
+            if not isinstance(header.get(name, kind()), kind):
+                raise bad(path, f"{name!r} of its header is no {'text' if kind is str else 'table'}")
+
+
+def refuse_bad_places(starts: np.ndarray, counts: np.ndarray, length: int, what: str) -> None:
+    """Makes sure that what frames refer to is there.
+
+    Args:
+        starts: (n,) first row of each frame.
+        counts: (n,) rows of each frame.
+        length: rows that there are.
+        what: for the message.
+
+    Raises:
+        ValueError: it is not.
+    """
+    if len(starts) and ((starts < 0) | (counts < 0) | (counts > length) | (starts > length - counts)).any():
+        raise ValueError(f"frames refer to {what} that are not there")
+
+
+def bad(path: Path, what: str) -> UserError:
+    """The error of a file that is none of ours."""
+    do = f"restshape salvage {path} --out FILE.vtkhdf writes the frames that are good, if there are any"
+    return UserError(f"this is no recording, or it is damaged: {what}", str(path), do)

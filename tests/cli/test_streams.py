@@ -1,0 +1,129 @@
+"""What happens at signals, closed streams and full disks: each line of the table in docs/safety.md."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from small_scenes import drag, plate, write_scene, write_script
+
+from restshape.cli.main import main
+from restshape.cli.signals import ending_signals, exit_code, interrupt_if_asked
+from restshape.replay.recording import Recording
+
+FRAMES = 40_000
+
+
+def write_long(folder, frames):
+    """The words of a replay of so many frames."""
+    path = [(0.5 + 0.1 * np.sin(0.01 * k), 0.5) for k in range(frames)]
+    scene, script = write_scene(folder, plate(0.2)), write_script(folder, drag("window", (0.5, 0.5), path))
+    return ("replay", scene, "--edits", script, "--out", "a.vtkhdf")
+
+
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM])
+def test_a_signal_keeps_the_frames(tmp_path, start_restshape, number):
+    process = start_restshape(*write_long(tmp_path, FRAMES))
+    assert process.stderr.readline() == "100 frames\n"
+    process.send_signal(number)
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 128 + number
+    assert told.endswith("restshape replay: interrupted\n") and "MPI_ABORT" not in told.upper()
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        assert recording.status == "interrupted" and recording.n >= 100 and recording.verify() == []
+
+
+def test_a_reader_of_the_progress_that_has_gone_does_not_stop_a_replay(tmp_path, outside):
+    words = write_long(tmp_path, 250)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "restshape.cli.main", *map(str, words)],
+        cwd=tmp_path,
+        env=outside,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert process.stdout.readline() == "100 frames\n"
+    process.stdout.close()
+    assert process.wait(timeout=60) == 141
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        assert recording.status == "done" and recording.n > 250
+
+
+def test_closed_streams_are_as_those_that_nobody_reads(tmp_path, outside):
+    words = " ".join(map(str, write_long(tmp_path, 3)))
+    shell = f"{sys.executable} -m restshape.cli.main {words} --json a.json <&- >&- 2>&-"
+    assert subprocess.run(["sh", "-c", shell], cwd=tmp_path, env=outside, timeout=60).returncode == 0
+    assert (tmp_path / "a.json").exists()
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        assert recording.status == "done" and recording.verify() == []
+
+
+def test_a_full_disk_is_a_message(tmp_path, outside):
+    scene = write_scene(tmp_path, plate(), "plate.toml")
+    for words in (["list"], ["script", scene, "idle 3"]):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run(
+                [sys.executable, "-m", "restshape.cli.main", *map(str, words)],
+                cwd=tmp_path,
+                env=outside,
+                stdout=full,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+        assert done.returncode == 2
+        assert done.stderr == "restshape: the output cannot be written: no space left on device\n"
+
+
+def test_a_full_disk_leaves_an_earlier_result(command, tmp_path, monkeypatch):
+    scene = write_scene(tmp_path, plate(), "plate.toml")
+    assert command("script", scene, "idle 3", "--out", "a.jsonl", "--json", "a.json").returncode == 0
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    for option in ("--out", "--json"):
+        ended = command("script", scene, "idle 4", option, f"a.json{'l' * (option == '--out')}")
+        assert ended.returncode == 2 and "cannot be written: no space left on device" in ended.stderr
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_ctrl_c_during_imports(monkeypatch, capsys):
+    def interrupted(_):
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(1)
+
+    monkeypatch.setattr("restshape.cli.main.command", interrupted)
+    assert main(["list"]) == 130
+    assert capsys.readouterr().err == "restshape: interrupted\n"
+
+
+def test_a_signal_that_was_swallowed_still_ends_a_command():
+    with ending_signals():
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(1)
+        with pytest.raises(KeyboardInterrupt):
+            interrupt_if_asked()
+        assert exit_code() == 143
+    with ending_signals():
+        interrupt_if_asked()
+
+
+def test_the_recorder_stays_on_the_cores_of_its_parent(tmp_path, monkeypatch):
+    from restshape.replay.recorder import Recorder
+
+    for name in [name for name in os.environ if name.startswith(("OMPI_", "PMIX_", "PMI_"))]:
+        monkeypatch.delenv(name)
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(before)})
+    try:
+        with Recorder.start(tmp_path / "a.vtkhdf", {}, {}) as recorder:
+            assert os.sched_getaffinity(recorder.process_id) == {min(before)}
+    finally:
+        os.sched_setaffinity(0, before)
