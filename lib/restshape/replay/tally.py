@@ -90,7 +90,7 @@ class Tally:
             value = row.get(column, np.nan)
             if np.isfinite(value):
                 self._samples[f"{column} {predicted}"].add(value)
-        if row["residual"] >= 0.0 and not row["refused"]:
+        if row.get("residual", -1.0) >= 0.0 and not row["refused"]:
             self.largest_residual = max(self.largest_residual, row["residual"])
         if row.get("converged", -1) >= 0 and not row["refused"]:
             self._counts["judged"] += 1
@@ -101,7 +101,7 @@ class Tally:
 
     def _add_texts(self, row: RowValues) -> None:
         for column, known in self.reasons.items():
-            text = row[column]
+            text = row.get(column, "")
             if text and text not in known and len(known) < MOST_REASONS:
                 known[text] = (row["line"], row["index"])
         if row["constraint_status"]:
