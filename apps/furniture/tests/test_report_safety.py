@@ -19,6 +19,7 @@ def header_of(path: Path) -> dict:
 def put_header(path: Path, header: dict) -> None:
     with h5py.File(path, "r+") as file:
         del file["restshape/header"]
+        del file["restshape"].attrs["header_checksum"]
         file["restshape/header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
 
 
