@@ -3,6 +3,7 @@
 import csv
 import json
 
+import numpy as np
 import pytest
 from small_scenes import drag, plate, write_scene, write_script
 
@@ -48,11 +49,16 @@ def test_json_for_programs(tmp_path, restshape, scene, script):
     assert {"relocate", "pattern", "values", "factor", "krylov", "observe", "record"} <= set(found["stages"])
     assert set(found["quantities"]) == {"stretch", "peak", "wall", "energy"}
     assert all(len(values) == FRAMES for values in found["quantities"].values())
+    assert found["stale"] == [int(values is None) for values in found["quantities"]["stretch"]]
+    assert [i for i, stale in enumerate(found["stale"]) if stale] == [4]
     assert found["unknowns"] > found["elements"] > 100
 
 
 def test_tables_for_people(command, scene, script):
-    told = command("replay", scene, "--edits", script).stdout
+    done = command("replay", scene, "--edits", script, "--strict")
+    told = done.stdout
+    # One frame is refused.
+    assert done.returncode == 1 and command("replay", scene, "--strict").returncode == 0
     assert told.startswith(f"{FRAMES} frames, 1 refused, ")
     for words in ("1 relocation", "2 reconnection", "3 reconstruction", "p95", "stretch", "largest"):
         assert words in told
@@ -68,7 +74,10 @@ def test_csv_and_recording_hold_the_same(tmp_path, command, scene, script):
         for name in ("index", "line", "level", "iterations", "pc_rebuilt", "unknowns"):
             assert [int(row[name]) for row in rows] == recording.table[name].tolist(), name
         for name in ("t", "q_stretch", "q_peak", "residual", "ms"):
-            assert [float(row[name]) for row in rows] == recording.table[name].tolist(), name
+            found = [float(row[name] or "nan") for row in rows]
+            assert np.array_equal(found, recording.table[name], equal_nan=True), name
+        empty = [i for i, row in enumerate(rows) if row["q_stretch"] == ""]
+        assert empty == np.flatnonzero(recording.table["stale"]).tolist() == [4]
         assert [row["event"] for row in rows] == list(recording.table["event"])
         assert [bool(row["refused"]) for row in rows] == [i == 4 for i in range(FRAMES)]
         assert recording.header["script_text"] == (tmp_path / "edits.jsonl").read_text()

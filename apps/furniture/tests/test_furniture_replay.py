@@ -149,6 +149,9 @@ def test_every_event_gives_what_a_model_from_nothing_gives(tmp_path, name):
     for row in replay.frames():
         seen.add(row["event"])
         analysis = replay.analysis
+        if row["stale"]:
+            assert (row["flaws"], row["constraint_status"]) == (-1, "") and np.isnan(row["unbalanced_load"])
+            continue
         cold = Furniture(analysis.design.piece)
         result = cold.test(analysis.gamma)
         assert (row["flaws"], row["unbalanced_load"]) == (result.flaws, pytest.approx(result.unbalanced, abs=1e-9))

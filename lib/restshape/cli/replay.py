@@ -45,12 +45,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=RecordingFile, metavar="FILE", help="recording (.vtkhdf)")
     parser.add_argument("--csv", type=CsvFile, metavar="FILE", help="a row of numbers a frame")
     parser.add_argument("--parity", action="store_true", help="compare each frame with a cold solve on the same mesh")
+    parser.add_argument("--strict", action="store_true", help="end with 1 where a frame was refused")
     add_verbose(parser)
     parser.add_argument("--calibration", type=Path, metavar="FILE", help="seconds a unit of work (default: nominal)")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Replay; 0 when all frames were replayed, 1 when parity fails, 2 on bad input."""
+    """Replay; 0 when all frames were replayed, 1 when parity fails or, with --strict, a frame was refused, 2 on bad input."""
     from restshape.calibration import Calibration
     from restshape.cli.shipped import script_of
     from restshape.replay.request import Request
@@ -157,7 +158,7 @@ def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> in
         frames = summary["frames"]
         before = "the frame before it was" if frames == 1 else f"the {frames} frames before it were"
         raise UserError(f"{request.script.error}\n  {before} {kept}")
-    return 1 if args.parity and not summary["parity"]["holds"] else 0
+    return int((args.parity and not summary["parity"]["holds"]) or (args.strict and summary["refused"] > 0))
 
 
 def print_summary(summary: dict[str, Any], application: Application) -> None:

@@ -68,6 +68,7 @@ def columns(quantities: list[str], own: dict[str, npt.DTypeLike] | None = None) 
         "unknowns",
         "elements",
         "predicted",
+        "stale",
     )
     reals = ("t", "min_quality", "residual", *ESTIMATES, "ms", *(f"ms_{name}" for name in STAGES), "ms_python")
     return {

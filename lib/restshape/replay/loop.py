@@ -36,6 +36,7 @@ from restshape.replay.constraints import (
 from restshape.replay.predicted_frames import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
+from restshape.replay.rows import without_values
 from restshape.replay.sessions import Follower
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
@@ -161,12 +162,17 @@ class Replay:
                 self.session.rollback()
             mesh_update, report = MeshUpdate.nothing(), self._no_report()
         with self.stages("observe"):
-            quantities = self.analysis.observe() if self.known else areas(self.moving.field_mesh, edit.scene.quantities)
+            quantities = self._observed(edit.scene, bool(refused))
         for stage, seconds in mesh_update.stages.items():
             self.stages.seconds[stage] += seconds
-        self.row = self._row(edit, mesh_update, report, quantities) | {"predicted": int(predicted), "refused": refused}
+        self.row = self._row(edit, mesh_update, report, quantities) | {
+            "predicted": int(predicted),
+            "refused": refused,
+            "stale": int(bool(refused)),
+        }
         if self.known:
-            self.row.update(joined(self.row, self.analysis.row()))
+            own = self.analysis.row()
+            self.row.update(joined(self.row, without_values(own) if refused else own))
         self.row["findings"] = encode_findings(self.row["findings"])
         level = logging.INFO if report.refreshed or mesh_update.level > 1 else logging.DEBUG
         if log.isEnabledFor(level):
@@ -174,6 +180,12 @@ class Replay:
             rebuilt = f"; PC {report.preconditioner} rebuilt" if report.refreshed else ""
             log.log(level, "%4d Frame %s: mesh level %d; %s%s", edit.index, edit.do, mesh_update.level, done, rebuilt)
         return self.row
+
+    def _observed(self, scene: Scene, refused: bool) -> dict[str, float]:
+        """The quantities of a frame; no numbers in a refused one, whose last solution is of another shape."""
+        if refused:
+            return dict.fromkeys(scene.quantities, np.nan)
+        return self.analysis.observe() if self.known else areas(self.moving.field_mesh, scene.quantities)
 
     def _row(
         self, edit: EditFrame, mesh_update: MeshUpdate, report: LinearReport, quantities: dict[str, float]
@@ -246,7 +258,7 @@ class Replay:
 
     def _record(self, edit: EditFrame, row: RowValues, end: float) -> None:
         """Hand the frame to the recorder; residual and error are measured here, off the frame's time."""
-        row["residual"] = self.analysis.residual_norm() if self.known else np.nan
+        row["residual"] = self.analysis.residual_norm() if self.known and not row["refused"] else np.nan
         row.update(self._estimates(row))
         mesh = self._space
         if self.recorder:

@@ -24,7 +24,7 @@ def table_of_rows(path: Path | None, names: list[str]) -> Iterator[Callable[[Row
 
     def write(row: RowValues) -> None:
         with _user_errors(path):
-            writer.writerow(row)
+            writer.writerow({name: "" if value != value else value for name, value in row.items()})
 
     try:
         with _user_errors(path):

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from restshape.replay.columns import SIMULATED
+
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
 
@@ -43,6 +45,17 @@ def encode_text(text: str, size: int) -> bytes:
     if len(data) <= size:
         return data
     return data[: max(size - 3, 0)].decode(errors="ignore").encode() + "\u2026".encode()[:size]
+
+
+def without_values(own: RowValues) -> RowValues:
+    """The columns of an analysis in a frame that was refused: no numbers, no texts; the simulated time stands still."""
+    return {name: value if name == SIMULATED else _no_value(value) for name, value in own.items()}
+
+
+def _no_value(value: Any) -> Any:
+    if isinstance(value, str | tuple):
+        return type(value)()
+    return -1 if isinstance(value, int | np.integer) else float("nan")
 
 
 class RowPacker:

@@ -40,6 +40,7 @@ class Tally:
         self._preconditioners: Counter[str] = Counter()
         self._samples: defaultdict[str, Reservoir] = defaultdict(Reservoir)
         self._series: dict[str, array[float]] = {}
+        self._stale = bytearray()
         self._status: tuple[str, str] = ("", "")
         self._rest_residual = -np.inf
         self._size = (0, 0)
@@ -68,6 +69,7 @@ class Tally:
         self._size = (row["unknowns"], row["elements"])
         for key, values in self._series.items():
             values.append(row[key])
+        self._stale.append(bool(row["stale"]))
         self._add_errors(row)
         self._add_texts(row)
 
@@ -174,6 +176,7 @@ class Tally:
             "estimate_time": self._distribution("estimate_time", False),
             "predicted_estimate": self._distribution("estimate", True),
             "prediction_error": self._distribution("prediction_error", False),
+            "stale": list(self._stale),
             "quantities": {key[2:]: values for key, values in series.items() if key != SIMULATED},
             **{key: values for key, values in series.items() if key == SIMULATED},
             **self._rest(),
