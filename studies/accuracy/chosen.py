@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import tomlkit
-from restshape_studies.accuracy.front import known_error, percent
+from restshape_studies.accuracy.front import known_error, percent, rates
 from restshape_studies.accuracy.reference import FINER
 from restshape_studies.accuracy.sampling import sampled
 from restshape_studies.accuracy.setting import Setting
@@ -28,6 +28,9 @@ from restshape.scene.script import load_script
 
 FILES = (("shape", "file"), ("mesh", "file"))
 """Keys that name files beside the scene."""
+LEAST_RATE = 0.5
+"""Power of the mesh size with which the error of a quantity falls at least, or it counts as one that does not converge:
+errors of stress at a re-entrant corner fall with the exponent less 1, which is below 0."""
 
 
 def write_scene(case: Case, picked: dict[str, Any], path: Path) -> None:
@@ -119,7 +122,10 @@ def rerun(
         measured = one(again, setting, Path(folder), play, whole=True)
     ms, found = measured["frame_ms"], measured["error"]
     holds = ms is not None and found is not None
-    holds = holds and (within is None or ms <= within) and (error is None or known_error(measured) < error)
+    diverges = not_converging(study)
+    holds = (
+        holds and not diverges and (within is None or ms <= within) and (error is None or known_error(measured) < error)
+    )
     return {
         "name": picked["name"],
         "file": path.name,
@@ -132,7 +138,24 @@ def rerun(
         "below": error,
         "holds": bool(holds),
         "problem": measured["problem"],
+        "diverges": diverges,
     }
+
+
+def not_converging(study: Study) -> str:
+    """Why the quantity that a setting was picked for has no error that could hold; empty where it converges.
+
+    Its errors, against a reference that has no limit either, fall more slowly than the root of the mesh size.
+    """
+    if study.asked.of in (None, "field"):
+        return ""
+    policies = [record["policy"] for record in study.records if not record["varied"]]
+    policy = "auto" if "auto" in policies or not policies else policies[0]
+    observed = rates(study.records, policy).get(f"q_{study.asked.of}", {})
+    if not observed or max(observed.values()) >= LEAST_RATE:
+        return ""
+    found = ", ".join(f"h^{p:.2f} (order {order})" for order, p in observed.items())
+    return f"{study.asked.of} does not converge: its error falls as {found}; restshape check says where it is taken"
 
 
 def chosen_line(chosen: dict[str, Any]) -> str:
@@ -142,6 +165,8 @@ def chosen_line(chosen: dict[str, Any]) -> str:
     if chosen["frame_ms"] is None or chosen["error"] is None:
         return f"{' and '.join(wanted)}: not known over {chosen['frames']} frames: {chosen['problem']}"
     verdict = "holds" if chosen["holds"] else "DOES NOT HOLD"
+    if chosen.get("diverges"):
+        verdict += f": {chosen['diverges']}"
     measured = f"{chosen['frame_ms']:.3g} ms a frame, p50, over {chosen['frames']} frames"
     measured += f", and an error of {percent(chosen['error'])} at {len(chosen['sampled'])} of them"
     if chosen["below"] is not None and (chosen["uncertainty"] or 0.0) >= chosen["below"]:
@@ -151,5 +176,7 @@ def chosen_line(chosen: dict[str, Any]) -> str:
 
 def hopeless(chosen: dict[str, Any]) -> bool:
     """Whether no faster setting can hold either: the time was kept and the error not."""
+    if chosen.get("diverges"):
+        return True
     ms, within, below = chosen["frame_ms"], chosen["within"], chosen["below"]
     return None not in (ms, within, below) and ms <= within and not chosen["holds"]

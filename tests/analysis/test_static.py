@@ -43,7 +43,7 @@ def test_energy_is_half_of_the_work(tmp_path):
         HEAD
         + block()
         + HOLE
-        + '[material.m]\nE = 1e9\nnu = 0.3\n[effects.solid]\nmodel = "plane_stress"\n'
+        + '[material.m]\nE = 1e9\nnu = 0.3\nthickness = 1\n[effects.solid]\nmodel = "plane_stress"\n'
         + '[supports.wall]\non = "left"\nfix = ["x", "y"]\n[loads.f]\non = "c"\nforce = [300, -700]\n'
         + "[solve]\ntolerance = 1e-10\n"
         + meshed(0.12)

@@ -22,6 +22,7 @@ edges.left = { line = ["d", "a"] }
 [material.m]
 E = 1e9
 nu = 0.3
+thickness = 1
 [supports.wall]
 on = "left"
 fix = ["x", "y"]

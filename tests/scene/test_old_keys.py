@@ -20,6 +20,7 @@ edges.left = { line = ["d", "a"] }
 [material.m]
 E = 1e9
 nu = 0.3
+thickness = 1
 [supports.wall]
 on = "left"
 fix = ["x", "y"]
@@ -55,7 +56,7 @@ def test_both_names_of_a_key_are_refused_at_its_place(path):
 
 def test_an_error_in_an_old_key_names_its_line(path):
     path.write_text(SCENE.replace('"3 kPa"', '"3 mm"'))
-    with pytest.raises(UserError, match=r"quantities.peak.max \(line 24\)"):
+    with pytest.raises(UserError, match=r"quantities.peak.max \(line 25\)"):
         load_scene(path)
 
 

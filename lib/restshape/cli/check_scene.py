@@ -3,12 +3,15 @@
 import argparse
 import sys
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel
 
 from restshape.application import application
+from restshape.cli.doubts import doubts
 from restshape.cli.options import print_table, read_scene, write_json
 from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError
@@ -47,7 +50,14 @@ def checked_shape(scene: Scene, effects: Plan) -> tuple[dict[str, Any], Rows, Ou
             refuse_endless(outline, scene.mesh.size, scene.mesh.near)
         except UserError as error:
             raise scene.located(error) from error
-    return scene_contents(scene, effects, outline), described(scene, effects, outline), outline
+    found = [physics.inspected(scene, outline) for physics in application(scene.app).physics]
+    seen = [warning for one in found for warning in one.warnings]
+    effects = replace(effects, warnings=(*effects.warnings, *doubts(scene, outline), *seen))
+    data, rows = scene_contents(scene, effects, outline), described(scene, effects, outline)
+    for one in found:
+        data |= one.data
+        rows[len(rows) - len(effects.warnings) : len(rows) - len(effects.warnings)] = one.rows
+    return data, rows, outline
 
 
 def finish(args: argparse.Namespace, scene: Scene, data: dict[str, Any], outline: Outline | None = None) -> int:
@@ -109,6 +119,7 @@ def scene_contents(scene: Scene, effects: Plan, outline: Outline) -> dict[str, A
         "title": scene.title,
         "entities": names_of(outline),
         "area": float(outline.area()),
+        "bounds": [corner.tolist() for corner in outline.bounds()],
         "materials": list(scene.material),
         **summed(scene, effects, outline)[0],
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
@@ -145,6 +156,8 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     plurals = {"vertex": "vertices", "edge": "edges", "hole": "holes", "region": "regions", "group": "groups"}
     rows = [(plurals[kind], listed(found)) for kind, found in names.items() if found or kind in ("vertex", "edge")]
     rows.append(("area", f"{outline.area():.6g} m^2"))
+    (x, y), (width, height) = outline.bounds()[0], np.subtract(*outline.bounds()[::-1])
+    rows.append(("bounding box", f"{width:.6g} m x {height:.6g} m from ({x:.6g}, {y:.6g}) m on"))
     rows += [(f"material {name}", keys_in_words(m)) for name, m in scene.material.items()]
     rows += summed(scene, effects, outline)[1]
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]

@@ -51,7 +51,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Replay; 0 when all frames were replayed, 1 when parity fails or, with --strict, a frame was refused, 2 on bad input."""
+    """Replay; 0 when all frames were replayed, 1 when parity fails or --strict finds a refused one, 2 on bad input."""
     from restshape.calibration import Calibration
     from restshape.cli.shipped import script_of
     from restshape.replay.request import Request
@@ -192,6 +192,11 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     heads = ("quantity", "first", "last", "least", "largest")
     values = [(name, *_ends(v)) for name, v in summary["quantities"].items()]
     print_table("quantities (SI units)", heads, values, right=heads[1:])
+    for name, exponent in summary["singular"].items():
+        how = f"r^{exponent - 1.0:.3f} there" if exponent else "a point load there"
+        print(
+            f"{name} is taken at a singular place ({how}): its value is one of the mesh size; restshape check says more"
+        )
     if status := summary["constraint_status"]:
         violated = status["violated_constraints"]
         last = f"{status['last']} at the end{violated and ' for ' + violated}"

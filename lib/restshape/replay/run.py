@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from petsc4py import PETSc
 
@@ -15,6 +15,7 @@ from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.row_table import table_of_rows
 from restshape.replay.tally import Tally
+from restshape.shape.session import EditSession
 from restshape.surroundings import petsc_options
 
 
@@ -42,9 +43,11 @@ def run_replay(
     comm = PETSc.COMM_WORLD
     first = comm.rank == 0
     replay = _replay(request, recorder)
+    singular = _singular(request, replay)
     if recorder:
         version = list(PETSc.Sys.getVersion())
-        recorder.add_header({"ranks": comm.size, "petsc": version, "petsc_in_effect": petsc_options()})
+        known = {"ranks": comm.size, "petsc": version, "petsc_in_effect": petsc_options(), "singular": singular}
+        recorder.add_header(known)
     check = Parity(replay) if parity else None
     tally, rows, interrupted = Tally(), [], False
     keep = keep_rows or request.application.report is not None
@@ -68,6 +71,7 @@ def run_replay(
     summary = tally.summary(request.policy.name, comm.size, replay.analysis.estimated_quantity)
     summary |= {
         "interrupted": interrupted,
+        "singular": singular,
         "rows": rows,
         "reasons": tally.reasons,
         "largest_residual": tally.largest_residual,
@@ -87,6 +91,15 @@ def _replay(request: Request, recorder: Recorder | None) -> Replay:
         if not request.petsc:
             raise
         raise refusal(error, request.petsc) from error
+
+
+def _singular(request: Request, replay: Replay) -> dict[str, float]:
+    """Quantities without a limit under refinement on the first shape, with the exponent lambda of displacements."""
+    found: dict[str, float] = {}
+    for physics in request.application.physics:
+        if physics.inspect_shape:
+            found |= physics.inspected(request.scene, cast(EditSession, replay.session).outline).singular
+    return found
 
 
 def _frames(replay: Replay, petsc: Sequence[str]) -> Iterator[RowValues]:

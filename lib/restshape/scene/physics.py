@@ -72,6 +72,23 @@ class Invariant:
 
 
 @dataclass(frozen=True)
+class Inspection:
+    """What a physics sees in a scene with an outline, though it stops nothing.
+
+    Args:
+        data: for programs.
+        rows: the same for people.
+        warnings: what makes answers bad, for people.
+        singular: quantities without a limit under refinement, with the exponent lambda of stress r^(lambda - 1).
+    """
+
+    data: dict[str, Any] = field(default_factory=dict)
+    rows: Rows = field(default_factory=list)
+    warnings: tuple[str, ...] = ()
+    singular: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class PictureField:
     """A scalar field that pictures of the plane show by colours.
 
@@ -113,6 +130,8 @@ class Physics:
         nested: its fields, of first order, may live on a mesh nested in coarser ones.
         check: what models alone cannot check in a scene; raises a `UserError` made by `Source.error`.
         check_shape: path ``module:attribute`` of the function that checks a scene with its first outline.
+        inspect_shape: path ``module:attribute`` of the function that gives the `Inspection` of a scene with its first
+            outline.
         columns: names and types of columns of a replay that only it has, for a scene.
         summed: of a scene, its plan and the area [m^2] of its shape, what `restshape check` says besides: for programs,
             and as rows for people.
@@ -139,6 +158,7 @@ class Physics:
     nested: bool = False
     check: Callable[[Scene, Source], None] | None = None
     check_shape: str = ""
+    inspect_shape: str = ""
     columns: Callable[[Scene], dict[str, Any]] | None = None
     summed: Callable[[Scene, Any, float], tuple[dict[str, Any], Rows]] | None = None
     instead: Mapping[str, str] = field(default_factory=dict)
@@ -152,3 +172,11 @@ class Physics:
         if self.check_shape:
             module, attribute = self.check_shape.split(":")
             getattr(import_module(module), attribute)(scene, outline)
+
+    def inspected(self, scene: Scene, outline: object) -> Inspection:
+        """What it sees in a scene with an outline; nothing where it does not look."""
+        if not self.inspect_shape:
+            return Inspection()
+        module, attribute = self.inspect_shape.split(":")
+        found: Inspection = getattr(import_module(module), attribute)(scene, outline)
+        return found

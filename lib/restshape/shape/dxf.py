@@ -59,6 +59,11 @@ def read_dxf(path: Path) -> dict[str, Any]:
     return shape_data(loose_curves, path.name)
 
 
+def has_unit(path: Path) -> bool:
+    """Whether a drawing that can be read says its unit."""
+    return bool(int(ezdxf.readfile(path).header.get("$INSUNITS", 0)))
+
+
 def _name(layer: str) -> str:
     """A layer's name as a name in a scene."""
     name = re.sub(r"[^A-Za-z0-9_-]+", "_", layer)

@@ -97,6 +97,29 @@ def test_a_wish_that_no_pick_meets_is_told(tmp_path, monkeypatch, capsys):
     assert found["name"] == "finest" and not found["holds"] and not found["before"]
 
 
+@pytest.mark.parametrize(
+    ("rates", "converges"), [({"1": 0.1, "2": 0.3}, False), ({"1": 0.4, "2": 1.1}, True), ({}, True)]
+)
+def test_a_quantity_at_a_singular_place_never_holds(monkeypatch, rates, converges):
+    study = SimpleNamespace(asked=SimpleNamespace(of="peak"), records=[{"varied": "", "policy": "auto"}])
+    monkeypatch.setattr(chosen, "rates", lambda records, policy: {"q_peak": rates})
+    why = chosen.not_converging(study)
+    assert (why == "") == converges
+    if not converges:
+        assert "peak does not converge: its error falls as h^0.10 (order 1), h^0.30 (order 2)" in why
+        told = {
+            "within": 5.0,
+            "below": None,
+            "frame_ms": 1.0,
+            "error": 0.001,
+            "uncertainty": 0.0,
+            "frames": 9,
+            "sampled": [0],
+        }
+        told |= {"holds": False, "diverges": why}
+        assert "DOES NOT HOLD: peak does not converge" in chosen.chosen_line(told) and chosen.hopeless(told)
+
+
 def test_ranks_of_mpi_are_refused(small, tmp_path, monkeypatch, capsys):
     scene, edits = small
     monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "0")

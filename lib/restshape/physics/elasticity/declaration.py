@@ -100,6 +100,7 @@ PLANE_SOLIDS = Physics(
     orders=(1, 2),
     check=check_solids,
     check_shape="restshape.physics.elasticity.outline_checks:check_supports",
+    inspect_shape="restshape.physics.elasticity.inspection:inspect_solid",
     columns=buckling_columns,
 )
 
@@ -126,5 +127,6 @@ FREE_VIBRATIONS = Physics(
     layered=True,
     check=check_goals,
     check_shape="restshape.physics.elasticity.outline_checks:check_thickness",
+    inspect_shape="restshape.physics.elasticity.inspection:inspect_body",
     columns=modal_columns,
 )

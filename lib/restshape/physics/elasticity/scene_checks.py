@@ -19,6 +19,24 @@ def check_solids(scene: Scene, source: Source) -> None:
         if material.orthotropic is not None:
             what = f"the application {scene.app!r} knows isotropic materials only"
             raise source.error(("material", name), what, "give E and nu")
+    _refuse_no_thickness(scene, source)
+
+
+def _refuse_no_thickness(scene: Scene, source: Source) -> None:
+    """Refuses a thickness that is left out where stress follows from it: plane stress under forces in N.
+
+    In plane strain forces are those on a metre of depth.
+    """
+    # Recordings of scenes from before this was refused are still read.
+    if source.recorded or scene.effects.get("solid", {}).get("model", "plane_stress") != "plane_stress":
+        return
+    force = next((name for name, load in scene.loads.items() if load.force is not None), None)
+    if force is None:
+        return
+    for name, material in scene.material.items():
+        if "thickness" not in material.model_fields_set:
+            what = f"stress is the force of loads.{force} by the thickness, which is left out"
+            raise source.error(("material", name), what, 'add thickness = "8 mm"; until now it was 1 m')
 
 
 def check_goals(scene: Scene, source: Source) -> None:

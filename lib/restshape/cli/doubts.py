@@ -1,0 +1,65 @@
+"""What is odd in a scene of any physics, though it can be simulated: units left out, keys that have no effect."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import BaseModel
+
+from restshape.scene.model import Scene
+from restshape.scene.values import annotation_of, dimension_of
+from restshape.shape.outline import Outline
+
+FULL_TURN = 2.0 * math.pi
+
+
+def doubts(scene: Scene, outline: Outline) -> list[str]:
+    """What a user may have meant otherwise, a line each, of a scene and its first outline."""
+    return [*_angles(scene, scene.raw), *_mesh(scene), *_drawing(scene, outline)]
+
+
+def _angles(model: object, raw: Any, key: str = "") -> Iterator[str]:
+    """Angles that are written without a unit and go round more than once."""
+    if isinstance(model, Mapping) and isinstance(raw, Mapping):
+        for name, one in model.items():
+            yield from _angles(one, raw.get(name), f"{key}.{name}" if key else str(name))
+    if not (isinstance(model, BaseModel) and isinstance(raw, Mapping)):
+        return
+    for name, field in type(model).model_fields.items():
+        word = field.alias or name
+        here, written = f"{key}.{word}" if key else word, raw.get(word)
+        if dimension_of(annotation_of(field)) != "angle":
+            yield from _angles(getattr(model, name), written, here)
+            continue
+        for value in written if isinstance(written, list | tuple) else [written]:
+            if isinstance(value, int | float) and abs(value) > FULL_TURN:
+                choice = f'"{value:g} deg" or "{value:g} rad"'
+                yield f"{here}: an angle without a unit is in radians, and {value:g} is more than a turn: {choice}?"
+
+
+def _mesh(scene: Scene) -> Iterator[str]:
+    """What becomes of a mesh from a file."""
+    if not scene.mesh.file:
+        return
+    size = scene.mesh.size
+    new = f"one of mesh.size = {size:g} m" if size else "one with the usual number of triangles"
+    if size:
+        yield "mesh.size: the first frame has the mesh of mesh.file as it is; the size is that of meshes made later"
+    yield f"mesh.file: where an edit needs a new mesh, {new} takes its place: refinements of the file are lost"
+
+
+def _drawing(scene: Scene, outline: Outline) -> Iterator[str]:
+    """A drawing that does not say its unit."""
+    file = scene.shape.file
+    if not file or not file.lower().endswith(".dxf"):
+        return
+    from restshape.shape.dxf import has_unit
+
+    if not has_unit(scene.folder / file):
+        width, height = outline.bounds()[1] - outline.bounds()[0]
+        yield (
+            f"shape.file: the drawing has no unit ($INSUNITS), and is read in millimetres: {width:.4g} m x "
+            f"{height:.4g} m; save it with its unit"
+        )

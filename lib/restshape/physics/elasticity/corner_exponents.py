@@ -1,0 +1,114 @@
+"""How stress grows towards a corner of an elastic body: exponents of the fields r^lambda there."""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.optimize import brentq
+
+Condition = tuple[tuple[float, float], ...]
+"""Directions (x, y), of length 1, in which a side of a corner is held: none is free, two are clamped."""
+FREE: Condition = ()
+CLAMPED: Condition = ((1.0, 0.0), (0.0, 1.0))
+
+LEAST, MOST = 0.02, 0.999
+"""Between which real parts roots are looked for: rigid displacements have 0, rotations and even stress 1."""
+STARTS = (20, 6)
+"""Points in both directions from which roots are looked for."""
+STEPS = 45
+CLOSE = 1e-6
+"""Change of a root in the last step that counts as none: double roots, as of a crack, are found to 1e-8."""
+
+
+def kolosov(nu: float, plane_strain: bool) -> float:
+    """Kolosov's constant of plane strain or plane stress by Poisson's ratio."""
+    return 3.0 - 4.0 * nu if plane_strain else (3.0 - nu) / (1.0 + nu)
+
+
+@lru_cache(maxsize=256)
+def exponent(angle: float, first: Condition, last: Condition, kappa: float) -> complex | None:
+    """The exponent lambda of the least real part: displacements go as r^lambda, stress as r^(lambda - 1).
+
+    Args:
+        angle: of the body at the corner [rad], counter-clockwise from the first side to the last one.
+        first, last: directions in which the sides are held, in axes of which x points along the first side.
+        kappa: Kolosov's constant, where a side is held.
+
+    Returns:
+        None where stress stays finite: no exponent has a real part below 0.999.
+
+    Source: M. L. Williams, Journal of Applied Mechanics 19 (1952), 526-528. Of free sides the exponents solve
+    sin(lambda angle) = +- lambda sin(angle).
+    """
+    if not (first or last):
+        return _free(angle)
+    return least_root(angle, first, last, kappa)
+
+
+def _free(angle: float) -> complex | None:
+    """The exponent between free sides: that of the fields that are symmetric to the bisector of the angle."""
+    if angle <= np.pi:
+        return None
+    root = brentq(lambda lam: np.sin(lam * angle) + lam * np.sin(angle), 0.5 - 1e-9, 1.0, xtol=1e-12)
+    return complex(root) if root < MOST else None
+
+
+def least_root(angle: float, first: Condition, last: Condition, kappa: float) -> complex | None:
+    """The root of the least real part of the determinant of the conditions at both sides; as `exponent`."""
+    real = np.linspace(LEAST, MOST, STARTS[0])
+    imaginary = np.linspace(0.0, 1.0, STARTS[1])
+    roots = (real[:, None] + 1j * imaginary).ravel()
+    change = np.full(len(roots), np.inf)
+    step = 1e-6
+    for _ in range(STEPS):
+        here = _determinant(roots, angle, first, last, kappa)
+        rate = (_determinant(roots + step, angle, first, last, kappa) - here) / step
+        with np.errstate(all="ignore"):
+            change = here / rate
+        change = np.where(np.isfinite(change), change, 0.0)
+        # Long steps leave the strip in which roots are looked for.
+        change *= np.minimum(1.0, 0.1 / np.maximum(np.abs(change), 1e-300))
+        roots = roots - change
+    good = (np.abs(change) < CLOSE) & (roots.real > LEAST) & (roots.real < MOST) & (np.abs(roots.imag) < 3.0)
+    found = roots[good]
+    if not len(found):
+        return None
+    least = found[np.argmin(np.round(found.real, 7) + 1e-9 * np.abs(found.imag))]
+    return complex(least.real, abs(least.imag) if abs(least.imag) > 1e-7 else 0.0)
+
+
+def _determinant(lam: np.ndarray, angle: float, first: Condition, last: Condition, kappa: float) -> np.ndarray:
+    """What vanishes where fields r^lambda meet the conditions at both sides, of many lambda (n,)."""
+    rows = [*_conditions(lam, 0.0, first, kappa), *_conditions(lam, angle, last, kappa)]
+    return np.linalg.det(np.moveaxis(np.array(rows), -1, 0))
+
+
+def _conditions(lam: np.ndarray, theta: float, held: Condition, kappa: float) -> list[list[np.ndarray]]:
+    """Two rows of four columns (n,): the terms of the stress function in the conditions of a side."""
+    displacement, stress = _fields(lam, theta, kappa)
+    radial, around = (np.cos(theta), np.sin(theta)), (-np.sin(theta), np.cos(theta))
+    if len(held) == 2:
+        return [displacement[0], displacement[1]]
+    if not held:
+        return [stress[0], stress[1]]
+    along = held[0]
+    across = (-along[1], along[0])
+
+    def part(pair: list[list[np.ndarray]], d: tuple[float, float]) -> list[np.ndarray]:
+        shares = (d[0] * radial[0] + d[1] * radial[1], d[0] * around[0] + d[1] * around[1])
+        return [shares[0] * one + shares[1] * other for one, other in zip(*pair)]
+
+    return [part(displacement, along), part(stress, across)]
+
+
+def _fields(lam: np.ndarray, theta: float, kappa: float) -> tuple[list[list[np.ndarray]], list[list[np.ndarray]]]:
+    """Displacements (along r and theta) and stresses on a side (r theta, theta theta) of the four terms.
+
+    The stress function is r^(lambda + 1) times sin and cos of (lambda + 1) theta and of (lambda - 1) theta.
+    """
+    p, m = (lam + 1.0) * theta, (lam - 1.0) * theta
+    sp, cp, sm, cm = np.sin(p), np.cos(p), np.sin(m), np.cos(m)
+    radial = [-(lam + 1) * sp, -(lam + 1) * cp, (kappa - lam) * sm, (kappa - lam) * cm]
+    around = [-(lam + 1) * cp, (lam + 1) * sp, -(kappa + lam) * cm, (kappa + lam) * sm]
+    shear = [-(lam + 1) * cp, (lam + 1) * sp, -(lam - 1) * cm, (lam - 1) * sm]
+    normal = [(lam + 1) * sp, (lam + 1) * cp, (lam + 1) * sm, (lam + 1) * cm]
+    return [radial, around], [shear, normal]

@@ -1,0 +1,108 @@
+"""What an elastic scene and its outline show at a glance: the mass, values that no material has, singular places."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import sqrt
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.mesh.regions import contains, loop_polygon
+from restshape.mesh.thickness import Thickness
+from restshape.physics.elasticity.singular_places import singular_quantities, warning
+from restshape.scene.model import Material, Scene
+from restshape.scene.physics import Inspection
+from restshape.shape.outline import Outline
+
+STIFFNESS = (1e3, 1.3e12)
+"""Young's modulus [Pa] of the softest gels and of diamond."""
+DENSITY = (1.0, 2.3e4)
+"""Density [kg/m^3] of the lightest aerogels and of osmium."""
+SPEED = (1.0, 2.0e4)
+"""Speed of sound sqrt(E / rho) [m/s] in gels and in diamond.
+
+Source of the orders of magnitude: M. F. Ashby, Materials Selection in Mechanical Design, 4th edition, 2011, chapter 4
+(charts of modulus against density, from foams and elastomers to diamond and tungsten); its ends, gels, aerogels and
+osmium, are rounded outwards.
+"""
+GRID = 40
+"""Places in each direction at which a thickness that varies is averaged."""
+
+
+def inspect_solid(scene: Scene, outline: Outline) -> Inspection:
+    """The mass of a plane solid, values that no material has, and quantities at singular places."""
+    places = singular_quantities(scene, outline)
+    seen = inspect_body(scene, outline)
+    warnings = [warning(name, scene.quantities[name], place) for name, place in places.items()]
+    singular = {name: place.exponent for name, place in places.items()}
+    return Inspection(seen.data, seen.rows, (*seen.warnings, *warnings), singular)
+
+
+def inspect_body(scene: Scene, outline: Outline) -> Inspection:
+    """The mass of a body, and values that no material has or no plate."""
+    warnings = [text for name, material in scene.material.items() for text in _doubts(name, material, outline)]
+    mass = sum(_mass(scene, name, outline) for name in scene.material)
+    if not mass:
+        return Inspection(warnings=tuple(warnings))
+    return Inspection({"mass": mass}, [("mass", f"{mass:.6g} kg")], tuple(warnings))
+
+
+def _doubts(name: str, material: Material, outline: Outline) -> Iterator[str]:
+    """What is odd in a material."""
+    moduli = [material.E] if material.orthotropic is None else material.orthotropic.E
+    odd = [E for E in moduli if not STIFFNESS[0] <= E <= STIFFNESS[1]]
+    for E in odd:
+        yield (
+            f"material.{name}: a stiffness of {E:g} Pa is that of no material (gels {STIFFNESS[0]:g}, rubber 1e6, "
+            "wood 1e10, steel 2e11, diamond 1.2e12): is its unit right?"
+        )
+    rho = material.rho
+    if rho and not DENSITY[0] <= rho <= DENSITY[1]:
+        yield (
+            f"material.{name}: a density of {rho:g} kg/m^3 is that of no material (aerogels {DENSITY[0]:g}, wood 500, "
+            "water 1000, steel 7850, osmium 22600): is its unit right?"
+        )
+    elif rho and not odd and not SPEED[0] <= (speed := sqrt(max(moduli) / rho)) <= SPEED[1]:
+        yield (
+            f"material.{name}: with this stiffness and density sound goes at {speed:g} m/s, which it does in no "
+            "material (rubber 50, steel 5000, diamond 18000): are their units right?"
+        )
+    size = float(np.max(np.subtract(*outline.bounds()[::-1])))
+    given = "thickness" in material.model_fields_set
+    if given and isinstance(material.thickness, int | float) and material.thickness > size:
+        yield (
+            f"material.{name}: the thickness of {material.thickness:g} m is more than the {size:.3g} m of the "
+            "whole shape: is its unit right?"
+        )
+
+
+def _mass(scene: Scene, name: str, outline: Outline) -> float:
+    """The mass [kg] of a material of a scene on an outline; formulas of the thickness are averaged at places."""
+    material = scene.material[name]
+    if not material.rho:
+        return 0.0
+    used = {loop for one in scene.material.values() for region in one.region or [] for loop in _loops(outline, region)}
+    own = {loop for region in material.region or [] for loop in _loops(outline, region)}
+    areas = sum(abs(outline.loop_area(loop)) for loop in own)
+    if material.region is None:
+        areas = float(outline.area()) - sum(abs(outline.loop_area(loop)) for loop in used)
+    return float(material.rho) * areas * _mean_thickness(scene, material, outline)
+
+
+def _loops(outline: Outline, region: str) -> tuple[int, ...]:
+    try:
+        return outline.entity(region).loops
+    except UserError:
+        # Regions of a mesh file are known by their cells alone.
+        return ()
+
+
+def _mean_thickness(scene: Scene, material: Material, outline: Outline) -> float:
+    if isinstance(material.thickness, int | float):
+        return float(material.thickness)
+    low, high = outline.bounds()
+    axes = (a + (np.arange(GRID) + 0.5) / GRID * (b - a) for a, b in zip(low, high))
+    places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    inside = places[contains(loop_polygon(outline, outline.loops[0]), places)]
+    return float(np.mean(Thickness(material.thickness, scene.parameters).at(inside)))

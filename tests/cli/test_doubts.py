@@ -1,0 +1,112 @@
+"""What `restshape check` warns of though the scene can be simulated, and a thickness that stress needs."""
+
+import json
+import shutil
+from pathlib import Path
+
+import ezdxf
+import pytest
+from small_scenes import HEAD, block, meshed, write_scene
+
+from restshape.cli.check_scene import starting_outline
+from restshape.cli.doubts import doubts
+from restshape.errors import UserError
+from restshape.physics.elasticity.inspection import inspect_solid
+from restshape.scene.load import load_scene
+from restshape.shape.build import outline_from_spec
+
+SCENES = Path(__file__).parents[1] / "scenes"
+BODY = """
+[material.m]
+E = {E}
+nu = 0.3
+rho = {rho}
+thickness = {thickness}
+[effects.solid]
+model = "plane_stress"
+[supports.left]
+on = "left"
+fix = ["x", "y"]
+[loads.right]
+on = "right"
+force = [1e3, 0]
+"""
+
+
+def scene_of(folder, E="210e9", rho="7850", thickness="0.01", more="", change=("", "")):
+    text = HEAD + block(2.0, 1.0) + BODY.format(E=E, rho=rho, thickness=thickness) + more + meshed(0.2)
+    return load_scene(write_scene(folder, text.replace(*change)))
+
+
+def warned(scene):
+    outline = outline_from_spec(scene.shape, scene.folder)
+    return [*doubts(scene, outline), *inspect_solid(scene, outline).warnings]
+
+
+def test_nothing_is_odd_about_steel_and_its_mass_is_known(tmp_path):
+    scene = scene_of(tmp_path)
+    seen = inspect_solid(scene, outline_from_spec(scene.shape, scene.folder))
+    assert warned(scene) == [] and seen.data["mass"] == pytest.approx(2.0 * 1.0 * 0.01 * 7850)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"E": "210"}, "stiffness of 210 Pa"),
+        ({"E": "210e12"}, "stiffness of 2.1e+14 Pa"),
+        ({"rho": "7.85e-9"}, "density of 7.85e-09"),
+        ({"rho": "7.85e6"}, "density of 7.85e+06"),
+        ({"E": "1e12", "rho": "2"}, "sound goes at 707107 m/s"),
+        ({"thickness": "8"}, "thickness of 8 m is more than the 2 m"),
+    ],
+)
+def test_values_that_no_material_has(tmp_path, values, words):
+    (warning,) = warned(scene_of(tmp_path, **values))
+    assert words in warning and "material.m" in warning
+
+
+def test_the_thickness_that_stress_follows_from_is_given(tmp_path):
+    with pytest.raises(UserError, match=r"stress is the force of loads\.right by the thickness.*left out"):
+        scene_of(tmp_path, change=("thickness = 0.01\n", ""))
+    scene_of(tmp_path, change=("force = [1e3, 0]", "traction = [1e3, 0]"))
+    traction = HEAD + block(2.0, 1.0) + BODY.format(E="1e9", rho="0", thickness="1") + meshed(0.2)
+    traction = traction.replace("thickness = 1\n", "").replace("force", "traction")
+    assert load_scene(write_scene(tmp_path, traction)).material["m"].thickness == 1.0
+    strain = traction.replace("traction", "force").replace("plane_stress", "plane_strain")
+    assert load_scene(write_scene(tmp_path, strain)).material["m"].thickness == 1.0
+
+
+def test_a_drawing_without_a_unit(tmp_path):
+    drawing = ezdxf.new()
+    drawing.modelspace().add_lwpolyline([(0, 0), (20, 0), (20, 10), (0, 10)], close=True)
+    drawing.header["$INSUNITS"] = 0
+    drawing.saveas(tmp_path / "part.dxf")
+    text = HEAD + '[shape]\nfile = "part.dxf"\n[material.m]\nE = 1e9\nnu = 0.3\n' + meshed(0.002)
+    (warning,) = warned(load_scene(write_scene(tmp_path, text)))
+    assert "no unit ($INSUNITS), and is read in millimetres: 0.02 m x 0.01 m" in warning
+    drawing.header["$INSUNITS"] = 4
+    drawing.saveas(tmp_path / "part.dxf")
+    assert warned(load_scene(tmp_path / "scene.toml")) == []
+
+
+def test_check_prints_the_box_and_the_mass(tmp_path, command):
+    scene_of(tmp_path)
+    done = command("check", tmp_path / "scene.toml", "--json", tmp_path / "a.json")
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert done.returncode == 0 and "2 m x 1 m from (0, 0) m on" in done.stdout and "157 kg" in done.stdout
+    assert found["bounds"] == [[0.0, 0.0], [2.0, 1.0]] and found["mass"] == pytest.approx(157.0)
+
+
+def test_an_angle_without_a_unit(tmp_path):
+    for grain, count in (("90", 1), ("'90 deg'", 0), ("1.5", 0)):
+        scene = load_scene(SCENES / "rosewood.toml", [f"material.wood.grain={grain}"])
+        found = doubts(scene, starting_outline(scene))
+        assert len(found) == count and all("90 is more than a turn" in one for one in found)
+
+
+def test_a_mesh_file_and_a_size(tmp_path):
+    shutil.copy(SCENES.parents[1] / "meshes" / "bracket.inp", tmp_path)
+    text = (SCENES / "bracket.toml").read_text().replace("../../meshes/", "")
+    scene = load_scene(write_scene(tmp_path, text))
+    size, new = doubts(scene, starting_outline(scene))
+    assert size.startswith("mesh.size") and "takes its place: refinements of the file are lost" in new
