@@ -7,8 +7,10 @@ from typing import Any
 
 import pytest
 from pydantic import TypeAdapter, ValidationError
+from schema_check import fits
 
 from restshape.application import applications
+from restshape.cli.schema import scene_schema
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.model import ShapeSpec
@@ -112,6 +114,25 @@ def test_scenes_and_parts_of_them_are_valid(place, text, tmp_path):
         validate_part(tables)
     if tables.get("shape", {}).get("outline"):
         outline_from_spec(ShapeSpec.model_validate(tables["shape"]), tmp_path)
+
+
+@pytest.mark.skipif(not set(applications()) >= SHIPPED, reason="pages show scenes of applications that are absent")
+def test_scenes_and_parts_of_them_fit_the_schema():
+    schema = scene_schema()
+    for place, text in [
+        *BLOCKS,
+        ("mesh.unit", "[mesh]\nfile = 'a.msh'\nunit = 'mm'\n"),
+        ("", "[mesh]\nunit = 0.001\n"),
+    ]:
+        tables = tomllib.loads(text)
+        part = schema if "format" in tables else {**schema, "required": []}
+        assert fits(tables, part, schema), place
+
+
+@pytest.mark.parametrize("text", ["[mesh]\nunit = true", "[mesh]\nunits = 'mm'", "[mesh]\nunit = -1", "version = 2"])
+def test_what_does_not_fit_the_schema_is_found(text):
+    schema = scene_schema()
+    assert not fits(tomllib.loads(text), {**schema, "required": []}, schema)
 
 
 @pytest.mark.parametrize(

@@ -224,6 +224,12 @@ def test_the_file_name_of_a_mesh_stands_for_the_shape(scene_file):
     assert scene.mesh.file == "m.msh" and scene.mesh.unit == 1e-3 and not scene.shape.edges
 
 
+def test_a_unit_without_a_mesh_file_is_refused(scene_file):
+    scene_file.write_text(scene_file.read_text().replace('size = "100 mm"', 'size = "100 mm"\nunit = "mm"'))
+    with pytest.raises(UserError, match=r"mesh\.unit.*unit of the numbers of mesh\.file"):
+        load_scene(scene_file)
+
+
 def test_json_round_trip(scene_file):
     scene = load_scene(scene_file)
     again = type(scene).model_validate_json(scene.model_dump_json(exclude_none=True))

@@ -233,6 +233,12 @@ def _check_mesh(scene: Scene, application: Application, source: Source) -> None:
     """Refuses a mesh without a size, and element orders, layers and levels that the application does not have."""
     if scene.mesh.size is None and scene.mesh.file is None:
         raise source.error(("mesh", "size"), "the mesh has no size", 'add size = "20 mm" to [mesh]')
+    if "unit" in scene.mesh.model_fields_set and scene.mesh.file is None:
+        raise source.error(
+            ("mesh", "unit"),
+            "this is the unit of the numbers of mesh.file, which the scene does not have",
+            "leave it out: a .dxf says its unit, the numbers of a .geo are metres (Dilate scales them)",
+        )
     if scene.mesh.order not in (None, *application.orders):
         raise source.error(
             ("mesh", "order"),

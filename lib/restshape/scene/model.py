@@ -10,6 +10,7 @@ from pydantic import (
     Field,
     PrivateAttr,
     Tag,
+    WithJsonSchema,
     model_validator,
 )
 
@@ -222,6 +223,12 @@ class Load(Strict):
         return self
 
 
+UNIT_SCHEMA = {
+    "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}],
+    "description": "metres, or a unit such as mm",
+}
+
+
 class MeshSpec(Strict):
     """``[mesh]``: how fine, of which order (left out, the effects decide), and how it follows the shape.
 
@@ -239,7 +246,9 @@ class MeshSpec(Strict):
     min_quality: Annotated[float, Field(gt=0, lt=1)] = 0.3
     mesher: Literal["auto", "cgal", "gmsh"] = "auto"
     file: str | None = None
-    unit: Annotated[float, BeforeValidator(lambda raw: _read_scale(raw)), Field(gt=0)] = 1.0
+    unit: Annotated[float, BeforeValidator(lambda raw: _read_scale(raw)), Field(gt=0), WithJsonSchema(UNIT_SCHEMA)] = (
+        1.0
+    )
 
 
 def _read_scale(raw: float | str) -> float:
