@@ -5,6 +5,7 @@ import math
 import pytest
 
 from restshape.application import applications
+from restshape.cli.check_scene import starting_outline
 from restshape.errors import UserError
 from restshape.physics.elasticity.declaration import PLANE_SOLIDS
 from restshape.scene.expressions import Expression
@@ -234,3 +235,19 @@ def test_json_round_trip(scene_file):
     scene = load_scene(scene_file)
     again = type(scene).model_validate_json(scene.model_dump_json(exclude_none=True))
     assert again.model_dump() == scene.model_dump()
+
+
+@pytest.mark.parametrize(
+    ("region", "place", "words"),
+    [
+        ('[shape.regions]\npatch = ["left", "top"]', r"shape\.regions\.patch", r"write { loop = \[.left., .top.\] }"),
+        ("[shape.regions]\npatch = { loops = ['left'] }", r"shape\.regions\.patch", "did you mean 'loop'"),
+        ("[regions]\npatch = { loop = ['left'] }", "regions", r"write \[shape\.regions\]"),
+        ("[shape.regions]\npatch = { polygon = [[0.9, 0.9], [1, 0.9], [9, 1]] }", r"shape\.regions\.patch", "cross"),
+    ],
+)
+def test_a_wrong_region_is_refused_at_its_place(scene_file, region, place, words):
+    text = scene_file.read_text()
+    scene_file.write_text(text.replace("[material.steel]", region + "\n[material.steel]", 1))
+    with pytest.raises(UserError, match=rf"(?s){place}.*{words}"):
+        starting_outline(load_scene(scene_file))

@@ -49,7 +49,10 @@ def _reported(details: ErrorDetails, source: Source, root: type[BaseModel], pref
     match details["type"]:
         case "extra_forbidden":
             known = known_keys(root, location[:-1])
-            return source.error(key, f"there is no key {str(key[-1])!r} here", suggestion(str(key[-1]), known))
+            do = f"write [shape.{key[0]}]" if tuple(key) in IN_SHAPE else suggestion(str(key[-1]), known)
+            return source.error(key, f"there is no key {str(key[-1])!r} here", do)
+        case "kind" if isinstance(details["input"], list) and "loop" in details["ctx"]["keys"]:
+            return source.error(key, what, f"write {{ loop = {json.dumps(details['input'], default=str)} }}")
         case "kind" if isinstance(details["input"], dict) and details["input"]:
             unknown = next(iter(details["input"]))
             return source.error(key, what, suggestion(str(unknown), details["ctx"]["keys"]))
@@ -59,6 +62,8 @@ def _reported(details: ErrorDetails, source: Source, root: type[BaseModel], pref
     return source.error(key, what, do)
 
 
+IN_SHAPE = [(key,) for key in ("outline", "vertices", "edges", "holes", "regions", "points", "groups")]
+"""Keys of [shape], where they stand at the top of a scene."""
 AXES = {2: "two numbers [x, y]", 3: "three numbers [x, y, z]"}
 """Lists of numbers that are most often wanted, by their count."""
 

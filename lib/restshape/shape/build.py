@@ -47,8 +47,17 @@ def outline_from_spec(spec: Any, scene_dir: Path | str = ".") -> Outline:
     _check_groups(outline)
     wrong = problem(outline)
     if wrong:
-        raise UserError(wrong, "shape", "mend the outline: loops must neither cross, touch nor leave the outline")
+        raise UserError(wrong, _place(outline, wrong), "mend it: loops must neither cross, touch nor leave the outline")
     return outline
+
+
+def _place(outline: Outline, wrong: str) -> str:
+    """The key of the hole or region whose edges a message names; that of the shape where it names none of them."""
+    words = wrong.replace(",", " ").split()
+    for loop in outline.loops:
+        if loop.kind in ("hole", "region") and any(outline.edges[edge].name in words for edge, _ in loop.edges):
+            return f"shape.{loop.kind}s.{loop.name}"
+    return "shape"
 
 
 def with_file(spec: Any, scene_dir: Path) -> Any:
