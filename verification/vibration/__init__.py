@@ -11,5 +11,6 @@ verification = Verification(
         ),
         StudyParameter("effects.dynamics.mass", ("consistent", "lumped"), reference="consistent"),
     ),
+    thesis="restshape_verification.vibration.thesis:rows",
     random_scenes="restshape_verification.vibration.random_scenes:SCENES",
 )

@@ -1,0 +1,37 @@
+"""The thesis's vibrating building beside ours: row 1 of table 4.3."""
+
+from typing import Any
+
+from restshape_studies.bench.reuse import Plan, compare
+from restshape_studies.bench.turns import Case
+
+from restshape.application import application
+from restshape.replay.first_frame import first_frame
+
+FOLDER = application("vibration").folder
+CASE = Case("building", FOLDER / "scenes/building.toml", FOLDER / "edits/building.jsonl")
+PLAN = Plan(("auto", "thesis", "rebuild"))
+TRIANGLES = 1962
+SPEEDS = {"auto": 105.0, "thesis": 105.0, "rebuild": 41.8}
+"""Frames a second of the thesis, with and without reuse."""
+
+
+def rows(timed: bool = True) -> list[dict[str, Any]]:
+    """Rows of `restshape tables`; `timing` marks those that a clock decides, which need not be `timed`."""
+    common = {"table": "4.3", "row": "vibration"}
+    elements = first_frame(CASE.scene).row["elements"]
+    counted = {**common, "quantity": "triangles", "thesis": TRIANGLES, "ours": elements, "unit": "triangles"}
+    # Policies take turns on a warm machine, so that a slow spell of it favours none.
+    found = compare(CASE, PLAN, lambda words: None) if timed else {}
+    speeds = [
+        {
+            **common,
+            "quantity": f"frames a second, policy {name}",
+            "thesis": SPEEDS[name],
+            "ours": entry["fps"],
+            "unit": "1/s",
+            "timing": True,
+        }
+        for name, entry in found.items()
+    ]
+    return [{**counted, "timing": False}, *speeds]
