@@ -71,10 +71,10 @@ def run_replay(
     summary = tally.summary(request.policy.name, comm.size, replay.analysis.estimated_quantity)
     summary |= {
         "interrupted": interrupted,
-        "singular": singular,
         "rows": rows,
         "reasons": tally.reasons,
         "largest_residual": tally.largest_residual,
+        "singular": singular,
     }
     if request.application.report:
         summary |= request.application.report.summarised(rows)

@@ -59,6 +59,7 @@ class Tally:
         else:
             self._add_times(row)
         counts["frames"] += 1
+        self._stale.append(bool(row["refused"]))
         counts["refused"] += bool(row["refused"])
         for name in ("iterations", "newton", "pc_rebuilt"):
             counts[name] += int(row[name])
@@ -69,7 +70,6 @@ class Tally:
         self._size = (row["unknowns"], row["elements"])
         for key, values in self._series.items():
             values.append(row[key])
-        self._stale.append(bool(row["stale"]))
         self._add_errors(row)
         self._add_texts(row)
 
