@@ -81,7 +81,7 @@ def test_guesses_follow_the_nodes_of_flipped_edges(tmp_path, monkeypatch):
         return np.array(found)
 
     follow = residuals()
-    monkeypatch.setattr("restshape.analysis.frame.interpolated", lambda field, interpolations: field)
+    monkeypatch.setattr(LagrangeSpace, "interpolate", lambda self, field, interpolations: field)
     stay = residuals()
     # Values that belong to another place add to the forces that the motion itself has brought.
     assert len(follow) == len(stay) > 2
