@@ -196,7 +196,7 @@ def start_restshape(tmp_path: Path) -> Callable[..., subprocess.Popen]:
         process.communicate()
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def outside() -> dict[str, str]:
     """The environment for other processes that start MPI."""
     return _outside()

@@ -16,7 +16,8 @@ SUMMARY = "the thesis's numbers beside ours, measured now"
 HEADER = """# The thesis's numbers beside ours
 
 Written by `restshape tables`; `restshape tables --check` says whether the counts still hold. Rows with a ratio or a
-time were measured on the machine that wrote this file. The thesis used a 2.5 GHz CPU with 2 GB of memory in chapter 4,
+time were measured on the machine that wrote this file; triangles of table 4.3 and levels of table 4.2 depend on its
+rounding. The thesis used a 2.5 GHz CPU with 2 GB of memory in chapter 4,
 one of 2.66 GHz with 4 GB for table 5.1, and one of 2.8 GHz with 4 GB for table 6.1. The linear systems of our steps in
 table 5.1 are solved to the relative residual that their rows name; with the thesis's numbers none is named.
 
@@ -46,13 +47,14 @@ def run(args: argparse.Namespace) -> int:
     rows = [row for known in verifications().values() for row in known.thesis_rows(timed=not args.check)]
     tables = list(dict.fromkeys(row["table"] for row in rows))
     rows.sort(key=lambda row: tables.index(row["table"]))
-    shown = [{key: value for key, value in row.items() if key != "timing"} for row in rows]
+    shown = [{key: value for key, value in row.items() if key not in ("timing", "rounding")} for row in rows]
     columns = ("table", "row", "quantity", "thesis", "ours", "unit")
     print_table("thesis and ours", columns, [[row[key] for key in columns] for row in shown])
     write_json(args, shown)
     if args.check:
         text = args.out.read_text(encoding="utf-8")
-        return _check(text, [_lines(markdown_table, row) for row in rows], args.out)
+        # Where a mesh turns on the last digits, another type of CPU has other counts.
+        return _check(text, [_lines(markdown_table, row) for row in rows if not row.get("rounding")], args.out)
     write_whole(args.out, HEADER + thesis_table(shown))
     print(f"wrote {args.out}")
     return 0

@@ -11,11 +11,9 @@ TESTS = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory):
-    import conftest
-
+def found(tmp_path_factory, outside):
     command = ["mpiexec", "-n", "2", sys.executable, str(Path(__file__).with_name("indefinite_ranks_program.py"))]
-    environment = {**conftest._outside(), "PYTHONPATH": str(TESTS)}
+    environment = {**outside, "PYTHONPATH": str(TESTS)}
     folder = tmp_path_factory.mktemp("ranks")
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=240)
     assert done.returncode == 0, done.stderr

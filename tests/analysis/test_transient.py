@@ -182,7 +182,7 @@ def test_refused_values_leave_the_motion_as_it_was(tmp_path):
     for row in rows_of(replay, lambda row: times.append(replay.analysis.time)):
         sway.append((row["q_sway"], row["refused"]))
     assert np.allclose(times, 0.02 * np.array([0, 1, 2, 3, 3, 3, 4, 5]))
-    assert all(refused and value == sway[3][0] for value, refused in sway[4:6])
+    assert all(refused and np.isnan(value) for value, refused in sway[4:6])
     straight = rows_of(make_replay(scene, write_script(tmp_path, [{"do": "idle", "frames": 5}])))
     assert sway[-1][0] == pytest.approx(straight[-1]["q_sway"], rel=1e-9)
 

@@ -23,9 +23,9 @@ def gravity_raised(trial: Trial) -> Iterator[Statement]:
     """Gravity is raised until no equilibrium is near, and lowered again."""
     events = set_value("effects.gravity.g", *([0, -g] for g in (20, 200, 2000, 20000, 10)))
     rows = trial.rows(beam(), events)
-    first, twice, *beyond, back = rows
+    first, _, *beyond, back = rows
     yield refused_for(rows, "no equilibrium found beyond")
-    yield near("what is shown meanwhile is the last equilibrium", [r["q_y"] for r in beyond], twice["q_y"], 0.0)
+    yield true("refused frames have no value", all(np.isnan(row["q_y"]) for row in beyond))
     yield near("deflection as at first once gravity is", back["q_y"], first["q_y"], 1e-5)
     yield near("the wall holds the weight", back["q_wall_y"], 1000 * 10 * 0.2, 1e-5)
     yield from sound(rows, 3, 1e-6)
@@ -198,7 +198,7 @@ def predicted_beyond_a_limit(trial: Trial) -> Iterator[Statement]:
     yield true(
         "release and pause are refused, nothing else", [row["index"] for row in rows if row["refused"]] == [7, 8]
     )
-    yield near("still shown as foretold", [rows[7]["q_tip"], rows[8]["q_tip"]], rows[6]["q_tip"], 0.0)
+    yield true("they have no value", all(np.isnan(row["q_tip"]) for row in rows[7:9]))
     yield near("tip once undone as at first", rows[9]["q_tip"], rows[0]["q_tip"], 1e-4)
     (cold,) = trial.rows(text.replace("[1.0, 0", "[1.01, 0"))
     yield near("tip at the end as of a new scene", rows[-1]["q_tip"], cold["q_tip"], 1e-3)

@@ -14,7 +14,7 @@ def courses():
 def test_either_cause_alone_keeps_the_cloth_moving(courses):
     for name, manner in cycles.MANNERS.items():
         course = courses[name]
-        if manner.kink or manner.anew:
+        if manner.kink or manner.refreshed:
             # It moves on and on: hardly slower at the end than a hundred steps before.
             late, earlier = (max(course.speeds[part]) for part in (slice(-50, None), slice(-150, -100)))
             assert not course.at_rest and late > 0.3 * earlier and late > 1e-2, name
