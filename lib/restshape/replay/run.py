@@ -45,9 +45,7 @@ def run_replay(
     replay = _replay(request, recorder)
     singular = _singular(request, replay)
     if recorder:
-        version = list(PETSc.Sys.getVersion())
-        known = {"ranks": comm.size, "petsc": version, "petsc_in_effect": petsc_options(), "singular": singular}
-        recorder.add_header(known)
+        recorder.add_header(_surroundings(comm) | {"singular": singular})
     check = Parity(replay) if parity else None
     tally, rows, interrupted = Tally(), [], False
     keep = keep_rows or request.application.report is not None
@@ -69,13 +67,8 @@ def run_replay(
                 raise
             interrupted = True
     summary = tally.summary(request.policy.name, comm.size, replay.analysis.estimated_quantity)
-    summary |= {
-        "interrupted": interrupted,
-        "rows": rows,
-        "reasons": tally.reasons,
-        "largest_residual": tally.largest_residual,
-        "singular": singular,
-    }
+    summary |= {"reasons": tally.reasons, "largest_residual": tally.largest_residual}
+    summary |= {"interrupted": interrupted, "rows": rows, "singular": singular}
     if request.application.report:
         summary |= request.application.report.summarised(rows)
     if check:
@@ -91,6 +84,12 @@ def _replay(request: Request, recorder: Recorder | None) -> Replay:
         if not request.petsc:
             raise
         raise refusal(error, request.petsc) from error
+
+
+def _surroundings(comm: PETSc.Comm) -> dict[str, Any]:
+    """What a header says of ranks and PETSc."""
+    version = list(PETSc.Sys.getVersion())
+    return {"ranks": comm.size, "petsc": version, "petsc_in_effect": petsc_options()}
 
 
 def _singular(request: Request, replay: Replay) -> dict[str, float]:
