@@ -98,6 +98,7 @@ def test_bounds_are_told_with_their_line(tmp_path, monkeypatch, name):
     assert told.value.where.startswith("x.geo")
 
 
+@pytest.mark.slow
 def test_a_script_without_end_is_stopped(tmp_path, monkeypatch):
     monkeypatch.setattr("restshape.shape.geo_process.LIMIT", 3.0)
     path = tmp_path / "x.geo"

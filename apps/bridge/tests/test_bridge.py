@@ -36,6 +36,7 @@ def test_the_session_uses_all_tools_and_nothing_is_refused():
     assert not any(frame.refused for frame in frames)
 
 
+@pytest.mark.slow
 def test_both_ways_agree_where_both_know(ways):
     always, asked = ways["every frame"], ways["on demand"]
     np.testing.assert_array_equal(always.t, asked.t)

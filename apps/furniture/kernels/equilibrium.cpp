@@ -220,7 +220,8 @@ void Equilibrium::exact_joint(const Shape<double>& shape, size_t k, const double
         }
 }
 
-Block Equilibrium::block_of(const Dual<6> (&r)[6]) {
+// Not inlined: GCC 12 on AVX-512 would warn of derivatives used uninitialised, which they are not.
+[[gnu::noinline]] Block Equilibrium::block_of(const Dual<6> (&r)[6]) {
     Block block;
     for (int a = 0; a < 6; ++a)
         for (int b = 0; b < 6; ++b) block(a, b) = r[a].d[b];

@@ -26,6 +26,7 @@ def found(tmp_path_factory):
     return {row["effect"]: row for row in json.loads((folder / "found.json").read_text())}
 
 
+@pytest.mark.slow
 def test_every_effect_that_can_be_left_out_is_priced(found):
     # The clock of a machine that does other things besides may leave small ones without a price.
     told = {name: found[name]["how"] for name in OPTIONAL}

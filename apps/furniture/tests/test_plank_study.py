@@ -89,6 +89,7 @@ def test_the_ratio_of_springs_counts_in_loops_alone(study):
     assert max(row["worst"] for row in (*planks.proportioned(cantilever()), *study.ratios)) < 1e-6
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_page_and_takes_nothing_about_meshes(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(planks, "DENSE", 769)
     scene, edits = write_bench(tmp_path), write_edits(tmp_path, *BEYOND)

@@ -205,6 +205,7 @@ def test_a_folder_with_the_name_of_the_package_is_not_taken_for_it(tmp_path, mon
     assert len(outcome.rows) == 2 and not outcome.problem
 
 
+@pytest.mark.slow
 def test_a_process_that_takes_too_long_is_ended(tmp_path):
     scene, script = write_scene(tmp_path, plate(0.3)), write_script(tmp_path, [{"do": "idle", "frames": 1_000_000}])
     outcome = run(Job(str(scene), str(script), "auto"), seconds=3.0)

@@ -47,6 +47,7 @@ def test_every_effect_and_every_part_of_a_frame_has_a_row(found):
             assert row["share"] == row["unknowns"] == row["entries"] == row["calls"] == 0 and row["why"]
 
 
+@pytest.mark.slow
 def test_counts_are_those_of_the_mesh(found):
     rows = {row["effect"]: row for row in found}
     core, stresses = rows["solid"], rows["stresses"]

@@ -81,6 +81,7 @@ def test_what_breaks_is_told_and_kept(tmp_path, monkeypatch, then, kind, words):
         assert len(example.edits.splitlines()) <= 4 and len(tried.found) == 1
 
 
+@pytest.mark.slow
 def test_command(tmp_path, capsys):
     assert main(["stability", "--fuzz", "5", "--seed", "1", "--json", str(tmp_path / "a.json")]) == 0
     told = json.loads((tmp_path / "a.json").read_text())
