@@ -80,8 +80,8 @@ def block(width: float = 1.0, height: float = 1.0) -> str:
 
 
 def meshed(size: float) -> str:
-    """The [mesh] of a constant size [m]."""
-    return f"\n[mesh]\nsize = {size}\n"
+    """The [mesh] of a constant size [m], with few triangles around holes."""
+    return f"\n[mesh]\nsize = {size}\nedges_per_circle = 8\n"
 
 
 def plate(app: str, size: float = 0.12) -> str:

@@ -52,9 +52,9 @@ class Hand:
 
 
 def begin(kind: str, size: float = 0.1, **options) -> tuple[MovingMesh, Hand, Gesture]:
-    """A meshed plate whose hole the hand holds."""
+    """A meshed plate whose hole, of few edges, the hand holds."""
     outline = plate()
-    mesh = MovingMesh(outline, MeshSpec(size=size, relocation=kind), **options)
+    mesh = MovingMesh(outline, MeshSpec(size=size, relocation=kind, edges_per_circle=8), **options)
     hand = Hand(outline, mesh.spec)
     assert mesh.update(hand.frame("start", "start")).level == 3
     gesture = gestures.drag(outline, outline.entity("window"))

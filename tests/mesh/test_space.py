@@ -29,7 +29,7 @@ def quadratic(X: np.ndarray) -> np.ndarray:
 def begin(kind: str = "harmonic", size: float = 0.1, radius: float = 0.12, **options):
     """A plate of second order whose round hole the hand holds."""
     outline = plate(radius)
-    mesh = MovingMesh(outline, MeshSpec(size=size, relocation=kind, order=2), **options)
+    mesh = MovingMesh(outline, MeshSpec(size=size, relocation=kind, order=2, edges_per_circle=8), **options)
     hand = Hand(outline, mesh.spec)
     assert mesh.update(hand.frame("start", "start")).level == 3
     gesture = gestures.drag(outline, outline.entity("window"))
@@ -182,7 +182,7 @@ def test_only_flips_move_nodes_along_the_field():
 
 
 def test_fields_survive_flips_at_rest():
-    mesh = generate(plate(), MeshSpec(size=0.1))
+    mesh = generate(plate(), MeshSpec(size=0.1, edges_per_circle=8))
     rng = np.random.default_rng(3)
     free = mesh.node_edge < 0
     mesh.X[free] += rng.uniform(-0.02, 0.02, (int(free.sum()), 2))
@@ -204,7 +204,7 @@ def test_fields_survive_flips_at_rest():
         # Quadratic fields too where the triangles are straight.
         nodes = nodes if tolerance else nodes[~bent[nodes]]
         assert np.abs(carried - values(space.X))[nodes].max() < (tolerance or 1e-11)
-        mesh = generate(plate(), MeshSpec(size=0.1))
+        mesh = generate(plate(), MeshSpec(size=0.1, edges_per_circle=8))
         mesh.X[mesh.node_edge < 0] += rng.uniform(-0.015, 0.015, (int((mesh.node_edge < 0).sum()), 2))
         space = LagrangeSpace(mesh)
 

@@ -45,6 +45,10 @@ class MovingBoards:
         """Where fields live."""
         return self.mesh
 
+    def area(self) -> float:
+        """Planks have no mesh in the plane."""
+        return float("nan")
+
     def solved(self) -> None:
         """Nothing: planks have no edges that flip."""
 

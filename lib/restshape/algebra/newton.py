@@ -169,7 +169,7 @@ class Newton:
     def _converged(self, snes: PETSc.SNES, steps: int, norms: tuple[float, float, float]) -> int:
         test, norm = self._test, norms[2]
         log.debug("%3d SNES Function norm %.12e", steps, norm)
-        stalled = test.stalled(steps, norm, self._x.norm(INFINITE))
+        stalled = steps > 0 and test.stalled(norm, lambda: self._x.norm(INFINITE))
         if steps and not stalled:
             # Nothing is learned from rounding.
             self._forcing.learn(steps - 1, test.last, norm)

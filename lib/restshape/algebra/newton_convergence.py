@@ -1,8 +1,9 @@
 """When a run of Newton's method has converged, and when it never will."""
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
 from petsc4py import PETSc
 
 Reason = PETSc.SNES.ConvergedReason
@@ -77,9 +78,9 @@ class ConvergenceTest:
         self.goal, self.scale, self.searched, self.rounding = goal, scale, searched, rounding
         self.steps, self.first, self.last, self.monotone = 0, 0.0, 0.0, True
 
-    def stalled(self, steps: int, norm: float, largest: float) -> bool:
-        """Whether a step has left a residual that is rounding where the largest unknown is that large."""
-        return steps > 0 and norm > STALLED * self.last and norm <= self.rounding * largest
+    def stalled(self, norm: float, largest: Callable[[], float]) -> bool:
+        """Whether a step has left a residual that is rounding; `largest` gives the size of the largest unknown."""
+        return norm > STALLED * self.last and norm <= self.rounding * largest()
 
     def reason(self, steps: int, norm: float, stalled: bool) -> int:
         """PETSc's reason to end after so many steps, 0 to go on."""
@@ -90,7 +91,7 @@ class ConvergenceTest:
         self.steps, self.last = steps, norm
         if norm <= self.goal or stalled:
             return Reason.CONVERGED_FNORM_ABS
-        if not np.isfinite(norm):
+        if not math.isfinite(norm):
             return Reason.DIVERGED_FNORM_NAN
         if self.searched:
             return Reason.ITERATING if steps < MOST_SEARCHED else Reason.DIVERGED_MAX_IT

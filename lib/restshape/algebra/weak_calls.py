@@ -5,7 +5,7 @@ Python's collector does not see through PETSc: such a circle stays for the life 
 
 from collections.abc import Callable
 from typing import Any
-from weakref import WeakMethod
+from weakref import ref
 
 
 def weak_call(method: Callable) -> Callable:
@@ -14,12 +14,12 @@ def weak_call(method: Callable) -> Callable:
     Raises:
         ReferenceError: on a call, when the object is gone.
     """
-    reference, name = WeakMethod(method), method.__qualname__
+    owner, function = ref(method.__self__), method.__func__  # type: ignore[attr-defined]
 
     def call(*arguments: Any) -> Any:
-        found = reference()
+        found = owner()
         if found is None:
-            raise ReferenceError(f"the owner of a callback is gone: {name}")
-        return found(*arguments)
+            raise ReferenceError(f"the owner of a callback is gone: {function.__qualname__}")
+        return function(found, *arguments)
 
     return call

@@ -35,9 +35,9 @@ class ResidualEquations:
         self.dead, self.undeformed = np.zeros(mask.shape), np.zeros(mask.shape)
         self.free = np.where(mask, 0.0, 1.0)
         # The part of the followers that is on: no dead load takes them away.
-        self._part, self._changes = 1.0, 0
+        self._part, self._changes, self._evaluated = 1.0, 0, 0
         self._own: tuple[int, np.ndarray | None] = (-1, None)
-        self._sum: tuple[int, Assembled] | None = None
+        self._sum: tuple[tuple[int, float, int], Assembled] | None = None
 
     @property
     def version(self) -> tuple[int, int]:
@@ -56,11 +56,17 @@ class ResidualEquations:
     def begin(self) -> None:
         """Evaluate the dead loads on the mesh as it lies now."""
         self._changes += 1
+        self._evaluated += self.problem.varies
         dead_loads(self.problem, self.dead)
 
     def load(self) -> np.ndarray:
-        """All loads (n, f) where the unknowns are 0."""
-        return -self.full_residual(self.undeformed)
+        """All loads (n, f) where the unknowns are 0, and with them what the body itself brings forth."""
+        if self.problem.loaded_inside:
+            return -self.full_residual(self.undeformed)
+        out = np.negative(self.dead)
+        Assembled(self.problem.integrals(FOLLOWERS, self.part)).residual(self.undeformed, out)
+        out *= self.free
+        return np.negative(out, out=out)
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set this rank's rows of `out` (n, f) to the residual at the unknowns x (n, f)."""
@@ -87,9 +93,10 @@ class ResidualEquations:
 
     def _assembled(self) -> Assembled:
         """What balances, with the values of the last `begin`."""
-        if self._sum is None or self._sum[0] != self._changes:
-            integrals = [*self.problem.integrals(INTERNAL), *self.problem.integrals(FOLLOWERS, self.part)]
-            self._sum = self._changes, Assembled(integrals, self.operator)
+        version = self._evaluated, self._part, self.problem.space.topology
+        if self._sum is None or self._sum[0] != version:
+            integrals = [*self.problem.integrals(INTERNAL), *self.problem.integrals(FOLLOWERS, self._part)]
+            self._sum = version, Assembled(integrals, self.operator)
         return self._sum[1]
 
     def _residual(self, x: np.ndarray, out: np.ndarray, subset: np.ndarray | None) -> None:

@@ -3,7 +3,7 @@
 import argparse
 import sys
 from collections import Counter
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from restshape.cli.doubts import doubts
 from restshape.cli.options import print_table, read_scene, write_json
 from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError
+from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
 from restshape.scene.descriptions import keys_in_words, listing, with_symbol
 from restshape.scene.model import Load, Scene, Support
@@ -129,6 +130,7 @@ def scene_contents(scene: Scene, effects: Plan, outline: Outline) -> dict[str, A
         "warnings": list(effects.warnings),
         "quantities": list(scene.quantities),
         "mesh": scene.mesh.model_dump(),
+        "curves": [asdict(one) for one in scene_curves(scene, outline)],
         "solve": scene.solve.model_dump(),
     }
 
@@ -167,9 +169,21 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows += quantity_rows(scene)
     mesh, solve = scene.mesh, scene.solve
     rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))
+    rows += [
+        (
+            f"curves of {one.name}",
+            f"{one.count} mesh edges of at most {one.length:.3g} m, {np.degrees(one.turn):.3g} degrees each at most",
+        )
+        for one in scene_curves(scene, outline)[:12]
+    ]
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))
     rows += [("note", note) for note in notes(scene.raw)]
     return rows + [("warning", warning) for warning in effects.warnings]
+
+
+def scene_curves(scene: Scene, outline: Outline) -> list[CurveEdges]:
+    """The mesh edges that holes and other loops with curves get; none where the mesh comes from a file."""
+    return [] if scene.mesh.file else curve_edges(outline, scene.mesh)
 
 
 def section_rows(scene: Scene) -> list[tuple[str, str]]:

@@ -8,16 +8,21 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from restshape.mesh.curve_edges import curve_edges
+from restshape.mesh.sizing import PER_CIRCLE
 from restshape.scene.model import Scene
 from restshape.scene.values import annotation_of, dimension_of
 from restshape.shape.outline import Outline
 
 FULL_TURN = 2.0 * math.pi
 
+TOLERATED = 1.1
+"""Edges of a curve that turn by less than this times what is usual are as usual."""
+
 
 def doubts(scene: Scene, outline: Outline) -> list[str]:
     """What a user may have meant otherwise, a line each, of a scene and its first outline."""
-    return [*_angles(scene, scene.raw), *_mesh(scene), *_drawing(scene, outline)]
+    return [*_angles(scene, scene.raw), *_mesh(scene), *_drawing(scene, outline), *_curves(scene, outline)]
 
 
 def _angles(model: object, raw: Any, key: str = "") -> Iterator[str]:
@@ -62,4 +67,19 @@ def _drawing(scene: Scene, outline: Outline) -> Iterator[str]:
         yield (
             f"shape.file: the drawing has no unit ($INSUNITS), and is read in millimetres: {width:.4g} m x "
             f"{height:.4g} m; save it with its unit"
+        )
+
+
+def _curves(scene: Scene, outline: Outline) -> Iterator[str]:
+    """Curves that are meshed more coarsely than usual, for there are so many of them."""
+    wanted = FULL_TURN / (scene.mesh.edges_per_circle or PER_CIRCLE[scene.mesh.order or 1])
+    found = [] if scene.mesh.file else curve_edges(outline, scene.mesh)
+    coarse = [one for one in found if one.turn > TOLERATED * wanted]
+    if coarse:
+        worst = max(coarse, key=lambda one: one.turn)
+        named = ", ".join(one.name for one in coarse[:4]) + (", ..." if len(coarse) > 4 else "")
+        yield (
+            f"mesh: curves of {named} get mesh edges that turn by up to {math.degrees(worst.turn):.3g} degrees, where "
+            f"{math.degrees(wanted):.3g} is usual, for finer ones would more than double the triangles: set "
+            "mesh.edges_per_circle to have them all the same, or a smaller mesh.size"
         )

@@ -29,8 +29,9 @@ def mean_over(space: PlaneSpace, at: str | None, nodes: np.ndarray | slice) -> C
         return plain_mean
 
     def mean(values: np.ndarray) -> float:
-        weights = weigh(space.X, places)
-        return np.average(values, weights=np.bincount(places.ravel(), weights.ravel(), len(space.X))[nodes])
+        weights = np.bincount(places.ravel(), weigh(space.X, places).ravel(), len(space.X))[nodes]
+        # As numpy's average does it, without its checks, which take as long as all else here.
+        return (values * weights).sum() / weights.sum()
 
     return mean
 

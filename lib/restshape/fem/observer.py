@@ -9,6 +9,7 @@ from restshape import _kernels
 from restshape.errors import UserError
 from restshape.fem.averages import mean_over
 from restshape.fem.space import PlaneSpace, Space
+from restshape.mesh.entity_area import entity_area, signed_loops
 from restshape.scene.model import Quantity
 
 Function = Callable[..., float]
@@ -44,9 +45,8 @@ def area(space: Space, cells: np.ndarray | slice = slice(None)) -> float:
 
 
 def areas(space: Space, quantities: Mapping[str, Quantity]) -> dict[str, float]:
-    """The quantities that the mesh alone gives, which are areas, by name; not a number for all others."""
-    known = {name: space.cells_of(q.at) if q.at else slice(None) for name, q in quantities.items() if q.area}
-    return {name: area(space, known[name]) if name in known else np.nan for name in quantities}
+    """The quantities that the shape alone gives, which are areas, by name; not a number for all others."""
+    return {name: entity_area(space.outline, q.at) if q.area else np.nan for name, q in quantities.items()}
 
 
 def cells_at(space: Space, name: str, quantity: Quantity) -> np.ndarray | slice:
@@ -64,13 +64,14 @@ def cells_at(space: Space, name: str, quantity: Quantity) -> np.ndarray | slice:
 
 
 def area_at(space: Space, name: str, quantity: Quantity) -> Function:
-    """The area [m^2] of the cells that a quantity of this name is taken over, whatever the state.
+    """The area [m^2] of what a quantity of this name is taken over, whatever the state: that of the shape, exact.
 
     Raises:
         UserError: there is no cell there.
     """
-    cells = cells_at(space, name, quantity)
-    return lambda *_: area(space, cells)
+    cells_at(space, name, quantity)
+    signed = signed_loops(space.outline, quantity.at)
+    return lambda *_: space.outline.swept_area(signed)
 
 
 class Observer:

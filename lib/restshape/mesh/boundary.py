@@ -9,11 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape import _kernels
-from restshape.mesh.sizing import GRADING, Sizing
+from restshape.mesh.sizing import EQUILATERAL, FEWEST_PER_CIRCLE, GRADING, Sizing
 from restshape.shape.outline import Outline
-
-LARGEST_TURN = np.pi / 4
-"""A mesh edge spans at most this angle of a bend."""
 
 CORNER = np.radians(15.0)
 """A corner of a polyline that turns by more than this becomes a node."""
@@ -25,7 +22,16 @@ FOLD = 6.0
 """Two points of adjacent edges face each other across a narrow place if the way along the edges is so much longer."""
 
 FINEST = 0.1
-"""Bends and narrow places shorten edges to this share of the size at most."""
+"""Narrow places shorten edges to this share of the size at most."""
+
+AFFORDABLE = 500
+"""Triangles that bends may add to any mesh."""
+
+FINEST_IN_BENDS = 0.01
+"""Bends shorten edges to this share of the size at most."""
+
+ROUNDING = 1e-9
+"""Part of a mesh edge by which an arc may be longer than a whole number of them."""
 
 MOST_SAMPLES = 2000
 """Samples on one edge at most."""
@@ -53,17 +59,26 @@ class Samples:
 
     Args:
         s: (m,) parameters; points: (m, 2) [m]; arc: (m,) length from the start [m]; size: (m,) [m].
+        radius: (m,) of the curve [m], infinite where it is straight.
     """
 
     s: np.ndarray
     points: np.ndarray
     arc: np.ndarray
     size: np.ndarray
+    radius: np.ndarray
+
+    def bend(self, turn: float, finest: float) -> np.ndarray:
+        """Lengths (m,) [m] of mesh edges that span the angle `turn` of the bend, and are no shorter than `finest`."""
+        return np.maximum(turn * self.radius, finest)
 
 
 def discretise(outline: Outline, sizing: Sizing) -> Boundary:
     """Nodes on all edges of an outline, at equal steps of length over local size."""
     samples = [_sample(outline, i, sizing) for i in range(len(outline.edges))]
+    turn, finest = turn_in_bends(outline, samples, sizing), FINEST_IN_BENDS * sizing.size
+    for sample in samples:
+        np.minimum(sample.size, sample.bend(turn, finest), out=sample.size)
     _grade(outline, samples, sizing.size)
     count = len(outline.vertex_names)
     edge, param = np.full(count, -1, dtype=np.int32), np.zeros(count)
@@ -73,6 +88,8 @@ def discretise(outline: Outline, sizing: Sizing) -> Boundary:
             if edge[vertex] < 0:
                 edge[vertex], param[vertex] = i, s
         fewest = 1 if found.kind in ("line", "polyline") else 2
+        if found.kind == "arc":
+            fewest = max(fewest, math.ceil(sample.arc[-1] / sample.bend(turn, finest)[0] - ROUNDING))
         stops = np.array([0.0, *_corners(outline, i), 1.0])
         s = _kernels.edge_parameters(sample.s, sample.arc, sample.size, stops, fewest)
         chain = np.arange(count - 1, count + len(s) + 1, dtype=np.int32)
@@ -95,20 +112,46 @@ def _sample(outline: Outline, index: int, sizing: Sizing) -> Samples:
         s = np.union1d(s, edge.knots)
     points = outline.point(index, s)
     size = sizing.at(points) if sizing.attractors else np.full(len(s), sizing.size)
+    radius = np.full(len(s), np.inf)
     if edge.kind in ("line", "arc"):
         turn = 4.0 * abs(math.atan(outline.bulges[index]))
         if turn > 0.0:
-            np.minimum(size, _size_in_bend(length / turn, sizing), out=size)
-        return Samples(s, points, s * length, size)
+            radius[:] = length / turn
+        return Samples(s, points, s * length, size, radius)
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     arc *= length / arc[-1] if arc[-1] > 0.0 else 1.0
     if edge.kind == "spline":
         tangent = outline.tangent(index, s)
         turns = np.abs(_angle(tangent[:-1], tangent[1:]))
-        bend = _size_in_bend(np.diff(arc) / np.maximum(turns, 1e-12), sizing)
-        np.minimum(size[:-1], bend, out=size[:-1])
-        np.minimum(size[1:], bend, out=size[1:])
-    return Samples(s, points, arc, size)
+        bend = np.diff(arc) / np.maximum(turns, 1e-12)
+        np.minimum(radius[:-1], bend, out=radius[:-1])
+        np.minimum(radius[1:], bend, out=radius[1:])
+    return Samples(s, points, arc, size, radius)
+
+
+def turn_in_bends(outline: Outline, samples: list[Samples], sizing: Sizing) -> float:
+    """The angle of a bend that a mesh edge spans.
+
+    It is a circle over the sizing's edges per circle, unless the triangles that bends add would then be more than those
+    that the shape has without bends, and more than AFFORDABLE: it is as much larger as they would be more, up to
+    FEWEST_PER_CIRCLE. Edges that a scene asks for by number are left as they are.
+    """
+    turn = 2.0 * math.pi / sizing.per_circle
+    if sizing.per_circle_fixed:
+        return turn
+    added = sum(_triangles_added(sample, sample.bend(turn, FINEST_IN_BENDS * sizing.size)) for sample in samples)
+    room = max(outline.area() / (EQUILATERAL * sizing.size**2), AFFORDABLE)
+    return min(max(turn, turn * added / room), 2.0 * math.pi / FEWEST_PER_CIRCLE)
+
+
+def _triangles_added(sample: Samples, bend: np.ndarray) -> float:
+    """Number of triangles that edges of lengths `bend` (m,) [m] add on one side, where the size grows by GRADING.
+
+    It is the integral of 1 / h^2 - 1 / size^2 over the strip in which the size h is less than elsewhere.
+    """
+    size, h = sample.size, np.minimum(bend, sample.size)
+    density = (1.0 / h - 1.0 / size - (size - h) / size**2) / (EQUILATERAL * GRADING)
+    return float(np.sum(np.diff(sample.arc) * 0.5 * (density[1:] + density[:-1])))
 
 
 @functools.lru_cache(maxsize=256)
@@ -117,11 +160,6 @@ def _equal_steps(count: int) -> np.ndarray:
     s = np.linspace(0.0, 1.0, count + 1)
     s.setflags(write=False)
     return s
-
-
-def _size_in_bend(radius: np.ndarray | float, sizing: Sizing) -> np.ndarray | float:
-    """Size [m] in a bend; an edge within one bend is cut in pieces by its angle alone, however small it is."""
-    return np.maximum(LARGEST_TURN * radius, FINEST * sizing.size)
 
 
 def _angle(u: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -38,7 +38,7 @@ def generate(outline: Outline, spec: Any, ranks: int = 1) -> Mesh:
         ReplayProblem: this shape cannot be meshed.
         UserError: `near` names an entity that is not there.
     """
-    sizing = sizing_of(outline, spec.size, spec.near)
+    sizing = sizing_of(outline, spec)
     boundary = discretise(outline, sizing)
     facets, facet_edge = _facets(outline, boundary)
     if uses_cgal(spec.mesher):

@@ -20,7 +20,7 @@ from restshape.mesh.moving_state import Generated, GestureMap, Kept, MovingState
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.relocate import BoundaryNodes, extension, motion
-from restshape.mesh.sizing import refuse_endless
+from restshape.mesh.sizing import FEWEST_PER_CIRCLE, PER_CIRCLE, refuse_endless
 from restshape.scene.model import MeshSpec
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
@@ -154,6 +154,10 @@ class MovingMesh:
     def field_mesh(self) -> Mesh | LagrangeSpace:
         """What fields live on: the mesh, the finest of those nested in it, or the nodes of second order over it."""
         return self.nested.finest if self.nested else self.space or self.mesh
+
+    def area(self) -> float:
+        """Area of `field_mesh` [m^2], curved edges as they are; of solids in space that of the plane mesh."""
+        return _kernels.total_area(self.field_mesh.X, self.field_mesh.cells)
 
     def solved(self) -> None:
         """Take note that `field_mesh` was solved on: what flips have done to its nodes is in the solution."""
@@ -429,11 +433,12 @@ class MovingMesh:
 
     def _generate(self, outline: Outline) -> Mesh:
         """A mesh of an outline, of nested ones the coarsest; without a size it has the usual number of triangles."""
-        spec, coarser = self.spec, 2 ** (self.spec.levels - 1)
+        spec, coarser = self.spec.model_copy(update={"order": self.order}), 2 ** (self.spec.levels - 1)
         if coarser > 1 and spec.size is not None:
             refuse_endless(outline, spec.size, spec.near)
             near = {name: coarser * size for name, size in spec.near.items()}
-            spec = spec.model_copy(update={"size": coarser * spec.size, "near": near})
+            curves = max((spec.edges_per_circle or PER_CIRCLE[1]) // coarser, FEWEST_PER_CIRCLE)
+            spec = spec.model_copy(update={"size": coarser * spec.size, "near": near, "edges_per_circle": curves})
         return generate(outline, spec, self.ranks)
 
     def _adopt(self, mesh: Mesh, quality_floor: float, area_floor: float, quality: float) -> None:

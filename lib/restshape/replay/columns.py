@@ -70,7 +70,8 @@ def columns(quantities: list[str], own: dict[str, npt.DTypeLike] | None = None) 
         "predicted",
         "stale",
     )
-    reals = ("t", "min_quality", "residual", *ESTIMATES, "ms", *(f"ms_{name}" for name in STAGES), "ms_python")
+    times = ("ms", *(f"ms_{name}" for name in STAGES), "ms_python")
+    reals = ("t", "min_quality", "mesh_area", "residual", *ESTIMATES, *times)
     return {
         **dict.fromkeys(integers, np.int64),
         **dict.fromkeys(reals, np.float64),

@@ -259,6 +259,7 @@ class Replay:
     def _record(self, edit: EditFrame, row: RowValues, end: float) -> None:
         """Hand the frame to the recorder; residual and error are measured here, off the frame's time."""
         row["residual"] = self.analysis.residual_norm() if self.known and not row["refused"] else np.nan
+        row["mesh_area"] = self.moving.area()
         row.update(self._estimates(row))
         mesh = self._space
         if self.recorder:

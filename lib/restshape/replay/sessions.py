@@ -22,6 +22,9 @@ class Follower(Protocol):
     def field_mesh(self) -> Mesh | LagrangeSpace:
         """What the unknowns of the next solve live on."""
 
+    def area(self) -> float:
+        """Area of the mesh [m^2]; not a number where there is none."""
+
     def update(self, frame: EditFrame) -> MeshUpdate:
         """Go where a frame leads; what that did.
 

@@ -238,6 +238,7 @@ class MeshSpec(Strict):
 
     size: Annotated[Length, Field(gt=0)] | None = None
     near: dict[str, Annotated[Length, Field(gt=0)]] = {}
+    edges_per_circle: Annotated[int, Field(ge=8, le=720)] | None = None
     levels: Annotated[int, Field(ge=1, le=5)] = 1
     order: Literal[1, 2] | None = None
     layers: Annotated[int, Field(ge=1)] | None = None

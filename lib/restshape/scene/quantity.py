@@ -60,7 +60,7 @@ def in_unit(unit: str, value: float, digits: int = 6) -> str:
     return f"{factor * value:.{digits}g} {unit}".rstrip()
 
 
-CORE = {"area": QuantityKind(Literal[True], "area", "sum", summary="the area of the shape, or of a part of it")}
+CORE = {"area": QuantityKind(Literal[True], "area", "sum", summary="the area of the shape, or of a part of it, exact")}
 """The kinds that quantities of all scenes may have."""
 
 

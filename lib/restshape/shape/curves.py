@@ -40,6 +40,20 @@ def arc_centre(a: np.ndarray, b: np.ndarray, bulge: float) -> tuple[np.ndarray, 
     return centre, float(np.hypot(*along)) * (1.0 + bulge**2) / (4.0 * abs(bulge))
 
 
+def segment_areas(bulges: np.ndarray) -> np.ndarray:
+    """Signed areas (m,) between arcs of bulges (m,) and their chords, over the squares of the chords' lengths.
+
+    With b = tan(angle / 4) the radius is chord (1 + b^2) / (4 b), and the area radius^2 (angle - sin angle) / 2.
+    """
+    angle = 4.0 * np.arctan(bulges)
+    square = angle**2
+    # The first terms of the series where angle and sine would cancel.
+    series = angle * square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
+    lens = np.where(square < 0.04, series, angle - np.sin(angle))
+    squares = np.where(bulges == 0.0, 1.0, bulges**2)
+    return (1.0 + bulges**2) ** 2 / (32.0 * squares) * lens
+
+
 def bulge_through(a: np.ndarray, q: np.ndarray, b: np.ndarray) -> float:
     """Bulge of the arc from a to b that passes through q.
 

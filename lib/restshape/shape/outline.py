@@ -11,6 +11,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.shape import curves
+from restshape.shape.swept_area import SweptArea
 
 CHORD_ERROR = 1e-3
 """Largest distance between a curve and its straight pieces, relative to the size of the shape."""
@@ -83,6 +84,18 @@ class Layout:
         self.topology = next(_topologies)
         self.controls = tuple(np.array([e.start, *e.inner, e.end], dtype=np.int32) for e in edges)
         self.entities = self._entities()
+        self._swept: dict[tuple[tuple[int, int], ...], SweptArea] = {}
+
+    def swept_area(self, signed: tuple[tuple[int, int], ...]) -> SweptArea:
+        """What computes the area of loops, each times its sign, while control points move; made once."""
+        if signed not in self._swept:
+            edges = [
+                (edge, float(sign if forward else -sign))
+                for loop, sign in signed
+                for edge, forward in self.loops[loop].edges
+            ]
+            self._swept[signed] = SweptArea(self.edges, self.controls, edges)
+        return self._swept[signed]
 
     def _entities(self) -> dict[str, Entity]:
         named = {name: Entity(vertices=(i,)) for i, name in enumerate(self.vertex_names)}
@@ -274,30 +287,17 @@ class Outline:
     def area(self) -> float:
         """Area of the material [m^2]: the outline less the holes, exact for every kind of edge."""
         if self._area is None:
-            self._area = sum(self.loop_area(i) for i, loop in enumerate(self.loops) if loop.kind != "region")
+            # Holes go round the other way.
+            self._area = self.swept_area(tuple((i, 1) for i, loop in enumerate(self.loops) if loop.kind != "region"))
         return self._area
 
     def loop_area(self, loop: int) -> float:
         """Signed area of a loop [m^2]: positive counter-clockwise, so negative for holes."""
-        total = 0.0
-        for e, forward in self.loops[loop].edges:
-            total += self._swept(e) * (1.0 if forward else -1.0)
-        return total
+        return self.swept_area(((loop, 1),))
 
-    def _swept(self, edge: int) -> float:
-        """Half the integral of x dy - y dx along an edge, from start to end."""
-        found = self.edges[edge]
-        if found.kind == "spline":
-            s, w = curves.gauss_parameters(found.knots)
-            p, t = self.point(edge, s), self.tangent(edge, s)
-            return 0.5 * float((p[:, 0] * t[:, 1] - p[:, 1] * t[:, 0]) @ w)
-        own = self.points[self.layout.controls[edge]]
-        straight = 0.5 * float(np.sum(own[:-1, 0] * own[1:, 1] - own[1:, 0] * own[:-1, 1]))
-        bulge = float(self.bulges[edge])
-        if abs(bulge) < 1e-9:
-            return straight
-        angle, radius = 4.0 * np.arctan(bulge), curves.arc_centre(own[0], own[1], bulge)[1]
-        return straight + 0.5 * radius**2 * (angle - np.sin(angle))
+    def swept_area(self, signed: tuple[tuple[int, int], ...]) -> float:
+        """Sum of the signed areas [m^2] of loops, each times its sign; pairs of a loop's index and 1 or -1."""
+        return self.layout.swept_area(signed)(self.points, self.bulges)
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner (2,) of the box around the shape; curves count as their straight pieces."""

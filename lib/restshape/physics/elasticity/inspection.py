@@ -8,6 +8,7 @@ from math import sqrt
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.mesh.entity_area import entity_area
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.thickness import Thickness
 from restshape.physics.elasticity.singular_places import singular_quantities, warning
@@ -82,20 +83,19 @@ def _mass(scene: Scene, name: str, outline: Outline) -> float:
     material = scene.material[name]
     if not material.rho:
         return 0.0
-    used = {loop for one in scene.material.values() for region in one.region or [] for loop in _loops(outline, region)}
-    own = {loop for region in material.region or [] for loop in _loops(outline, region)}
-    areas = sum(abs(outline.loop_area(loop)) for loop in own)
+    areas = sum(_area(outline, region) for region in material.region or [])
     if material.region is None:
-        areas = float(outline.area()) - sum(abs(outline.loop_area(loop)) for loop in used)
+        used = {region for one in scene.material.values() for region in one.region or []}
+        areas = float(outline.area()) - sum(_area(outline, region) for region in used)
     return float(material.rho) * areas * _mean_thickness(scene, material, outline)
 
 
-def _loops(outline: Outline, region: str) -> tuple[int, ...]:
+def _area(outline: Outline, region: str) -> float:
     try:
-        return outline.entity(region).loops
+        return entity_area(outline, region)
     except UserError:
         # Regions of a mesh file are known by their cells alone.
-        return ()
+        return 0.0
 
 
 def _mean_thickness(scene: Scene, material: Material, outline: Outline) -> float:

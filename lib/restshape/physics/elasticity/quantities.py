@@ -10,7 +10,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.fem.entity_sets import cells_around, observed_nodes
-from restshape.fem.observer import Function, area, cells_at, reduction
+from restshape.fem.observer import Function, area_at, cells_at, reduction
 from restshape.fem.problem import Problem
 from restshape.fem.recovery import NodalFlux
 from restshape.fem.residuals import unconstrained_residual
@@ -63,11 +63,10 @@ class PlaneQuantities:
         Raises:
             UserError: it has no meaning, or none where it is asked for.
         """
-        if quantity.area or quantity.energy:
-            cells = cells_at(self.space, name, quantity)
-            if quantity.area:
-                return lambda x, *_: area(self.space, cells)
-            return self.energy(name, quantity.energy, cells)
+        if quantity.area:
+            return area_at(self.space, name, quantity)
+        if quantity.energy:
+            return self.energy(name, quantity.energy, cells_at(self.space, name, quantity))
         if quantity.distance:
             return self._distance(name, quantity)
         for kind, (why, do) in ELSEWHERE.items():

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from restshape.fem.entity_sets import cells_around, observed_nodes
-from restshape.fem.observer import Function, area, cells_at, reduction
+from restshape.fem.observer import Function, area_at, reduction
 from restshape.fem.problem import Inertia, Problem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.fem.time_integration import Motion
@@ -29,8 +29,7 @@ def heat_quantity(
     """
     space = problem.space
     if quantity.kind == "area":
-        cells = cells_at(space, name, quantity)
-        return lambda x, *_: area(space, cells)
+        return area_at(space, name, quantity)
     if quantity.kind == "heat_flow":
         return _heat_flow(problem, surfaces, capacity, quantity.at)
     nodes = observed_nodes(space, name, quantity)
