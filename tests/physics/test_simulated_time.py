@@ -11,7 +11,8 @@ from thermal_scenes import COOLING, MANUFACTURED
 
 from restshape.cli.main import main
 from restshape.replay.recording import Recording
-from restshape.report.frames import _caption
+from restshape.report.frames import caption
+from restshape.report.scenery import scenery
 
 BUILDING = Path(__file__).parents[1] / "scenes" / "building.toml"
 SLOW = COOLING.replace("time_step = 0.5\nsteps = 1", "time_step = 0.5\nsteps = 4").replace("size = 0.05", "size = 0.5")
@@ -41,7 +42,7 @@ def test_captions_show_it_where_it_is_not_the_edit_time(recorded):
     with Recording(recorded) as recording:
         assert recording.moments(0) == ["t = 0.00 s"]
         assert recording.moments(3) == ["t = 0.03 s", "sim. 6 s"]
-        assert "sim. 6 s" in _caption(recording, 3, 60)
+        assert "sim. 6 s" in caption(recording, 3, scenery(recording), 60)
 
 
 def test_recordings_without_it_have_captions(recorded):

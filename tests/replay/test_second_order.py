@@ -156,7 +156,7 @@ def test_a_recording_holds_quadratic_triangles(tmp_path):
             size.SetInputData(fine.GetOutput())
             assert size.GetSurfaceArea() == pytest.approx(2.0 - np.pi * 0.15**2, rel=2e-4)
         chosen = animated_frames(recording, 4)
-        draw_frames(recording, chosen, scenery(recording, chosen), tmp_path / "frames.png")
+        draw_frames(recording, chosen, scenery(recording), tmp_path / "frames.png")
         assert (tmp_path / "frames.png").stat().st_size > 10_000
 
 

@@ -17,7 +17,8 @@ from restshape.errors import UserError
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames
-from restshape.report.frames import _caption, chosen_frames, layout
+from restshape.report.frames import LEFT, caption, layout
+from restshape.report.happenings import chosen_frames, failure
 from restshape.report.levels import stage_shares
 from restshape.report.outlines import border
 from restshape.report.scenery import scenery
@@ -82,22 +83,28 @@ def test_the_deformation_is_exaggerated_to_8_percent(plate):
     path, known = plate
     largest = max(np.hypot(*frame["displacement"].T).max() for frame in known)
     with Recording(path) as recording:
-        common = scenery(recording, np.arange(24))
+        common = scenery(recording)
         assert common.largest == largest
         assert common.scale * largest == pytest.approx(0.08 * 1.2, rel=0.06)
-        assert scenery(recording, np.arange(24), 3.0).scale == 3.0
+        assert scenery(recording, 3.0).scale == 3.0
         xmin, xmax, ymin, ymax = common.extent
         for frame in known:
             x = frame["points"] + common.scale * frame["displacement"]
             assert xmin < x[:, 0].min() and x[:, 0].max() < xmax and ymin < x[:, 1].min() and x[:, 1].max() < ymax
 
 
-def test_frames_shown_avoid_the_refused(plate):
+def test_frames_shown_hold_the_refused_which_say_so(plate):
     path, known = plate
     with Recording(path) as recording:
         chosen = chosen_frames(recording, 6)
         assert len(chosen) == 6 and chosen[0] == 0 and chosen[-1] == 23
-        assert not any(known[i]["refused"] for i in chosen)
+        assert any(known[i]["refused"] for i in chosen) and any(known[i]["level"] == 3 for i in chosen[1:])
+        largest = max((i for i in range(24) if not known[i]["refused"]), key=lambda i: abs(known[i]["q_tip"]))
+        assert largest in chosen
+        common = scenery(recording)
+        for i in range(24):
+            assert failure(recording, i).startswith("REFUSED") == bool(known[i]["refused"])
+            assert ("hole outside" in caption(recording, i, common, 80)) == bool(known[i]["refused"])
         assert animated_frames(recording, 10).tolist() == [0, 3, 6, 9, 12, 15, 18, 21, 23]
 
 
@@ -175,16 +182,18 @@ def test_predicted_frames_are_hollow_in_the_timeline(tmp_path, monkeypatch):
 
 def test_captions_of_narrow_panels_take_lines(plate):
     with Recording(plate[0]) as recording:
-        whole = _caption(recording, 6, 100)
-        parts = _caption(recording, 6, 20).split("\n")
-    assert "\n" not in whole and ", ".join(parts) == whole
-    assert len(parts) > 1 and max(map(len, parts)) <= 20
+        common = scenery(recording)
+        whole = caption(recording, 6, common, 300)
+        parts = caption(recording, 6, common, 24).split("\n")
+    assert "\n" not in whole and " ".join(parts) == whole
+    assert len(parts) > 1 and max(map(len, parts)) <= 24
 
 
 def test_a_sheet_of_tall_parts_has_room_for_captions():
     for count in (1, 6, 12, 40):
-        rows, columns, width, _ = layout(count, 0.1)
-        assert rows * columns >= count and width / columns > 1.2
+        sheet = layout(count, 0.1)
+        assert sheet.rows * sheet.columns >= count and sheet.width >= 1.2
+        assert LEFT + sheet.columns * sheet.width < 9.5 and sheet.rows * sheet.height < 9.5
 
 
 def test_frames_that_change_values_are_not_idle(tmp_path):
@@ -212,7 +221,7 @@ def test_shapes_in_space_are_not_drawn(tmp_path):
         recorder.topology(np.array([[0, 1, 2, 3]]))
         recorder.frame(0.0, np.vstack([np.zeros(3), np.eye(3)]), {}, {}, {})
     with Recording(tmp_path / "a.vtkhdf") as recording, pytest.raises(UserError, match="in the plane only"):
-        scenery(recording, np.arange(1))
+        scenery(recording)
     assert report(tmp_path / "a.vtkhdf") == 0
 
 

@@ -188,17 +188,15 @@ def _draw(recording: Any, folder: Path, args: argparse.Namespace, application: A
 
 def _draw_plane(recording: Any, args: argparse.Namespace, still: Path, moving: Path | None) -> None:
     """Draws a shape in the plane: some frames, and an animation if it has a path."""
-    import numpy as np
-
     from restshape.report.animation import animated_frames, draw_animation
-    from restshape.report.frames import chosen_frames, draw_frames
+    from restshape.report.frames import draw_frames
+    from restshape.report.happenings import chosen_frames
     from restshape.report.scenery import scenery
 
-    shown, animated = chosen_frames(recording, args.frames), animated_frames(recording)
-    common = scenery(recording, np.union1d(shown, animated), args.scale)
-    draw_frames(recording, shown, common, still)
+    common = scenery(recording, args.scale)
+    draw_frames(recording, chosen_frames(recording, args.frames), common, still)
     if moving:
-        draw_animation(recording, animated, common, moving)
+        draw_animation(recording, animated_frames(recording), common, moving)
 
 
 def _draw_cloth(recording: Any, args: argparse.Namespace, still: Path, moving: Path | None) -> None:
@@ -208,7 +206,7 @@ def _draw_cloth(recording: Any, args: argparse.Namespace, still: Path, moving: P
     from restshape.report.animation import animated_frames
     from restshape.report.drape import drape_scenery
     from restshape.report.drape_frames import draw_drape_animation, draw_drape_frames
-    from restshape.report.frames import chosen_frames
+    from restshape.report.happenings import chosen_frames
 
     shown, animated = chosen_frames(recording, args.frames), animated_frames(recording)
     common = drape_scenery(recording, np.union1d(shown, animated) if moving else shown)

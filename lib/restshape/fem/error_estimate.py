@@ -1,6 +1,7 @@
 """How far unknowns are from those of a finer mesh, estimated from the fluxes that they give."""
 
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
@@ -17,6 +18,23 @@ Flux = Callable[[np.ndarray, np.ndarray | None], np.ndarray]
 """Fluxes, or stresses, (ne, m, 4) of unknowns (n, f) at reference points (m, 2), or (ne, 4) at centroids for None."""
 
 
+class SharedRecovery(Protocol):
+    """A flux that others recover too, and which is computed once a state.
+
+    Attributes:
+        recovery: on the space of the estimate.
+    """
+
+    @property
+    def recovery(self) -> NodalFlux: ...
+
+    def sampled(self, x: np.ndarray) -> np.ndarray:
+        """The flux of the cells that is recovered: (ne, 4), or (ne, 3, 4) at the points of `recovery`."""
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        """The recovered flux (rows, 4)."""
+
+
 class RecoveryEstimate:
     """The recovery-based estimate of fluxes that derive from a potential, order 1 or 2, one material or several.
 
@@ -28,13 +46,21 @@ class RecoveryEstimate:
         flux: that the norm takes; columns that it has not are 0.
         compliance: (k, 4, 4) from fluxes to gradients, over the thickness; one, or one a region, the rest first.
         stiffest: as of the problem.
+        shared: who computes and recovers the same flux, up to columns that do not count; None: the estimate itself.
 
     Source: docs/theory.md, section 9; Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337.
     """
 
-    def __init__(self, space: Space, flux: Flux, compliance: np.ndarray, stiffest: float) -> None:
-        self.space, self.flux, self.stiffest = space, flux, stiffest
-        self.recovery = NodalFlux(space)
+    def __init__(
+        self,
+        space: Space,
+        flux: Flux,
+        compliance: np.ndarray,
+        stiffest: float,
+        shared: SharedRecovery | None = None,
+    ) -> None:
+        self.space, self.flux, self.stiffest, self.shared = space, flux, stiffest, shared
+        self.recovery = shared.recovery if shared else NodalFlux(space)
         # Fluxes of first order are constant in a cell.
         second = self.recovery.points is not None
         self._points = _kernels.estimate_points(space.cells.shape[1]) if second else None
@@ -46,9 +72,10 @@ class RecoveryEstimate:
 
         Not a number where there is no flux.
         """
-        sampled = self.flux(x, self.recovery.points)
+        sampled = self.shared.sampled(x) if self.shared else self.flux(x, self.recovery.points)
+        nodal = self.shared(x) if self.shared else self.recovery(sampled)
         flux = sampled if self._points is None else self.flux(x, self._points)
-        error, size = self._energies(self.recovery.cell_rows(), self.recovery(sampled), flux)
+        error, size = self._energies(self.recovery.cell_rows(), nodal, flux)
         return self._ratio(error, size, x)
 
     def distance(self, x: np.ndarray, reference: np.ndarray) -> float:

@@ -79,20 +79,16 @@ class Observer:
 
     Args:
         functions: by name.
-        refresh: called before each evaluation, so that functions may share what they compute.
         peaks: names of those of which the largest size over the time steps counts.
     """
 
-    def __init__(
-        self, functions: Mapping[str, Function], refresh: Callable[[], None] = lambda: None, peaks: Iterable[str] = ()
-    ) -> None:
-        self.functions, self.refresh = dict(functions), refresh
+    def __init__(self, functions: Mapping[str, Function], peaks: Iterable[str] = ()) -> None:
+        self.functions = dict(functions)
         self.watched = tuple(peaks)
         self._peaks: dict[str, float] = {}
 
     def __call__(self, *state: object) -> dict[str, float]:
         """All quantities at a state."""
-        self.refresh()
         return {name: self._value(name, function, state) for name, function in self.functions.items()}
 
     def begin(self) -> None:
@@ -101,7 +97,6 @@ class Observer:
 
     def step(self, *state: object) -> None:
         """Take in the state after a time step."""
-        self.refresh()
         for name in self.watched:
             self._peaks[name] = max(self._peaks.get(name, 0.0), abs(float(self.functions[name](*state))))
 

@@ -33,6 +33,11 @@ class NodalFlux:
         self.region = np.repeat(regions, [len(part) for part in parts])
         self._parts = parts
 
+    @property
+    def jumps(self) -> bool:
+        """Whether there are several regions: nodes between them have a row for each."""
+        return bool(self._cells)
+
     def rows(self, nodes: np.ndarray | slice, cells: np.ndarray) -> np.ndarray | slice:
         """Rows of these nodes: as the regions of `cells` see them, or, with no cells, as all do."""
         if not self._cells or isinstance(nodes, slice):

@@ -48,6 +48,12 @@ def limits_of(quantities: Mapping[str, Quantity]) -> Limits:
     }
 
 
+def recorded_limits(quantities: Mapping[str, Quantity]) -> dict[str, dict[str, float]]:
+    """The limits as the header of a recording has them: `min` and `max` in SI units, those alone that there are."""
+    both = {name: {MIN: limit.least, MAX: limit.most} for name, limit in limits_of(quantities).items()}
+    return {name: {key: v for key, v in one.items() if math.isfinite(v)} for name, one in both.items()}
+
+
 def constraint_status(limits: Limits, quantities: Mapping[str, float]) -> str:
     """ "holds" or "fails"; empty where there is no limit, or a limited quantity has no number.
 

@@ -15,7 +15,7 @@ MOST_ATTRIBUTE = 4096
 WIDTHS = (2, 3, 4, 6, 8, 10)
 """Nodes of a cell."""
 TEXTS = ("script", "script_text", "title", "app", "policy", "predict")
-TABLES = ("scene_values", "calibration", "petsc_in_effect")
+TABLES = ("scene_values", "limits", "calibration", "petsc_in_effect")
 
 
 def refuse_bad_arrays(file: h5py.File, path: Path) -> None:

@@ -6,6 +6,7 @@ from restshape import __version__
 from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.policy import Policy
+from restshape.replay.constraints import recorded_limits
 from restshape.scene.model import Scene
 from restshape.scene.script import Script
 
@@ -41,6 +42,7 @@ class Request:
             "script": self.script.path.name if self.script.path else "",
             "script_text": self.script.path.read_text(errors="replace") if self.script.path else "",
             "title": self.scene.title,
+            "limits": recorded_limits(self.scene.quantities),
             "app": self.application.name,
             "policy": self.policy.name,
             "predict": self.predict,

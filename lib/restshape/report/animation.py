@@ -6,22 +6,36 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
+from matplotlib.colors import Colormap, to_rgb
+from matplotlib.figure import Figure
 from PIL import Image
 from scipy.spatial import cKDTree
 
 from restshape.errors import UserError
 from restshape.outputs.drawn import plain_texts
 from restshape.replay.recording import Recording
-from restshape.report.frames import title
-from restshape.report.scenery import Drawing, Scenery
-from restshape.report.style import BODY, COLOURS, MESH, new_figure
-from restshape.report.tables import refused
+from restshape.report.drawing import Drawing
+from restshape.report.frames import (
+    BELOW,
+    LEFT,
+    LETTER,
+    LINE,
+    RIGHT,
+    add_colour_bar,
+    findings,
+    title_lines,
+    wrapped,
+)
+from restshape.report.happenings import failure
+from restshape.report.scenery import Scenery
+from restshape.report.style import BODY, INK, MARK, MESH, REFUSED, new_figure
 
 FRAMES = 40
 DPI = 90
+LINES = 2
+"""Of the caption."""
 _SECONDS = (0.05, 0.25)
 
 
@@ -55,7 +69,7 @@ def draw_animation(recording: Recording, chosen: np.ndarray, scenery: Scenery, p
     Raises:
         UserError: MP4 without ffmpeg, or ffmpeg failed.
     """
-    write_animation(_pictures(recording, chosen, scenery), _palette(), path, pause(recording, chosen))
+    write_animation(_pictures(recording, chosen, scenery), _palette(scenery.colours), path, pause(recording, chosen))
 
 
 def write_animation(pictures: Iterator[np.ndarray], palette: np.ndarray, path: Path, seconds: float) -> None:
@@ -85,34 +99,50 @@ def pause(recording: Recording, chosen: np.ndarray) -> float:
 
 def _pictures(recording: Recording, chosen: np.ndarray, scenery: Scenery) -> Iterator[np.ndarray]:
     """RGB pictures (height, width, 3) uint8, both sizes even; all but the body is drawn once."""
-    xmin, xmax, ymin, ymax = scenery.extent
-    aspect = (xmax - xmin) / (ymax - ymin)
-    width = 8.0 if aspect > 1 else 5.5
-    figure = new_figure(width, float(np.clip((width - 1.6) / aspect + 1.1, 2.4, 9.0)))
-    figure.set_dpi(DPI)
+    figure, axes, bar = _canvas(recording, scenery)
     canvas = FigureCanvasAgg(figure)
-    axes = figure.subplots()
     drawing = Drawing(axes, scenery)
+    for artist in drawing.artists:
+        artist.set_animated(True)
     _, unit = scenery.unit
     axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
-    axes.set_title(" ", loc="left")
-    caption = axes.text(0.0, 1.02, "", transform=axes.transAxes, fontsize=9)
-    title(figure, recording, scenery, 8.5)
-    if scenery.field:
-        bar = figure.colorbar(drawing.body, ax=axes, extend="max" if scenery.clipped else "neither")
-        bar.set_label(scenery.colour[1])
+    words = axes.text(0.0, 1.02, "", transform=axes.transAxes, fontsize=9, animated=True)
+    add_colour_bar(figure, bar, recording, scenery)
     plain_texts(figure)
     canvas.draw()
     still = canvas.copy_from_bbox(figure.bbox)
-    stopped = refused(recording)
+    room = int((figure.get_figwidth() - LEFT) / LETTER)
     for i in map(int, chosen):
         canvas.restore_region(still)
         drawing.show(recording, i)
-        words = ", ".join((f"frame {i}", *recording.moments(i)))
-        caption.set_text(words + (" (refused)" if stopped[i] else ""))
-        for artist in (drawing.body, drawing.rest, caption):
-            axes.draw_artist(artist)
+        found = (f"frame {i}", *recording.moments(i), *findings(recording, i, scenery))
+        words.set_text("\n".join(wrapped(found, room).split("\n")[:LINES]))
+        words.set_color(REFUSED if failure(recording, i, bool(scenery.seen.solved[i])) else INK)
+        for shown in (*drawing.artists, words):
+            axes.draw_artist(shown)
         yield even(canvas)
+
+
+def _canvas(recording: Recording, scenery: Scenery) -> tuple[Figure, Axes, Axes]:
+    """A figure with its title, the axes of the shape, and those of the colour bar."""
+    xmin, xmax, ymin, ymax = scenery.extent
+    aspect = (xmax - xmin) / (ymax - ymin)
+    room = 6.2 if aspect > 1 else 4.0
+    height = min(room / aspect, 7.5)
+    width = height * aspect
+    wide = max(LEFT + width + RIGHT, 4.5)
+    heading = title_lines(recording, scenery, wide, LETTER)
+    top = 0.15 + LINE * (len(heading) + LINES) + 0.1
+    high = top + height + BELOW
+    figure = new_figure(wide, high)
+    figure.set(dpi=DPI, layout_engine="none")
+    figure.suptitle("\n".join(heading), color=INK, fontsize=8.5, y=1.0 - 0.06 / high, va="top")
+    axes = figure.add_axes((LEFT / wide, BELOW / high, width / wide, height / high))
+    length = min(height, 5.0)
+    bar = figure.add_axes(
+        (1.0 - (RIGHT - 0.25) / wide, (BELOW + 0.5 * (height - length)) / high, 0.14 / wide, length / high)
+    )
+    return figure, axes, bar
 
 
 def even(canvas: FigureCanvasAgg) -> np.ndarray:
@@ -132,13 +162,13 @@ def _write_gif(pictures: Iterator[np.ndarray], palette: np.ndarray, path: Path, 
     frames[0].save(path, save_all=True, append_images=frames[1:], duration=round(1000 * seconds), loop=0)
 
 
-def _palette() -> np.ndarray:
-    """256 colours: the map's, the map's under mesh lines, greys."""
-    shades = colormaps[COLOURS](np.linspace(0, 1, 140))[:, :3]
+def _palette(colours: Colormap) -> np.ndarray:
+    """256 colours: the map's, the map's under mesh lines, greys, and those of words and marks."""
+    shades = colours(np.linspace(0, 1, 138))[:, :3]
     under = 0.75 * shades[::2] + 0.25 * np.array(to_rgb(MESH))
-    greys = np.repeat(np.linspace(0, 1, 45)[:, None], 3, axis=1)
-    colours = np.vstack([shades, under, greys, to_rgb(BODY)])
-    return (255 * colours).round().astype(np.uint8)
+    greys = np.repeat(np.linspace(0, 1, 46)[:, None], 3, axis=1)
+    all_colours = np.vstack([shades, under, greys, *map(to_rgb, (BODY, MARK, REFUSED))])
+    return (255 * all_colours).round().astype(np.uint8)
 
 
 def _nearest(palette: np.ndarray) -> np.ndarray:

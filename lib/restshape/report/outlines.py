@@ -28,9 +28,19 @@ def lines(x: np.ndarray, sides: np.ndarray) -> np.ndarray:
     return basis @ x[sides]
 
 
+def sides(cells: np.ndarray) -> np.ndarray:
+    """All sides (m, 2), or (m, 3) with their middles, of cells (ne, 3) or (ne, 6), each of them once."""
+    return _sides(cells)[0]
+
+
 def border(cells: np.ndarray) -> np.ndarray:
     """The sides (m, 2), or (m, 3) with their middles, that belong to one cell (ne, 3) or (ne, 6) only."""
+    all_sides, counts = _sides(cells)
+    return all_sides[counts == 1]
+
+
+def _sides(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sides, and how many cells have each."""
     ends = np.sort(cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64), axis=1)
     _, first, counts = np.unique(ends[:, 0] << 32 | ends[:, 1], return_index=True, return_counts=True)
-    single = first[counts == 1]
-    return ends[single] if cells.shape[1] == 3 else np.column_stack([ends, cells[:, 3:].ravel()])[single]
+    return (ends if cells.shape[1] == 3 else np.column_stack([ends, cells[:, 3:].ravel()]))[first], counts

@@ -1,63 +1,89 @@
 """What all pictures of one recording have in common: extent, exaggeration, colours, units."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import to_rgba
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Colormap, Normalize
 
-from restshape.application import applications
 from restshape.errors import UserError
 from restshape.physics.elasticity.goal import Goal
 from restshape.physics.elasticity.target_curves import goal_curve
 from restshape.replay.recording import Recording
-from restshape.report.outlines import border, lines, polygons
-from restshape.report.style import BODY, COLOURS, GOAL, INK, MESH, length_unit, scaled_unit, si
-from restshape.scene.physics import PictureField
+from restshape.report.field import ShownField, shown_field, true_scale
+from restshape.report.style import BODY, COLOURS, SIGNED, length_unit, scaled_unit, si
+from restshape.report.survey import Survey, colour_range, known_displacement, survey
 
 SHARE = 0.08
-UNNAMED = PictureField("", "")
+MARGIN = 0.02
+"""Room around all, over its size."""
 
 
 @dataclass(frozen=True)
 class Scenery:
-    """Common to all frames drawn.
+    """Common to all frames of a recording.
 
     Args:
-        scale: exaggeration of the displacement.
-        largest: displacement [m].
-        extent: xmin, xmax, ymin, ymax of everything drawn [m].
-        field: scalar field that gives the colour, or None.
-        look: its label and unit.
-        deforms: a displacement is recorded.
-        top: value [field's unit] at the top of the colour bar; ``clipped`` if there are higher ones.
-        bottom: value at its bottom.
+        scale: exaggeration of the displacement; exact: it may be no other.
+        extent: xmin, xmax, ymin, ymax of all frames, and goals [m].
+        field: that gives the colour, or None.
+        bottom, top: values [field's unit] at the ends of the colours.
+        seen: what the frames hold.
         goals: curves (m, 2) [m] that the deformed shape should meet; drawn as they are.
+        deforms: a displacement is recorded.
     """
 
     scale: float
-    largest: float
+    exact: bool
     extent: tuple[float, float, float, float]
-    field: str | None
+    field: ShownField | None
     bottom: float
     top: float
-    clipped: bool
+    seen: Survey
     goals: tuple[np.ndarray, ...] = ()
-    look: PictureField = UNNAMED
     deforms: bool = True
+
+    @property
+    def largest(self) -> float:
+        """The largest displacement of all frames [m]."""
+        return float(np.nanmax(np.nan_to_num(self.seen.largest), initial=0.0))
 
     @property
     def unit(self) -> tuple[float, str]:
         """Factor and unit of lengths on the axes."""
         return length_unit(max(self.extent[1] - self.extent[0], self.extent[3] - self.extent[2]))
 
-    @property
+    @cached_property
     def colour(self) -> tuple[float, str]:
         """Factor of the field's values and the label of the colour bar."""
-        factor, shown = scaled_unit(max(abs(self.bottom), abs(self.top)), self.look.unit)
-        return factor, f"{self.look.label} [{shown}]" if shown else self.look.label
+        if self.field is None:
+            return 1.0, ""
+        look = self.field.look
+        factor, shown = scaled_unit(max(abs(self.bottom), abs(self.top)), look.unit)
+        return factor, f"{look.label} [{shown}]" if shown else look.label
+
+    @property
+    def colours(self) -> Colormap:
+        """Of the field; grey where it is not known."""
+        signed = self.field is not None and self.field.look.signed
+        return colormaps[SIGNED if signed else COLOURS].with_extremes(bad=BODY)
+
+    @property
+    def bar(self) -> ScalarMappable:
+        """What a colour bar shows: the field in its scaled unit."""
+        factor, _ = self.colour
+        return ScalarMappable(Normalize(factor * self.bottom, factor * self.top), self.colours)
+
+    @property
+    def beyond(self) -> str:
+        """At which ends of the colours there are values beyond, as matplotlib names them."""
+        low = np.nanmin(self.seen.bottom, initial=self.bottom) < self.bottom
+        high = np.nanmax(self.seen.top, initial=self.top) > self.top
+        return {(True, True): "both", (True, False): "min", (False, True): "max"}.get(
+            (bool(low), bool(high)), "neither"
+        )
 
     @property
     def deformation(self) -> str:
@@ -66,93 +92,55 @@ class Scenery:
             return ""
         if not self.largest:
             return "no displacement"
-        return f"deformation ×{self.scale:.3g}, largest displacement {si(self.largest, 'm')}"
+        size = f"largest displacement {si(self.largest, 'm')}"
+        return f"true deformation, {size}" if self.scale == 1.0 else f"deformation ×{scale_text(self.scale)}, {size}"
 
 
-class Drawing:
-    """The artists of one panel, used again from frame to frame.
-
-    Args:
-        axes: where they are drawn.
-        scenery: common to all panels.
-    """
-
-    def __init__(self, axes: Axes, scenery: Scenery) -> None:
-        self.axes, self.scenery = axes, scenery
-        factor, _ = scenery.unit
-        colour, _ = scenery.colour
-        self.body = PolyCollection([], edgecolors=to_rgba(MESH, 0.4), linewidths=0.25, facecolors=BODY)
-        if scenery.field:
-            self.body.set_cmap(colormaps[COLOURS].with_extremes(bad=BODY))
-            self.body.set_clim(scenery.bottom * colour, scenery.top * colour)
-        self.rest = LineCollection([], colors=INK, linewidths=0.7)
-        axes.add_collection(self.body, autolim=False)
-        axes.add_collection(self.rest, autolim=False)
-        goals = [factor * goal for goal in scenery.goals]
-        axes.add_collection(LineCollection(goals, colors=GOAL, linewidths=1.3), autolim=False)
-        xmin, xmax, ymin, ymax = (value * factor for value in scenery.extent)
-        axes.set(xlim=(xmin, xmax), ylim=(ymin, ymax), aspect="equal")
-
-    def show(self, recording: Recording, i: int) -> None:
-        """Puts frame i into the artists."""
-        scenery = self.scenery
-        X, cells = recording.mesh(i)
-        factor, _ = scenery.unit
-        x = factor * (X + scenery.scale * displacement(recording, i))
-        self.body.set_verts(polygons(x, cells))
-        self.rest.set_segments(factor * lines(X, border(cells)))
-        if scenery.field:
-            self.body.set_array(np.ma.masked_invalid(scenery.colour[0] * by_cell(recording, i, scenery.field)))
+def scale_text(scale: float) -> str:
+    """A scale, without a power of ten where it is large."""
+    return f"{scale:,.0f}" if scale >= 1000.0 else f"{scale:.3g}"
 
 
-def scenery(recording: Recording, frames: np.ndarray, scale: float | None = None) -> Scenery:
-    """What the pictures of these frames have in common.
+def scenery(
+    recording: Recording,
+    scale: float | None = None,
+    field: str | None = None,
+    limits: tuple[float, float] | None = None,
+) -> Scenery:
+    """What the pictures of a recording have in common, from all its frames.
 
     Args:
         recording: two-dimensional.
-        frames: indices that are looked at.
-        scale: exaggeration; default: the largest displacement becomes 8 % of the size, but 1 where there is a goal.
+        scale: exaggeration; default: the largest displacement becomes 8 % of the size, but 1 where there is a goal or
+            the deformation is a large one.
+        field: name of the field that gives the colour; default: see `shown_field`.
+        limits: values at the ends of the colours in the field's SI unit; default: those of all frames.
 
     Raises:
-        UserError: the recording is not of a shape in the plane.
+        UserError: the recording is not of a shape in the plane, lacks the field, or a scale but 1 is given for a large
+            deformation.
     """
     if recording.dimension != 2:
         raise UserError("pictures can be drawn of shapes in the plane only", str(recording.path), "open it in ParaView")
-    field, look = _colour_field(recording)
-    low, high, values, largest = [], [], [], 0.0
-    for i in frames:
-        X = recording.points(i)
-        low.append(X.min(axis=0))
-        high.append(X.max(axis=0))
-        largest = max(largest, float(np.hypot(*displacement(recording, i).T).max(initial=0.0)))
-        if field:
-            values.append(by_cell(recording, i, field))
-    size = float(np.max(np.max(high, axis=0) - np.min(low, axis=0)))
-    goals = goals_of(recording)
-    if scale is None and goals:
-        scale = 1.0
+    shown, exact, goals = shown_field(recording, field), true_scale(recording), goals_of(recording)
+    if exact and scale not in (None, 1.0):
+        raise UserError("large deformations are drawn as they are, not exaggerated", "--scale", "leave --scale out")
+    seen = survey(recording, shown)
+    size = float(np.max(seen.high.max(axis=0) - seen.low.min(axis=0)))
+    largest = float(np.nanmax(np.nan_to_num(seen.largest), initial=0.0))
     if scale is None:
-        scale = float(f"{SHARE * size / largest:.2g}") if largest else 1.0
-    for i in frames:
-        x = recording.points(i) + scale * displacement(recording, i)
-        low.append(x.min(axis=0))
-        high.append(x.max(axis=0))
-    low.extend(goal.min(axis=0) for goal in goals)
-    high.extend(goal.max(axis=0) for goal in goals)
-    margin = 0.02 * size
-    (xmin, ymin), (xmax, ymax) = np.min(low, axis=0) - margin, np.max(high, axis=0) + margin
+        scale = 1.0 if exact or goals or not largest else float(f"{SHARE * size / largest:.2g}")
+    low, high = [seen.low, *(goal for goal in goals)], [seen.high, *(goal for goal in goals)]
+    for i in np.flatnonzero(seen.solved) if largest else ():
+        x = recording.points(i) + scale * known_displacement(recording, i)
+        low.append(x.min(axis=0, keepdims=True))
+        high.append(x.max(axis=0, keepdims=True))
+    (xmin, ymin), (xmax, ymax) = np.vstack(low).min(axis=0) - MARGIN * size, np.vstack(high).max(axis=0) + MARGIN * size
+    known = shown if np.isfinite(seen.top).any() else None
+    bottom, top = limits or (colour_range(known, seen) if known else (0.0, 1.0))
+    deforms = "displacement" in recording.fields
     extent = (float(xmin), float(xmax), float(ymin), float(ymax))
-    known = any(np.isfinite(value).any() for value in values)
-    return Scenery(
-        scale,
-        largest,
-        extent,
-        field if known else None,
-        *_colour_range(values, look.from_zero),
-        goals,
-        look,
-        "displacement" in recording.fields,
-    )
+    return Scenery(scale, exact, extent, known, bottom, top, seen, goals, deforms)
 
 
 def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:
@@ -160,43 +148,3 @@ def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:
     scene = recording.header.get("scene_values")
     given = scene.get("goal", {}) if isinstance(scene, dict) else {}
     return tuple(goal_curve(Goal.model_validate(goal)) for goal in given.values())
-
-
-def by_cell(recording: Recording, i: int, field: str) -> np.ndarray:
-    """A scalar field of frame i, a value a cell (ne,): of one at nodes the mean of the corners."""
-    values = recording.field(i, field)
-    return values if recording.fields[field].where == "cell_data" else values[recording.mesh(i)[1][:, :3]].mean(axis=1)
-
-
-def _colour_field(recording: Recording) -> tuple[str | None, PictureField]:
-    """The field that gives the colour, and how it looks: the first that a physics names, else any of the cells."""
-    scalars = {name: info.where for name, info in recording.fields.items() if not info.components}
-    app = applications().get(recording.header.get("app"))
-    for one in app.physics if app else ():
-        for name, look in one.pictured.items():
-            if name in scalars:
-                return name, look
-    first = next((name for name, where in scalars.items() if where == "cell_data"), None)
-    return first, PictureField(first or "", "")
-
-
-def _colour_range(values: list[np.ndarray], from_zero: bool) -> tuple[float, float, bool]:
-    """Bottom, top, and whether some values lie above: a corner's singular stress must not darken all the rest."""
-    finite = np.concatenate(values) if values else np.zeros(0)
-    finite = finite[np.isfinite(finite)]
-    if not len(finite) or finite.max() == finite.min() == 0:
-        return 0.0, 1.0, False
-    bottom, top = float(finite.min()), float(finite.max())
-    if from_zero:
-        bottom = min(0.0, bottom)
-    usual = float(np.percentile(finite, 99.5))
-    if from_zero and usual > 0 and top > 3 * usual:
-        return bottom, usual, True
-    return bottom, top if top > bottom else bottom + 1.0, False
-
-
-def displacement(recording: Recording, i: int) -> np.ndarray:
-    """Displacement (n, 2) of frame i [m]; zero where none is known."""
-    if "displacement" not in recording.fields:
-        return np.zeros_like(recording.points(i))
-    return np.nan_to_num(recording.field(i, "displacement")[:, :2], posinf=0.0, neginf=0.0)

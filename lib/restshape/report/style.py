@@ -9,9 +9,10 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 DPI = 150
-COLOURS = "viridis"
+COLOURS, SIGNED = "viridis", "RdBu_r"
 INK, FAINT, REFUSED = "#222222", "#9a9a9a", "#c0392b"
 GOAL, RESTLESS = "#d62728", "#e69f00"
+MARK = "#ff00aa"
 BODY, MESH = "#c9d3dc", "#ffffff"
 VALUES = -1
 """Stands for level 0 where values were changed and the system was solved."""

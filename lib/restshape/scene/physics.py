@@ -96,11 +96,15 @@ class PictureField:
         label: for people.
         unit: SI unit of its values.
         from_zero: colours begin at 0; else at the smallest value.
+        signed: values of both signs are as usual, and 0 is in the middle of the colours.
+        quantity: key and value of the quantities that are taken from it, such as ("stress", "xx").
     """
 
     label: str
     unit: str
     from_zero: bool = True
+    signed: bool = False
+    quantity: tuple[str, object] | None = None
 
 
 # More than 15 attributes: each is a part of the declaration, of which a physics gives those that it has.
@@ -125,6 +129,7 @@ class Physics:
         derived: parts that follow from a scene without being named, by name.
         invariants: what cannot change during an edit.
         pictured: fields of recordings that pictures show, by name, the most important first.
+        true_scale: names of effects under which pictures show deformations as they are, not exaggerated.
         orders: of elements; the usual one first.
         layered: bodies have a thickness of their own with layers of elements over it.
         nested: its fields, of first order, may live on a mesh nested in coarser ones.
@@ -153,6 +158,7 @@ class Physics:
     derived: Mapping[str, DerivedEffect] = field(default_factory=dict)
     invariants: tuple[Invariant, ...] = ()
     pictured: Mapping[str, PictureField] = field(default_factory=dict)
+    true_scale: tuple[str, ...] = ()
     orders: tuple[int, ...] = (1,)
     layered: bool = False
     nested: bool = False

@@ -78,6 +78,18 @@ def follower_loads(scene: Scene, on: frozenset[str]) -> dict[str, list[str]]:
     return {name: list(load.on) for name, load in loads if load.pressure is not None}
 
 
+_AXES = {"xx": "along x", "yy": "along y", "xy": "shear"}
+
+PICTURED = {
+    "von_mises": PictureField("von Mises stress", "Pa", quantity=("stress", "von_mises")),
+    "max_principal": PictureField("larger principal stress", "Pa", signed=True, quantity=("stress", "max_principal")),
+    "min_principal": PictureField("smaller principal stress", "Pa", signed=True, quantity=("stress", "min_principal")),
+    **{
+        f"stress_{key}": PictureField(f"stress {key}, {axis}", "Pa", signed=True, quantity=("stress", key))
+        for key, axis in _AXES.items()
+    },
+}
+
 PLANE_SOLIDS = Physics(
     name="plane solids",
     summary="elastic solids in the plane, at rest",
@@ -96,7 +108,8 @@ PLANE_SOLIDS = Physics(
             "make it two scenes, or give the load in both and set it to 0",
         ),
     ),
-    pictured={"von_mises": PictureField("von Mises stress of the cells", "Pa")},
+    pictured=PICTURED,
+    true_scale=(LARGE,),
     orders=(1, 2),
     check=check_solids,
     check_shape="restshape.physics.elasticity.outline_checks:check_supports",

@@ -32,10 +32,11 @@ from restshape.fem.time_integration import Newmark, Rayleigh, TimeIntegration
 from restshape.physics.elasticity.base_excitation import HarmonicExcitation
 from restshape.physics.elasticity.body_load import require_density
 from restshape.physics.elasticity.loads import PlaneLoads
+from restshape.physics.elasticity.nodal_stress import NodalStress, blank_stress
 from restshape.physics.elasticity.quantities import MotionQuantities, PlaneQuantities
 from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
 from restshape.physics.elasticity.stiffness import lame
-from restshape.physics.elasticity.stress import PlaneStresses, plane_compliance, von_mises
+from restshape.physics.elasticity.stress import PlaneStresses, plane_compliance
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 
@@ -58,7 +59,7 @@ class PlaneSolid(TransientProblem):
         materials: (regions + 1, 4) lambda, mu [Pa], thickness [m], density [kg/m^3].
         stiffness_params: lambda, mu, thickness, 0, 0 of the cells, (5,) or (ne, 5).
         loads: on points, edges and the volume.
-        stresses: of the cells.
+        stresses: of the cells; nodal_stress: of the nodes.
 
     Raises:
         UserError: the supports leave the body free to move, or a part of it has no material.
@@ -68,7 +69,6 @@ class PlaneSolid(TransientProblem):
 
     name, name_in_time, time_step_key = "solid", "motion", "effects.dynamics.time_step"
     unknowns = (Unknown("displacement", "m", ("x", "y")),)
-    cell_scalars = ("von_mises",)
     rigid_motions = True
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
@@ -84,6 +84,7 @@ class PlaneSolid(TransientProblem):
         self.loads = PlaneLoads(scene, space, self.materials[:, 2], not self.linear)
         self.params, self.stiffness_params = self._cell_params()
         self.stresses = PlaneStresses(space, self.element, self.stiffness_params, not self.linear, stress)
+        self.nodal_stress = NodalStress(self.stresses)
         require_density(scene, self.gravity)
         self.boundary = dirichlet_of(scene, space, self.unknowns)
         check_rigid_body_modes(space.X, self.boundary.mask, scene)
@@ -184,8 +185,15 @@ class PlaneSolid(TransientProblem):
     # --- what is observed ------------------------------------------------------------------------------------------
 
     def fields(self, x: np.ndarray) -> Fields:
-        """Displacement [m] of the nodes, equivalent stress [Pa] of the cells, at x (n, 2) [m]."""
-        return {"displacement": x}, {"von_mises": von_mises(self.stresses.cauchy(x))}
+        """Displacement [m] and recovered stresses [Pa] at x (n, 2) [m]; see `NodalStress.fields`."""
+        points, cells = self.nodal_stress.fields(x, self.scene.quantities)
+        return {"displacement": x, **points}, cells
+
+    @classmethod
+    def blank_fields(cls, space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+        (points, cells), stress = super().blank_fields(space), blank_stress(space)
+        return {**points, **stress[0]}, {**cells, **stress[1]}
 
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates quantities of a displacement x (n, 2) [m].
@@ -194,7 +202,7 @@ class PlaneSolid(TransientProblem):
             UserError: a quantity has no meaning, or none where it is asked for.
         """
         functions = PlaneQuantities(self)
-        return Observer({name: functions(name, quantity) for name, quantity in quantities.items()}, functions.refresh)
+        return Observer({name: functions(name, quantity) for name, quantity in quantities.items()})
 
     @staticmethod
     def traits(plan: Plan) -> Traits:
@@ -224,7 +232,7 @@ class PlaneSolid(TransientProblem):
         """
         functions = MotionQuantities(self, mass.energies)
         made = {name: functions(name, quantity) for name, quantity in quantities.items()}
-        return Observer(made, functions.refresh, [name for name, q in quantities.items() if q.reduce == "peak"])
+        return Observer(made, [name for name, q in quantities.items() if q.reduce == "peak"])
 
     def energy_moduli(self) -> np.ndarray:
         """lambda, mu [Pa] and thickness [m], (3,) or (ne, 3)."""
@@ -234,7 +242,9 @@ class PlaneSolid(TransientProblem):
         """The recovery-based estimate in the energy norm, of small or large strains."""
         lame, shear, thickness, _ = self.materials.T
         compliance = plane_compliance(lame, shear, thickness)
-        return RecoveryEstimate(self.space, self.stresses.of_estimate, compliance, self.stiffest)
+        # Of small strains the norm takes the stresses that quantities take, zz apart, which has no part in it.
+        shared = self.nodal_stress if self.linear else None
+        return RecoveryEstimate(self.space, self.stresses.of_estimate, compliance, self.stiffest, shared)
 
     def energies(self, x: np.ndarray) -> np.ndarray:
         """Strain energies (ne,) [J] of the cells at the displacement x (n, 2) [m]; they sum to half of x . K x."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -12,9 +11,9 @@ from restshape.errors import UserError
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, cells_at, reduction
 from restshape.fem.problem import Problem
-from restshape.fem.recovery import NodalFlux
 from restshape.fem.residuals import unconstrained_residual
-from restshape.physics.elasticity.stress import COMPONENTS, PlaneStresses
+from restshape.physics.elasticity.nodal_stress import NodalStress
+from restshape.physics.elasticity.stress import COMPONENTS
 from restshape.physics.elasticity.target_curves import GoalDistance
 from restshape.scene.model import Quantity
 
@@ -33,10 +32,10 @@ class ObservedSolid(Problem, Protocol):
     """What quantities need of a solid in the plane beside a problem.
 
     Attributes:
-        stresses: of the cells.
+        nodal_stress: of the nodes.
     """
 
-    stresses: PlaneStresses
+    nodal_stress: NodalStress
 
     def energies(self, x: np.ndarray) -> np.ndarray:
         """Strain energies (ne,) [J] of the cells at the displacement x (n, 2) [m]."""
@@ -54,7 +53,6 @@ class PlaneQuantities:
 
     def __init__(self, solid: ObservedSolid) -> None:
         self.solid, self.space = solid, solid.space
-        self._nodal: np.ndarray | None = None
         self._around: dict[str, tuple[int | None, np.ndarray]] = {}
 
     def __call__(self, name: str, quantity: Quantity) -> Function:
@@ -85,33 +83,18 @@ class PlaneQuantities:
         column = "xy".index(quantity.displacement)
         return lambda x, *_: reduce(x[nodes, column])
 
-    def refresh(self) -> None:
-        """Forget the stresses at nodes: the displacement is another one."""
-        self._nodal = None
-
     def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
         """The energy of that kind in the cells; a static solid has one kind only."""
         if kind != "strain":
             raise UserError(f"a solid at rest has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"')
         return lambda x, *_: self.solid.energies(x)[cells].sum()
 
-    @cached_property
-    def recovery(self) -> NodalFlux:
-        """What recovers stresses at nodes, made where a quantity is one."""
-        return NodalFlux(self.space)
-
-    def nodal_stress(self, x: np.ndarray) -> np.ndarray:
-        """Recovered stresses [Pa] at the nodes, in the rows of `recovery`, computed once a state."""
-        if self._nodal is None:
-            self._nodal = self.recovery(self.solid.stresses.cauchy(x, self.recovery.points))
-        return self._nodal
-
     def _stress(self, quantity: Quantity, nodes: np.ndarray | slice) -> Function:
-        component = COMPONENTS[quantity.stress]
+        component, nodal = COMPONENTS[quantity.stress], self.solid.nodal_stress
         cells = self.space.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
-        rows = self.recovery.rows(nodes, cells)
-        reduce = reduction(self.space, quantity, self.recovery.nodes[rows])
-        return lambda x, *_: reduce(component(self.nodal_stress(x)[rows]))
+        rows = nodal.recovery.rows(nodes, cells)
+        reduce = reduction(self.space, quantity, nodal.recovery.nodes[rows])
+        return lambda x, *_: reduce(component(nodal(x)[rows]))
 
     def _distance(self, name: str, quantity: Quantity) -> Function:
         """The distance between a target curve and the deformed edges."""

@@ -103,7 +103,7 @@ HEAT = Physics(
         ),
     },
     invariants=(Invariant(convections, "where convection acts cannot change", "set its film to 0 instead"),),
-    pictured={"temperature": PictureField("temperature", "K", from_zero=False)},
+    pictured={"temperature": PictureField("temperature", "K", from_zero=False, quantity=("temperature", True))},
     orders=(2, 1),
     check=check_heat,
 )

@@ -1,0 +1,80 @@
+"""Stresses of plane solids at nodes, which quantities, limits, error estimates and pictures share."""
+
+from collections.abc import Mapping
+from functools import cached_property
+
+import numpy as np
+
+from restshape.fem.problem import Fields
+from restshape.fem.recovery import NodalFlux
+from restshape.fem.space import Space
+from restshape.physics.elasticity.stress import COMPONENTS, PlaneStresses
+from restshape.scene.model import Quantity
+
+PICTURED = "von_mises"
+"""The component that is always recorded."""
+
+
+class NodalStress:
+    """Cauchy's stresses recovered at nodes, computed once a state of the space and its displacement.
+
+    Args:
+        stresses: of the cells.
+    """
+
+    def __init__(self, stresses: PlaneStresses) -> None:
+        self.stresses, self.space = stresses, stresses.space
+        self._versions = (-1, -1)
+        self._x = np.empty(0)
+        self._sampled = self._nodal = np.empty(0)
+
+    @cached_property
+    def recovery(self) -> NodalFlux:
+        """What recovers them, made where they are asked for."""
+        return NodalFlux(self.space)
+
+    def sampled(self, x: np.ndarray) -> np.ndarray:
+        """The stresses [Pa] that are recovered, (ne, 4) or (ne, 3, 4) inside the cells, at x (n, 2) [m]."""
+        self._follow(x)
+        return self._sampled
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        """Recovered stresses [Pa] (rows, 4) in the rows of `recovery`: xx, yy, xy, zz, at x (n, 2) [m]."""
+        self._follow(x)
+        return self._nodal
+
+    def _follow(self, x: np.ndarray) -> None:
+        versions = self.space.topology, self.space.geometry
+        if versions == self._versions and np.array_equal(x, self._x):
+            return
+        self._sampled = self.stresses.cauchy(x, self.recovery.points)
+        self._nodal = self.recovery(self._sampled)
+        self._versions, self._x = versions, x.copy()
+
+    def fields(self, x: np.ndarray, quantities: Mapping[str, Quantity]) -> Fields:
+        """What recordings hold of them at x (n, 2) [m]: von Mises' stress, and what quantities name besides [Pa].
+
+        Of one material by the nodes; where several regions meet a node has a stress on each side, and each cell its own
+        values (ne, k) at its nodes.
+        """
+        named = dict.fromkeys((PICTURED, *(q.stress for q in quantities.values() if q.stress)))
+        nodal = self(x)
+        found = {name: COMPONENTS[name](nodal) for name in named}
+        if not self.recovery.jumps:
+            return {field_name(name): values for name, values in found.items()}, {}
+        rows = self.recovery.cell_rows()
+        return {}, {field_name(name, jumps=True): values[rows] for name, values in found.items()}
+
+
+def field_name(component: str, jumps: bool = False) -> str:
+    """The name in recordings of a stress component; with jumps of one that cells have at their nodes."""
+    name = component if len(component) > 2 else f"stress_{component}"
+    return f"{name}_in_cells" if jumps else name
+
+
+def blank_stress(space: Space) -> Fields:
+    """The field that is always recorded, all NaN, on a space that has not been solved on."""
+    jumps = len(np.unique(space.cell_region)) > 1
+    shape = space.cells.shape if jumps else len(space.X)
+    blank = {field_name(PICTURED, jumps): np.full(shape, np.nan)}
+    return ({}, blank) if jumps else (blank, {})

@@ -1,0 +1,115 @@
+"""The field that pictures show by colours: which one, and its values at the nodes of each cell."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from restshape.application import applications
+from restshape.errors import UserError
+from restshape.replay.recording import Recording
+from restshape.scene.physics import Physics, PictureField
+
+IN_CELLS = "_in_cells"
+"""End of the name of a field that each cell has at its own nodes, as it jumps between regions."""
+NAMES = {"displacement": PictureField("size of the displacement", "m")}
+"""Fields of every physics."""
+
+
+@dataclass(frozen=True)
+class ShownField:
+    """A field of a recording, a number at each node of each cell.
+
+    Args:
+        name: in the recording, without `IN_CELLS`.
+        look: label, unit and colours.
+    """
+
+    name: str
+    look: PictureField
+
+    def values(self, recording: Recording, i: int, cells: np.ndarray | None = None) -> np.ndarray:
+        """Its values (ne, k) at the nodes of the cells (ne, k) of frame i; of a vector its size."""
+        cells = recording.cells(i) if cells is None else cells
+        name = self.name if self.name in recording.fields else self.name + IN_CELLS
+        found, info = recording.field(i, name), recording.fields[name]
+        if info.where == "point_data":
+            return (np.linalg.norm(found, axis=1) if found.ndim == 2 else found)[cells]
+        if found.ndim == 2:
+            return found if found.shape == cells.shape else np.repeat(_size(found), cells.shape[1], axis=1)
+        # A number a cell, as earlier recordings have it.
+        return np.repeat(found[:, None], cells.shape[1], axis=1)
+
+    def quantity_of(self, recording: Recording, name: str) -> bool:
+        """Whether a quantity of the recorded scene is taken from this field."""
+        spec, of = quantity_specs(recording).get(name, {}), self.look.quantity
+        return of is not None and spec.get(of[0]) == of[1]
+
+
+def _size(vectors: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(vectors, axis=1, keepdims=True)
+
+
+def shown_field(recording: Recording, name: str | None = None) -> ShownField | None:
+    """The field that pictures of a recording show; None where it has none.
+
+    It is the one that is named, else that of the first quantity with a limit, or of the first quantity, that is taken
+    from a field; else the first that the physics declare, or any.
+
+    Raises:
+        UserError: it has no field of that name.
+    """
+    recorded = [key.removesuffix(IN_CELLS) for key in recording.fields]
+    looks = {key: look for one in physics_of(recording) for key, look in one.pictured.items()}
+    if name is not None:
+        if name not in recorded:
+            what, known = f"the recording has no field {name!r}", ", ".join(dict.fromkeys(recorded)) or "none"
+            raise UserError(what, "--field", f"use one of those that it has: {known}")
+        return ShownField(name, looks.get(name) or NAMES.get(name) or PictureField(name, ""))
+    limited = set(limits_of(recording))
+    quantities = [*quantities_from(recording, looks)]
+    quantities.sort(key=lambda found: found[0] not in limited)
+    for candidate in [*(field for _, field in quantities), *looks]:
+        if candidate in recorded:
+            return ShownField(candidate, looks[candidate])
+    cells = [key for key, info in recording.fields.items() if info.where == "cell_data" and not info.components]
+    return ShownField(cells[0], PictureField(cells[0], "")) if cells else None
+
+
+def quantities_from(recording: Recording, looks: Mapping[str, PictureField]) -> Iterator[tuple[str, str]]:
+    """Quantities of the recorded scene that are taken from one of these fields, each with the field's name."""
+    for name, spec in quantity_specs(recording).items():
+        for field, look in looks.items():
+            if look.quantity and spec.get(look.quantity[0]) == look.quantity[1]:
+                yield name, field
+
+
+def quantity_specs(recording: Recording) -> dict[str, dict[str, Any]]:
+    """The quantities of the recorded scene by name, as the scene wrote them."""
+    scene = recording.header.get("scene_values")
+    given = scene.get("quantities") if isinstance(scene, dict) else None
+    return {name: spec for name, spec in given.items() if isinstance(spec, dict)} if isinstance(given, dict) else {}
+
+
+def limits_of(recording: Recording) -> dict[str, dict[str, float]]:
+    """The limits `min` and `max` of quantities in SI units; of recordings that do not hold them none."""
+    given = recording.header.get("limits", {})
+    found: dict[str, dict[str, float]] = {}
+    for name, one in given.items():
+        if isinstance(one, dict):
+            found[name] = {k: float(v) for k, v in one.items() if k in ("min", "max") and isinstance(v, int | float)}
+    return found
+
+
+def physics_of(recording: Recording) -> tuple[Physics, ...]:
+    """The physics of the recorded application; none where it is not installed."""
+    app = applications().get(recording.header.get("app", ""))
+    return tuple(app.physics) if app else ()
+
+
+def true_scale(recording: Recording) -> bool:
+    """Whether the recorded deformation is shown as it is: large ones are not exaggerated."""
+    scene = recording.header.get("scene_values")
+    effects = scene.get("effects", {}) if isinstance(scene, dict) else {}
+    return any(name in effects for one in physics_of(recording) for name in one.true_scale)

@@ -1,0 +1,144 @@
+"""What happened in the frames of a recording: which ones a sheet shows, and what it says of them."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from restshape.replay.constraints import FAILS
+from restshape.replay.recording import Recording
+from restshape.report.field import limits_of, shown_field
+from restshape.report.style import LEVEL_NAMES
+from restshape.report.tables import column, predicted, refused, with_values
+
+LONGEST = 90
+"""Letters of a reason at most."""
+
+
+def texts(recording: Recording, name: str) -> list[str]:
+    """A column of texts (n,); empty ones where the recording lacks it."""
+    return [str(text) for text in recording.table.get(name, [""] * recording.n)]
+
+
+def violated(recording: Recording) -> np.ndarray:
+    """Whether a quantity is beyond its limit in each frame (n,)."""
+    return np.array([status == FAILS for status in texts(recording, "constraint_status")], dtype=bool)
+
+
+def utilisations(recording: Recording) -> dict[str, np.ndarray]:
+    """By quantity with a limit, how far it is used in each frame (n,): 1 at the limit, above it beyond.
+
+    It is 1 + (value - limit) / |limit|, for a lower limit with the opposite sign; a limit of 0 is measured in the
+    largest size of the values.
+    """
+    found = {}
+    for name, limit in limits_of(recording).items():
+        values = column(recording, f"q_{name}")
+        size = np.abs(values[np.isfinite(values)]).max(initial=0.0) or 1.0
+        used = np.full(recording.n, -np.inf)
+        for key, sign in (("max", 1.0), ("min", -1.0)):
+            if key in limit:
+                used = np.maximum(used, 1.0 + sign * (values - limit[key]) / (abs(limit[key]) or size))
+        found[name] = used
+    return found
+
+
+def worst_frame(recording: Recording) -> tuple[int, str] | None:
+    """The frame in which a limit is used most, or a quantity is largest in size, and what that is, for people.
+
+    Without limits the quantity is that of the shown field, else the first one; None where no frame has any.
+    """
+    used = {name: values for name, values in utilisations(recording).items() if np.isfinite(values).any()}
+    if used:
+        name = max(used, key=lambda key: float(np.nanmax(used[key])))
+        i = int(np.nanargmax(used[name]))
+        return i, f"worst: {name} at {100.0 * used[name][i]:.4g} % of its limit"
+    field, names = shown_field(recording), [key[2:] for key in recording.table if key.startswith("q_")]
+    own = [q for q in names if field and field.quantity_of(recording, q)]
+    for name in [*own, *names]:
+        sizes = np.abs(column(recording, f"q_{name}"))
+        if np.isfinite(sizes).any():
+            i = int(np.where(np.isfinite(sizes), sizes, -1.0).argmax())
+            return i, f"worst: largest {name}"
+    return None
+
+
+def events(recording: Recording) -> list[list[int]]:
+    """Frames in which something happens, a list a kind: refused, a limit violated, level 3, a remark, level 2.
+
+    Of neighbours of one kind the first stands for all.
+    """
+    level = column(recording, "level")
+    remarks = np.array([bool(text) for text in texts(recording, "note")], dtype=bool)
+    later = np.arange(recording.n) > 0
+    kinds = [refused(recording), violated(recording), (level == 3) & later, remarks, level == 2]
+    return [_starts(kind) for kind in kinds]
+
+
+def _starts(chosen: np.ndarray) -> list[int]:
+    """The first of each run of frames, spread ones first."""
+    first = np.flatnonzero(chosen & ~np.concatenate([[False], chosen[:-1]])).tolist()
+    return spread(first)
+
+
+def spread(frames: Sequence[int]) -> list[int]:
+    """Frames in an order in which the first ones of the list lie far apart: first, last, then middles of gaps."""
+    left, order = list(frames[1:-1]), list(dict.fromkeys([*frames[:1], *frames[-1:]]))
+    while left and len(order) < 40:
+        order.append(max(left, key=lambda i: min(abs(i - other) for other in order)))
+        left.remove(order[-1])
+    return order + left
+
+
+def chosen_frames(recording: Recording, count: int) -> np.ndarray:
+    """Indices of at most `count` frames: the first, the last, the worst, those in which something happens, others."""
+    worst = worst_frame(recording)
+    chosen = [0, recording.n - 1, *([worst[0]] if worst else [])]
+    kinds = events(recording)
+    while any(kinds):
+        chosen += [kind.pop(0) for kind in kinds if kind]
+    chosen = list(dict.fromkeys(chosen))[:count]
+    while len(chosen) < min(count, recording.n):
+        chosen.append(_farthest(chosen, recording.n))
+    return np.array(sorted(chosen))
+
+
+def _farthest(chosen: Sequence[int], n: int) -> int:
+    """The frame in the middle of the largest gap between chosen ones."""
+    at = sorted(chosen)
+    ends = [*pairwise(at)] or [(at[0], n)]
+    first, last = max(ends, key=lambda pair: pair[1] - pair[0])
+    if last - first < 2:
+        return next(i for i in range(n) if i not in chosen)
+    return (first + last) // 2
+
+
+def frame_words(recording: Recording, i: int) -> Iterator[str]:
+    """What a frame is: its number, moment and level."""
+    yield f"frame {i}"
+    yield from recording.moments(i)
+    if "level" in recording.table:
+        level = int(recording.table["level"][i])
+        yield LEVEL_NAMES[level] if level else "values changed" if with_values(recording)[i] else "idle"
+    if predicted(recording)[i]:
+        yield "predicted"
+    worst = worst_frame(recording)
+    if worst and worst[0] == i:
+        yield worst[1]
+
+
+def failure(recording: Recording, i: int, solved: bool = True) -> str:
+    """Why a frame is no good, for people: refused, not analysed, or a limit violated; empty where nothing is."""
+    reason = texts(recording, "refused")[i]
+    if reason:
+        return f"REFUSED, last solution shown: {_short(reason)}"
+    if not solved:
+        return "NOT ANALYSED: the shape alone"
+    if violated(recording)[i]:
+        return f"LIMIT VIOLATED: {_short(texts(recording, 'violated_constraints')[i])}"
+    return ""
+
+
+def _short(text: str) -> str:
+    text = " ".join(text.partition("; try:")[0].split())
+    return text if len(text) <= LONGEST else text[: LONGEST - 2] + " …"

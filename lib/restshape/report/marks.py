@@ -1,0 +1,76 @@
+"""Where the extremes of a field are: those that quantities report, else those of the whole body."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.replay.recording import Recording
+from restshape.report.field import ShownField, quantity_specs
+from restshape.report.style import si
+
+SYMBOLS = (("o", "○"), ("s", "□"), ("^", "△"), ("D", "◇"))
+"""Markers, and letters that look like them."""
+SAME = 1e-9
+"""Relative difference up to which a value of the field is that of a quantity."""
+EXTREMES = ("max", "min", "absmax", "peak")
+"""Reductions to a value that the field has somewhere."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A place where a field has a value that is reported.
+
+    Args:
+        node: of frame's mesh.
+        text: what it is, with its value.
+        marker, letter: how it is drawn, and written.
+    """
+
+    node: int
+    text: str
+    marker: str
+    letter: str
+
+
+def marks(recording: Recording, i: int, field: ShownField, cells: np.ndarray) -> list[Mark]:
+    """The places of frame i that are marked, as many as there are `SYMBOLS` at most.
+
+    A quantity that is an extreme of the field is where the field has its value, also where it looks at one edge only.
+    Without any it is the largest value of the field, and the smallest where colours do not begin
+    at 0.
+
+    Args:
+        recording: of a shape in the plane.
+        i: the frame.
+        field: that is shown.
+        cells: (ne, k) of the frame.
+    """
+    values = field.values(recording, i, cells)
+    known = np.flatnonzero(np.isfinite(values.ravel()))
+    if not len(known):
+        return []
+    flat, nodes = values.ravel()[known], cells.ravel()[known]
+    found = _of_quantities(recording, i, field, flat) or _of_field(field, flat)
+    return [Mark(int(nodes[place]), text, marker, letter) for (place, text), (marker, letter) in zip(found, SYMBOLS)]
+
+
+def _of_quantities(recording: Recording, i: int, field: ShownField, flat: np.ndarray) -> list[tuple[int, str]]:
+    found = []
+    for name, spec in quantity_specs(recording).items():
+        value = float(recording.table.get(f"q_{name}", np.full(recording.n, np.nan))[i])
+        reduce = spec.get("reduce", spec.get("take", "max"))
+        if not (np.isfinite(value) and field.quantity_of(recording, name)) or reduce not in EXTREMES:
+            continue
+        far = np.abs((np.abs(flat) if reduce in EXTREMES[2:] else flat) - value)
+        place = int(far.argmin())
+        if far[place] <= SAME * abs(value):
+            found.append((place, f"{name} {si(value, field.look.unit, 4)}"))
+    return found
+
+
+def _of_field(field: ShownField, flat: np.ndarray) -> list[tuple[int, str]]:
+    unit = field.look.unit
+    ends = [(int(flat.argmax()), "max")]
+    if field.look.signed or not field.look.from_zero:
+        ends.append((int(flat.argmin()), "min"))
+    return [(place, f"{name} {si(float(flat[place]), unit, 4)}") for place, name in ends]
