@@ -70,7 +70,13 @@ def test_the_command_writes_pictures_tables_and_json(plate, tmp_path, capsys):
     assert "24 frames, 3 refused" in printed and "tip" in printed
     found = json.loads(data.read_text())
     assert found["frames"] == 24 and found["refused"] == 3 and found["status"] == "done"
-    assert [Path(p).name for p in found["pictures"]] == ["frames.png", "levels.png", "timeline.png", "animation.gif"]
+    assert [Path(p).name for p in found["pictures"]] == [
+        "frames.png",
+        "levels.png",
+        "quantities.png",
+        "timeline.png",
+        "animation.gif",
+    ]
     for picture in found["pictures"]:
         with Image.open(picture) as image:
             colours = np.asarray(image.convert("RGB")).reshape(-1, 3) @ [1 << 16, 1 << 8, 1]
@@ -138,6 +144,7 @@ def test_poor_recordings_still_report(tmp_path, frames, refused, fields, columns
     assert report(path) == 0
     # One frame is made from nothing, and no level's.
     wanted = {"animation.gif", "frames.png", "timeline.png"} | ({"levels.png"} if frames > 1 else set())
+    wanted |= {"quantities.png"} if "q_tip" in columns else set()
     assert {p.name for p in (tmp_path / "poor-report").iterdir()} == wanted
 
 

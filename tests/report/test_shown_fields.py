@@ -28,6 +28,7 @@ from restshape.report.field import limits_of, shown_field
 from restshape.report.frames import caption
 from restshape.report.happenings import chosen_frames, failure, utilisations, worst_frame
 from restshape.report.marks import marks
+from restshape.report.quantities import draw_quantities, least_span
 from restshape.report.scenery import scenery
 from restshape.report.smooth import smooth_triangles
 from restshape.report.survey import survey
@@ -207,3 +208,32 @@ def test_error_estimates_and_quantities_share_one_recovery(tmp_path):
     own = RecoveryEstimate(shared.space, shared.flux, shared._compliance, shared.stiffest)
     assert shared.shared is problem.nodal_stress and own.shared is None
     assert shared.relative(x) == pytest.approx(own.relative(x), rel=1e-13)
+
+
+def test_quantities_over_the_edit_have_gaps_limits_and_marks(recorded, tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path: figures.append(figure))
+    assert draw_quantities(recorded, tmp_path / "quantities.png")
+    panels = {axes.get_title(loc="left"): axes for axes in figures[0].axes}
+    assert list(panels) == ["peak", "stretch", "whole", "across"]
+    stopped = recorded.table["refused"] != ""
+    for name, axes in panels.items():
+        x, y = axes.lines[0].get_data()
+        assert np.array_equal(np.isnan(y), stopped) and np.array_equal(x, np.arange(recorded.n))
+        size = np.nanmax(np.abs(y)) / np.nanmax(np.abs(recorded.table[f"q_{name}"]))
+        np.testing.assert_allclose(y[~stopped], size * recorded.table[f"q_{name}"][~stopped], rtol=1e-12)
+        assert round(float(np.log10(size)), 9) in (-6.0, -3.0, 3.0) and axes.get_ylabel() in ("[MPa]", "[mm]", "[kPa]")
+        assert any(0 in line.get_xdata() for line in axes.lines if line.get_marker() == "s")
+    crosses = next(line for line in panels["peak"].lines if line.get_marker() == "x" and len(line.get_xdata()))
+    assert np.array_equal(crosses.get_xdata(), np.flatnonzero(recorded.table["constraint_status"] == "fails"))
+    dashed = [line for line in panels["peak"].lines if line.get_linestyle() == "--" and len(line.get_xdata())]
+    assert {float(line.get_ydata()[0]) for line in dashed} == {200.0}
+    assert panels["peak"].get_title(loc="right") == "max 200 MPa"
+
+
+def test_rounding_of_a_quantity_that_stays_is_not_drawn_as_a_change():
+    axes = Figure().subplots()
+    axes.plot([1e6, 1e6 + 0.1])
+    least_span(axes, 1e6, 1e6 + 0.1)
+    bottom, top = axes.get_ylim()
+    assert top - bottom >= 99.0 and bottom < 1e6 < top

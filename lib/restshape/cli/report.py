@@ -83,7 +83,7 @@ def refuse_pictures(folder: Path) -> None:
     Raises:
         UserError: naming the first other file.
     """
-    named = [PictureFile(folder / f"{name}.png") for name in ("frames", "levels", "timeline")]
+    named = [PictureFile(folder / f"{name}.png") for name in ("frames", "levels", "quantities", "timeline")]
     for path in (*named, *(AnimationFile(folder / f"animation.{kind}") for kind in _FORMATS[:2])):
         refuse_foreign(path, str(path))
 
@@ -160,6 +160,7 @@ def _short(value: Any) -> Any:
 def _draw(recording: Any, folder: Path, args: argparse.Namespace, application: Application | None) -> list[Path]:
     """Draws all pictures; their paths."""
     from restshape.report.drape import shows_cloth
+    from restshape.report.quantities import draw_quantities
     from restshape.report.timeline import draw_timeline
 
     cloth = shows_cloth(recording)
@@ -171,6 +172,8 @@ def _draw(recording: Any, folder: Path, args: argparse.Namespace, application: A
         folder.mkdir(parents=True, exist_ok=True)
         pictures = [folder / "timeline.png"]
         draw_timeline(recording, pictures[0], iterations=reuse is not None)
+        if draw_quantities(recording, folder / "quantities.png"):
+            pictures.insert(0, folder / "quantities.png")
         # Without a mesh there is none to reuse; where bodies move, and the pattern stays, there are no levels.
         if recording.n > 1 and reuse and not (cloth and not recording.table["level"][1:].any()):
             pictures.insert(0, folder / "levels.png")

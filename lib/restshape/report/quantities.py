@@ -1,0 +1,116 @@
+"""Each quantity over the edit, with its limits, what happened, and gaps where there is no value."""
+
+from pathlib import Path
+from textwrap import shorten
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from restshape.outputs.drawn import save_picture
+from restshape.replay.recording import Recording
+from restshape.report.field import limits_of
+from restshape.report.frames import scene_name
+from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, new_figure, scaled_unit
+from restshape.report.tables import column, quantity_units, refused
+
+EACH, FRAMED = 1.35, 1.3
+"""Height of a panel, and of what is around them [inch]."""
+LEAST_SPAN = 1e-4
+"""Least span of an axis, over the size of its values."""
+MOST = 12
+"""Quantities in a picture."""
+SHOWN_BEYOND = 1.5
+"""A limit is in the picture where it is within so many spans of the values; else it is named at its edge."""
+
+
+def draw_quantities(recording: Recording, path: Path) -> bool:
+    """Writes the picture, in the format that the path's suffix names; False, and no picture, without quantities.
+
+    Quantities with limits come first; of more than `MOST` the others are left out, and counted in the title.
+    """
+    limits = limits_of(recording)
+    names = sorted((key[2:] for key in recording.table if key.startswith("q_")), key=lambda name: name not in limits)
+    if not names:
+        return False
+    shown = names[:MOST]
+    figure = new_figure(10.0, FRAMED + EACH * len(shown))
+    panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    units, stopped = quantity_units(recording.header), refused(recording)
+    for axes, name in zip(panels, shown):
+        values = np.where(stopped, np.nan, column(recording, f"q_{name}"))
+        _panel(axes, recording, values, limits.get(name, {}), units.get(name, ""))
+        axes.set_title(name, loc="left", pad=2)
+        _shade(axes, np.flatnonzero(stopped))
+    panels[-1].set_xlabel("frame")
+    panels[-1].set_xlim(-0.5 - 0.01 * recording.n, recording.n - 0.5 + 0.01 * recording.n)
+    panels[-1].xaxis.get_major_locator().set_params(integer=True)
+    left_out = f", {len(names) - MOST} more quantities are not shown" if len(names) > MOST else ""
+    title = shorten(scene_name(recording), 70, placeholder=" …")
+    figure.suptitle(f"{title}: {recording.summary}{left_out}", x=0.01, ha="left", color=INK)
+    _legend(panels[0], recording, bool(limits), stopped)
+    figure.align_ylabels()
+    save_picture(figure, path)
+    return True
+
+
+def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str, float], unit: str) -> None:
+    """One quantity: a line with gaps, marks where the mesh was reconnected or rebuilt, crosses beyond a limit."""
+    frames, level = np.arange(recording.n), column(recording, "level")
+    known = values[np.isfinite(values)]
+    factor, shown = scaled_unit(float(np.abs(known).max(initial=0.0)), unit)
+    axes.plot(frames, factor * values, color=INK, lw=1.0, marker=".", ms=2.5, zorder=2)
+    for k in (2, 3):
+        here = (level == k) & np.isfinite(values)
+        axes.plot(frames[here], factor * values[here], ls="", marker=LEVEL_MARKS[k], color=LEVELS[k], ms=4.5, zorder=3)
+    beyond = (values > limit.get("max", np.inf)) | (values < limit.get("min", -np.inf))
+    axes.plot(frames[beyond], factor * values[beyond], ls="", marker="x", color=REFUSED, ms=4.5, zorder=4)
+    axes.set_ylabel(f"[{shown}]" if shown else "")
+    axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.margins(y=0.12)
+    axes.ticklabel_format(axis="y", useOffset=False)
+    if len(known):
+        least_span(axes, factor * float(known.min()), factor * float(known.max()))
+        _limits(axes, factor, float(known.min()), float(known.max()), limit, shown)
+    else:
+        axes.text(0.5, 0.5, "no values", transform=axes.transAxes, ha="center", va="center", color=REFUSED)
+
+
+def least_span(axes: Axes, low: float, high: float) -> None:
+    """Widens the axis of values from low to high where these are the same but for rounding."""
+    least = LEAST_SPAN * max(abs(low), abs(high))
+    if 0.0 < high - low < least:
+        middle = 0.5 * (low + high)
+        axes.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
+
+
+def _limits(axes: Axes, factor: float, low: float, high: float, limit: dict[str, float], unit: str) -> None:
+    """Lines at limits near the values; those that are far are written above the panel."""
+    span = max(high - low, 1e-3 * max(abs(low), abs(high)))
+    words = []
+    for key, bound in limit.items():
+        if low - SHOWN_BEYOND * span <= bound <= high + SHOWN_BEYOND * span:
+            axes.axhline(factor * bound, color=REFUSED, lw=1.0, ls="--", zorder=1)
+        words.append(f"{key} {factor * bound:.4g} {unit}".rstrip())
+    axes.set_title(", ".join(words), loc="right", pad=2, color=REFUSED, fontsize=8)
+
+
+def _shade(axes: Axes, frames: np.ndarray) -> None:
+    """Shades refused frames, neighbours as one band."""
+    for run in np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1) if len(frames) else ():
+        axes.axvspan(run[0] - 0.5, run[-1] + 0.5, color=REFUSED, alpha=0.18, linewidth=0, zorder=0)
+
+
+def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray) -> None:
+    """The legend below all panels: of what occurs."""
+    level = column(recording, "level")
+    for k in (k for k in (2, 3) if (level == k).any()):
+        axes.plot([], [], ls="", marker=LEVEL_MARKS[k], color=LEVELS[k], ms=4.5, label=LEVEL_NAMES[k])
+    if limited:
+        axes.plot([], [], color=REFUSED, lw=1.0, ls="--", label="limit")
+        axes.plot([], [], ls="", marker="x", color=REFUSED, ms=4.5, label="beyond its limit")
+    if stopped.any():
+        axes.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3, label=f"refused ({stopped.sum()}), no value")
+    handles, names = axes.get_legend_handles_labels()
+    if names:
+        axes.figure.legend(handles, names, loc="outside lower center", ncols=len(names))
