@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from restshape.cli.options import add_scene
+from restshape.outputs.kinds import PictureFile
 
 SUMMARY = "check a scene and an edit script without solving anything"
 
@@ -12,6 +13,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
     add_scene(parser)
     parser.add_argument("edits", metavar="EDITS", type=Path, nargs="?", help="edit script (.jsonl)")
+    parser.add_argument(
+        "--picture", metavar="FILE", type=PictureFile, help="draw the scene with its names (.png or .svg)"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

@@ -17,8 +17,9 @@ from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError
 from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
-from restshape.scene.descriptions import keys_in_words, listing, with_symbol
-from restshape.scene.model import Load, Scene, Support
+from restshape.scene.condition_words import load_words, support_words
+from restshape.scene.descriptions import keys_in_words
+from restshape.scene.model import Scene
 from restshape.scene.physics import Rows
 from restshape.scene.plan import Plan, plan
 from restshape.scene.renamed import notes
@@ -34,7 +35,29 @@ def check(args: argparse.Namespace) -> int:
     app = application(scene.app)
     data, rows, outline = app.editing.checked(scene, plan(scene, app))
     print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), rows)
+    if args.picture:
+        _draw(args.picture, scene, outline)
     return finish(args, scene, data, outline)
+
+
+def _draw(path: Path, scene: Scene, outline: Outline | None) -> None:
+    """Draws the scene before any solve.
+
+    Raises:
+        UserError: it has no outline, or the picture cannot be written.
+    """
+    if outline is None:
+        what = f"a scene of {scene.app!r} has no outline to draw"
+        raise UserError(what, "--picture", "leave --picture out; restshape report draws its recordings")
+    if path.suffix not in (".png", ".svg"):
+        raise UserError("a picture's name ends in .png or .svg", f"--picture {path}", "name it so")
+    from restshape.report.scene_picture import draw_scene
+
+    try:
+        draw_scene(scene, outline, {name for _, name in used_names(scene)}, path)
+    except OSError as error:
+        raise UserError(f"the picture cannot be written: {error.strerror}", str(path), "choose another name") from error
+    print(f"wrote {path}")
 
 
 def checked_shape(scene: Scene, effects: Plan) -> tuple[dict[str, Any], Rows, Outline]:
@@ -163,8 +186,8 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows += [(f"material {name}", keys_in_words(m)) for name, m in scene.material.items()]
     rows += summed(scene, effects, outline)[1]
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
-    rows += [(f"support {name}", f"{fixed(s)} on {', '.join(s.on)}") for name, s in scene.supports.items()]
-    rows += [(f"load {name}", f"{loaded(load)} on {', '.join(load.on)}") for name, load in scene.loads.items()]
+    rows += [(f"support {name}", f"{support_words(s)} on {', '.join(s.on)}") for name, s in scene.supports.items()]
+    rows += [(f"load {name}", f"{load_words(load)} on {', '.join(load.on)}") for name, load in scene.loads.items()]
     rows += section_rows(scene)
     rows += quantity_rows(scene)
     mesh, solve = scene.mesh, scene.solve
@@ -196,22 +219,6 @@ def section_rows(scene: Scene) -> list[tuple[str, str]]:
         elif value is not None:
             rows.append((key, words(value)))
     return rows
-
-
-def fixed(support: Support) -> str:
-    """What a support prescribes."""
-    of = support.boundary
-    parts = [f"{key} = {listing(v) if v == 0 else with_symbol(v, of[key])}" for key, v in support.fix.items()]
-    others = {key: getattr(support, key) for key in type(support).model_fields if key not in ("on", "fix")}
-    parts += [f"{key} {listing(value)}" for key, value in others.items() if value is not None]
-    return " and ".join(parts)
-
-
-def loaded(load: Load) -> str:
-    """Kind and value of a load with its unit."""
-    value = getattr(load, load.kind)
-    words = keys_in_words(value) if isinstance(value, BaseModel) else with_symbol(value, load.kinds[load.kind].meaning)
-    return f"{load.kind} {words}"
 
 
 def listed(names: list[str], most: int = 12) -> str:

@@ -111,12 +111,14 @@ class PageFile(OutputFile):
 
 
 class PictureFile(OutputFile):
-    """A picture (PNG) by matplotlib."""
+    """A picture (PNG or SVG) by matplotlib."""
 
     what = "a picture that restshape drew"
 
     def known(self, head: bytes) -> bool:
         """Whether matplotlib wrote it."""
+        if head.startswith(b"<?xml"):
+            return b"<dc:title>Matplotlib v" in head
         return head.startswith(b"\x89PNG\r\n\x1a\n") and b"tEXtSoftware\0Matplotlib" in head
 
 

@@ -1,0 +1,85 @@
+"""Supports and loads drawn where they act: coloured edges, points and arrows."""
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+
+from restshape.errors import ReplayProblem, UserError
+from restshape.fem.nodal_values import Nodal, evaluate
+from restshape.report.places import Place, place_of
+from restshape.scene.model import Load, Scene
+from restshape.shape.outline import Outline
+
+SUPPORT, LOAD = "#0072b2", "#c44e00"
+ARROW = 0.09
+"""Length of the longest arrow of a load, over the size of the picture."""
+
+Moved = Callable[[np.ndarray], np.ndarray]
+"""Where places (n, 2) at rest [m] are drawn, in the unit of the axes."""
+
+
+def draw_supports(axes: Axes, scene: Scene, outline: Outline, moved: Moved, width: float = 3.0) -> None:
+    """Draws where supports act, as lines beneath the outline, and triangles at points."""
+    for support in scene.supports.values():
+        for name in support.on:
+            place = place_of(outline, name)
+            _lines(axes, place, moved, SUPPORT, width)
+            if len(place.points):
+                axes.plot(*moved(place.points).T, "^", color=SUPPORT, ms=2.0 * width, zorder=6)
+
+
+def draw_loads(axes: Axes, scene: Scene, outline: Outline, moved: Moved, width: float = 2.0) -> None:
+    """Draws where loads act and which way: arrows of vectors and pressures, lines of the others."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    longest = ARROW * max(right - left, top - bottom)
+    for key, load in scene.loads.items():
+        for name in load.on:
+            place = place_of(outline, name)
+            inside = load.kind == "body" or name == "all"
+            if not inside:
+                _lines(axes, place, moved, LOAD, width)
+            vectors = load_vectors(scene, key, load, place, inside)
+            if vectors is not None:
+                _arrows(axes, place, moved, vectors, longest, inside)
+            elif len(place.points):
+                axes.plot(*moved(place.points).T, "D", color=LOAD, ms=2.5 * width, zorder=6)
+
+
+def load_vectors(scene: Scene, key: str, load: Load, place: Place, inside: bool) -> np.ndarray | None:
+    """Which way a load acts at the points of a place, or inside it (1, 2); None where it is no vector.
+
+    Its size counts against that at the other points alone.
+    """
+    value, where = getattr(load, load.kind), f"loads.{key}.{load.kind}"
+    at = place.inside[None] if inside else place.at
+    try:
+        if isinstance(value, tuple | list) and len(value) == 2:
+            return evaluate(value, at, scene.parameters, where)
+        if load.kind == "pressure":
+            return -place.outwards * Nodal(value, scene.parameters, where)(at)[:, None]
+    except (ReplayProblem, UserError):
+        # The replay refuses it, and says why.
+        return None
+    return None
+
+
+def _lines(axes: Axes, place: Place, moved: Moved, colour: str, width: float) -> None:
+    if place.lines:
+        lines = [moved(line) for line in place.lines]
+        axes.add_collection(LineCollection(lines, colors=colour, linewidths=width, zorder=4.5), autolim=False)
+
+
+def _arrows(axes: Axes, place: Place, moved: Moved, vectors: np.ndarray, longest: float, inside: bool) -> None:
+    """Arrows that end where they push on the body, and begin where they pull."""
+    sizes = np.linalg.norm(vectors, axis=1)
+    if not sizes.max(initial=0.0):
+        return
+    at = moved(place.inside[None] if inside else place.at)
+    arrows = vectors * (longest / sizes.max())
+    pushes = np.zeros(len(at), dtype=bool) if inside else (vectors * place.outwards).sum(axis=1) < -1e-9 * sizes.max()
+    look = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "color": LOAD, "zorder": 6, "clip_on": False}
+    for chosen, pivot in ((pushes, "tip"), (~pushes, "tail")):
+        if chosen.any():
+            axes.quiver(*at[chosen].T, *arrows[chosen].T, pivot=pivot, width=0.004, headwidth=4.0, **look)

@@ -1,0 +1,163 @@
+"""A scene before any solve: its shape with names, supports, loads, goals, and its size."""
+
+from pathlib import Path
+from textwrap import shorten, wrap
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Curve
+
+from restshape.outputs.drawn import save_picture
+from restshape.physics.elasticity.goal import Goal
+from restshape.physics.elasticity.target_curves import goal_curve
+from restshape.report.conditions import LOAD, SUPPORT, Moved, draw_loads, draw_supports
+from restshape.report.name_labels import Labels
+from restshape.report.places import place_of
+from restshape.report.style import BODY, GOAL, INK, length_unit, new_figure
+from restshape.scene.condition_words import load_words, support_words
+from restshape.scene.model import Scene
+from restshape.shape.outline import Outline
+
+WIDE, TALL = 7.6, 7.0
+"""Room for the shape [inch]."""
+LEFT, BELOW, RIGHT, LINE, LETTER = 0.85, 0.6, 0.25, 0.165, 0.078
+ROOM = 0.16
+"""Around the shape for arrows and names, over its size."""
+MOST_NAMES = 40
+"""Names of a kind; of more those alone that the scene uses."""
+REGION, NAME, POINT = "#f2e3c6", "#555555", "#7a3e9d"
+
+
+def draw_scene(scene: Scene, outline: Outline, used: set[str], path: Path) -> None:
+    """Writes the picture of a scene, in the format that the path's suffix names.
+
+    Args:
+        scene: with supports and loads.
+        outline: its shape before any edit.
+        used: names of entities that the scene uses, which are written in any case.
+        path: of the picture.
+    """
+    goals = [goal_curve(goal) for goal in scene.sections.get("goal", {}).values() if isinstance(goal, Goal)]
+    low, high = outline.bounds()
+    size = float(max(high - low))
+    factor, unit = length_unit(size)
+    legend = _legend(scene, outline, bool(goals))
+    corners = np.vstack([low, high, *goals])
+    low_all, high_all = corners.min(axis=0) - ROOM * size, corners.max(axis=0) + ROOM * size
+    aspect = float((high_all - low_all)[0] / (high_all - low_all)[1])
+    height = min(WIDE / aspect, TALL)
+    wide = max(LEFT + height * aspect + RIGHT, 5.5)
+    head = _title(scene, outline, factor, unit, int((wide - 0.3) / LETTER))
+    words = [line for _, text in legend for line in wrap(text, int((wide - 0.9) / 0.07))]
+    top, bottom = 0.25 + 0.19 * len(head), BELOW + 0.2 + LINE * len(words)
+    high_figure = top + height + bottom
+    figure = new_figure(wide, high_figure)
+    figure.set_layout_engine("none")
+    figure.suptitle("\n".join(head), x=0.15 / wide, y=1.0 - 0.08 / high_figure, ha="left", va="top", color=INK)
+    axes = figure.add_axes((LEFT / wide, bottom / high_figure, height * aspect / wide, height / high_figure))
+    axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
+    axes.set(xlim=factor * np.array([low_all[0], high_all[0]]), ylim=factor * np.array([low_all[1], high_all[1]]))
+
+    def moved(places: np.ndarray) -> np.ndarray:
+        return factor * places
+
+    _body(axes, outline, factor)
+    axes.add_collection(LineCollection([factor * goal for goal in goals], colors=GOAL, linewidths=1.3), autolim=False)
+    draw_supports(axes, scene, outline, moved)
+    draw_loads(axes, scene, outline, moved)
+    name_entities(axes, outline, moved, used)
+    _write_legend(figure, legend, wide, high_figure)
+    save_picture(figure, path)
+
+
+def _title(scene: Scene, outline: Outline, factor: float, unit: str, room: int) -> list[str]:
+    """The scene's name, its size, and how fine its mesh is to be."""
+    width, height = factor * np.subtract(*outline.bounds()[::-1])
+    name = shorten(scene.title or scene.path.name, room, placeholder=" …")
+    mesh = f"mesh size {factor * scene.mesh.size:.4g} {unit}, order {scene.mesh.order}" if scene.mesh.size else ""
+    size = f"{width:.6g} × {height:.6g} {unit}, area {outline.area():.4g} m²"
+    return [name, *wrap(", ".join(filter(None, (size, mesh, "before any solve"))), room)]
+
+
+def _body(axes: Axes, outline: Outline, factor: float) -> None:
+    """The material in grey without its holes, regions in another colour, and all edges."""
+    codes, points = [], []
+    for loop in (loop for loop in outline.loops if loop.kind != "region"):
+        corners = factor * loop_points(outline, loop.edges)
+        points.append(np.vstack([corners, corners[:1]]))
+        codes += [Curve.MOVETO, *[Curve.LINETO] * (len(corners) - 1), Curve.CLOSEPOLY]
+    axes.add_patch(PathPatch(Curve(np.vstack(points), codes), facecolor=BODY, alpha=0.6, edgecolor="none", zorder=1))
+    for loop in (loop for loop in outline.loops if loop.kind == "region"):
+        corners = factor * loop_points(outline, loop.edges)
+        axes.fill(*corners.T, facecolor=REGION, edgecolor="none", zorder=2)
+    edges = [factor * outline.polyline(edge) for edge in range(len(outline.edges))]
+    axes.add_collection(LineCollection(edges, colors=INK, linewidths=0.8, zorder=5), autolim=False)
+    loose = outline.points[list(outline.embedded)]
+    axes.plot(*(factor * loose).T, ".", color=POINT, ms=5, zorder=6)
+
+
+def loop_points(outline: Outline, edges: tuple[tuple[int, bool], ...]) -> np.ndarray:
+    """Points (m, 2) around a loop [m], the first one not repeated."""
+    return np.concatenate([outline.polyline(edge)[:: 1 if forward else -1][:-1] for edge, forward in edges])
+
+
+def name_entities(axes: Axes, outline: Outline, moved: Moved, used: set[str], size: float = 7.5) -> None:
+    """Writes the names of regions, holes, edges and vertices beside them.
+
+    Args:
+        axes: with final limits, in a figure without a layout engine.
+        outline: whose entities they are.
+        moved: where places at rest are drawn.
+        used: names that are written in any case.
+        size: of the font.
+    """
+    labels = Labels(axes)
+    for kind, colour in (("region", INK), ("hole", INK), ("edge", NAME), ("vertex", POINT)):
+        names = outline.names(kind)
+        # Parts of round loops are named after these.
+        chosen = [name for name in names if name in used or not _part(name, outline)]
+        chosen = [name for name in chosen if name in used] if len(chosen) > MOST_NAMES else chosen
+        for name in chosen:
+            place = place_of(outline, name)
+            if kind == "edge":
+                middle = len(place.at) // 2
+                labels.add(moved(place.at[[middle]])[0], name, colour, size, first=place.outwards[middle])
+            elif kind == "vertex":
+                (here,) = moved(place.points[:1])
+                axes.plot(*here, ".", color=POINT, ms=3.5, zorder=6)
+                labels.add(here, name, colour, size)
+            else:
+                labels.add(moved(place.inside[None])[0], name, colour, size, on_it=True)
+
+
+def _part(name: str, outline: Outline) -> bool:
+    """Whether a name was made for a part of a loop."""
+    loop, dot, _ = name.rpartition(".")
+    return bool(dot) and loop in (other.name for other in outline.loops)
+
+
+def _legend(scene: Scene, outline: Outline, goals: bool) -> list[tuple[str, str]]:
+    """What colours mean: a colour and words each; groups with what is in them."""
+
+    def on(names: list[str]) -> str:
+        parts = [f"{name} ({', '.join(outline.groups[name])})" if name in outline.groups else name for name in names]
+        return ", ".join(parts)
+
+    found = [(SUPPORT, f"support {name} on {on(one.on)}: {support_words(one)}") for name, one in scene.supports.items()]
+    found += [(LOAD, f"load {name} on {on(one.on)}: {load_words(one)}") for name, one in scene.loads.items()]
+    return found + ([(GOAL, f"goal {', '.join(scene.sections['goal'])}")] if goals else [])
+
+
+def _write_legend(figure: Figure, legend: list[tuple[str, str]], wide: float, high: float) -> None:
+    """The legend below the axes, a line or more each."""
+    y = LINE * sum(len(wrap(text, int((wide - 0.9) / 0.07))) for _, text in legend) + 0.1
+    for colour, text in legend:
+        lines = wrap(text, int((wide - 0.9) / 0.07))
+        mark = Line2D([0.2 / wide, 0.45 / wide], [(y - 0.06) / high] * 2, color=colour, lw=3.0)
+        figure.add_artist(mark)
+        figure.text(0.55 / wide, y / high, "\n".join(lines), va="top", color=INK, fontsize=8.5)
+        y -= LINE * len(lines)

@@ -1,0 +1,112 @@
+"""The picture of a scene before any solve: what acts where and which way, and every name once, none on another."""
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.quiver import Quiver
+from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, STEEL, meshed, write_scene
+
+from restshape.cli.check_scene import starting_outline
+from restshape.cli.main import main
+from restshape.report.conditions import LOAD, SUPPORT
+from restshape.report.name_labels import Labels
+from restshape.report.places import place_of
+from restshape.scene.load import load_scene
+
+LOADS = """
+[loads.push]
+on = "window"
+pressure = "2 MPa"
+
+[loads.weight]
+on = "top"
+force = [0, "-3 kN"]
+
+[loads.corner]
+on = "c"
+force = ["1 N", 0]
+
+[loads.own]
+on = "all"
+body = [0, "-5 kN/m^3"]
+"""
+SCENE = HEAD + BLOCK.format(width=2, height=1) + HOLE + STEEL + CLAMPED + LOADS + meshed(0.2)
+
+
+@pytest.fixture
+def figure(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: figures.append(figure))
+    assert main(["check", str(write_scene(tmp_path, SCENE)), "--picture", str(tmp_path / "scene.png")]) == 0
+    return figures[0]
+
+
+def test_loads_act_where_and_as_the_scene_says(figure):
+    (axes,) = figure.axes
+    assert axes.get_xlabel() == "x [m]" and axes.get_ylabel() == "y [m]"
+    arrows = [one for one in axes.get_children() if isinstance(one, Quiver)]
+    found = {tuple(at.round(9)): (u, v, one.pivot) for one in arrows for at, u, v in zip(one.XY, one.U, one.V)}
+    down = {at: way for at, way in found.items() if at[1] == 1.0 and at != (2.0, 1.0)}
+    assert len(down) == 7 and all(u == 0 and v < 0 and pivot == "tip" for u, v, pivot in down.values())
+    assert found[(2.0, 1.0)][0] > 0 and found[(2.0, 1.0)][1:] == (0.0, "tail")
+    # A pressure in a hole pushes outwards from its middle.
+    ring = {at: way for at, way in found.items() if abs(np.hypot(at[0] - 0.5, at[1] - 0.5) - 0.15) < 1e-6}
+    assert len(ring) == 8
+    for (x, y), (u, v, pivot) in ring.items():
+        assert pivot == "tip" and u * (x - 0.5) + v * (y - 0.5) > 0.99 * 0.15 * np.hypot(u, v)
+    inside = [way for at, way in found.items() if 0.05 < at[0] < 1.95 and at not in ring and at not in down]
+    assert len(inside) == 1 and inside[0][0] == 0 and inside[0][1] < 0
+
+
+def test_supports_and_legend(figure):
+    (axes,) = figure.axes
+    thick = [one for one in axes.collections if isinstance(one, LineCollection) and one.get_linewidth()[0] == 3.0]
+    (line,) = thick[0].get_segments()
+    assert np.allclose(line[:, 0], 0.0) and np.ptp(line[:, 1]) == 1.0
+    words = [text.get_text().replace("\n", " ") for text in figure.texts]
+    assert "load weight on top: force (0, -3000) N" in words and "load push on window: pressure 2e+06 Pa" in words
+    assert any(word.startswith("support") and "x = 0 and y = 0" in word for word in words)
+    assert {line.get_color() for line in figure.lines} <= {SUPPORT, LOAD}
+    assert "2 × 1 m" in figure.get_suptitle() and "mesh size 0.2 m" in figure.get_suptitle()
+
+
+def test_every_name_is_written_once_and_none_on_another(figure):
+    (axes,) = figure.axes
+    names = [text.get_text() for text in axes.texts]
+    assert sorted(names) == sorted(["a", "b", "c", "d", "bottom", "right", "top", "left", "window"])
+    FigureCanvasAgg(figure).draw()
+    boxes = [text.get_bbox_patch().get_window_extent() for text in axes.texts]
+    for k, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+        assert figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1
+
+
+def test_labels_keep_off_each_other_and_off_the_border():
+    axes = Figure(figsize=(3, 3)).add_axes((0.1, 0.1, 0.8, 0.8))
+    labels = Labels(axes)
+    for _ in range(6):
+        labels.add((0.98, 0.5), "a name", "k")
+    FigureCanvasAgg(axes.figure).draw()
+    boxes = [text.get_bbox_patch().get_window_extent() for text in axes.texts]
+    assert not any(box.overlaps(other) for k, box in enumerate(boxes) for other in boxes[k + 1 :])
+    assert max(box.x1 for box in boxes) <= axes.bbox.x1 + 8
+
+
+def test_outwards_is_away_from_the_body(tmp_path):
+    outline = starting_outline(load_scene(write_scene(tmp_path, SCENE)))
+    for name, way in (("left", (-1, 0)), ("top", (0, 1)), ("right", (1, 0)), ("bottom", (0, -1))):
+        np.testing.assert_allclose(place_of(outline, name).outwards, np.tile(way, (7, 1)), atol=1e-12)
+
+
+def test_a_picture_is_png_or_svg_and_no_foreign_file_is_replaced(tmp_path, capsys):
+    scene = str(write_scene(tmp_path, SCENE))
+    assert main(["check", scene, "--picture", str(tmp_path / "a.txt")]) == 2
+    (tmp_path / "mine.svg").write_text("<svg/>")
+    assert main(["check", scene, "--picture", str(tmp_path / "mine.svg")]) == 2
+    assert (tmp_path / "mine.svg").read_text() == "<svg/>"
+    for _ in range(2):
+        assert main(["check", scene, "--picture", str(tmp_path / "own.svg")]) == 0
+    assert (tmp_path / "own.svg").read_text().startswith("<?xml")
+    assert "ends in .png or .svg" in capsys.readouterr().err
