@@ -24,7 +24,14 @@ def dynamics(dt: float = 0.01, steps: int = 10, **more: object) -> str:
     return f"\n[effects.dynamics]\ntime_step = {dt!r}\nsteps = {steps}\n{rest}\n[solve]\ntolerance = 1e-12\n"
 
 
-def tower(app: str, folder: Path, *parts: str, size: float = 0.2, window: bool = False) -> Path:
-    """The scene file of a 1 m x 2 m rubber tower on its foot, with a round window near its top if wanted."""
+def tower(app: str, folder: Path, *parts: str, size: float = 0.2, window: bool = False, more: str = "") -> Path:
+    """The scene file of a 1 m x 2 m rubber tower on its foot, with a round window near its top if wanted.
+
+    Args:
+        app: application; folder: of the file.
+        parts: tables of the scene beside; more: lines of its quantities.
+        size: of the mesh [m].
+        window: whether there is one.
+    """
     shape = block(1.0, 2.0) + (WINDOW if window else "")
-    return write_scene(folder, head(app) + shape + RUBBER + HELD + meshed(size) + "".join(parts) + QUANTITIES)
+    return write_scene(folder, head(app) + shape + RUBBER + HELD + meshed(size) + "".join(parts) + QUANTITIES + more)

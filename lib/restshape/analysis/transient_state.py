@@ -114,4 +114,10 @@ class TransientState:
     @property
     def motion(self) -> Motion:
         """What quantities see beside the unknowns."""
-        return Motion(self.now.v, self.account.edit, self.account.remesh)
+        account = self.account
+        return Motion(self.now.v, account.edit, account.remesh, self._inertia_and_damping)
+
+    def _inertia_and_damping(self) -> np.ndarray:
+        now = self.now
+        base = self.integration.base_acceleration(now.time, now.v.shape[1])
+        return self.body.inertia_and_damping(now.y, now.v, base)

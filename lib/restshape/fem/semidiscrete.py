@@ -71,6 +71,17 @@ class SemiDiscrete:
         out = self.mass.apply(alpha * v) if alpha else np.zeros_like(v)
         return Assembled(self.problem.integrals(REFERENCE)).residual(beta * v, out) if beta else out
 
+    def inertia_and_damping(self, y: np.ndarray, v: np.ndarray, base: np.ndarray) -> np.ndarray:
+        """M (a + a_base) + C v (n, f) at all nodes, prescribed ones too: with internal forces less loads, reactions.
+
+        Args:
+            y, v: (n, f) as in a `TimeState`; a is the acceleration that equilibrium asks for.
+            base: (f,) acceleration of the base.
+
+        Source: docs/theory.md, section 2, "Reactions and strain energy".
+        """
+        return self.mass.apply(self.acceleration(y, v, base) + base) + self.damping(v)
+
     def energy(self, y: np.ndarray, v: np.ndarray) -> float:
         """Internal energy and kinetic energy relative to the base; y, v (n, f)."""
         return float(energy(self.problem, self.unknowns(y)) + self.mass.energies(v).sum())

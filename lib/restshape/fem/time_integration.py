@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from typing import NamedTuple, Protocol
 
@@ -229,8 +230,15 @@ class Motion:
         v: (n, f) rates, relative to the base.
         edit: work of all edits so far [J].
         remesh: energy that new meshes have added to the motion so far [J].
+        dynamic_forces: evaluates `inertia_and_damping`.
     """
 
     v: np.ndarray
     edit: float = 0.0
     remesh: float = 0.0
+    dynamic_forces: Callable[[], np.ndarray] | None = None
+
+    @cached_property
+    def inertia_and_damping(self) -> np.ndarray:
+        """M (a + a_base) + C v (n, f) at all nodes, prescribed ones too; evaluated when a quantity first asks."""
+        return np.zeros_like(self.v) if self.dynamic_forces is None else self.dynamic_forces()

@@ -73,8 +73,7 @@ class PlaneQuantities:
                 raise UserError(why, f"quantities.{name}{key and '.' + key}", f"leave it out, or {do}")
         nodes = observed_nodes(self.space, name, quantity)
         if quantity.reaction:
-            column = "xy".index(quantity.reaction)
-            return lambda x, *_: unconstrained_residual(self.solid, x, self._cells(name, nodes))[nodes, column].sum()
+            return self.reaction(name, nodes, "xy".index(quantity.reaction))
         if quantity.stress:
             return self._stress(quantity, nodes)
         reduce = reduction(self.space, quantity, nodes)
@@ -88,6 +87,10 @@ class PlaneQuantities:
         if kind != "strain":
             raise UserError(f"a solid at rest has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"')
         return lambda x, *_: self.solid.energies(x)[cells].sum()
+
+    def reaction(self, name: str, nodes: np.ndarray, column: int) -> Function:
+        """The component of the force [N] of supports at the nodes (k,): the residual there."""
+        return lambda x, *_: unconstrained_residual(self.solid, x, self._cells(name, nodes))[nodes, column].sum()
 
     def _stress(self, quantity: Quantity, nodes: np.ndarray | slice) -> Function:
         component, nodal = COMPONENTS[quantity.stress], self.solid.nodal_stress
@@ -125,6 +128,11 @@ class MotionQuantities(PlaneQuantities):
     def __init__(self, solid: ObservedSolid, kinetic: Callable[[np.ndarray], np.ndarray]) -> None:
         super().__init__(solid)
         self.kinetic = kinetic
+
+    def reaction(self, name: str, nodes: np.ndarray, column: int) -> Function:
+        """The component of the force [N] of supports at the nodes (k,), with their inertia and damping."""
+        at_rest = super().reaction(name, nodes, column)
+        return lambda x, motion: at_rest(x) + motion.inertia_and_damping[nodes, column].sum()
 
     def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
         """The energy of that kind in the cells; what edits and new meshes did is known of the whole body only."""
