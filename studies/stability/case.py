@@ -129,7 +129,9 @@ def equal(check: Parity) -> Iterator[Statement]:
     """The statements that frames equal cold solves: entries to rounding, solutions to the tolerance."""
     found = check.summary()
     yield below("entries equal cold ones", found["entries"], 1e-13)
-    yield below("solutions equal cold ones", found["solution"], found["tolerance"])
+    # What compared nothing says nothing.
+    solution = found["solution"] if found["compared"] else math.nan
+    yield below("solutions equal cold ones", solution, found["tolerance"])
 
 
 def sound(rows: Sequence[Row], refused: int | None = 0, residual: float | None = None) -> Iterator[Statement]:

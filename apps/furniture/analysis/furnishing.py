@@ -289,7 +289,7 @@ class FurnitureAnalysis:
     def compare_cold(self) -> Comparison:
         """How far tangents and forces are from those of a model made from nothing; for `replay --parity`."""
         if not self.forces:
-            return Comparison(0.0, 0.0)
+            return Comparison(0.0, None)
         furniture = Furniture(self.design.piece, self.design.furniture.compliance)
         # A new solver looks at the piece as it was drawn.
         cold = PlankEquilibrium(furniture)

@@ -39,11 +39,11 @@ class Comparison:
 
     Args:
         entries: largest difference of matrix entries over the largest entry.
-        solution: relative difference of the solutions, in the analysis's own norm.
+        solution: relative difference of the solutions, in the analysis's own norm; None: nothing was solved.
     """
 
     entries: float
-    solution: float
+    solution: float | None
 
 
 RowValues = dict[str, Any]
@@ -76,6 +76,9 @@ class Predictor(Protocol):
 
     def error(self, predicted: np.ndarray) -> float:
         """The relative distance of a prediction on this mesh from the solution."""
+
+    def compare_cold(self) -> float:
+        """The same distance of the prediction that the analysis holds from a cold solve on the mesh as it lies."""
 
 
 class Analysis(Protocol):

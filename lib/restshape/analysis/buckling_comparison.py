@@ -29,13 +29,18 @@ def compare_cold(state: BucklingState, warm: GatheredSystem, cold: GatheredSyste
     )
     error = warm.solution - cold.solution
     distance = float(np.sqrt(max(0.0, error @ (cold.matrix @ error)) / (2.0 * warm.energy))) if warm.energy else 0.0
-    boundary = prebuckling.problem.boundary
+    if len(found):
+        distance = max(distance, float(np.max(np.abs(found / load_factors_of(state, cold) - 1))))
+    return Comparison(entries, distance)
+
+
+def load_factors_of(state: BucklingState, cold: GatheredSystem) -> np.ndarray:
+    """As many load factors (k,), ascending, as a state has, solved for with nothing kept at a cold equilibrium."""
+    boundary = state.prebuckling.problem.boundary
     free = np.flatnonzero(boundary.mask.ravel() == 0)
     u = cold.solution.reshape(boundary.values.shape) + boundary.values
     stiffness, geometric = (part[free][:, free] for part in (cold.matrix, _geometric(state, u)))
-    if len(found):
-        distance = max(distance, float(np.max(np.abs(found / cold_load_factors(stiffness, geometric, len(found)) - 1))))
-    return Comparison(entries, distance)
+    return cold_load_factors(stiffness, geometric, len(state.modes.load_factors))
 
 
 def cold_load_factors(stiffness: sp.csr_matrix, geometric: sp.csr_matrix, count: int) -> np.ndarray:

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from restshape.algebra.eigen import EigenReport
+from restshape.analysis.buckling_comparison import load_factors_of
 from restshape.analysis.buckling_matrices import products
 from restshape.analysis.correction import correction, largest_values, preconditioner
 from restshape.analysis.frequencies import largest_difference
@@ -74,6 +75,15 @@ class BucklingPrediction:
     def error(self, predicted: np.ndarray) -> float:
         """The largest relative difference of predicted load factors (k,) from the solved ones of the same rank."""
         return largest_difference(predicted, self.analysis.state.modes.load_factors)
+
+    def compare_cold(self) -> float:
+        """The largest relative difference of the predicted load factors from those of a cold solve."""
+        state = self.analysis.state
+        if not len(state.modes.load_factors):
+            return float("nan")
+        return largest_difference(
+            state.modes.load_factors, load_factors_of(state, self.analysis.prebuckling.cold_system())
+        )
 
     def distance(self) -> float:
         """About the largest relative difference of the predicted load factors from those of the same mesh.

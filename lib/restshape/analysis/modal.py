@@ -14,7 +14,7 @@ from restshape.analysis import modal_output
 from restshape.analysis.analysis import Comparison, Context, RowValues
 from restshape.analysis.frame import Frame
 from restshape.analysis.modal_binding import bound, followed
-from restshape.analysis.modal_comparison import compare_cold
+from restshape.analysis.modal_comparison import TOLERANCE, compare_cold
 from restshape.analysis.modal_errors import FrequencyEstimate, residual_norm
 from restshape.analysis.modal_prediction import ModalPrediction
 from restshape.analysis.modal_state import ModalState
@@ -80,8 +80,8 @@ class ModalAnalysis:
 
     @property
     def tolerance(self) -> float:
-        """That frequencies meet beside those of a cold solve."""
-        return self.solver.tolerance
+        """That modes meet beside those of a cold solve."""
+        return TOLERANCE
 
     @property
     def frequencies(self) -> np.ndarray:
@@ -154,7 +154,7 @@ class ModalAnalysis:
         return {"estimate": self.predictor.distance() if state.predicted else self._estimate(state)}
 
     def compare_cold(self) -> Comparison:
-        """Matrices and frequencies beside those of a solve with nothing kept; relative."""
+        """Matrices and modes beside those of a solve with nothing kept; relative."""
         return compare_cold(self.state, self.context, self.make)
 
     # --- a frame ------------------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ import numpy as np
 from restshape.algebra.eigen import EigenReport
 from restshape.analysis.correction import largest_values
 from restshape.analysis.frequencies import largest_difference
+from restshape.analysis.modal_comparison import cold_frequencies
 from restshape.analysis.modal_matrices import products
 from restshape.analysis.modal_state import ModalState, Modes, frequencies
 from restshape.analysis.mode_search import ModeSearch
@@ -64,6 +65,13 @@ class ModalPrediction:
     def error(self, predicted: np.ndarray) -> float:
         """The largest relative difference of predicted frequencies (modes,) from the solved ones."""
         return largest_difference(predicted, self.analysis.state.frequencies)
+
+    def compare_cold(self) -> float:
+        """The largest relative difference of the predicted frequencies from those of a cold solve."""
+        analysis = self.analysis
+        return largest_difference(
+            analysis.state.frequencies, cold_frequencies(analysis.state, analysis.context, analysis.make)
+        )
 
     def distance(self) -> float:
         """About the largest relative difference of the predicted frequencies from those of the same mesh.

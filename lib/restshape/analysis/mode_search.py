@@ -95,6 +95,21 @@ class ModeSearch:
 
     def choose(self, participation: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Indices of the lowest modes that are wanted, among known (k,) ones with their participation (k,)."""
-        if "z" in self.body.axes and not self.in_plane:
-            known = known & (participation >= NORMAL)
-        return np.flatnonzero(known)[: self.modes]
+        return chosen_modes(self.body, self.modes, self.in_plane, participation, known)
+
+
+def chosen_modes(
+    body: Eigenproblem, modes: int, in_plane: bool, participation: np.ndarray, known: np.ndarray
+) -> np.ndarray:
+    """Indices of the `modes` lowest modes that are wanted, those in the plane too where `in_plane`.
+
+    Args:
+        body: what vibrates.
+        modes: how many are wanted.
+        in_plane: those in the plane count too.
+        participation: (k,) share of the kinetic energy out of the plane.
+        known: (k,) bool, which ones there are.
+    """
+    if "z" in body.axes and not in_plane:
+        known = known & (participation >= NORMAL)
+    return np.flatnonzero(known)[:modes]

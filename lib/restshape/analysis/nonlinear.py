@@ -241,6 +241,10 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
         newton.destroy()
         return GatheredSystem(matrix, cold.x.ravel().copy())
 
+    def cold_unknowns(self) -> np.ndarray:
+        """The unknowns (n, f) of such an analysis on the space as it lies."""
+        return self.cold_system().solution.reshape(self.x.shape)
+
 
 def rounding_note(residual: float, tolerance: float) -> RowValues:
     """What a frame's row reports besides where rounding leaves more of the load, or of the forces, than the

@@ -5,23 +5,22 @@ from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
+import scipy.sparse as sp
 
-from restshape.algebra.gathering import GatheredSystem, gather_matrix
-from restshape.algebra.linear import LinearSolver
+from restshape.algebra.gathering import gather_matrix
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
 from restshape.analysis.analysis import Context, RowValues
 from restshape.analysis.equilibrium_search import least_scale, rounding
 from restshape.analysis.frame import Frame
 from restshape.analysis.motion_equations import MotionSystem
-from restshape.analysis.nonlinear import COLD, rounding_note
+from restshape.analysis.nonlinear import rounding_note
 from restshape.analysis.transient import TransientAnalysis
 from restshape.analysis.transient_state import TransientState
 from restshape.errors import ReplayProblem
 from restshape.fem.problem import TransientProblem
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.time_integration import TimeIntegration, TimeState
-from restshape.policy import policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -119,12 +118,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
     def _make_system(  # type: ignore[override]
         self, body: SemiDiscrete, integration: TimeIntegration
     ) -> MotionSystem:
-        return self._system_of(body, integration, self.context.policy.backend, self.solver)
-
-    def _system_of(
-        self, body: SemiDiscrete, integration: TimeIntegration, backend: str | None, solver: LinearSolver
-    ) -> MotionSystem:
-        comm, stages = self.context.comm, self.context.stages
+        comm, stages, backend, solver = self.context.comm, self.context.stages, self.context.policy.backend, self.solver
 
         def newton(shape: tuple[int, ...], rows: slice) -> Newton:
             return Newton(comm, f"{self.prefix}newton_", solver, shape, rows)
@@ -214,34 +208,6 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     # --- for comparison with other solves -----------------------------------------------------------------------------
 
-    def warm_system(self) -> GatheredSystem:
-        """The tangent and the solution of the last step as they stand, whole on every rank."""
-        state = self.state
-        solution = np.zeros(self.x.size) if state.unsolved else state.now.y.ravel().copy()
-        return GatheredSystem(gather_matrix(state.system.newton.tangent(self.x), self.context.comm), solution)
-
-    def cold_system(self) -> GatheredSystem:
-        """The tangent on a new pattern, and the last step's solution with a new factor and no guess."""
-        state, context, body = self.state, self.context, self._cold_body()
-        solver = LinearSolver(
-            context.comm,
-            "cold_",
-            policy("rebuild").solver,
-            COLD * self.solver.tolerance,
-            context.calibration,
-            context.stages,
-            traits=self.solver.traits,
-        )
-        cold = self._system_of(body, state.integration, "coo", solver)
-        equations, newton, before, now = cold.equations, cold.newton, state.previous, state.now
-        equations.begin()
-        solution = np.zeros_like(now.y)
-        if not state.unsolved:
-            equations.start(before, self._base_acceleration(before.time), self._base_acceleration(now.time))
-            x = equations.before.copy()
-            newton.begin(True, False, cold.places)
-            newton.solve(x, solver.tolerance * state.scale, state.scale, rounding=rounding(body.problem))
-            solution = x - body.problem.boundary.values
-        matrix = gather_matrix(newton.tangent(self.x), context.comm)
-        solver.ksp.destroy()
-        return GatheredSystem(matrix, solution.ravel())
+    def _step_matrix(self) -> sp.csr_matrix:
+        """The tangent after the last step as it stands, whole on every rank."""
+        return gather_matrix(self.state.system.newton.tangent(self.x), self.context.comm)

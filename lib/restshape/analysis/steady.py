@@ -444,3 +444,8 @@ class SteadyAnalysis(Generic[P]):
         mat = Assembled(problem.integrals(INTERNAL), operator).system(problem.boundary.values, right)
         matrix = gather_matrix(mat, comm)
         return GatheredSystem(matrix, spsolve(matrix.tocsc(), gather_vector(right.ravel(), operator.rows, comm)))
+
+    def cold_unknowns(self) -> np.ndarray:
+        """The unknowns (n, f) of such a solve on the space as it lies, whether the state is a solution or predicted."""
+        values = self.problem.boundary.values
+        return self.cold_system().solution.reshape(values.shape) + values

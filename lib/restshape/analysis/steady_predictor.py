@@ -30,6 +30,9 @@ class Steady(Protocol):
     @property
     def error_estimate(self) -> RecoveryEstimate | None: ...
 
+    def cold_unknowns(self) -> np.ndarray:
+        """The unknowns (n, f) of a cold solve on the space as it lies."""
+
     def linear_solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
         """s (n, f) with (dR/dx) s = rhs (n, f) at free unknowns, 0 at prescribed ones, by the kept preconditioner."""
 
@@ -69,5 +72,12 @@ class SteadyPredictor:
 
         Not a number where the problem has no estimate, which knows that norm.
         """
+        return self._distance(predicted, self.analysis.x)
+
+    def compare_cold(self) -> float:
+        """The distance of the predicted unknowns from those of a cold solve on the space as it lies; as `error`."""
+        return self._distance(self.analysis.x, self.analysis.cold_unknowns())
+
+    def _distance(self, predicted: np.ndarray, exact: np.ndarray) -> float:
         estimate = self.analysis.error_estimate
-        return float("nan") if estimate is None else estimate.distance(predicted, self.analysis.x)
+        return float("nan") if estimate is None else estimate.distance(predicted, exact)

@@ -7,17 +7,16 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import spsolve
 
-from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_vector
+from restshape.algebra.gathering import gather_matrix, gather_vector, matrix_difference
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.analysis.analysis import Comparison, Context, RowValues
-from restshape.analysis.comparison import compared
 from restshape.analysis.correction import preconditioner
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
 from restshape.analysis.increment_subspace import IncrementProjection
+from restshape.analysis.repeated_motion import RepeatedMotion
 from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.time_error import local_error
 from restshape.analysis.transient_state import BoundMotion, TransientState
@@ -34,6 +33,9 @@ from restshape.mesh.transfer import transfer
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
+
+ROUNDING = 1e-10
+"""Relative distance that a step has from the same one by another formula where both are solved to rounding."""
 
 log = logging.getLogger("restshape.analysis")
 
@@ -97,6 +99,7 @@ class TransientAnalysis:
         before, mesh = self.state, frame.mesh
         try:
             stale, new_mesh = self._follow(frame)
+            self.state = self.state.started(None if new_mesh or frame.interpolations else before)
             # The solver may have met the mesh of a frame that failed, which is gone.
             steps = 0 if before.bound is None else self.state.integration.steps
             report = self._run(stale, new_mesh or self.interrupted, steps)
@@ -160,8 +163,8 @@ class TransientAnalysis:
 
     @property
     def tolerance(self) -> float:
-        """That solutions meet, in the energy norm."""
-        return self.state.scene.solve.tolerance
+        """That repeated steps meet, in the norm of their matrix; not below what rounding may leave."""
+        return max(self.state.scene.solve.tolerance, ROUNDING)
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest after the last step, evaluated once a frame."""
@@ -406,25 +409,22 @@ class TransientAnalysis:
         return stiffness, mass, body.damping_of.alpha * mass + body.damping_of.beta * stiffness
 
     def compare_cold(self) -> Comparison:
-        """The last step beside a solve with new pattern, values and factor, and no guess."""
-        return compared(self.warm_system(), self.cold_system())
+        """The steps of the frame beside the same ones repeated from its first state, by matrices made from nothing.
 
-    def warm_system(self) -> GatheredSystem:
-        """The matrix and the solution of the last step as they stand, whole on every rank."""
-        system = self.state.system
-        return GatheredSystem(gather_matrix(system.mat, self.context.comm), system.full.copy())
-
-    def cold_system(self) -> GatheredSystem:
-        """Matrix and solution of the last step with new pattern, values and factor, and no guess."""
-        state, comm, scheme = self.state, self.context.comm, self.state.integration.scheme
-        cold = EffectiveSystem(comm, self._cold_body(), scheme, "coo")
-        before, now = state.previous, state.now
-        cold.assemble(before, self._base_acceleration(now.time) + scheme.a3 * self._base_acceleration(before.time))
-        matrix, b = gather_matrix(cold.mat, comm), gather_vector(cold.right.ravel(), cold.rows, comm)
-        if state.unsolved:
-            return GatheredSystem(matrix, np.zeros_like(b))
-        return GatheredSystem(matrix, spsolve(matrix.tocsc(), b))
-
-    def _cold_body(self) -> SemiDiscrete:
+        The first state is that of the frame before, unless the nodes are others now. A frame without steps gives its
+        matrix alone.
+        """
         state = self.state
-        return SemiDiscrete(self.make(state.scene, state.plan, self.problem.space), state.integration.damping)
+        body = SemiDiscrete(self.make(state.scene, state.plan, self.problem.space), state.integration.damping)
+        repeated = RepeatedMotion(body, state.integration)
+        matrix = self._step_matrix()[repeated.free][:, repeated.free]
+        entries = matrix_difference(matrix, repeated.tangent(state.now.y))
+        if state.start is state.now:
+            return Comparison(entries, None)
+        jump = 0.0 if state.carried is None else repeated.distance(state.start, state.carried)
+        distance = repeated.distance(state.now, repeated(state.start))
+        return Comparison(entries, max(jump, distance / state.integration.steps))
+
+    def _step_matrix(self) -> sp.csr_matrix:
+        """The matrix of the last step as it stands, whole on every rank."""
+        return gather_matrix(self.state.system.mat, self.context.comm)

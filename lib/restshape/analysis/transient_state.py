@@ -1,6 +1,7 @@
 """What an analysis of motion knows: the state of the last frame, and where its energy has gone."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
@@ -65,6 +66,8 @@ class TransientState:
         factored: the solver has a complete factor of this very matrix.
         unsolved: no step has been taken yet.
         age: frames since the preconditioner was made.
+        start: before the first step of the last frame, on its mesh.
+        carried: the end of the frame before, where the start has the same nodes; None: it has others.
     """
 
     plan: Plan
@@ -79,12 +82,19 @@ class TransientState:
     factored: bool = False
     unsolved: bool = True
     age: int = 0
+    start: TimeState = NOTHING
+    carried: TimeState | None = None
+
+    def started(self, before: "TransientState | None") -> Self:
+        """The motion before the first step of a frame; `before` is that of the frame before, on the same nodes."""
+        carried = None if before is None or before.bound is None else before.now
+        return replace(self, start=self.now, carried=carried)
 
     def after(self, now: TimeState) -> "TransientState":
         """The motion after a step to `now`: what `dataclasses.replace` makes, in a quarter of its time."""
         whole = self.plan, self.scene, self.in_time, self.bound
         known = self.account, self.topology, self.geometry, self.factored
-        return TransientState(*whole, now, self.now, *known, False, self.age)
+        return TransientState(*whole, now, self.now, *known, False, self.age, self.start, self.carried)
 
     @property
     def integration(self) -> TimeIntegration:

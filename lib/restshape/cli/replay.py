@@ -9,6 +9,7 @@ from typing import Any
 
 from restshape.application import Application, application
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
+from restshape.cli.parity_line import parity_lines
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import exit_code, interrupt_if_asked
 from restshape.cli.verbosity import add_verbose
@@ -204,11 +205,8 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     if application.report:
         application.report.print_tables(summary["rows"])
     if "parity" in summary:
-        parity = summary["parity"]
-        print(
-            f"parity with cold solves: {'holds' if parity['holds'] else 'FAILS'}; entries differ by at most "
-            f"{parity['entries']:.1e} relative, solutions by {parity['solution']:.1e} in the energy norm"
-        )
+        for line in parity_lines(summary["parity"]):
+            print(line)
 
 
 def convergence_line(found: dict[str, Any]) -> str:
