@@ -18,7 +18,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.policy import policy
-from restshape.replay.columns import columns
+from restshape.replay.columns import columns_of
 from restshape.replay.loop import Replay
 from restshape.replay.summary import summarise
 from restshape.scene.load import load_scene
@@ -88,7 +88,7 @@ def _play(folder: Path, example: Example, played: Played) -> None:
     chosen, known = policy(example.policy), Calibration.load()
     replay = Replay(scene, script, app, chosen, PETSc.COMM_WORLD, known, predict=example.predict)
     check = verification(app.name).load_frame_check()
-    names = set(columns(list(scene.quantities), app.own_columns(scene)))
+    names = set(columns_of(scene, app))
     rows = []
     for row in replay.frames():
         rows.append(dict(row))

@@ -50,7 +50,7 @@ class FurnitureAnalysis:
     """
 
     estimated_quantity = "nothing: planks are rigid here, and a model without a mesh has no error of one"
-    predictor = None
+    predictor = quantity_errors = None
     why_not = "furniture is not predicted: forces of feet and joints are solved for in each frame"
 
     def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "fem/shapes.hpp"
@@ -20,22 +21,58 @@ class QuadraticPatchRecovery {
     using Value = Eigen::Array4d;
     using Samples = TriRule3;  // where cells are sampled
 
-    // X (n, 2), cells (ne, 6), values (ne, samples, 4).
+    // X (n, 2), cells (ne, 6), values (ne, samples, 4), or null where only `transpose` is wanted.
     QuadraticPatchRecovery(const double* X, const int32_t* cells, const double* values, int n, int ne)
         : X_(X), cells_(cells), values_(values), ne_(ne), nodes_(n) {}
 
     void run(double* out) {
         gather();
-        for (Patch& p : patches_) fit(p);
-        spread();
+        for (Patch& p : patches_) factor(p), fit(p);
+        spread([this](int from, int to) { evaluate(from, to); });
         for (const Node& node : nodes_) {
             Eigen::Map<Value> value(out);
-            if (node.patch >= 0 && (patches_[node.patch].quadratic || node.count == 0))
+            if (own(node))
                 value = patches_[node.patch].b[0];
             else
                 value = node.count != 0 ? Value(node.sum / node.count) : Value::Zero();
             out += 4;
         }
+    }
+
+    // The product out (ne, samples, 4) of the transposed recovery with weights (n, 4) of nodal values.
+    void transpose(const double* weights, double* out) {
+        gather();
+        for (Patch& p : patches_) factor(p);
+        std::vector<std::pair<int, int>> ways;
+        spread([&](int from, int to) {
+            ways.emplace_back(from, to);
+            ++nodes_[to].count;
+        });
+        for (Node& node : nodes_) {
+            const Value weight = Eigen::Map<const Value>(weights);
+            if (own(node))
+                patches_[node.patch].b[0] += weight;
+            else if (node.count != 0)
+                node.sum = weight / node.count;
+            weights += 4;
+        }
+        for (const auto& [from, to] : ways) {
+            double f[terms];
+            monomials(place(to)[0] - place(from)[0], place(to)[1] - place(from)[1], f);
+            for (int i = 0; i < terms; ++i) patches_[nodes_[from].patch].b[i] += f[i] * nodes_[to].sum;
+        }
+        // The matrix of a fit is symmetric.
+        for (Patch& p : patches_) fit(p);
+        for_samples([&](int e, size_t sample, const double* at) {
+            Eigen::Map<Value> here(out + 4 * sample);
+            here.setZero();
+            for (int i = 0; i < 3; ++i) {
+                const int corner = cell(e)[i];
+                double f[terms];
+                monomials(at[0] - place(corner)[0], at[1] - place(corner)[1], f);
+                for (int j = 0; j < terms; ++j) here += f[j] * patches_[nodes_[corner].patch].b[j];
+            }
+        });
     }
 
  private:
@@ -47,6 +84,7 @@ class QuadraticPatchRecovery {
         Value b[terms] = {Value::Zero(), Value::Zero(), Value::Zero(),  // moments of the values, then the polynomial
                           Value::Zero(), Value::Zero(), Value::Zero()};
         int64_t balance = 0;  // 0 where cells go all the way around: each neighbour follows and precedes one
+        int rank = 1;
         bool quadratic = false;
     };
     struct Node {
@@ -59,12 +97,14 @@ class QuadraticPatchRecovery {
     const double* place(int a) const { return X_ + 2 * static_cast<size_t>(a); }
     bool quadratic(int corner) const { return patches_[nodes_[corner].patch].quadratic; }
 
+    // Whether a node has the value of its own polynomial.
+    bool own(const Node& node) const { return node.patch >= 0 && (patches_[node.patch].quadratic || node.count == 0); }
+
     static void monomials(double x, double y, double (&f)[terms]) {
         f[0] = 1.0, f[1] = x, f[2] = y, f[3] = x * x, f[4] = x * y, f[5] = y * y;
     }
 
     void gather() {
-        static constexpr Table<Quadratic<2>, Samples> table{};
         patches_.reserve(nodes_.size() / 3);
         for (int e = 0; e < ne_; ++e) {
             const int32_t* c = cell(e);
@@ -77,16 +117,27 @@ class QuadraticPatchRecovery {
                 const int64_t after = c[(i + 1) % 3], before = c[(i + 2) % 3];
                 patches_[patch].balance += after * (after + 1) - before * (before + 1);
             }
+        }
+        for_samples([this](int e, size_t sample, const double* at) {
+            const Value value = values_ ? Value(Eigen::Map<const Value>(values_ + 4 * sample)) : Value::Zero();
+            for (int i = 0; i < 3; ++i) {
+                const int corner = cell(e)[i];
+                take(patches_[nodes_[corner].patch], at[0] - place(corner)[0], at[1] - place(corner)[1], value);
+            }
+        });
+    }
+
+    // Calls visit(cell, sample, its place) for all samples.
+    template <class Visit>
+    void for_samples(Visit visit) const {
+        static constexpr Table<Quadratic<2>, Samples> table{};
+        for (int e = 0; e < ne_; ++e)
             for (int s = 0; s < Samples::points; ++s) {
                 double at[2] = {0.0, 0.0};
                 for (int i = 0; i < 6; ++i)
-                    for (int a = 0; a < 2; ++a) at[a] += table.value[s][i] * place(c[i])[a];
-                const size_t sample = static_cast<size_t>(e) * Samples::points + s;
-                const Value value = Eigen::Map<const Value>(values_ + 4 * sample);
-                for (int i = 0; i < 3; ++i)
-                    take(patches_[nodes_[c[i]].patch], at[0] - place(c[i])[0], at[1] - place(c[i])[1], value);
+                    for (int a = 0; a < 2; ++a) at[a] += table.value[s][i] * place(cell(e)[i])[a];
+                visit(e, static_cast<size_t>(e) * Samples::points + s, at);
             }
-        }
     }
 
     static void take(Patch& p, double x, double y, const Value& value) {
@@ -98,58 +149,60 @@ class QuadraticPatchRecovery {
         }
     }
 
-    // Least squares by Cholesky's method, whose first three rows are those of the linear polynomial.
-    static void fit(Patch& p) {
-        Value b[terms];
-        int rank = 0;
+    // Cholesky's factor of the least squares, whose first three rows are those of the linear polynomial.
+    static void factor(Patch& p) {
         const int wanted = p.balance == 0 ? terms : linear;
+        int rank = 0;
         for (; rank < wanted; ++rank) {
             double* row = p.m[rank];
             const double whole = row[rank];
-            b[rank] = p.b[rank];
             for (int j = 0; j < rank; ++j) {
                 for (int k = 0; k < j; ++k) row[j] -= row[k] * p.m[j][k];
                 row[j] /= p.m[j][j];
                 row[rank] -= row[j] * row[j];
-                b[rank] -= row[j] * b[j];
             }
             if (!(row[rank] > 1e-9 * whole)) break;
             row[rank] = std::sqrt(row[rank]);
-            b[rank] /= row[rank];
         }
         p.quadratic = rank == terms;
-        if (!p.quadratic) rank = rank < linear ? 1 : linear;
-        for (int i = terms - 1; i >= 0; --i) {
-            if (i >= rank) {
-                p.b[i].setZero();
-                continue;
-            }
-            p.b[i] = b[i];
-            for (int j = i + 1; j < rank; ++j) p.b[i] -= p.m[j][i] * p.b[j];
+        p.rank = p.quadratic ? terms : rank < linear ? 1 : linear;
+    }
+
+    // Moments become coefficients.
+    static void fit(Patch& p) {
+        for (int i = 0; i < p.rank; ++i) {
+            for (int j = 0; j < i; ++j) p.b[i] -= p.m[i][j] * p.b[j];
+            p.b[i] /= p.m[i][i];
+        }
+        for (int i = p.rank; i < terms; ++i) p.b[i].setZero();
+        for (int i = p.rank - 1; i >= 0; --i) {
+            for (int j = i + 1; j < p.rank; ++j) p.b[i] -= p.m[j][i] * p.b[j];
             p.b[i] /= p.m[i][i];
         }
     }
 
-    void spread() {
+    // Calls visit(from, to) where the polynomial of a corner counts at another node, and counts it there.
+    template <class Visit>
+    void spread(Visit visit) {
         for (int e = 0; e < ne_; ++e) {
             const int32_t* c = cell(e);
             for (int i = 0; i < 3; ++i) {
                 const int next = c[(i + 1) % 3], last = c[(i + 2) % 3], middle = c[3 + i];
                 if (!quadratic(c[i])) {
-                    if (quadratic(next)) evaluate(next, c[i]);
-                    if (quadratic(last)) evaluate(last, c[i]);
+                    if (quadratic(next)) visit(next, c[i]);
+                    if (quadratic(last)) visit(last, c[i]);
                 }
-                if (quadratic(c[i])) evaluate(c[i], middle);
-                if (quadratic(next)) evaluate(next, middle);
-                if (!quadratic(c[i]) && !quadratic(next) && quadratic(last)) evaluate(last, middle);
+                if (quadratic(c[i])) visit(c[i], middle);
+                if (quadratic(next)) visit(next, middle);
+                if (!quadratic(c[i]) && !quadratic(next) && quadratic(last)) visit(last, middle);
             }
         }
         for (int e = 0; e < ne_; ++e)
             for (int i = 0; i < 3; ++i) {
                 const int from = cell(e)[i], to = cell(e)[(i + 1) % 3], middle = cell(e)[3 + i];
                 if (nodes_[middle].count > 0) continue;
-                evaluate(from, middle);
-                evaluate(to, middle);
+                visit(from, middle);
+                visit(to, middle);
             }
     }
 

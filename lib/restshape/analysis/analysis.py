@@ -1,5 +1,6 @@
 """What the replay asks of an analysis, whatever its physics."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -81,6 +82,13 @@ class Predictor(Protocol):
         """The same distance of the prediction that the analysis holds from a cold solve on the mesh as it lies."""
 
 
+class QuantityErrors(Protocol):
+    """Estimates the errors of quantities at the state."""
+
+    def __call__(self, names: Sequence[str]) -> dict[str, float]:
+        """The estimated size of the error of each, in its unit; not a number where there is no estimate."""
+
+
 class Analysis(Protocol):
     """Computes the answer of each frame of an edit, from that of the frame before.
 
@@ -98,6 +106,10 @@ class Analysis(Protocol):
     @property
     def predictor(self) -> Predictor | None:
         """Predicts frames from the state; None where they cannot be."""
+
+    @property
+    def quantity_errors(self) -> QuantityErrors | None:
+        """Estimates errors of quantities of the state; None where they cannot be."""
 
     @property
     def space(self) -> Space | None: ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 # More than 15 modules: here equilibrium, eigenproblem, prediction and estimates of a frame meet, a module each.
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from restshape.algebra.buckling_solver import BucklingSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.analysis.analysis import Comparison, Context, RowValues
+from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues
 from restshape.analysis.buckling_binding import bound, flipped
 from restshape.analysis.buckling_comparison import compare_cold
 from restshape.analysis.buckling_output import fields, observer, residual_norm, row
@@ -78,6 +79,11 @@ class BucklingAnalysis:
     def predictor(self) -> BucklingPrediction:
         """Predicts frames from the state."""
         return BucklingPrediction(self)
+
+    @property
+    def quantity_errors(self) -> QuantityErrors:
+        """Estimates errors of load factors, and of quantities of the equilibrium."""
+        return self._quantity_errors
 
     @property
     def space(self) -> Space | None:
@@ -164,8 +170,22 @@ class BucklingAnalysis:
             return {"estimate": float("nan")}
         if state.predicted:
             return {"estimate": self.predictor.distance()}
-        estimate, shape = made(self.prebuckling.error_estimate), state.prebuckling.x.shape
-        return {"estimate": max(estimate.relative(mode.reshape(shape)) ** 2 for mode in state.modes.vectors)}
+        return {"estimate": max(map(self._mode_error, state.modes.vectors))}
+
+    def _mode_error(self, mode: np.ndarray) -> float:
+        """The estimated relative error of the load factor of a mode (2 n,)."""
+        return made(self.prebuckling.error_estimate).relative(mode.reshape(self.state.prebuckling.x.shape)) ** 2
+
+    def _quantity_errors(self, names: Sequence[str]) -> dict[str, float]:
+        """The estimated error of each quantity; not a number where there is no such load factor, and of predictions."""
+        state, quantities = self.state, self.state.prebuckling.scene.quantities
+        ranks = {name: quantities[name].load_factor for name in names if quantities[name].load_factor is not None}
+        found = made(self.prebuckling.quantity_errors)([name for name in names if name not in ranks])
+        for name, rank in ranks.items():
+            known = not state.predicted and rank <= len(state.modes.vectors)
+            error = self._mode_error(state.modes.vectors[rank - 1]) if known else np.nan
+            found[name] = error * state.load_factor(rank)
+        return found
 
     def compare_cold(self) -> Comparison:
         """Matrices, displacement and load factors beside those of a solve with nothing kept."""

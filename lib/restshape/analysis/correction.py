@@ -1,5 +1,7 @@
 """What a prediction is away from the solution, found with the kept preconditioner."""
 
+from collections.abc import Callable
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -76,21 +78,34 @@ def preconditioner(solver: LinearSolver, rows: slice) -> Operation:
 
     That of another number of unknowns is none: on a new mesh where nothing had to be solved for yet.
     """
-    comm, pc = solver.comm, solver.ksp.getPC()
+    pc = solver.ksp.getPC()
+    kept = gathered(pc.apply, rows, solver.comm)
 
     def apply(r: np.ndarray) -> np.ndarray:
-        if not (solver.kept.ready and solver.kept.size.unknowns == len(r)):
-            return r.copy()
-        full = np.zeros_like(r)
-        size = (rows.stop - rows.start, len(r))
+        return kept(r) if solver.kept.ready and solver.kept.size.unknowns == len(r) else r.copy()
+
+    return apply
+
+
+def gathered(apply: Callable[[PETSc.Vec, PETSc.Vec], None], rows: slice, comm: PETSc.Comm) -> Operation:
+    """An operation on PETSc's vectors, such as a product with a matrix, for arrays (n,) whole on every rank.
+
+    Args:
+        apply: from the first to the second vector.
+        rows: this rank's.
+        comm: of the vectors.
+    """
+
+    def whole(r: np.ndarray) -> np.ndarray:
+        full, size = np.zeros_like(r), (rows.stop - rows.start, len(r))
         source, target = (PETSc.Vec().createWithArray(array[rows], size=size, comm=comm) for array in (r, full))
-        pc.apply(source, target)
+        apply(source, target)
         gather_vector(full, rows, comm)
         source.destroy()
         target.destroy()
         return full
 
-    return apply
+    return whole
 
 
 def largest_values(a: np.ndarray, b: np.ndarray, count: int) -> np.ndarray:

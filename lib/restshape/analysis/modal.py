@@ -11,7 +11,7 @@ import numpy as np
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis import modal_output
-from restshape.analysis.analysis import Comparison, Context, RowValues
+from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues
 from restshape.analysis.frame import Frame
 from restshape.analysis.modal_binding import bound, followed
 from restshape.analysis.modal_comparison import TOLERANCE, compare_cold
@@ -67,6 +67,11 @@ class ModalAnalysis:
     def predictor(self) -> ModalPrediction:
         """Predicts frames from the state."""
         return ModalPrediction(self)
+
+    @property
+    def quantity_errors(self) -> QuantityErrors:
+        """Estimates errors of quantities that are frequencies."""
+        return lambda names: self._estimate.of_quantities(self.state, names)
 
     @property
     def space(self) -> Space | None:
@@ -151,7 +156,7 @@ class ModalAnalysis:
         Of a prediction its distance from the solution on the same mesh.
         """
         state = self.state
-        return {"estimate": self.predictor.distance() if state.predicted else self._estimate(state)}
+        return {"estimate": self.predictor.distance() if state.predicted else float(self._estimate(state).max())}
 
     def compare_cold(self) -> Comparison:
         """Matrices and modes beside those of a solve with nothing kept; relative."""

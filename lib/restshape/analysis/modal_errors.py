@@ -1,9 +1,11 @@
 """How far modes are from those of their matrices, and from those of a finer mesh."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from restshape.analysis.modal_matrices import products
-from restshape.analysis.modal_state import ModalState
+from restshape.analysis.modal_state import ModalState, Modes
 from restshape.fem.eigenproblem import ModeEstimate
 
 
@@ -23,10 +25,27 @@ class FrequencyEstimate:
 
     def __init__(self) -> None:
         self._estimate: ModeEstimate | None = None
+        self._known: tuple[Modes | None, np.ndarray] = (None, np.empty(0))
 
-    def __call__(self, state: ModalState) -> float:
-        """The largest estimated relative error of the frequencies that the scene asks for: that of the mesh."""
+    def __call__(self, state: ModalState) -> np.ndarray:
+        """The estimated relative errors (modes,) of the frequencies that the scene asks for: those of the mesh."""
+        if self._known[0] is state.modes:
+            return self._known[1]
         modes = state.modes
         if self._estimate is None or self._estimate.body is not state.body:
             self._estimate = state.body.error_estimate()
-        return float(np.max(0.5 * self._estimate(modes.vectors[modes.chosen]) / modes.values[modes.chosen]))
+        found = 0.5 * self._estimate(modes.vectors[modes.chosen]) / modes.values[modes.chosen]
+        self._known = (modes, found)
+        return found
+
+    def of_quantities(self, state: ModalState, names: Iterable[str]) -> dict[str, float]:
+        """The estimated errors [Hz] of quantities that are frequencies; not numbers of a prediction, and of others."""
+        if state.predicted:
+            return dict.fromkeys(names, np.nan)
+        errors, quantities = self(state) * state.frequencies, state.scene.quantities
+        found = {}
+        for name in names:
+            rank, mode = quantities[name].frequency, quantities[name].mode
+            known = errors[rank - 1 : rank] if rank is not None else errors[state.ids == mode]
+            found[name] = float(next(iter(known), np.nan))
+        return found

@@ -97,6 +97,10 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
         self.guess = CurvedGuess(context.policy.extrapolate)
         self._made: list[Newton] = []
 
+    @property
+    def quantity_errors(self) -> None:
+        """None: errors of quantities are not estimated."""
+
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the unknowns `x` up to date with a frame.
 

@@ -20,6 +20,7 @@ from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
 from restshape.analysis.linear_system import LinearSystem, auxiliary_solve
+from restshape.analysis.quantity_errors import SteadyQuantityErrors
 from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.steady_predictor import SteadyPredictor
 from restshape.application import application
@@ -135,6 +136,7 @@ class SteadyAnalysis(Generic[P]):
         self.solver = self._make_solver(scene)
         self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         self._observed: tuple[np.ndarray | None, BoundProblem[P] | None, dict[str, float]] = (None, None, {})
+        self._errors = SteadyQuantityErrors(self)
         self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)
 
     def _make_solver(self, scene: Scene) -> LinearSolver:
@@ -160,6 +162,11 @@ class SteadyAnalysis(Generic[P]):
     def predictor(self) -> SteadyPredictor:
         """Predicts frames from the state."""
         return SteadyPredictor(self)
+
+    @property
+    def quantity_errors(self) -> SteadyQuantityErrors | None:
+        """Estimates errors of quantities at the last solution; None where the problem is not linear."""
+        return self._errors
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the unknowns `x` up to date with a frame.

@@ -56,7 +56,7 @@ class TransientAnalysis:
     Source: docs/theory.md, sections 1 and 2.
     """
 
-    predictor = None
+    predictor = quantity_errors = None
     why_not = "only steady states and modes are predicted: time integration depends on the past, not on the shape alone"
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:

@@ -20,6 +20,7 @@ from restshape.scene.renamed import notes
 from restshape.surroundings import start_petsc
 
 KINDS = ("none", "linear")
+SINGULAR = "singular"
 LEVELS = {
     "1": "1 relocation",
     "2": "2 reconnection",
@@ -99,11 +100,10 @@ def _check_name(out: Path | None) -> None:
 
 def _start_recorder(path: Path, request: Any) -> Any:
     """The recorder process, started before MPI."""
-    from restshape.replay.columns import columns
+    from restshape.replay.columns import columns_of
     from restshape.replay.recorder import Recorder
 
-    own = request.application.own_columns(request.scene)
-    return Recorder.start(path, request.header(), columns(list(request.scene.quantities), own))
+    return Recorder.start(path, request.header(), columns_of(request.scene, request.application))
 
 
 def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any]:
@@ -190,9 +190,7 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
         print(convergence_line(found))
     for line in estimates(summary):
         print(line)
-    heads = ("quantity", "first", "last", "least", "largest")
-    values = [(name, *_ends(v)) for name, v in summary["quantities"].items()]
-    print_table("quantities (SI units)", heads, values, right=heads[1:])
+    print_quantities(summary["quantities"], summary["quantity_errors"])
     for name, exponent in summary["singular"].items():
         how = f"r^{exponent - 1.0:.3f} there" if exponent else "a point load there"
         print(
@@ -201,12 +199,27 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     if status := summary["constraint_status"]:
         violated = status["violated_constraints"]
         last = f"{status['last']} at the end{violated and ' for ' + violated}"
-        print(f"constraint status: {last}; holds in {status['holds']} frames, fails in {status['fails']}")
+        doubtful = f", uncertain in {status['uncertain']}" if status["uncertain"] else ""
+        print(f"constraint status: {last}; holds in {status['holds']} frames, fails in {status['fails']}{doubtful}")
     if application.report:
         application.report.print_tables(summary["rows"])
     if "parity" in summary:
         for line in parity_lines(summary["parity"]):
             print(line)
+
+
+def print_quantities(quantities: dict[str, list[float | None]], errors: dict[str, list[float | str | None]]) -> None:
+    """Print the table of quantities, with their largest errors where there are any."""
+    heads = ("quantity", "first", "last", "least", "largest") + (("largest error",) if errors else ())
+    rows = [(name, *_ends(v), *([_largest(errors.get(name, []))] if errors else [])) for name, v in quantities.items()]
+    print_table("quantities (SI units)", heads, rows, right=heads[1:])
+
+
+def _largest(errors: list[float | str | None]) -> str:
+    """The largest error of a quantity; a dash where there is none."""
+    if any(error == SINGULAR for error in errors):
+        return SINGULAR
+    return f"{max(known):.2g}" if (known := [error for error in errors if isinstance(error, float)]) else "-"
 
 
 def convergence_line(found: dict[str, Any]) -> str:

@@ -13,6 +13,23 @@ SIMPSON = np.array([1.0, 1.0, 4.0]) / 6.0
 def mean_over(space: PlaneSpace, at: str | None, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
     """The function that takes the mean of values at nodes over an entity, on the mesh at rest as it then lies.
 
+    Arguments as in `node_weights`.
+    """
+    weights = node_weights(space, at, nodes)
+    if weights is None:
+        return plain_mean
+
+    def mean(values: np.ndarray) -> float:
+        w = weights()
+        # As numpy's average does it, without its checks, which take as long as all else here.
+        return (values * w).sum() / w.sum()
+
+    return mean
+
+
+def node_weights(space: PlaneSpace, at: str | None, nodes: np.ndarray | slice) -> Callable[[], np.ndarray] | None:
+    """The function of the weights (k,) of nodes in a mean over an entity; None where they are equal.
+
     Args:
         space: whose nodes they are.
         at: an entity: a region or all (None) counts by area, edges by length, vertices one like the other.
@@ -26,14 +43,8 @@ def mean_over(space: PlaneSpace, at: str | None, nodes: np.ndarray | slice) -> C
     elif len(facets := space.facets_of(at)):
         places, weigh = space.facets[facets], facet_weights
     else:
-        return plain_mean
-
-    def mean(values: np.ndarray) -> float:
-        weights = np.bincount(places.ravel(), weigh(space.X, places).ravel(), len(space.X))[nodes]
-        # As numpy's average does it, without its checks, which take as long as all else here.
-        return (values * weights).sum() / weights.sum()
-
-    return mean
+        return None
+    return lambda: np.bincount(places.ravel(), weigh(space.X, places).ravel(), len(space.X))[nodes]
 
 
 def plain_mean(values: np.ndarray) -> float:

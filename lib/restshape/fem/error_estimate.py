@@ -1,6 +1,9 @@
 """How far unknowns are from those of a finer mesh, estimated from the fluxes that they give."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -33,6 +36,18 @@ class SharedRecovery(Protocol):
 
     def __call__(self, x: np.ndarray) -> np.ndarray:
         """The recovered flux (rows, 4)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """Fluxes of unknowns: (rows, 4) recovered at nodes, and those of the cells at the points of the estimate."""
+
+    nodal: np.ndarray
+    flux: np.ndarray
+
+    def plus(self, other: Sampled, factor: float) -> Sampled:
+        """These and `factor` times others; both are linear in the unknowns."""
+        return Sampled(self.nodal + factor * other.nodal, self.flux + factor * other.flux)
 
 
 class RecoveryEstimate:
@@ -77,6 +92,30 @@ class RecoveryEstimate:
         flux = sampled if self._points is None else self.flux(x, self._points)
         error, size = self._energies(self.recovery.cell_rows(), nodal, flux)
         return self._ratio(error, size, x)
+
+    def sampled(self, x: np.ndarray) -> Sampled:
+        """The fluxes of unknowns x (n, f), as `error_energy` and `error_product` take them."""
+        x = np.ascontiguousarray(x)
+        sampled = self.flux(x, self.recovery.points)
+        return Sampled(self.recovery(sampled), sampled if self._points is None else self.flux(x, self._points))
+
+    def error_energy(self, of: Sampled, cells: np.ndarray | slice = slice(None)) -> float:
+        """The square of the estimated error of unknowns in the energy norm, of some cells (k,) or of all."""
+        rows, kinds = self.recovery.cell_rows(), self._kinds if len(self._kinds) == 0 else self._kinds[cells]
+        entities, rows, flux = (np.ascontiguousarray(array[cells]) for array in (self.space.cells, rows, of.flux))
+        return _kernels.recovery_energies(self.space.X, entities, rows, of.nodal, flux, self._compliance, kinds)[0]
+
+    def error_product(self, one: Sampled, other: Sampled) -> float:
+        """The product of the estimated errors of two sets of unknowns in the scalar product of the energy.
+
+        By polarisation, of both at the same size.
+        """
+        energies = self.error_energy(one), self.error_energy(other)
+        if min(energies) <= 0.0:
+            return 0.0
+        factor = float(np.sqrt(energies[0] / energies[1]))
+        ahead, behind = (self.error_energy(one.plus(other, sign * factor)) for sign in (1.0, -1.0))
+        return 0.25 * (ahead - behind) / factor
 
     def distance(self, x: np.ndarray, reference: np.ndarray) -> float:
         """The distance of two sets of unknowns (n, f) over the size of the second, in the same norm."""

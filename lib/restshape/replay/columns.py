@@ -1,12 +1,19 @@
 """The columns of a recording's table: one row a frame."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from restshape.errors import UserError
 from restshape.findings import FINDINGS_BYTES
+
+if TYPE_CHECKING:
+    from restshape.application import Application
+    from restshape.scene.model import Scene
 
 ALIASES = {
     "bending_utilisation": "bending_use",
@@ -49,6 +56,31 @@ SIMULATED = "time"
 """The simulated time [s] at the end of a frame, of analyses in time: a column of `Application.own_columns`."""
 
 
+def error_column(quantity: str) -> str:
+    """The column of the estimated errors of a quantity."""
+    return f"{quantity}_error"
+
+
+def estimated_quantities(scene: Scene, application: Application) -> list[str]:
+    """Quantities of which errors are estimated where its analysis can."""
+    return [name for name, one in scene.quantities.items() if one.wants_error] if application.editing.mesh else []
+
+
+def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLike]:
+    """The columns of replays of a scene.
+
+    Raises:
+        UserError: a quantity has a name with which two columns would have the same one.
+    """
+    known = columns(list(scene.quantities), application.own_columns(scene))
+    own = {error_column(name): name for name in estimated_quantities(scene, application)}
+    for column, name in own.items():
+        if column in known:
+            what = f"the column of its error would be {column}, which is another column"
+            raise scene.located(UserError(what, f"quantities.{name}", "give it another name"))
+    return known | dict.fromkeys(own, np.float64)
+
+
 def columns(quantities: list[str], own: dict[str, npt.DTypeLike] | None = None) -> dict[str, npt.DTypeLike]:
     """Name to numpy type, or `str`, of each column.
 
@@ -79,7 +111,7 @@ def columns(quantities: list[str], own: dict[str, npt.DTypeLike] | None = None) 
         "event": str,
         "preconditioner": "S24",
         "note": "S160",
-        "constraint_status": "S8",
+        "constraint_status": "S16",
         "violated_constraints": "S160",
         "findings": f"S{FINDINGS_BYTES}",
         "refused": str,

@@ -14,9 +14,12 @@ from restshape.scene.quantity import in_unit
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
 
-HOLDS, FAILS = "holds", "fails"
+HOLDS, UNCERTAIN, FAILS = "holds", "uncertain", "fails"
+"""Uncertain: the limits hold, but a value is nearer to its limit than its estimated error."""
 LIMIT, MIN, MAX = "limit", "min", "max"
 """Kind of a finding on a quantity, and its details: below the least value, above the largest one."""
+UNCERTAINTY = "uncertainty"
+"""Kind of a finding on a quantity that is nearer to a limit than its error; details as of `LIMIT`."""
 
 ROUNDED = 1e-6
 """Relative change by which a limit may be rounded."""
@@ -77,6 +80,29 @@ def violated_constraints(limits: Limits, quantities: Mapping[str, float]) -> tup
     return tuple(found)
 
 
+def uncertain_constraints(
+    limits: Limits, quantities: Mapping[str, float], errors: Mapping[str, float]
+) -> tuple[Finding, ...]:
+    """The quantities within their limits, but nearer to one than the error of their value.
+
+    Args:
+        limits, quantities: as in `constraint_status`.
+        errors: by quantity, in its unit; infinite where it is at a singular place, which no error tells anything of.
+    """
+    found = []
+    for name, limit in limits.items():
+        value, error = quantities[name], errors.get(name, math.nan)
+        for detail, bound, left in ((MIN, limit.least, value - limit.least), (MAX, limit.most, limit.most - value)):
+            if math.isfinite(error) and 0.0 <= left < error:
+                found.append(Finding(UNCERTAINTY, detail, (name,), value, bound, limit.unit))
+    return tuple(found)
+
+
+def formatted_uncertainty(finding: Finding) -> str:
+    """Which quantity is uncertain, the same in all frames."""
+    return f"{finding.subjects[0]} holds, but the value is uncertain by more than what is left to its limit"
+
+
 def value_and_bound(finding: Finding) -> tuple[str, str]:
     """A value beyond a limit and the limit, with units and as many digits as give the limit and distinguish the two."""
     value, bound, unit = finding.value, finding.bound, finding.unit
@@ -105,7 +131,8 @@ def joined(row: RowValues, own: RowValues) -> RowValues:
     if not own:
         return own
     known = [one["constraint_status"] for one in (own, row) if one.get("constraint_status")]
-    both: RowValues = {"constraint_status": FAILS if FAILS in known else "".join(known[:1])}
+    worst = next((status for status in (FAILS, UNCERTAIN) if status in known), "".join(known[:1]))
+    both: RowValues = {"constraint_status": worst}
     for name in ("violated_constraints", "note"):
         both[name] = "; ".join(filter(None, (one.get(name, "") for one in (own, row))))
     both["findings"] = (*own.get("findings", ()), *row.get("findings", ()))

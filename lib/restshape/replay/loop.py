@@ -33,6 +33,7 @@ from restshape.replay.constraints import (
     limits_of,
     violated_constraints,
 )
+from restshape.replay.error_columns import QuantityErrorColumns
 from restshape.replay.predicted_frames import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
@@ -101,6 +102,7 @@ class Replay:
         self.expected: np.ndarray | None = None
         self.estimating = True
         self.limits = limits_of(scene.quantities)
+        self.quantity_errors = QuantityErrorColumns(scene, application, self.analysis, self.session)
         self.row: RowValues = {}
 
     @classmethod
@@ -261,6 +263,8 @@ class Replay:
         row["residual"] = self.analysis.residual_norm() if self.known and not row["refused"] else np.nan
         row["mesh_area"] = self.moving.area()
         row.update(self._estimates(row))
+        if self.estimating and self.known and not row["refused"]:
+            row.update(self.quantity_errors(row))
         mesh = self._space
         if self.recorder:
             version = (id(mesh), mesh.topology)

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from petsc4py import PETSc
 
 from restshape.analysis.analysis import RowValues
-from restshape.replay.columns import columns
+from restshape.replay.columns import columns_of
+from restshape.replay.error_columns import singular_quantities
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
 from restshape.replay.petsc_options import refusal
@@ -15,7 +16,6 @@ from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.row_table import table_of_rows
 from restshape.replay.tally import Tally
-from restshape.shape.session import EditSession
 from restshape.surroundings import petsc_options
 
 
@@ -43,13 +43,13 @@ def run_replay(
     comm = PETSc.COMM_WORLD
     first = comm.rank == 0
     replay = _replay(request, recorder)
-    singular = _singular(request, replay)
+    singular = singular_quantities(request.scene, request.application, replay.session)
     if recorder:
         recorder.add_header(_surroundings(comm) | {"singular": singular})
     check = Parity(replay) if parity else None
     tally, rows, interrupted = Tally(), [], False
     keep = keep_rows or request.application.report is not None
-    names = list(columns(list(request.scene.quantities), request.application.own_columns(request.scene)))
+    names = list(columns_of(request.scene, request.application))
     with table_of_rows(csv if first else None, names) as table:
         try:
             for row in _frames(replay, request.petsc):
@@ -90,15 +90,6 @@ def _surroundings(comm: PETSc.Comm) -> dict[str, Any]:
     """What a header says of ranks and PETSc."""
     version = list(PETSc.Sys.getVersion())
     return {"ranks": comm.size, "petsc": version, "petsc_in_effect": petsc_options()}
-
-
-def _singular(request: Request, replay: Replay) -> dict[str, float]:
-    """Quantities without a limit under refinement on the first shape, with the exponent lambda of displacements."""
-    found: dict[str, float] = {}
-    for physics in request.application.physics:
-        if physics.inspect_shape:
-            found |= physics.inspected(request.scene, cast(EditSession, replay.session).outline).singular
-    return found
 
 
 def _frames(replay: Replay, petsc: Sequence[str]) -> Iterator[RowValues]:

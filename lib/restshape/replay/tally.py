@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from restshape.replay.columns import SIMULATED, STAGES
-from restshape.replay.constraints import FAILS, HOLDS
+from restshape.replay.columns import SIMULATED, STAGES, error_column
+from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.reservoir import Reservoir
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ PERCENTS = (50.0, 95.0, 99.0)
 REASONS = ("refused", "note")
 """Columns of texts of which each is kept once, with its first frame."""
 MOST_REASONS = 1000
+SINGULAR = "singular"
 
 
 class Tally:
@@ -40,6 +41,7 @@ class Tally:
         self._preconditioners: Counter[str] = Counter()
         self._samples: defaultdict[str, Reservoir] = defaultdict(Reservoir)
         self._series: dict[str, array[float]] = {}
+        self._errors: dict[str, array[float]] = {}
         self._stale = bytearray()
         self._status: tuple[str, str] = ("", "")
         self._rest_residual = -np.inf
@@ -54,8 +56,9 @@ class Tally:
         """Takes the row of the next frame."""
         counts = self._counts
         if not counts["frames"]:
-            kept = [key for key in row if key.startswith("q_")] + [SIMULATED] * (SIMULATED in row)
-            self._series = {key: array("d") for key in kept}
+            self._series = {key: array("d") for key in row if key.startswith("q_") or key == SIMULATED}
+            errors = {key[2:]: error_column(key[2:]) for key in self._series if key != SIMULATED}
+            self._errors = {name: array("d") for name, column in errors.items() if column in row}
         else:
             self._add_times(row)
         counts["frames"] += 1
@@ -70,6 +73,8 @@ class Tally:
         self._size = (row["unknowns"], row["elements"])
         for key, values in self._series.items():
             values.append(row[key])
+        for name, values in self._errors.items():
+            values.append(row.get(error_column(name), np.nan))
         self._add_errors(row)
         self._add_texts(row)
 
@@ -166,6 +171,7 @@ class Tally:
             "elements": self._size[1],
             "constraint_status": {
                 "holds": counts[HOLDS],
+                "uncertain": counts[UNCERTAIN],
                 "fails": counts[FAILS],
                 "last": status,
                 "violated_constraints": violated,
@@ -178,9 +184,15 @@ class Tally:
             "prediction_error": self._distribution("prediction_error", False),
             "stale": list(self._stale),
             "quantities": {key[2:]: values for key, values in series.items() if key != SIMULATED},
+            "quantity_errors": {name: list(map(_error, values)) for name, values in self._errors.items()},
             **{key: values for key, values in series.items() if key == SIMULATED},
             **self._rest(),
         }
+
+
+def _error(value: float) -> float | str | None:
+    """An error for JSON, which knows no infinity: that of a quantity at a singular place."""
+    return SINGULAR if value == np.inf else _known(value)
 
 
 def _known(value: float) -> float | None:

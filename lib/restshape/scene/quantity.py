@@ -71,6 +71,7 @@ class Quantity(Strict):
     is not below. ``reference`` is its value on the first shape by a closed form, a number or a formula of the
     parameters, which studies of accuracy count errors from.
     "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
+    ``error`` asks for an estimate of its error in each frame; with a limit there is one where it can be had.
     """
 
     kinds: ClassVar[Mapping[str, QuantityKind]] = {}
@@ -81,6 +82,7 @@ class Quantity(Strict):
     max: Annotated[float, WithJsonSchema(LIMIT_SCHEMA)] | None = None
     min: Annotated[float, WithJsonSchema(LIMIT_SCHEMA)] | None = None
     reference: Annotated[float | Expression, WithJsonSchema(EXACT_SCHEMA)] | None = None
+    error: bool | None = None
 
     if TYPE_CHECKING:
 
@@ -117,6 +119,12 @@ class Quantity(Strict):
         """The SI unit of its value; empty for pure numbers."""
         return self.kinds[self.kind].unit
 
+    @property
+    def wants_error(self) -> bool:
+        """Whether its error is to be estimated: where the scene asks for it, or gives a limit."""
+        limited = self.max is not None or self.min is not None
+        return self.kind not in CORE and (limited if self.error is None else self.error)
+
     @model_validator(mode="before")
     @classmethod
     def _reduce_as_usual(cls, raw: object) -> object:
@@ -129,6 +137,8 @@ class Quantity(Strict):
     @model_validator(mode="after")
     def _is_one_kind(self) -> Self:
         kind = only_one(self, self.kinds)
+        if self.error and kind in CORE:
+            raise UnitError(f"{article(kind)} has no error estimate: leave error = true out")
         reductions = self.kinds[kind].reductions
         if reductions and self.reduce not in reductions:
             raise UnitError(

@@ -8,12 +8,14 @@ from typing import Protocol
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.fem.assembled import Assembled
+from restshape.fem.derivative import Derivative, Differentiable, nodal_quantity, reaction_lift, reduction_weights
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, cells_at, reduction
-from restshape.fem.problem import Problem
+from restshape.fem.problem import STIFFNESS, Problem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.nodal_stress import NodalStress
-from restshape.physics.elasticity.stress import COMPONENTS
+from restshape.physics.elasticity.stress import COMPONENTS, component_slopes
 from restshape.physics.elasticity.target_curves import GoalDistance
 from restshape.scene.model import Quantity
 
@@ -64,7 +66,9 @@ class PlaneQuantities:
         if quantity.area:
             return area_at(self.space, name, quantity)
         if quantity.energy:
-            return self.energy(name, quantity.energy, cells_at(self.space, name, quantity))
+            cells = cells_at(self.space, name, quantity)
+            energy = self.energy(name, quantity.energy, cells)
+            return Differentiable(energy, lambda x: Derivative(self._inner_forces(x, cells), energy=cells))
         if quantity.distance:
             return self._distance(name, quantity)
         for kind, (why, do) in ELSEWHERE.items():
@@ -73,14 +77,22 @@ class PlaneQuantities:
                 raise UserError(why, f"quantities.{name}{key and '.' + key}", f"leave it out, or {do}")
         nodes = observed_nodes(self.space, name, quantity)
         if quantity.reaction:
-            return self.reaction(name, nodes, "xy".index(quantity.reaction))
+            column = "xy".index(quantity.reaction)
+            value = self.reaction(name, nodes, column)
+            return Differentiable(
+                value,
+                lambda x: Derivative(np.zeros_like(x), reaction_lift(self.solid.boundary.mask, nodes, column)),
+            )
         if quantity.stress:
             return self._stress(quantity, nodes)
         reduce = reduction(self.space, quantity, nodes)
         if quantity.displacement == "magnitude":
-            return lambda x, *_: reduce(np.hypot(x[nodes, 0], x[nodes, 1]))
+            columns = [0, 1]
+            return nodal_quantity(
+                self.space, quantity, nodes, columns, lambda x, *_: reduce(np.hypot(x[nodes, 0], x[nodes, 1]))
+            )
         column = "xy".index(quantity.displacement)
-        return lambda x, *_: reduce(x[nodes, column])
+        return nodal_quantity(self.space, quantity, nodes, [column], lambda x, *_: reduce(x[nodes, column]))
 
     def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
         """The energy of that kind in the cells; a static solid has one kind only."""
@@ -92,12 +104,28 @@ class PlaneQuantities:
         """The component of the force [N] of supports at the nodes (k,): the residual there."""
         return lambda x, *_: unconstrained_residual(self.solid, x, self._cells(name, nodes))[nodes, column].sum()
 
+    def _inner_forces(self, x: np.ndarray, cells: np.ndarray | slice) -> np.ndarray:
+        """The derivative (n, 2) [N] of the strain energy of cells."""
+        subset = None if isinstance(cells, slice) else np.asarray(cells, dtype=np.int32)
+        return Assembled(self.solid.integrals(STIFFNESS)).residual(x, None, subset)
+
     def _stress(self, quantity: Quantity, nodes: np.ndarray | slice) -> Function:
         component, nodal = COMPONENTS[quantity.stress], self.solid.nodal_stress
         cells = self.space.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
         rows = nodal.recovery.rows(nodes, cells)
         reduce = reduction(self.space, quantity, nodal.recovery.nodes[rows])
-        return lambda x, *_: reduce(component(nodal(x)[rows]))
+        weights = reduction_weights(self.space, quantity, nodal.recovery.nodes[rows])
+
+        def derivative(x: np.ndarray) -> Derivative:
+            recovery, values = nodal.recovery, nodal(x)
+            slopes = np.zeros_like(values)
+            slopes[rows] = weights(component(values[rows]))[:, None] * component_slopes(component, values[rows])
+            load = nodal.stresses.transposed(recovery.transposed(slopes), recovery.points)
+            # What recovery does to the stress, it does to the recovered one, which is smooth.
+            again = recovery(recovery.at_samples(values))
+            return Derivative(load, own=float((slopes * (values - again)).sum()))
+
+        return Differentiable(lambda x, *_: reduce(component(nodal(x)[rows])), derivative)
 
     def _distance(self, name: str, quantity: Quantity) -> Function:
         """The distance between a target curve and the deformed edges."""

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from restshape.fem.derivative import Differentiable, flow_derivative, nodal_quantity
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, reduction
 from restshape.fem.problem import Inertia, Problem
@@ -21,8 +22,7 @@ def heat_quantity(
     Args:
         problem: on the space whose nodes are looked at; surfaces: its fluxes and convections.
         capacity: of what changes in time; None: it is steady.
-        name: of the quantity in the scene.
-        quantity: what is asked for.
+        name, quantity: as the scene has them.
 
     Raises:
         UserError: there is nothing where it is asked for.
@@ -34,7 +34,7 @@ def heat_quantity(
         return _heat_flow(problem, surfaces, capacity, quantity.at)
     nodes = observed_nodes(space, name, quantity)
     reduce = reduction(space, quantity, nodes)
-    return lambda x, *_: reduce(x[nodes, 0])
+    return nodal_quantity(space, quantity, nodes, [0], lambda x, *_: reduce(x[nodes, 0]))
 
 
 def _heat_flow(problem: Problem, surfaces: Sequence[SurfaceHeat], capacity: Inertia | None, edge: str) -> Function:
@@ -59,4 +59,4 @@ def _heat_flow(problem: Problem, surfaces: Sequence[SurfaceHeat], capacity: Iner
             balance += capacity.apply(motion[0].v)
         return out.sum() - balance[fixed].sum()
 
-    return value
+    return Differentiable(value, flow_derivative(problem, fixed, [(p.integral(ambient=False), c) for p, c in own]))

@@ -51,7 +51,7 @@ class RelaxationAnalysis:
     """
 
     estimated_quantity = "strain of the cloth in the energy norm"
-    predictor = None
+    predictor = quantity_errors = None
     why_not = "cloth is not predicted yet: all its frames are solved"
 
     def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:

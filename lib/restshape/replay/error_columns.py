@@ -1,0 +1,75 @@
+"""Errors of quantities beside their values: in rows, and in the constraint status."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from restshape.analysis.quantity_errors import LEAVE_OUT, NONE_HERE
+from restshape.errors import UserError
+from restshape.findings import decode_findings, encode_findings
+from restshape.replay.columns import error_column, estimated_quantities
+from restshape.replay.constraints import HOLDS, UNCERTAIN, formatted_uncertainty, limits_of, uncertain_constraints
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import Analysis, RowValues
+    from restshape.application import Application
+    from restshape.scene.model import Scene
+    from restshape.shape.protocol import Session
+    from restshape.shape.session import EditSession
+
+
+def singular_quantities(scene: Scene, application: Application, session: Session) -> dict[str, float]:
+    """Quantities without a limit under refinement on the first shape, with the exponent lambda of displacements."""
+    found: dict[str, float] = {}
+    for physics in application.physics:
+        if physics.inspect_shape:
+            found |= physics.inspected(scene, cast("EditSession", session).outline).singular
+    return found
+
+
+class QuantityErrorColumns:
+    """Estimates errors of the quantities that a scene wants them of, frame after frame.
+
+    Args:
+        scene: of the replay.
+        application: of the scene.
+        analysis: that gives the quantities.
+        session: whose shape is the first one.
+
+    Raises:
+        UserError: the scene asks for an error that this analysis does not estimate.
+    """
+
+    def __init__(self, scene: Scene, application: Application, analysis: Analysis, session: Session) -> None:
+        self.analysis, self.limits = analysis, limits_of(scene.quantities)
+        self.names = estimated_quantities(scene, application)
+        self.estimates = analysis.quantity_errors
+        if self.estimates is None:
+            asked = next((name for name, quantity in scene.quantities.items() if quantity.error), None)
+            if asked is not None:
+                raise scene.located(UserError(NONE_HERE, f"quantities.{asked}.error", LEAVE_OUT))
+            self.names = []
+        self.singular = singular_quantities(scene, application, session) if self.names else {}
+
+    def __call__(self, row: RowValues) -> RowValues:
+        """The columns of a frame that was solved; infinite where a quantity has no limit under refinement."""
+        if self.estimates is None:
+            return {}
+        found = dict.fromkeys(self.singular, np.inf)
+        found |= self.estimates([name for name in self.names if name not in self.singular])
+        own: RowValues = {error_column(name): found.get(name, np.nan) for name in self.names}
+        if row["constraint_status"] == HOLDS:
+            own |= self._status(row, found)
+        return own
+
+    def _status(self, row: RowValues, errors: dict[str, float]) -> RowValues:
+        """The columns that change where a limit is nearer than the error of what it limits."""
+        values = {name: row[f"q_{name}"] for name in self.limits}
+        uncertain = uncertain_constraints(self.limits, values, errors)
+        if not uncertain:
+            return {}
+        note = "; ".join(filter(None, (row["note"], *map(formatted_uncertainty, uncertain))))
+        findings = (*decode_findings(row["findings"]), *uncertain)
+        return {"constraint_status": UNCERTAIN, "note": note, "findings": encode_findings(findings)}

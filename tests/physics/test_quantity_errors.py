@@ -1,0 +1,195 @@
+"""Errors of quantities of linear scenes: derivatives against differences, estimates against finer meshes."""
+
+import json
+
+import numpy as np
+import pytest
+from small_scenes import CLAMPED, HEAD, HOLE, STEEL, block, drag, make_replay, meshed, plate, rows_of, write_scene
+from small_scenes import write_script as scripted
+from thermal_scenes import ANNULUS
+from thermal_scenes import solved as heat_solved
+
+from restshape.application import application
+from restshape.errors import UserError
+from restshape.fem.quantity_error import dual_solution
+from restshape.fem.recovery import NodalFlux
+from restshape.fem.residuals import tangent_product
+from restshape.replay.columns import columns_of
+from restshape.replay.constraints import HOLDS, UNCERTAIN
+from restshape.replay.first_frame import first_frame
+from restshape.replay.recorder import Recorder
+from restshape.replay.recording import Recording
+from restshape.replay.summary import summarise
+from restshape.scene.load import load_scene
+
+CORE = "\n[shape.regions.core]\npolygon = [[1.2, 0.3], [1.7, 0.3], [1.7, 0.7], [1.2, 0.7]]\n"
+SOFT = '\n[material.soft]\nE = 70e9\nnu = 0.3\nthickness = 0.01\nregion = ["core"]\n'
+PRESSED = '\n[loads.down]\non = "right"\ntraction = ["30 MPa", "-10 MPa"]\n'
+ASKED = """
+[quantities]
+stretch = { displacement = "x", at = "right", reduce = "mean" }
+corner = { displacement = "magnitude", at = "c" }
+most = { displacement = "y", reduce = "absmax" }
+inside = { displacement = "y", at = "core" }
+wall = { reaction = "x", at = "left" }
+energy = { energy = "strain" }
+part = { energy = "strain", at = "core" }
+window = { stress = "von_mises", at = "window" }
+side = { stress = "xx", at = "core", reduce = "mean" }
+space = { area = true }
+"""
+BODY = HEAD + block(2.0, 1.0) + CORE + HOLE + STEEL + SOFT + CLAMPED + PRESSED
+NAMES = ("stretch", "corner", "most", "inside", "wall", "energy", "part", "window", "side")
+LIMITED = plate().replace('stretch = { displacement = "x"', 'stretch = { MAX displacement = "x"')
+
+
+def solved(folder, size, order=1, text=BODY + ASKED):
+    """The analysis of the body after its first frame."""
+    scene = write_scene(folder, text + meshed(size) + f"order = {order}\n")
+    return first_frame(scene).analysis
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_recovery_and_its_transpose_give_the_same_product(tmp_path, order):
+    recovery = NodalFlux(solved(tmp_path, 0.15, order).problem.space)
+    random = np.random.default_rng(3)
+    flux = random.standard_normal(recovery.transposed(np.zeros((len(recovery.nodes), 4))).shape)
+    weights = random.standard_normal((len(recovery.nodes), 4))
+    assert (weights * recovery(flux)).sum() == pytest.approx((recovery.transposed(weights) * flux).sum(), rel=1e-10)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_derivatives_are_those_of_differences(tmp_path, order):
+    """Along a change of the free unknowns; of energies the difference is central, so that it is exact."""
+    analysis = solved(tmp_path, 0.2, order)
+    problem, x, functions = analysis.problem, analysis.x, analysis.state.observer.functions
+    change = np.abs(x).max() * 1e-6 * np.random.default_rng(1).standard_normal(x.shape)
+    problem.boundary.zero(change)
+    observe = analysis.state.observer
+    ahead, behind = observe(x + change), observe(x - change)
+    for name in NAMES:
+        found = functions[name].derivative(x)
+        rate = (found.load * change).sum()
+        if found.lift is not None:
+            rate += (found.lift * tangent_product(problem, x, change)).sum()
+        assert rate == pytest.approx(0.5 * (ahead[name] - behind[name]), rel=1e-5), name
+
+
+def test_the_dual_of_a_quantity_gives_its_value(tmp_path):
+    """J(u) = load . u = z . f where no support moves."""
+    analysis = solved(tmp_path, 0.15)
+    problem, x = analysis.problem, analysis.x
+    derivative = analysis.state.observer.functions["stretch"].derivative(x)
+    z = dual_solution(problem, derivative, lambda rhs: analysis.linear_solve(rhs, 1e-10))
+    assert (z * tangent_product(problem, x, x)).sum() == pytest.approx(analysis.observe()["stretch"], rel=1e-6)
+
+
+@pytest.mark.parametrize(("order", "size"), [(1, 0.06), (2, 0.12)])
+def test_effectivity_against_a_fine_mesh(tmp_path, order, size):
+    """Estimate over true error; the force at the only support is known exactly by equilibrium."""
+    coarse, fine = solved(tmp_path, size, order), solved(tmp_path, 0.03, 2)
+    values, true = coarse.observe(), fine.observe()
+    found = coarse.quantity_errors(NAMES)
+    for name in ("stretch", "corner", "most", "inside", "energy", "part"):
+        assert 0.5 <= found[name] / abs(true[name] - values[name]) <= 2.0, name
+    assert found["wall"] <= 1e-6 * abs(values["wall"])
+    # Stresses in a node: the right decade.
+    assert 0.2 <= found["window"] / abs(true["window"] - values["window"]) <= 5.0
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_uniform_stress_has_no_error(tmp_path, order):
+    text = (
+        HEAD + block(2.0, 1.0) + STEEL + '[supports.a]\non = "left"\nfix = ["x"]\n[supports.b]\non = "a"\nfix = ["y"]\n'
+    )
+    text += '[loads.pull]\non = "right"\ntraction = ["30 MPa", 0]\n'
+    text += '[quantities]\nwide = { displacement = "x", at = "c" }\ns = { stress = "xx", at = "top" }\n'
+    analysis = solved(tmp_path, 0.3, order, text)
+    values, errors = analysis.observe(), analysis.quantity_errors(["wide", "s"])
+    assert all(errors[name] <= 1e-9 * abs(values[name]) for name in errors)
+
+
+@pytest.mark.parametrize("size", [0.02, 0.03])
+def test_heat_of_a_pipe_against_its_closed_form(tmp_path, size):
+    """What enters at a prescribed temperature, what leaves by convection, and the temperature between both."""
+    analysis = heat_solved(tmp_path, ANNULUS, f"mesh.size={size}").analysis
+    drop = 100.0 / (np.log(2.0) / 15.0 + 1.0 / (0.2 * 50.0))
+    true = {"outer": 300.0 + drop / (0.2 * 50.0), "entered": -2.0 * np.pi * drop, "left1": np.pi * drop}
+    values, errors = analysis.observe(), analysis.quantity_errors(list(true))
+    for name, value in true.items():
+        assert 0.5 <= errors[name] / abs(value - values[name]) <= 2.0, name
+
+
+def test_recording_csv_and_summary_hold_errors(tmp_path):
+    text = LIMITED.replace("MAX", "max = 1,").replace("wall = {", "wall = { error = true,")
+    script = scripted(tmp_path, drag("window", (0.5, 0.5), [(0.55, 0.5), (0.6, 0.5), (0.5, 9.0)]))
+    replay = make_replay(write_scene(tmp_path, text), script)
+    columns = columns_of(replay.session.scene, application("plane"))
+    assert {"stretch_error", "wall_error"} <= columns.keys() and "peak_error" not in columns
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns) as recorder:
+        replay.recorder = recorder
+        rows = rows_of(replay)
+    refused = [bool(row["refused"]) for row in rows]
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        found = recording.table["stretch_error"]
+    np.testing.assert_array_equal(np.isnan(found), refused)
+    assert (found[~np.array(refused)] > 0).all()
+    errors = summarise(rows, "auto", 1)["quantity_errors"]
+    assert list(errors) == ["stretch", "wall"] and [value is None for value in errors["stretch"]] == refused
+    json.dumps(errors, allow_nan=False)
+
+
+def test_a_limit_nearer_than_the_error_is_uncertain(tmp_path):
+    scene = write_scene(tmp_path, LIMITED.replace("MAX", ""))
+    analysis = first_frame(scene).analysis
+    value, error = analysis.observe()["stretch"], analysis.quantity_errors(["stretch"])["stretch"]
+    statuses = {}
+    for part in (0.5, 2.0):
+        limited = LIMITED.replace("MAX", f"max = {value + part * error!r},")
+        row = first_frame(write_scene(tmp_path, limited)).row
+        statuses[part] = row["constraint_status"], row["note"], row["findings"]
+    assert statuses[2.0] == (HOLDS, "", "")
+    status, note, findings = statuses[0.5]
+    assert status == UNCERTAIN
+    assert note == "stretch holds, but the value is uncertain by more than what is left to its limit"
+    assert json.loads(findings)[0]["kind"] == "uncertainty"
+
+
+def test_a_singular_quantity_says_so_and_leaves_the_status_alone(tmp_path):
+    text = plate().replace('peak = { stress = "von_mises"', 'peak = { max = "1 GPa", stress = "von_mises"')
+    row = first_frame(write_scene(tmp_path, text)).row
+    assert row["peak_error"] == np.inf and row["constraint_status"] == HOLDS
+    assert summarise([row], "auto", 1)["quantity_errors"]["peak"] == ["singular"]
+
+
+@pytest.mark.parametrize(
+    ("app", "effect"), [("plane", "large_deformation]\n"), ("moving", "dynamics]\ntime_step = 1e-4\nsteps = 1\n")]
+)
+def test_where_there_is_no_estimate_it_is_refused_or_left_out(tmp_path, app, effect):
+    text = LIMITED.replace('app = "plane"', f'app = "{app}"') + f"[effects.{effect}"
+    asked = write_scene(tmp_path, text.replace("MAX", "error = true,"))
+    with pytest.raises(UserError, match="linear scenes at rest") as refusal:
+        first_frame(asked)
+    assert "quantities.stretch.error" in str(refusal.value)
+    row = first_frame(write_scene(tmp_path, text.replace("MAX", "max = 1,"))).row
+    assert "stretch_error" not in row and row["constraint_status"] == HOLDS
+
+
+def test_areas_and_names_of_other_columns_are_refused(tmp_path):
+    with pytest.raises(UserError, match="no error estimate"):
+        load_scene(write_scene(tmp_path, plate() + "area = { area = true, error = true }\n"))
+    text = plate() + 'prediction = { error = true, displacement = "x", at = "c" }\n'
+    scene = load_scene(write_scene(tmp_path, text))
+    with pytest.raises(UserError, match="another column"):
+        columns_of(scene, application("plane"))
+
+
+def test_an_error_costs_one_more_solve(tmp_path):
+    """Iterations on the kept preconditioner; frames themselves are the same bits with errors and without."""
+    script = scripted(tmp_path, drag("window", (0.5, 0.5), [(0.5 + 0.02 * k, 0.5) for k in range(1, 6)]))
+    found = {}
+    for word in ("", "error = true,"):
+        scene = write_scene(tmp_path, LIMITED.replace("MAX", word))
+        replay = make_replay(scene, script)
+        found[word] = [(replay.analysis.x.tobytes(), row["iterations"], row["pc_age"]) for row in replay.frames()]
+    assert found[""] == found["error = true,"]
