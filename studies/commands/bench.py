@@ -7,7 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from restshape_studies.bench.turns import Case
-from restshape_studies.commands import bench_design, bench_drape, bench_eigen, bench_order, bench_reuse, bench_size
+from restshape_studies.commands import (
+    bench_design,
+    bench_drape,
+    bench_effectivity,
+    bench_eigen,
+    bench_order,
+    bench_reuse,
+    bench_size,
+)
 from restshape_studies.commands.bench_kind import Kind
 
 from restshape.application import applications
@@ -22,7 +30,7 @@ from restshape.outputs.whole import writable
 PLACE = 5
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
 PICTURES = Path("results")
-MODULES = (bench_reuse, bench_size, bench_order, bench_eigen, bench_drape, bench_design)
+MODULES = (bench_reuse, bench_size, bench_order, bench_eigen, bench_drape, bench_design, bench_effectivity)
 KINDS: dict[str, Kind] = {kind.name: kind for module in MODULES for kind in module.KINDS}
 
 
@@ -31,7 +39,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     studies = parser.add_subparsers(dest="study", metavar="STUDY", required=True)
     for kind in KINDS.values():
         study = studies.add_parser(kind.name, help=kind.summary)
-        if kind.scenes == "several":
+        if kind.scenes in ("several", "unscripted"):
             what = "scene files (default: all installed)"
             study.add_argument("scenes", metavar="SCENE", nargs="*", type=Path, help=what)
         elif kind.scenes in ("one", "still"):
@@ -62,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     print(f"took {time.monotonic() - start:.0f} s")
     if picture and kind.draw:
         _draw(picture, lambda: kind.draw(found, args, picture))
-    write_json(args, found if kind.scenes == "several" else next(iter(found.values())))
+    write_json(args, found if kind.scenes in ("several", "unscripted") else next(iter(found.values())))
     return 0
 
 
@@ -75,22 +83,23 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
     from restshape.scene.load import load_scene
     from restshape.scene.script import load_script
 
-    if kind.scenes not in ("several", "one", "still"):
+    if kind.scenes not in ("several", "unscripted", "one", "still"):
         return [Case(kind.scenes, installed_scene(kind.scenes), None)]
-    if args.edits and len(args.scenes) != 1:
+    scripted = kind.scenes != "unscripted"
+    if scripted and args.edits and len(args.scenes) != 1:
         raise UserError("a script belongs to one scene", "--edits", "name one scene")
     meshed = [app for app in applications().values() if app.editing.mesh]
-    installed = [path for app in meshed for path in app.scenes() if script_of(path)]
+    installed = [path for app in meshed for path in app.scenes() if script_of(path) or not scripted]
     paths = args.scenes or installed
     stems = [path.stem for path in paths]
     cases = []
     for path in paths:
         scene = load_scene(path, args.set)
         require_mesh(scene, kind.about)
-        edits = args.edits or script_of(path)
+        edits = (args.edits or script_of(path)) if scripted else None
         if edits is not None:
             load_script(edits, scene)
-        elif kind.scenes != "still":
+        elif scripted and kind.scenes != "still":
             raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")
         name = path.stem if stems.count(path.stem) == 1 else f"{scene.app}/{path.stem}"
         name = str(path) if name in {case.name for case in cases} else name

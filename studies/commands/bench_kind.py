@@ -25,8 +25,8 @@ class Kind:
         check: refuses arguments that measure nothing.
         measure: what is found of a scene, as --json writes it; given the arguments, the scene and who announces.
         show: prints the tables of a scene; given the arguments, the scene's name and what was found.
-        scenes: "one", "several" (all installed ones by default), "still" (one, which needs no script), or the name of
-            an installed scene.
+        scenes: "one", "several" (all installed ones by default), "still" (one, which needs no script), "unscripted"
+            (several, whose first shapes are looked at), or the name of an installed scene.
         about: why the scene must have a mesh.
         picture: file name in the folder after --out; empty: no such picture.
         draw: draws the picture; given the scenes' names with what was found, the arguments and the path.

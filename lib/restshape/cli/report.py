@@ -1,6 +1,7 @@
 """`restshape report`: tables and pictures of a recording."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ from restshape.outputs.kinds import AnimationFile, PictureFile
 
 SUMMARY = "tables and pictures of a recording"
 _FORMATS = ("gif", "mp4", "none")
+EXTRAS = {"at_least": "at least", "at_most": "at most", "error": "largest error"}
+"""Columns of the table of quantities that only some have."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -97,10 +100,11 @@ def _tables(recording: Any, application: Application | None) -> dict[str, Any]:
         quantity_table,
         refused,
         rows_of,
+        status_counts,
     )
 
     levels, quantities, errors = level_table(recording), quantity_table(recording), estimate_table(recording)
-    stopped, found = int(refused(recording).sum()), convergence_counts(recording)
+    stopped, found, statuses = int(refused(recording).sum()), convergence_counts(recording), status_counts(recording)
     print(f"{recording.path}: {recording.summary}, {stopped} refused")
     if recording.old_names:
         names = ", ".join(f"{old} is {new}" for new, old in recording.old_names.items())
@@ -122,8 +126,11 @@ def _tables(recording: Any, application: Application | None) -> dict[str, Any]:
         print_table("error beside the answers", heads, cells, right=heads[1:])
     if quantities:
         print()
-        heads = ("quantity", "first", "last", "min", "max")
-        print_table("quantities", heads, map(_quantity, quantities), right=heads[1:])
+        extras = [key for key in EXTRAS if any(key in row for row in quantities)]
+        heads = ("quantity", "first", "last", "min", "max", *(EXTRAS[key] for key in extras))
+        print_table("quantities", heads, (_quantity(row, extras) for row in quantities), right=heads[1:])
+    if statuses:
+        print("constraint status: " + ", ".join(f"{word} in {count} frames" for word, count in statuses.items()))
     of_application = {}
     if application and application.report:
         rows = rows_of(recording)
@@ -136,6 +143,7 @@ def _tables(recording: Any, application: Application | None) -> dict[str, Any]:
         "status": recording.status,
         "levels": levels,
         "quantities": quantities,
+        "constraint_status": statuses,
         "estimates": errors,
         **({"rest": found} if found else {}),
         **of_application,
@@ -143,14 +151,15 @@ def _tables(recording: Any, application: Application | None) -> dict[str, Any]:
     }
 
 
-def _quantity(row: dict[str, Any]) -> list[str]:
-    """The cells of a quantity, all in one unit."""
+def _quantity(row: dict[str, Any], extras: Sequence[str]) -> list[str]:
+    """The cells of a quantity, all in one unit; extras: which of `EXTRAS` have a column."""
     from restshape.report.style import si
 
     keys = ("first", "last", "min", "max")
     largest = max((abs(row[key]) for key in keys if row[key] is not None), default=0.0)
     cells = ["–" if row[key] is None else si(row[key], row["unit"], 5, largest) for key in keys]
-    return [row["quantity"], *cells]
+    more = [row.get(key, "") for key in extras]
+    return [row["quantity"], *cells, *(si(one, row["unit"], 3) if isinstance(one, float) else one for one in more)]
 
 
 def _short(value: Any) -> Any:

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from restshape.application import applications
+from restshape.replay.columns import error_column
+from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.replay.summary import percentiles
 from restshape.scene.quantity import CORE
@@ -114,8 +116,30 @@ def quantity_table(recording: Recording) -> list[dict[str, Any]]:
             found = (values[0], values[-1], finite.min(), finite.max()) if len(finite) else (None,) * 4
             numbers = [float(v) if v is not None and np.isfinite(v) else None for v in found]
             row = dict(zip(("first", "last", "min", "max"), numbers, strict=True))
-            rows.append({"quantity": name[2:], **row, "unit": units.get(name[2:], "")})
+            more = quantity_extras(recording, name[2:])
+            rows.append({"quantity": name[2:], **row, **more, "unit": units.get(name[2:], "")})
     return rows
+
+
+def quantity_extras(recording: Recording, name: str) -> dict[str, Any]:
+    """What a recording knows of a quantity besides its values: largest `error`, or "singular"; `at_least`, `at_most`.
+
+    Only what there is.
+    """
+    found: dict[str, Any] = {}
+    errors = column(recording, error_column(name))
+    if np.isinf(errors).any():
+        found["error"] = "singular"
+    elif np.isfinite(errors).any():
+        found["error"] = float(np.nanmax(errors))
+    given = (recording.header.get("limits") or {}).get(name, {})
+    return found | {word: given[key] for word, key in (("at_least", "min"), ("at_most", "max")) if key in given}
+
+
+def status_counts(recording: Recording) -> dict[str, int]:
+    """How many frames have each constraint status; nothing where none has one."""
+    words = [str(word) for word in recording.table.get("constraint_status", ())]
+    return {word: words.count(word) for word in (HOLDS, UNCERTAIN, FAILS) if word in words}
 
 
 def quantity_units(header: Mapping[str, Any]) -> dict[str, str]:

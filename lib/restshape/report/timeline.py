@@ -4,14 +4,18 @@ from pathlib import Path
 from textwrap import shorten
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from restshape.outputs.drawn import save_picture
+from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, RESTLESS, VALUES, new_figure
 from restshape.report.tables import column, predicted, refused, with_values
 
+STATUS_MARKS = {UNCERTAIN: ("limit within the error", "d", RESTLESS), FAILS: ("limit violated", "x", REFUSED)}
+"""By constraint status: its name in the legend, its mark, its colour."""
 NARROW, WIDE = 5.0, 100.0
 """Below the first ratio of the times their axis is linear, from the second on decades alone have labels."""
 
@@ -40,6 +44,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
         axes.set_axisbelow(True)
         _mark(axes, frames[stopped], REFUSED)
         _mark(axes, frames[restless], RESTLESS)
+    statuses = _mark_status(levels, recording)
     levels.set(ylabel="level", yticks=(0, 1, 2, 3), ylim=(-0.5, 3.5))
     _scale_times(times, ms)
     if len(panels) == 3:
@@ -61,9 +66,21 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
     if restless.any():
         handles.append(levels.axvspan(np.nan, np.nan, color=RESTLESS, alpha=0.3))
         names.append(f"not at rest ({restless.sum()})")
+    handles, names = handles + list(statuses.values()), names + list(statuses)
     figure.legend(handles, names, loc="outside lower center", ncols=len(names))
     figure.align_ylabels()
     save_picture(figure, path)
+
+
+def _mark_status(axes: Axes, recording: Recording) -> dict[str, Artist]:
+    """Marks the frames whose limits fail, or hold by less than the error, below their levels; names for the legend."""
+    words, found = np.array([str(word) for word in recording.table.get("constraint_status", ())]), {}
+    for status, (name, mark, colour) in STATUS_MARKS.items():
+        frames = np.flatnonzero(words == status)
+        if len(frames):
+            look = {"linestyle": "none", "marker": mark, "color": colour, "markersize": 4}
+            found[f"{name} ({len(frames)})"] = axes.plot(frames, np.full(len(frames), -0.32), **look)[0]
+    return found
 
 
 def _mark(axes: Axes, frames: np.ndarray, colour: str) -> None:

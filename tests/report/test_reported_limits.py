@@ -1,0 +1,71 @@
+"""Limits, constraint statuses and errors of quantities in a report's tables and pictures."""
+
+import json
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from small_scenes import make_replay, plate, rows_of, write_scene, write_script
+
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.cli.main import main
+from restshape.replay.columns import columns_of
+from restshape.replay.first_frame import first_frame
+from restshape.replay.recorder import Recorder
+from restshape.replay.recording import Recording
+from restshape.replay.request import Request
+from restshape.report.frames import _caption
+from restshape.report.timeline import draw_timeline
+from restshape.scene.script import load_script
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A plate pulled ever harder: its stretch passes a limit, coming within its error just before."""
+    folder = tmp_path_factory.mktemp("limits")
+    text = plate(0.2).replace("stretch = {", "stretch = { MAX")
+    first = first_frame(write_scene(folder, text.replace("MAX", ""))).analysis
+    value, error = first.observe()["stretch"], first.quantity_errors(["stretch"])["stretch"]
+    limit = value + 3.0 * error
+    scene = write_scene(folder, text.replace("MAX", f"max = {limit!r},"))
+    factors = (1.0 + 2.5 * error / value, 1.0 + 4.0 * error / value)
+    pulls = [{"do": "set", "key": "loads.pull.traction", "value": [1e8 * factor, 0]} for factor in factors]
+    script = write_script(folder, pulls)
+    replay = make_replay(scene, script)
+    loaded, app = replay.session.scene, application("plane")
+    request = Request(loaded, load_script(script, loaded), app, replay.policy, Calibration.load())
+    path = folder / "a.vtkhdf"
+    with Recorder.start(path, request.header(), columns_of(loaded, app)) as recorder:
+        replay.recorder = recorder
+        rows = rows_of(replay)
+    return path, rows, limit
+
+
+def test_the_report_shows_limits_errors_and_statuses(recorded, tmp_path, capsys):
+    path, rows, limit = recorded
+    assert [row["constraint_status"] for row in rows] == ["holds", "uncertain", "fails"]
+    words = ("--out", str(tmp_path / "r"), "--animation", "none", "--json", str(tmp_path / "a.json"))
+    assert main(["report", str(path), *words]) == 0
+    shown = capsys.readouterr().out
+    assert "holds in 1 frames, uncertain in 1 frames, fails in 1 frames" in shown
+    assert "at most" in shown and "largest error" in shown and "at least" not in shown
+    data = json.loads((tmp_path / "a.json").read_text())
+    row = next(row for row in data["quantities"] if row["quantity"] == "stretch")
+    assert row["at_most"] == pytest.approx(limit) and row["error"] == max(row["stretch_error"] for row in rows)
+    assert data["constraint_status"] == {"holds": 1, "uncertain": 1, "fails": 1}
+
+
+def test_pictures_mark_statuses(recorded, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr("restshape.report.timeline.save_picture", lambda figure, path: drawn.append(figure))
+    with Recording(recorded[0]) as recording:
+        draw_timeline(recording, tmp_path / "t.png")
+        captions = [_caption(recording, i, 80) for i in range(recording.n)]
+    figure: Figure = drawn[0]
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "limit within the error (1)" in texts and "limit violated (1)" in texts
+    marks = {line.get_marker(): line.get_xdata() for line in figure.axes[0].lines if line.get_marker() in ("x", "d")}
+    np.testing.assert_array_equal(marks["d"], [1])
+    np.testing.assert_array_equal(marks["x"], [2])
+    assert "uncertain" not in captions[0] and captions[1].endswith("uncertain") and captions[2].endswith("fails")
