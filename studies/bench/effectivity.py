@@ -110,7 +110,7 @@ def _closed_form(scene: Scene, name: str) -> tuple[float, float] | None:
     """The value by a closed form, which has no error; None where the scene gives none."""
     value = scene.quantities[name].reference
     if isinstance(value, Expression):
-        value = value(**scene.parameters)
+        value = value.evaluate(0.0, 0.0, scene.parameters)
     return None if value is None else (float(value), 0.0)
 
 

@@ -12,6 +12,7 @@ from restshape_studies.commands import (
     bench_drape,
     bench_effectivity,
     bench_eigen,
+    bench_jumps,
     bench_order,
     bench_reuse,
     bench_size,
@@ -30,7 +31,7 @@ from restshape.outputs.whole import writable
 PLACE = 5
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
 PICTURES = Path("results")
-MODULES = (bench_reuse, bench_size, bench_order, bench_eigen, bench_drape, bench_design, bench_effectivity)
+MODULES = (bench_reuse, bench_size, bench_order, bench_eigen, bench_drape, bench_design, bench_effectivity, bench_jumps)
 KINDS: dict[str, Kind] = {kind.name: kind for module in MODULES for kind in module.KINDS}
 
 

@@ -16,6 +16,7 @@ from restshape.mesh.advance import CONNECTIVITY, NO_CELLS, MeshUpdate
 from restshape.mesh.generate import generate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.moved_meshes import OtherMesh, compared_meshes
 from restshape.mesh.moving_state import Generated, GestureMap, Kept, MovingState
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
@@ -163,6 +164,17 @@ class MovingMesh:
         """Take note that `field_mesh` was solved on: what flips have done to its nodes is in the solution."""
         if self.space and self.space.interpolations:
             self.space.interpolations = ()
+
+    def other_meshes(self, old: Mesh | LagrangeSpace | None) -> tuple[OtherMesh, ...]:
+        """The mesh beside which the last update's flips, or new mesh, are seen; the best comparison first.
+
+        Args:
+            old: of the update.
+        """
+        kept = self._kept
+        if kept is None or kept.versions is None or self.nested:
+            return ()
+        return compared_meshes(self._generated, kept, old)
 
     @property
     def Psi(self) -> np.ndarray:

@@ -61,6 +61,11 @@ def error_column(quantity: str) -> str:
     return f"{quantity}_error"
 
 
+def jump_column(quantity: str) -> str:
+    """The column of what changes of the mesh alone do to a quantity."""
+    return f"{quantity}_jump"
+
+
 def estimated_quantities(scene: Scene, application: Application) -> list[str]:
     """Quantities of which errors are estimated where its analysis can."""
     return [name for name, one in scene.quantities.items() if one.wants_error] if application.editing.mesh else []
@@ -74,9 +79,11 @@ def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLik
     """
     known = columns(list(scene.quantities), application.own_columns(scene))
     own = {error_column(name): name for name in estimated_quantities(scene, application)}
+    if scene.solve.jumps and application.editing.mesh:
+        own |= {jump_column(name): name for name in scene.quantities}
     for column, name in own.items():
         if column in known:
-            what = f"the column of its error would be {column}, which is another column"
+            what = f"a column of it would be {column}, which is another column"
             raise scene.located(UserError(what, f"quantities.{name}", "give it another name"))
     return known | dict.fromkeys(own, np.float64)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -36,13 +37,15 @@ class QuantityErrorColumns:
         scene: of the replay.
         application: of the scene.
         analysis: that gives the quantities.
-        session: whose shape is the first one.
+        singular: quantities without a limit under refinement.
 
     Raises:
         UserError: the scene asks for an error that this analysis does not estimate.
     """
 
-    def __init__(self, scene: Scene, application: Application, analysis: Analysis, session: Session) -> None:
+    def __init__(
+        self, scene: Scene, application: Application, analysis: Analysis, singular: Mapping[str, float]
+    ) -> None:
         self.analysis, self.limits = analysis, limits_of(scene.quantities)
         self.names = estimated_quantities(scene, application)
         self.estimates = analysis.quantity_errors
@@ -51,13 +54,13 @@ class QuantityErrorColumns:
             if asked is not None:
                 raise scene.located(UserError(NONE_HERE, f"quantities.{asked}.error", LEAVE_OUT))
             self.names = []
-        self.singular = singular_quantities(scene, application, session) if self.names else {}
+        self.singular = [name for name in self.names if name in singular]
 
     def __call__(self, row: RowValues) -> RowValues:
         """The columns of a frame that was solved; infinite where a quantity has no limit under refinement."""
         if self.estimates is None:
             return {}
-        found = dict.fromkeys(self.singular, np.inf)
+        found: dict[str, float] = dict.fromkeys(self.singular, np.inf)
         found |= self.estimates([name for name in self.names if name not in self.singular])
         own: RowValues = {error_column(name): found.get(name, np.nan) for name in self.names}
         if row["constraint_status"] == HOLDS:

@@ -33,7 +33,8 @@ from restshape.replay.constraints import (
     limits_of,
     violated_constraints,
 )
-from restshape.replay.error_columns import QuantityErrorColumns
+from restshape.replay.error_columns import QuantityErrorColumns, singular_quantities
+from restshape.replay.mesh_jumps import MeshJumps
 from restshape.replay.predicted_frames import PredictedFrames
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
@@ -67,6 +68,7 @@ class Replay:
 
     Attributes:
         estimating: errors are estimated beside each frame.
+        singular: quantities without a limit under refinement on the first shape, with the exponent of displacements.
 
     Raises:
         UserError: no valid first shape, or what is to be predicted cannot be.
@@ -102,7 +104,9 @@ class Replay:
         self.expected: np.ndarray | None = None
         self.estimating = True
         self.limits = limits_of(scene.quantities)
-        self.quantity_errors = QuantityErrorColumns(scene, application, self.analysis, self.session)
+        self.singular = singular_quantities(scene, application, self.session)
+        self.quantity_errors = QuantityErrorColumns(scene, application, self.analysis, self.singular)
+        self.jumps = MeshJumps(scene, application, self.analysis, context)
         self.row: RowValues = {}
 
     @classmethod
@@ -138,6 +142,7 @@ class Replay:
         self.expected = None
         try:
             mesh_update = self.moving.update(edit)
+            self.jumps.note(cast(MovingMesh, self.moving), mesh_update)
             predicted = self.prediction is not None and self.prediction.show(edit, mesh_update)
             if not edit.analysed:
                 report, self.known = self._no_report(), self.known and edit.change == "none"
@@ -265,6 +270,7 @@ class Replay:
         row.update(self._estimates(row))
         if self.estimating and self.known and not row["refused"]:
             row.update(self.quantity_errors(row))
+            row.update(self.jumps(edit, row))
         mesh = self._space
         if self.recorder:
             version = (id(mesh), mesh.topology)

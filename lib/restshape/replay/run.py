@@ -8,7 +8,6 @@ from petsc4py import PETSc
 
 from restshape.analysis.analysis import RowValues
 from restshape.replay.columns import columns_of
-from restshape.replay.error_columns import singular_quantities
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
 from restshape.replay.petsc_options import refusal
@@ -43,7 +42,7 @@ def run_replay(
     comm = PETSc.COMM_WORLD
     first = comm.rank == 0
     replay = _replay(request, recorder)
-    singular = singular_quantities(request.scene, request.application, replay.session)
+    singular = replay.singular
     if recorder:
         recorder.add_header(_surroundings(comm) | {"singular": singular})
     check = Parity(replay) if parity else None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from restshape.replay.columns import SIMULATED, STAGES, error_column
+from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.reservoir import Reservoir
 
@@ -42,6 +42,7 @@ class Tally:
         self._samples: defaultdict[str, Reservoir] = defaultdict(Reservoir)
         self._series: dict[str, array[float]] = {}
         self._errors: dict[str, array[float]] = {}
+        self._jumps: dict[str, dict[str, Any]] = {}
         self._stale = bytearray()
         self._status: tuple[str, str] = ("", "")
         self._rest_residual = -np.inf
@@ -75,6 +76,7 @@ class Tally:
             values.append(row[key])
         for name, values in self._errors.items():
             values.append(row.get(error_column(name), np.nan))
+        self._add_jumps(row)
         self._add_errors(row)
         self._add_texts(row)
 
@@ -90,6 +92,14 @@ class Tally:
                 self._samples["ms predicted"].add(ms)
         elif row["iterations"] > 0:
             self._samples["ms still"].add(ms)
+
+    def _add_jumps(self, row: RowValues) -> None:
+        """Keeps the largest jump of each quantity, its share of the value, and its frame."""
+        for key in self._series:
+            size = abs(row.get(jump_column(key[2:]), np.nan))
+            if size > self._jumps.get(key[2:], {}).get("largest", -1.0):
+                share = size / abs(row[key]) if row[key] else None
+                self._jumps[key[2:]] = {"largest": float(size), "share": share, "frame": row["index"]}
 
     def _add_errors(self, row: RowValues) -> None:
         predicted = bool(row["predicted"])
@@ -185,6 +195,7 @@ class Tally:
             "stale": list(self._stale),
             "quantities": {key[2:]: values for key, values in series.items() if key != SIMULATED},
             "quantity_errors": {name: list(map(_error, values)) for name, values in self._errors.items()},
+            "jumps": self._jumps,
             **{key: values for key, values in series.items() if key == SIMULATED},
             **self._rest(),
         }

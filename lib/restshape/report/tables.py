@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from restshape.application import applications
-from restshape.replay.columns import error_column
+from restshape.replay.columns import error_column, jump_column
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.replay.summary import percentiles
@@ -134,6 +134,15 @@ def quantity_extras(recording: Recording, name: str) -> dict[str, Any]:
         found["error"] = float(np.nanmax(errors))
     given = (recording.header.get("limits") or {}).get(name, {})
     return found | {word: given[key] for word, key in (("at_least", "min"), ("at_most", "max")) if key in given}
+
+
+def jumped(recording: Recording, least: float) -> np.ndarray:
+    """Frames (k,) in which the mesh alone makes a quantity that is not singular jump by more than a share of it."""
+    known, frames = recording.header.get("singular") or {}, np.zeros(recording.n, dtype=bool)
+    for name in (key[2:] for key in recording.table if key.startswith("q_") and key[2:] not in known):
+        jumps, values = column(recording, jump_column(name)), column(recording, f"q_{name}")
+        frames |= np.abs(np.nan_to_num(jumps)) > least * np.abs(np.nan_to_num(values))
+    return np.flatnonzero(frames)
 
 
 def status_counts(recording: Recording) -> dict[str, int]:

@@ -12,10 +12,12 @@ from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, RESTLESS, VALUES, new_figure
-from restshape.report.tables import column, predicted, refused, with_values
+from restshape.report.tables import column, jumped, predicted, refused, with_values
 
 STATUS_MARKS = {UNCERTAIN: ("limit within the error", "d", RESTLESS), FAILS: ("limit violated", "x", REFUSED)}
 """By constraint status: its name in the legend, its mark, its colour."""
+LARGE_JUMP = 0.005
+"""Jumps of a quantity where the mesh changes are marked from this share of its value on."""
 NARROW, WIDE = 5.0, 100.0
 """Below the first ratio of the times their axis is linear, from the second on decades alone have labels."""
 
@@ -73,13 +75,17 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
 
 
 def _mark_status(axes: Axes, recording: Recording) -> dict[str, Artist]:
-    """Marks the frames whose limits fail, or hold by less than the error, below their levels; names for the legend."""
-    words, found = np.array([str(word) for word in recording.table.get("constraint_status", ())]), {}
+    """Marks frames whose limits fail, or hold by less than the error, and large jumps; names for the legend."""
+    words, found = np.array(recording.table.get("constraint_status", ()), dtype=str), {}
     for status, (name, mark, colour) in STATUS_MARKS.items():
         frames = np.flatnonzero(words == status)
         if len(frames):
             look = {"linestyle": "none", "marker": mark, "color": colour, "markersize": 4}
             found[f"{name} ({len(frames)})"] = axes.plot(frames, np.full(len(frames), -0.32), **look)[0]
+    if len(frames := jumped(recording, LARGE_JUMP)):
+        look = {"linestyle": "none", "marker": "v", "color": INK, "markerfacecolor": "none", "markersize": 5}
+        label = f"jump above {100 * LARGE_JUMP:g} % by the mesh ({len(frames)})"
+        found[label] = axes.plot(frames, np.full(len(frames), 3.32), **look)[0]
     return found
 
 

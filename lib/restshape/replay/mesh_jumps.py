@@ -1,0 +1,78 @@
+"""By how much quantities jump where the mesh changes: the part of a step that is no answer to the edit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from restshape.algebra.stages import Stages
+from restshape.analysis.analysis import Analysis, Context
+from restshape.analysis.frame import Frame
+from restshape.errors import ReplayProblem, UserError
+from restshape.replay.columns import jump_column
+from restshape.scene.plan import plan
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import RowValues
+    from restshape.application import Application
+    from restshape.mesh.advance import MeshUpdate
+    from restshape.mesh.moved_meshes import OtherMesh
+    from restshape.mesh.moving import MovingMesh
+    from restshape.scene.model import Scene
+    from restshape.shape.session import EditFrame
+
+
+class MeshJumps:
+    """Solves once more in each frame of level 2 or 3, with nothing kept: on the other mesh of the same shape.
+
+    That is the old mesh on the new shape; where its triangles do not bear that, the new mesh on the shape before, whose
+    quantities are known.
+
+    Args:
+        scene: of the replay.
+        application: of the scene.
+        analysis: that gives the quantities.
+        context: of the replay.
+
+    Raises:
+        UserError: the scene asks for jumps, and its answers depend on more than the shape.
+    """
+
+    def __init__(self, scene: Scene, application: Application, analysis: Analysis, context: Context) -> None:
+        self.application, self.context = application, context
+        self.wanted = scene.solve.jumps
+        if self.wanted and analysis.predictor is None:
+            what = "only of steady states, modes and load factors it is known what a mesh does to them"
+            raise scene.located(UserError(what, "solve.jumps", "leave it out"))
+        self._last: tuple[Scene | None, dict[str, float]] = (None, {})
+        self._others: tuple[OtherMesh, ...] = ()
+
+    def note(self, moving: MovingMesh, mesh_update: MeshUpdate) -> None:
+        """Keep what a frame's mesh is to be compared with, before the next frame changes it."""
+        self._others = moving.other_meshes(mesh_update.old_mesh) if self.wanted and mesh_update.level > 1 else ()
+
+    def __call__(self, edit: EditFrame, row: RowValues) -> RowValues:
+        """The columns of a frame that was solved; not numbers where the mesh stayed, or cannot be compared."""
+        if not self.wanted:
+            return {}
+        values = {name: row[f"q_{name}"] for name in edit.scene.quantities}
+        found = dict.fromkeys(values, np.nan)
+        for other in self._others:
+            before = self._last[1] if self._last[0] is edit.scene else {}
+            if not other.before or before:
+                found |= self._jumps(edit.scene, other, before if other.before else values)
+        self._last, self._others = (edit.scene, values), ()
+        return {jump_column(name): value for name, value in found.items()}
+
+    def _jumps(self, scene: Scene, other: OtherMesh, known: dict[str, float]) -> dict[str, float]:
+        """Quantities on the new mesh less those on the old one, of the same shape."""
+        context = Context(self.context.comm, self.context.policy, self.context.calibration, Stages())
+        cells = np.arange(len(other.mesh.cells), dtype=np.int32)
+        try:
+            analysis = cast(Analysis, self.application.make_analysis()(scene, plan(scene, self.application), context))
+            analysis.solve(Frame(other.mesh, cells, None, scene, (None, (0.0, 0.0))))
+        except (ReplayProblem, UserError):
+            return {}
+        sign = 1.0 if other.before else -1.0
+        return {name: sign * (value - known[name]) for name, value in analysis.observe().items()}

@@ -1,0 +1,45 @@
+"""By how much quantities jump where flips or new meshes change the mesh, in the replay of a script."""
+
+from collections.abc import Sequence
+from math import inf, isfinite
+from pathlib import Path
+from typing import Any
+
+from restshape_studies.stability.scenery import make_replay
+
+from restshape.replay.columns import jump_column
+
+MOST = 0.005
+"""A share of a value above which a jump is large."""
+
+
+def study(scene: Path, edits: Path, given: Sequence[str]) -> dict[str, Any]:
+    """The largest jump of each quantity by level, and how many frames could not be compared.
+
+    Args:
+        scene, edits: files.
+        given: ``key=value`` as after --set.
+
+    Raises:
+        UserError: the scene cannot be replayed, or has no jumps.
+    """
+    replay = make_replay(scene, edits, overrides=(*given, "solve.jumps=true"))
+    quantities = replay.session.scene.quantities
+    largest: dict[str, dict[str, Any]] = {name: {} for name in quantities}
+    frames = {"2": 0, "3": 0, "without": 0}
+    for row in replay.frames():
+        level = str(row["level"])
+        if level not in ("2", "3") or not row["index"] or row["refused"]:
+            continue
+        frames[level] += 1
+        compared = False
+        for name, known in largest.items():
+            jump, value = abs(row[jump_column(name)]), abs(row[f"q_{name}"])
+            if not isfinite(jump):
+                continue
+            compared = True
+            share = jump / value if value > 0.0 else inf if jump > 0.0 else 0.0
+            if share > known.get(level, {}).get("share", -1.0):
+                known[level] = {"share": share, "jump": jump, "frame": row["index"]}
+        frames["without"] += not compared
+    return {"frames": frames, "jumps": largest, "singular": sorted(replay.singular)}

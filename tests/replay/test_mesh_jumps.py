@@ -1,0 +1,104 @@
+"""Jumps of quantities where the mesh changes: against steps of the replay itself, and at what they must not touch."""
+
+import json
+
+import numpy as np
+import pytest
+from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
+
+from restshape.application import application
+from restshape.errors import UserError
+from restshape.mesh.quality import areas
+from restshape.replay.columns import columns_of
+from restshape.replay.mesh_jumps import MeshJumps
+from restshape.replay.recorder import Recorder
+from restshape.replay.recording import Recording
+from restshape.replay.summary import summarise
+from restshape.report.tables import jumped
+from restshape.scene.load import load_scene
+
+ASKED = ["solve.jumps=true"]
+FINE = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.1, 0.5), 200))
+COARSE = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.4, 0.5), 3))
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_step_is_the_jump_and_what_the_hand_does(tmp_path, order):
+    """The hand goes on evenly, so that a step without its jump is like those beside it."""
+    scene, script = write_scene(tmp_path, plate(0.2)), write_script(tmp_path, FINE)
+    overrides = [*ASKED, f"mesh.order={order}", "solve.tolerance=1e-9"]
+    rows = [row for row in rows_of(make_replay(scene, script, overrides=overrides)) if row["event"] == "drag"]
+    steps = np.diff([row["q_stretch"] for row in rows])
+    jumps = np.array([row["stretch_jump"] for row in rows[1:]])
+    levels = np.array([row["level"] for row in rows[1:]])
+    np.testing.assert_array_equal(np.isfinite(jumps), levels > 1)
+    assert {2, 3} <= set(levels)
+    known = np.nan_to_num(jumps)
+    quiet = steps - known
+    for k in np.flatnonzero(np.abs(known) > 20.0 * np.median(np.abs(quiet))):
+        assert abs(quiet[k]) <= 0.1 * abs(known[k])
+    # Without the jumps the curve is smoother by far.
+    assert np.abs(np.diff(quiet)).max() < 0.2 * np.abs(np.diff(steps)).max()
+
+
+def test_long_steps_are_compared_on_the_shape_before(tmp_path, monkeypatch):
+    """Where the old triangles do not bear the new shape, the new mesh goes back to the old one."""
+    seen = []
+    noted = MeshJumps.note
+
+    def note(self, moving, mesh_update):
+        noted(self, moving, mesh_update)
+        seen.extend((other, moving.mesh) for other in self._others if other.before)
+
+    monkeypatch.setattr(MeshJumps, "note", note)
+    replay = make_replay(write_scene(tmp_path, plate(0.1)), write_script(tmp_path, COARSE), overrides=ASKED)
+    rows = rows_of(replay)
+    assert seen
+    for other, mesh in seen:
+        back = other.mesh.mesh
+        assert back.outline is not mesh.outline and areas(back.X, back.cells).min() > 0.0
+        np.testing.assert_array_equal(back.cells, mesh.cells)
+    changed = [row for row in rows[1:] if row["level"] > 1]
+    assert changed and all(abs(row["energy_jump"]) < 0.05 * row["q_energy"] for row in changed)
+
+
+def test_they_change_no_frame_and_cost_nothing_unasked(tmp_path):
+    scene, script = write_scene(tmp_path, plate(0.2)), write_script(tmp_path, FINE[:1] + FINE[1:])
+    found = {}
+    for words in ((), tuple(ASKED)):
+        replay = make_replay(scene, script, overrides=words)
+        found[words] = [(replay.analysis.x.tobytes(), row["iterations"], row["pc_age"]) for row in replay.frames()]
+    assert found[()] == found[tuple(ASKED)]
+    app = application("plane")
+    assert not any(name.endswith("_jump") for name in columns_of(load_scene(scene), app))
+    assert "energy_jump" in columns_of(load_scene(scene, ASKED), app)
+
+
+def test_summary_has_the_largest(tmp_path):
+    scene, script = write_scene(tmp_path, plate(0.2)), write_script(tmp_path, FINE)
+    rows = rows_of(make_replay(scene, script, overrides=ASKED))
+    found = summarise(rows, "auto", 1)["jumps"]
+    for name in ("stretch", "energy"):
+        sizes = np.abs([row[f"{name}_jump"] for row in rows])
+        k = int(np.nanargmax(sizes))
+        assert found[name] == {"largest": sizes[k], "share": sizes[k] / abs(rows[k][f"q_{name}"]), "frame": k}
+    json.dumps(found, allow_nan=False)
+
+
+def test_reports_mark_large_ones(tmp_path):
+    scene, script = write_scene(tmp_path, plate(0.2)), write_script(tmp_path, FINE)
+    replay = make_replay(scene, script, overrides=ASKED)
+    loaded = replay.session.scene
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns_of(loaded, application("plane"))) as recorder:
+        replay.recorder = recorder
+        rows = rows_of(replay)
+    worst = [max(abs(row[f"{name}_jump"] / row[f"q_{name}"]) for name in loaded.quantities) for row in rows]
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        for least in (0.0005, 0.005):
+            np.testing.assert_array_equal(jumped(recording, least), np.flatnonzero(np.array(worst) > least))
+
+
+def test_answers_with_a_past_are_refused(tmp_path):
+    text = plate(0.2).replace('app = "plane"', 'app = "moving"') + "[effects.dynamics]\ntime_step = 1e-4\nsteps = 1\n"
+    with pytest.raises(UserError, match=r"solve\.jumps"):
+        make_replay(write_scene(tmp_path, text), overrides=ASKED)
