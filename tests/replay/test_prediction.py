@@ -89,8 +89,11 @@ def test_parity_holds_in_solved_frames(tmp_path, policy):
     script = write_script(tmp_path, LONG)
     made = make_replay(write_scene(tmp_path, plate()), script, policy, predict="linear")
     check = Parity(made)
-    looked = [bool(check()) for _ in made.frames()]
-    assert check.summary()["holds"] and 0 < sum(looked) < len(looked)
+    predicted = [check() and made.row["predicted"] for _ in made.frames()]
+    found = check.summary()
+    assert found["holds"] and 0 < sum(predicted) < len(predicted) == found["frames"]
+    assert sum(found["compared"].values()) + sum(found["left_out"].values()) == len(predicted)
+    assert found["left_out"]["predicted"] == sum(predicted) and found["prediction"] > 0.0
 
 
 def test_the_same_bits_twice(tmp_path):

@@ -32,9 +32,12 @@ def lowest(made: Replay) -> np.ndarray:
 
 
 def followed(
-    trial: Trial, scene: str | Path, events: list[dict], *overrides: str, dense: float = 1e-5
+    trial: Trial, scene: str | Path, events: list[dict], *overrides: str, dense: float = 1e-5, turned: float = 1e-5
 ) -> tuple[list[Row], list[Statement]]:
-    """The rows of a replay, and the statements that each frame agrees with LAPACK, none missed and none refused."""
+    """The rows of a replay, and the statements that each frame agrees with LAPACK, none missed and none refused.
+
+    Modes may differ from cold ones by `turned`: those of frequencies that nearly meet are found less exactly.
+    """
     made = trial.replay(SCENES / scene if isinstance(scene, str) else scene, events, overrides)
     check, errors, known = Parity(made), [], [-1]
 
@@ -50,7 +53,7 @@ def followed(
     return rows, [
         below("error against LAPACK, relative, of every mode in every frame", max(errors), dense),
         below("entries equal cold ones", check.entries, 1e-13),
-        below("frequencies equal cold ones", check.solution, dense),
+        below("modes equal cold ones", check.solution, max(dense, turned)),
         *sound(rows),
     ]
 
@@ -119,7 +122,9 @@ def from_above(trial: Trial) -> Iterator[Statement]:
     """150 mm become 70 and 300 mm in single frames: torsion and bending change places, others come from above."""
     jumps = [(0.07, 0.015), (0.15, 0.015), (0.3, 0.015), (0.09, 0.015), (0.15, 0.015)]
     events = drag("right", (0.15, 0.015), jumps)
-    rows, statements = followed(trial, "bar_150.toml", events, PLATE, "effects.modal.modes=2", 'mesh.size="9 mm"')
+    rows, statements = followed(
+        trial, "bar_150.toml", events, PLATE, "effects.modal.modes=2", 'mesh.size="9 mm"', turned=1e-3
+    )
     yield from statements
     yield near("tone back at the start", rows[-1]["f_1"], rows[0]["f_1"], 0.02)
 

@@ -208,6 +208,6 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     # --- for comparison with other solves -----------------------------------------------------------------------------
 
-    def _step_matrix(self) -> sp.csr_matrix:
+    def step_matrix(self) -> sp.csr_matrix:
         """The tangent after the last step as it stands, whole on every rank."""
         return gather_matrix(self.state.system.newton.tangent(self.x), self.context.comm)

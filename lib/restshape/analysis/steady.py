@@ -136,7 +136,6 @@ class SteadyAnalysis(Generic[P]):
         self.solver = self._make_solver(scene)
         self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         self._observed: tuple[np.ndarray | None, BoundProblem[P] | None, dict[str, float]] = (None, None, {})
-        self._errors = SteadyQuantityErrors(self)
         self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)
 
     def _make_solver(self, scene: Scene) -> LinearSolver:
@@ -166,7 +165,7 @@ class SteadyAnalysis(Generic[P]):
     @property
     def quantity_errors(self) -> SteadyQuantityErrors | None:
         """Estimates errors of quantities at the last solution; None where the problem is not linear."""
-        return self._errors
+        return SteadyQuantityErrors(self)
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the unknowns `x` up to date with a frame.

@@ -417,7 +417,7 @@ class TransientAnalysis:
         state = self.state
         body = SemiDiscrete(self.make(state.scene, state.plan, self.problem.space), state.integration.damping)
         repeated = RepeatedMotion(body, state.integration)
-        matrix = self._step_matrix()[repeated.free][:, repeated.free]
+        matrix = self.step_matrix()[repeated.free][:, repeated.free]
         entries = matrix_difference(matrix, repeated.tangent(state.now.y))
         if state.start is state.now:
             return Comparison(entries, None)
@@ -425,6 +425,6 @@ class TransientAnalysis:
         distance = repeated.distance(state.now, repeated(state.start))
         return Comparison(entries, max(jump, distance / state.integration.steps))
 
-    def _step_matrix(self) -> sp.csr_matrix:
+    def step_matrix(self) -> sp.csr_matrix:
         """The matrix of the last step as it stands, whole on every rank."""
         return gather_matrix(self.state.system.mat, self.context.comm)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from restshape.analysis.quantity_errors import LEAVE_OUT, NONE_HERE
-from restshape.errors import UserError
+from restshape.errors import ReplayProblem, UserError
 from restshape.findings import decode_findings, encode_findings
 from restshape.replay.columns import error_column, estimated_quantities
 from restshape.replay.constraints import HOLDS, UNCERTAIN, formatted_uncertainty, limits_of, uncertain_constraints
@@ -26,7 +26,11 @@ def singular_quantities(scene: Scene, application: Application, session: Session
     found: dict[str, float] = {}
     for physics in application.physics:
         if physics.inspect_shape:
-            found |= physics.inspected(scene, cast("EditSession", session).outline).singular
+            try:
+                found |= physics.inspected(scene, cast("EditSession", session).outline).singular
+            except ReplayProblem:
+                # The first frame says what is wrong with the shape.
+                continue
     return found
 
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from restshape.replay.constraints import FAILS
+from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.report.field import limits_of, shown_field
 from restshape.report.style import LEVEL_NAMES
@@ -122,6 +122,8 @@ def frame_words(recording: Recording, i: int) -> Iterator[str]:
         yield LEVEL_NAMES[level] if level else "values changed" if with_values(recording)[i] else "idle"
     if predicted(recording)[i]:
         yield "predicted"
+    if texts(recording, "constraint_status")[i] == UNCERTAIN:
+        yield "limit within the error"
     worst = worst_frame(recording)
     if worst and worst[0] == i:
         yield worst[1]
