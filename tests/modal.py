@@ -31,9 +31,16 @@ def solved(model: str, *overrides: str) -> ModalAnalysis:
     return first_frame(SCENES / scene, [*own, "solve.tolerance=1e-9", *overrides]).analysis
 
 
-def replay(scene: str, edits: Path, overrides: Sequence[str] = (), name: str = "auto", predict: str = "none") -> Replay:
+def replay(
+    scene: str,
+    edits: Path,
+    overrides: Sequence[str] = (),
+    name: str = "auto",
+    predict: str = "none",
+    guess: str | None = None,
+) -> Replay:
     """A replay that has not begun."""
     read = load_scene(SCENES / scene, overrides)
     script = load_script(edits, read)
     app = application(read.app)
-    return Replay(read, script, app, policy(name), PETSc.COMM_WORLD, Calibration.load(), predict=predict)
+    return Replay(read, script, app, policy(name, guess), PETSc.COMM_WORLD, Calibration.load(), predict=predict)

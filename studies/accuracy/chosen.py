@@ -24,7 +24,6 @@ from restshape.outputs.kinds import SCENE_MARK, SceneFile
 from restshape.outputs.whole import write_whole
 from restshape.scene.load import load_scene, parse_override
 from restshape.scene.permits import allow
-from restshape.scene.script import load_script
 
 FILES = (("shape", "file"), ("mesh", "file"))
 """Keys that name files beside the scene."""
@@ -108,7 +107,7 @@ def rerun(
     """
     case, asked = replace(study.case, scene=path, overrides=()), replace(study.asked, frames=0)
     scene = load_scene(path)
-    app, script = application(scene.app), load_script(case.edits, scene)
+    app, script = application(scene.app), case.script(scene)
     limit = study.total if app.transient(scene) else None
     sampling = sampled(scene, script, limit, study.asked.samples, app.transient(scene))
     setting = Setting(1.0, scene.mesh.order or 1, scene.solve.policy, scene.solve.tolerance)

@@ -80,9 +80,9 @@ def setup(study: Study) -> list[tuple[str, str]]:
         if record["varied"]:
             alone.setdefault(record["varied"], {})[shown(record["given"])] = None
     plan, fine, coarse = study.plan, study.reference, study.coarser
-    own = study.scene.mesh.size
+    own, edits = study.scene.mesh.size, study.case.edits
     return [
-        ("scene, edits", f"`{study.case.scene.name}`, `{study.case.edits.name}`"),
+        ("scene, edits", f"`{study.case.scene.name}`, {f'`{edits.name}`' if edits else 'none: the first shape'}"),
         ("frames; errors at", f"{study.total}; {', '.join(map(str, study.frames))}"),
         ("mesh size", f"{', '.join(si(h, 'm') for h in sorted({r['size'] for r in grid}))} (own: {si(own, 'm')})"),
         ("order", ", ".join(str(order) for order in sorted({record["order"] for record in grid}))),

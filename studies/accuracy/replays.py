@@ -183,8 +183,12 @@ def _timed(request: Request, frames: list[int], total: int, whole: bool) -> tupl
 
     replay.session = SparseSession(replay.session, solved, total - 1)
     states, refused, rows = _look(replay, frames)
+    sparse = sparse or [False]
     later = [row for row in rows[1:] if not sparse[0] or row["index"] in some]
     moved = [row["ms"] for row in later if row["level"]] or [row["ms"] for row in later if row["iterations"]]
+    if total == 1:
+        # Without edits the first frame is all that there is to time.
+        moved = [rows[0]["ms"]]
     seconds = (rows[0]["ms"] + sum(row["ms"] for row in later)) / 1e3
     if sparse[0] and moved:
         seconds += (len(moving) - len(moved)) * sum(moved) / len(moved) / 1e3

@@ -42,11 +42,13 @@ def sampled(scene: Scene, script: Script, frames: int | None, count: int, motion
     """Indices of the frames at which errors are taken, ascending, and the number of all frames.
 
     The first shape, the first and the last frame that change anything, and others evenly between. Of motion, which
-    begins at rest and never stops, the first shape is none of them.
+    begins at rest and never stops, the first shape is none of them. A static scene without a script is its first shape.
 
     Raises:
-        UserError: the script changes nothing.
+        UserError: the script changes nothing, or a motion has none.
     """
+    if script.path is None and not motion:
+        return [0], 1
     moving, total = changing(scene, script, frames)
     if not moving:
         later, _ = changing(scene, script, None)

@@ -31,20 +31,25 @@ class Case:
 
     Args:
         name: for people.
-        scene, edits: files.
+        scene, edits: files; without edits the first shape alone is studied.
         overrides: ``key=value`` as after --set; petsc: words for PETSc's options database.
     """
 
     name: str
     scene: Path
-    edits: Path
+    edits: Path | None
     overrides: tuple[str, ...] = ()
     petsc: tuple[str, ...] = ()
+
+    def script(self, scene: Scene) -> Script:
+        """The edits of the scene; none where there is no file of them."""
+        return load_script(self.edits, scene) if self.edits else Script.empty(scene)
 
     def job(self, policy: str, more: tuple[str, ...], details: dict[str, Any]) -> Job:
         """A job of a process of the study."""
         overrides = (*self.overrides, *more)
-        return Job(str(self.scene), str(self.edits), policy, overrides, self.petsc, measure=MODULE, details=details)
+        edits = str(self.edits) if self.edits else ""
+        return Job(str(self.scene), edits, policy, overrides, self.petsc, measure=MODULE, details=details)
 
 
 @dataclass(frozen=True)
@@ -125,7 +130,7 @@ def study(case: Case, asked: Asked, on_run: Callable[[str], None], play: Play = 
     """
     start = monotonic()
     scene = load_scene(case.scene, case.overrides)
-    app, script = application(scene.app), load_script(case.edits, scene)
+    app, script = application(scene.app), case.script(scene)
     _refuse_senseless(case, asked, scene, app, script)
     tried, omitted = settings(case.scene, case.overrides, app, asked.choice)
     frames, total = sampled(scene, script, asked.limit(scene, app, script), asked.samples, app.transient(scene))

@@ -27,7 +27,7 @@ class Job:
     Args:
         scene: scene file.
         edits: edit script; empty: the scene's first shape alone.
-        policy: name of the policy.
+        policy: name of the policy; with another initial guess than its own ``NAME:GUESS``.
         overrides: ``key=value`` as after --set.
         petsc: words for PETSc's options database.
         frames: number of frames to compute, the first included; None for all of them.

@@ -8,9 +8,10 @@ from statistics import median
 import numpy as np
 from petsc4py import PETSc
 from restshape_studies.bench.job import Job, Row, run
-from restshape_studies.bench.turns import Announce, Play, found_of, in_turns
+from restshape_studies.bench.turns import Announce, Play, found_of, in_turns, median_ratio
 
 from restshape.analysis.analysis import Analysis
+from restshape.analysis.frequencies import largest_difference
 from restshape.errors import UserError
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -43,6 +44,11 @@ def study(name: str, job: Job, repeat: int, announce: Announce, play: Play = run
         "predicted": len(chosen),
         "fps": {key: median(pace(found, chosen) for found in runs[key]) for key in runs},
         "ms": {key: median(spread(found, chosen) for found in runs[key]) for key in runs},
+        "session_s": {key: median(session(found) for found in runs[key]) for key in runs},
+        "ratios": {
+            "frames": median_ratio(*([pace(found, chosen) for found in runs[key]] for key in ("predicted", "solved"))),
+            "session": median_ratio(*([session(found) for found in runs[key]] for key in ("solved", "predicted"))),
+        },
         "stages": {
             key: median(rows["predicted"][i][f"ms_{key}"] for i in chosen)
             for key in ("edit", "relocate", "observe", "python")
@@ -56,6 +62,11 @@ def study(name: str, job: Job, repeat: int, announce: Announce, play: Play = run
 def pace(rows: Sequence[Row], chosen: Sequence[int]) -> float:
     """Frames a second over the chosen frames."""
     return 1e3 * len(chosen) / sum(rows[i]["ms"] for i in chosen)
+
+
+def session(rows: Sequence[Row]) -> float:
+    """Seconds of a whole session but for its first frame: predicted frames, the solved ones between, corrections."""
+    return sum(row["ms"] for row in rows[1:]) / 1e3
 
 
 def spread(rows: Sequence[Row], chosen: Sequence[int]) -> float:
@@ -75,9 +86,9 @@ def measure(request: Request) -> Row:
         request: with prediction.
 
     Returns: way: distance of the hand from where its prediction starts [m, or what the gesture's coefficients are];
-        of: what the error is of; error: the norm of that of the displacement, or of the frequencies of modes, over its
-        own; quantities: name -> error over the largest value; each for
-        all predicted frames; at: part of the farthest way -> largest error up to there.
+        of: what the error is of; error: the norm of that of a field over its own, or the largest of values such as
+        frequencies, each over its own; quantities: name -> error over the solved value of the same frame; each for all
+        predicted frames; at: part of the farthest way -> largest error up to there.
     """
     ahead, behind = (Replay.of(replace(request, predict=kind), PETSc.COMM_WORLD) for kind in ("linear", "none"))
     way, error = [], []
@@ -86,31 +97,38 @@ def measure(request: Request) -> Row:
     for found, true in zip(ahead.frames(), behind.frames()):
         if not (found["predicted"] and found["level"]) or true["refused"]:
             continue
-        x, exact = (answer(replay.analysis)[1] for replay in (ahead, behind))
         way.append(ahead.prediction.distance)
-        size = float(np.linalg.norm(exact))
-        error.append(float(np.linalg.norm(x - exact)) / size if size > 0.0 else 0.0)
+        error.append(difference(ahead.analysis, behind.analysis))
         for name in names:
             quantities[name].append((found[name] - true[name], abs(true[name])))
     farthest = max(way, default=0.0)
     return {
         "way": way,
-        "of": answer(ahead.analysis)[0],
+        "of": subject(ahead.analysis),
         "error": error,
         "quantities": {name[2:]: _relative(pairs) for name, pairs in quantities.items()},
         "at": {str(s): max((e for w, e in zip(way, error) if w <= s * farthest), default=0.0) for s in SHARES},
     }
 
 
-def answer(analysis: Analysis) -> tuple[str, np.ndarray]:
-    """What is predicted, and what it is: a field, or frequencies [Hz] of modes, whose own size means nothing."""
+def subject(analysis: Analysis) -> str:
+    """What `difference` is of: a field, or frequencies of modes, whose own size means nothing."""
     found = analysis.solution()
     if found.field is None:
-        return f"{found.spectrum}, norm over all", found.values
-    return f"{found.name}, norm over all nodes", found.field
+        return f"{found.spectrum}, the largest of them"
+    return f"{found.name}, norm over all nodes"
+
+
+def difference(predicted: Analysis, solved: Analysis) -> float:
+    """The relative error of a predicted answer: of the norm of a field, or the largest of single frequencies."""
+    found, exact = predicted.solution(), solved.solution()
+    if found.field is None or exact.field is None:
+        return largest_difference(found.values, exact.values)
+    size = float(np.linalg.norm(exact.field))
+    return float(np.linalg.norm(found.field - exact.field)) / size if size > 0.0 else 0.0
 
 
 def _relative(pairs: Sequence[tuple[float, float]]) -> list[float]:
-    """Errors over the largest value; as they are where that is 0."""
-    scale = max((size for _, size in pairs), default=0.0) or 1.0
-    return [error / scale for error, _ in pairs]
+    """Errors, each over its own value; where that is 0 over the largest of the same quantity, as they are without."""
+    largest = max((size for _, size in pairs), default=0.0) or 1.0
+    return [error / (size or largest) for error, size in pairs]

@@ -36,9 +36,9 @@ def request(job: Job) -> Any:
 
     scene = load_scene(job.scene, job.overrides)
     script = load_script(job.edits, scene) if job.edits else Script.empty(scene)
-    return Request(
-        scene, script, application(scene.app), policy(job.policy), Calibration.load(), job.petsc, job.predict
-    )
+    name, _, guess = job.policy.partition(":")
+    chosen = policy(name, guess or None)
+    return Request(scene, script, application(scene.app), chosen, Calibration.load(), job.petsc, job.predict)
 
 
 def play(job: Job, tell: Any) -> None:

@@ -60,11 +60,18 @@ def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row
     }
     found = {name: record(counted[name], name, runs[name]) for name in jobs}
     for name, entry in found.items():
-        entry["ratios"] = {base: ratios(runs[name], runs[base]) for base in BASES if base in runs and base != name}
+        entry["ratios"] = {base: ratios(runs[name], runs[base]) for base in bases_of(name) if base in runs}
     if plan.hindsight_cost and "auto" in jobs:
         announce(f"{case.name}: auto, regret")
         found["auto"]["regret"] = hindsight(jobs["auto"], play)
     return found
+
+
+def bases_of(name: str) -> tuple[str, ...]:
+    """What a policy is compared with: the others with the best guesses, and those with the guess that it names."""
+    guess = name.partition(":")[2]
+    same = [f"{base}:{guess}" for base in BASES if guess]
+    return tuple(base for base in (*BASES, *same) if base != name)
 
 
 def hindsight(job: Job, play: Play) -> Row:

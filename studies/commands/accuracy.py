@@ -23,7 +23,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("scenes", metavar="SCENE", nargs="+", type=Path, help="scene files (.toml)")
     parser.add_argument(
-        "--edits", type=Path, metavar="FILE", help="edit script (default: the one that names the scene)"
+        "--edits",
+        type=Path,
+        metavar="FILE",
+        help="edit script (default: the one that names the scene; without one the first shape is studied)",
     )
     add_set(parser)
     add_json(parser)
@@ -203,10 +206,11 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
     """Scenes and scripts, all read before the first run.
 
     Raises:
-        UserError: a bad scene or script, or a scene without a script.
+        UserError: a bad scene or script, or a motion without a script.
     """
     from restshape_studies.accuracy.study import Case
 
+    from restshape.application import application
     from restshape.cli.shipped import script_of
     from restshape.scene.load import load_scene
     from restshape.scene.script import load_script
@@ -218,12 +222,13 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
         scene = load_scene(path, args.set)
         refuse_choices(args, scene)
         edits = args.edits or script_of(path)
-        if edits is None:
+        if edits is None and application(scene.app).transient(scene):
             raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")
         if args.of not in (None, "field", *scene.quantities):
             known = ", ".join(["field", *scene.quantities])
             raise UserError(f"{path.name} has no quantity {args.of!r}", "--of", f"use one of: {known}")
-        note_script(scene, load_script(edits, scene), edits)
+        if edits:
+            note_script(scene, load_script(edits, scene), edits)
         found.append(Case(path.stem, path, edits, tuple(args.set), tuple(args.petsc)))
     names = [case.name for case in found]
     twice = next((name for name in names if names.count(name) > 1), None)

@@ -53,6 +53,13 @@ def show_prediction(args: argparse.Namespace, name: str, found: dict[str, Any]) 
     heads = ("the same frames", "frames a second", "p50 [ms]", "iterations of the whole replay")
     rows = [(key, f"{fps[key]:,.0f}", f"{ms[key]:.3f}", found["iterations"][key]) for key in fps]
     print_table("", heads, rows, right=heads[1:])
+    session, ratios = found["session_s"], found["ratios"]
+    heads = ("prediction against solves", "solved", "predicted", "times as fast")
+    rows = [
+        ("single predicted frames [ms]", f"{1e3 / fps['solved']:.3f}", f"{1e3 / fps['predicted']:.3f}", "frames"),
+        ("the whole session [s]", f"{session['solved']:.3f}", f"{session['predicted']:.3f}", "session"),
+    ]
+    print_table("", heads, [(*row[:3], f"{ratios[row[3]]:.2f}") for row in rows], right=heads[1:])
     stages = ", ".join(f"{key} {value:.3f}" for key, value in found["stages"].items())
     print(f"of a predicted frame [ms]: {stages}")
     parts = list(found["at"])

@@ -9,7 +9,7 @@ from restshape_studies.commands.bench_kind import Kind, add_frames, add_repeat, 
 
 from restshape.cli.options import print_table
 from restshape.errors import UserError
-from restshape.policy import POLICIES
+from restshape.policy import GUESSES, POLICIES
 
 EVENTS = (
     "MatCholFctrSym",
@@ -18,11 +18,18 @@ EVENTS = (
     "PCApply",
     *(f"Restshape{n}" for n in ("Pattern", "Patch", "Values")),
 )
+GUESSED = ("rebuild:zero", "refactor:zero", "refactor:last", "auto:zero", "auto:last", "auto:extrapolated")
+"""Policies with other initial guesses than their own: what these alone are worth."""
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--policies", default=",".join(POLICIES), metavar="A,B", help="default: %(default)s")
+    parser.add_argument(
+        "--policies",
+        default=",".join((*POLICIES, *GUESSED)),
+        metavar="A,B",
+        help="with another initial guess than its own NAME:GUESS; default: %(default)s",
+    )
     add_frames(parser, 200)
     add_repeat(parser, "timed runs a policy")
     parser.add_argument(
@@ -42,9 +49,12 @@ def policies(args: argparse.Namespace) -> tuple[str, ...]:
 def check(args: argparse.Namespace) -> None:
     """Refuse what measures nothing, and policies that do not exist."""
     check_runs(args)
-    for name in policies(args):
+    for asked in policies(args):
+        name, _, guess = asked.partition(":")
         if name not in POLICIES:
             raise UserError(f"no policy is named {name!r}", "--policies", f"choose from {','.join(POLICIES)}")
+        if guess and guess not in GUESSES:
+            raise UserError(f"no initial guess is named {guess!r}", "--policies", f"choose from {','.join(GUESSES)}")
 
 
 def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:
@@ -70,7 +80,8 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
         f"{name}: {one['frames']} frames, about {one['unknowns']} unknowns, {one['elements']} elements, one core; "
         f"median of {len(one['runs'])} runs; load of the machine {min(loads):.1f} to {max(loads):.1f}"
     )
-    heads = ("policy", "frames/s", "p50, ms", "p95, ms", "p99, ms", "x rebuild", "x refactor", "Python, ms")
+    heads = ("policy", "frames/s", "p50, ms", "p95, ms", "p99, ms", "x rebuild", "x refactor", "x refactor, same guess")
+    heads += ("Python, ms",)
     heads += ("iterations", "refreshes", "refused", "preconditioners")
     print_table(title, heads, [_policy_row(key, entry) for key, entry in found.items()], heads[1:-1])
     heads = ("frames: p50, ms", "1 relocation", "2 reconnection", "3 reconstruction", "idle")
@@ -102,7 +113,8 @@ def hindsight_line(hindsight_cost: dict[str, Any]) -> str:
 
 def _policy_row(name: str, entry: dict[str, Any]) -> list[str]:
     ms, ratios = entry["ms"], entry["ratios"]
-    times = [_ratio(ratios[base]["fps"]) if base in ratios else "" for base in ("rebuild", "refactor")]
+    bases = ("rebuild", "refactor", f"refactor:{name.partition(':')[2]}")
+    times = [_ratio(ratios[base]["fps"]) if base in ratios else "" for base in bases]
     counts = [str(entry[key]) for key in ("iterations", "refreshes", "refused")]
     python = f"{entry['python_ms']['p50']:.3f}"
     used = ", ".join(f"{kind} {frames}" for kind, frames in entry["preconditioners"].items() if kind)

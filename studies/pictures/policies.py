@@ -12,7 +12,9 @@ from restshape.outputs.drawn import save_picture
 from restshape.report.style import FAINT, INK, new_figure
 
 COLOURS = {"rebuild": "#999933", "refactor": "#88ccee", "thesis": "#cc6677", "auto": "#332288"}
-OTHERS = ("#44aa99", "#ddcc77", "#117733", "#aa4499")
+OTHERS = ("#44aa99", "#ddcc77", "#117733", "#aa4499", "#882255", "#661100", "#6699cc")
+MOST_IN_A_ROW = 5
+"""Names in a row of the legend."""
 
 
 def draw_policies(found: Mapping[str, Mapping[str, Mapping[str, Any]]], path: Path) -> None:
@@ -40,7 +42,9 @@ def draw_policies(found: Mapping[str, Mapping[str, Mapping[str, Any]]], path: Pa
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel("time a moved frame [ms]: p50 (bar), p95 (whisker)")
     figure.suptitle("The same edits under several policies of reuse", x=0.01, ha="left", color=INK)
-    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=len(handles))
+    figure.legend(
+        list(handles.values()), list(handles), loc="outside lower center", ncols=min(len(handles), MOST_IN_A_ROW)
+    )
     save_picture(figure, path)
 
 

@@ -298,8 +298,8 @@ def test_a_guess_is_the_nearest_point_in_energy():
 def test_projected_guesses_save_iterations(tmp_path):
     scene, script = write_scene(tmp_path, plate(0.025)), write_script(tmp_path, EVENTS)
     spent = []
-    for directions in (0, 5):
-        rows = rows_of(make_replay(scene, script, "auto", ["mesh.min_quality=0.05"], directions=directions))
+    for guess in ("extrapolated", "projected"):
+        rows = rows_of(make_replay(scene, script, "auto", ["mesh.min_quality=0.05"], guess=guess))
         spent.append((sum(row["iterations"] for row in rows), sum(row["pc_rebuilt"] for row in rows)))
     assert spent[1][0] < 0.85 * spent[0][0] and spent[1][1] <= spent[0][1]
 

@@ -109,7 +109,10 @@ def test_a_drag_costs_few_steps_and_few_factors(tmp_path):
     assert max(row["newton"] for row in auto[3:]) <= 2
     assert sum(row["pc_rebuilt"] for row in auto) < 0.4 * len(auto)
     assert all(row["pc_rebuilt"] for row in fresh)
-    assert sum(row["newton"] for row in auto) < 0.7 * sum(row["newton"] for row in fresh)
+    # The steps are saved by the guess alone, which both have; the factors by reuse.
+    steps = sum(row["newton"] for row in auto)
+    last = [row for row in rows_of(bent(tmp_path, name="refactor", frames=60, guess="last")) if row["level"] == 1]
+    assert steps <= 1.1 * sum(row["newton"] for row in fresh) < 0.8 * sum(row["newton"] for row in last)
 
 
 @pytest.mark.parametrize("wind", ["", '\n[loads.wind]\non = "top"\npressure = 800\n'])

@@ -71,9 +71,9 @@ def test_guesses_along_the_drag_save_iterations(tmp_path):
     spent = [
         sum(
             row["iterations"]
-            for row in rows_of(make_replay(scene, script, "thesis", extrapolate=guess, relocation="harmonic"))
+            for row in rows_of(make_replay(scene, script, "thesis", guess=guess, relocation="harmonic"))
         )
-        for guess in (False, True)
+        for guess in ("same-mesh", "extrapolated")
     ]
     assert spent[1] < 0.95 * spent[0]
 
@@ -83,8 +83,8 @@ def test_transfer_to_a_new_mesh_saves_iterations(tmp_path):
     events = [{"do": "set", "key": "mesh.size", "value": size} for size in (0.06, 0.05, 0.04)]
     scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, events)
     found = []
-    for carried in (False, True):
-        rows = rows_of(make_replay(scene, script, "thesis", transfer=carried))
+    for guess in ("same-mesh", "last"):
+        rows = rows_of(make_replay(scene, script, "thesis", guess=guess))
         found.append([row["iterations"] for row in rows[1:]])
     assert all(b < 0.95 * a for a, b in zip(*found))
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from small_scenes import plate, write_scene
 
 from restshape.application import applications
 from restshape.cli.check_scene import starting_outline
@@ -251,3 +252,35 @@ def test_a_wrong_region_is_refused_at_its_place(scene_file, region, place, words
     scene_file.write_text(text.replace("[material.steel]", region + "\n[material.steel]", 1))
     with pytest.raises(UserError, match=rf"(?s){place}.*{words}"):
         starting_outline(load_scene(scene_file))
+
+
+def test_a_table_after_set_is_a_new_entry(tmp_path):
+    path = write_scene(tmp_path, plate())
+    added = [
+        'supports.roller={on="top",fix=["y"]}',
+        'quantities.lift={displacement="y",at="top"}',
+        'material.other={E="1 GPa",nu=0.3,thickness="1 mm",region="patch"}',
+        "shape.regions.patch={polygon=[[0.1,0.1],[0.2,0.1],[0.2,0.2]]}",
+    ]
+    scene = load_scene(path, added)
+    assert scene.supports["roller"].fix == {"y": 0.0} and scene.quantities["lift"].displacement == "y"
+    assert scene.material["other"].region == ["patch"] and "patch" in scene.shape.regions
+    # What stands in the file is still there.
+    assert set(load_scene(path).supports) < set(scene.supports)
+
+
+def test_an_entry_needs_a_table_and_its_own_keys(tmp_path):
+    path = write_scene(tmp_path, plate())
+    for words in ("supports.roller=3", "supports.roller.on=top", "parameters.width=3"):
+        with pytest.raises(UserError, match="there is no"):
+            load_scene(path, [words])
+    with pytest.raises(UserError, match="no key 'axis'"):
+        load_scene(path, ['supports.roller={on="top",axis="y"}'])
+    with pytest.raises(UserError, match="'roof'"):
+        load_scene(path, ['supports.roller={on="roof",fix=["y"]}'])
+
+
+def test_a_script_adds_no_entry(tmp_path):
+    scene = load_scene(write_scene(tmp_path, plate()))
+    with pytest.raises(UserError, match="there is no supports"):
+        revise(scene, "supports.roller", {"on": "top", "fix": ["y"]})

@@ -11,7 +11,9 @@ from restshape.replay.first_frame import first_frame
 
 FOLDER = application("cantilever").folder
 CASE = Case("cantilever", FOLDER / "scenes/cantilever.toml", FOLDER / "edits/cantilever.jsonl")
-PLAN = Plan(("auto", "thesis", "refactor", "rebuild"))
+GUESSES = ("auto:last", "refactor:last", "auto:zero", "refactor:zero")
+"""With other initial guesses than their best: what guesses alone are worth."""
+PLAN = Plan(("auto", "thesis", "refactor", "rebuild", *GUESSES))
 REUSE, REBUILD = 37.6, 7.1
 """Frames a second of the thesis, with and without reuse."""
 
@@ -34,7 +36,7 @@ def speeds(common: dict[str, Any]) -> list[dict[str, Any]]:
     rates = [
         {
             **common,
-            "quantity": f"frames a second, policy {name}",
+            "quantity": f"frames a second, policy {_named(name)}",
             "thesis": known.get(name, ""),
             "ours": found[name]["fps"],
             "unit": "1/s",
@@ -53,4 +55,20 @@ def speeds(common: dict[str, Any]) -> list[dict[str, Any]]:
         }
         for base in ("rebuild", "refactor")
     ]
+    gains += [
+        {
+            **common,
+            "quantity": f"policy auto over refactor, initial guess {guess} in both",
+            "thesis": "",
+            "ours": found[f"auto:{guess}"]["fps"] / found[f"refactor:{guess}"]["fps"],
+            "unit": "ratio",
+            "timing": True,
+        }
+        for guess in ("last", "zero")
+    ]
     return [*rates, *gains]
+
+
+def _named(policy: str) -> str:
+    """A policy for people, ``NAME:GUESS`` with its initial guess."""
+    return policy.replace(":", ", initial guess ")

@@ -26,8 +26,8 @@ class BucklingSolver:
     """The lowest positive load factors mu of K phi = -mu G phi, frame after frame.
 
     Args:
-        follows: begin at the modes of the last frames, with an old factor for as long as counted work says that it
-            pays; else each frame is solved from nothing.
+        warm: begin at the modes of the last frames; else each frame is solved from nothing.
+        kept: an old factor serves for as long as counted work says that it pays.
         tolerance: of the residual |K phi + mu G phi| relative to |K phi|.
         calibration: seconds a unit of counted work.
         stages: takes the time of factorizations and of iterations.
@@ -38,10 +38,10 @@ class BucklingSolver:
     Source: docs/theory.md, section 8.
     """
 
-    def __init__(self, follows: bool, tolerance: float, calibration: Calibration, stages: Stages) -> None:
-        self.follows, self.tolerance, self.stages = follows, tolerance, stages
+    def __init__(self, warm: bool, kept: bool, tolerance: float, calibration: Calibration, stages: Stages) -> None:
+        self.warm, self.tolerance, self.stages = warm, tolerance, stages
         self.pencil = LoadPencil(stages)
-        self.life = FactorLife(self.pencil, calibration)
+        self.life = FactorLife(self.pencil, calibration, kept)
         self.space: SearchSpace | None = None
         self.history: list[np.ndarray] = []
         self.unchecked = self.known = 0
@@ -83,7 +83,7 @@ class BucklingSolver:
         substitutions, factorizations = pencil.substitutions, pencil.factorizations
         self.report = EigenReport(0, False, 0, "davidson")
         found = None
-        if self.follows and self.history:
+        if self.warm and self.history:
             # A mode that has just come down among the others may be lost again in the next frame.
             found = self._follow(min(count, self.known), new_system, verify or self.doubtful)
         end = -1.0 / most
@@ -114,7 +114,7 @@ class BucklingSolver:
         if not there:
             return Found(np.empty(0), np.empty((0, pencil.size)), np.empty(0), 0, True)
         pencil.factor(UNLOADED)
-        start = self.history[0].sum(axis=0) if self.history and self.follows else self._random(1)[0]
+        start = self.history[0].sum(axis=0) if self.history and self.warm else self._random(1)[0]
         with self.stages("krylov"):
             modes = load_modes(pencil, start, min(count + SPARE, there), self.tolerance)
         self.history = []

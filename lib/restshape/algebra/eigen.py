@@ -89,20 +89,23 @@ class EigenSolver:
     """The lowest eigenpairs of K phi = lambda M phi, frame after frame.
 
     Args:
-        method: `direct` (factor and Krylov-Schur from nothing in each frame), `ilu` (the thesis: factor and inverse
-            iteration with projection, from the last modes), `auto` or `stale` (Davidson iteration with an old factor on
-            the modes of the last frames, or Krylov-Schur, whichever counted work expects to be cheaper).
+        method: `direct` (Davidson iteration with a new factor in each frame on the modes of the last frames), `ilu`
+            (the thesis: factor and inverse iteration with projection, from the last modes), `auto` or `stale` (Davidson
+            iteration with an old factor, or Krylov-Schur, whichever counted work expects to be cheaper).
         tolerance: of the residual |K phi - lambda M phi| relative to |lambda M phi|.
         calibration: seconds a unit of counted work.
         stages: takes the time of factorizations and of iterations.
+        warm: later frames start from the modes of the last ones; else each is solved by Krylov-Schur from nothing.
 
     Source: docs/theory.md, section 7.
     """
 
-    def __init__(self, method: str, tolerance: float, calibration: Calibration, stages: Stages) -> None:
-        self.method, self.tolerance, self.stages = method, tolerance, stages
+    def __init__(
+        self, method: str, tolerance: float, calibration: Calibration, stages: Stages, warm: bool = True
+    ) -> None:
+        self.method, self.tolerance, self.stages, self.warm = method, tolerance, stages, warm
         self.pencil = Pencil(stages)
-        self.life = FactorLife(self.pencil, calibration)
+        self.life = FactorLife(self.pencil, calibration, method != "direct")
         self._deflation: Deflation | None = None
         self.space: SearchSpace | None = None
         self.history: list[np.ndarray] = []
@@ -152,7 +155,8 @@ class EigenSolver:
         substitutions, factorizations = self.pencil.substitutions, self.pencil.factorizations
         # A mode that has just come down among the others may be lost again in the next frame.
         verify = verify or self.doubtful
-        if self.method == "direct" or not self.history:
+        if not (self.warm and self.history):
+            self.history = []
             found, report = self._cold_solve(count, verify)
         elif self.method == "ilu":
             found, report = self._thesis(count)

@@ -10,14 +10,15 @@ class FactorLife:
     Args:
         pencil: whose factor it is.
         calibration: seconds a unit of counted work.
+        kept: false gives each matrix a factor of its own.
 
     Attributes:
         age: frames since the factor was made.
         extra_iterations: substitutions since then beyond those that a new factor would have needed.
     """
 
-    def __init__(self, pencil: Pencil, calibration: Calibration) -> None:
-        self.pencil, self.calibration = pencil, calibration
+    def __init__(self, pencil: Pencil, calibration: Calibration, kept: bool = True) -> None:
+        self.pencil, self.calibration, self.kept = pencil, calibration, kept
         self.age, self.extra_iterations = 0, 0.0
 
     def begin(self) -> None:
@@ -29,7 +30,9 @@ class FactorLife:
         self.extra_iterations += max(0, iterations - 1) * count
 
     def price(self) -> float:
-        """Substitutions, each with its products, that cost as much as a new factor."""
+        """Substitutions, each with its products, that cost as much as a new factor; 0 where none is kept."""
+        if not self.kept:
+            return 0.0
         known, pencil = self.calibration, self.pencil
         work = (pencil.size, pencil.entries, pencil.nonzeros or 3.0 * pencil.entries)
         return max(1.0, known.refresh_seconds(*work) / known.iteration_seconds(*work))

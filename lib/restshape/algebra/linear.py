@@ -115,6 +115,11 @@ class LinearSolver:
         return self.tolerance if self.kept.exact else INCOMPLETE * self.tolerance
 
     @property
+    def takes_guess(self) -> bool:
+        """Whether a solve starts from a guess; a complete factor of the very matrix does not."""
+        return self.method != "direct" or self.comm.size > 1
+
+    @property
     def keeps(self) -> bool:
         """Whether an old preconditioner serves until a new one pays."""
         return self.method in ("stale", "auto")

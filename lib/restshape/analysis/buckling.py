@@ -68,8 +68,9 @@ class BucklingAnalysis:
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[PrestressedProblem]) -> None:
         self.context = context
         self.prebuckling = SteadyAnalysis(_more_exact(scene), plan, context, make)
-        follows = context.policy.solver in ("auto", "stale")
-        self.solver = BucklingSolver(follows, scene.solve.tolerance, context.calibration, context.stages)
+        policy, tolerance = context.policy, scene.solve.tolerance
+        kept = policy.solver in ("auto", "stale")
+        self.solver = BucklingSolver(policy.warm, kept, tolerance, context.calibration, context.stages)
         self.verified = VerifiedShape()
         self.state = BucklingState(self.prebuckling.state)
         self.modes_shown = buckling_settings(plan).modes

@@ -13,10 +13,11 @@ class Guess:
 
     Args:
         extrapolate: false gives the last solution as it is.
+        warm: false gives zeros.
     """
 
-    def __init__(self, extrapolate: bool) -> None:
-        self.extrapolate = extrapolate
+    def __init__(self, extrapolate: bool, warm: bool = True) -> None:
+        self.extrapolate, self.warm = extrapolate, warm
         self.restart()
 
     def restart(self) -> None:
@@ -28,6 +29,8 @@ class Guess:
 
     def __call__(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> np.ndarray:
         """The guess (n, f) for the hand at (gesture, (c0, c1)); x (n, f) is the last solution."""
+        if not self.warm:
+            return np.zeros_like(x)
         ratio = self._ratio(hand)
         if ratio == 0.0 or self.last is None or self.before is None:
             return x
@@ -56,8 +59,7 @@ class Guess:
 class CurvedGuess(Guess):
     """A guess along the parabola through the last three solutions of the same drag, where they lie well for one.
 
-    Args:
-        extrapolate: false gives the last solution as it is.
+    Arguments as of `Guess`.
     """
 
     def restart(self) -> None:

@@ -14,7 +14,7 @@ from restshape.analysis import modal_output
 from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues
 from restshape.analysis.frame import Frame
 from restshape.analysis.modal_binding import bound, followed
-from restshape.analysis.modal_comparison import TOLERANCE, compare_cold
+from restshape.analysis.modal_comparison import allowed, compare_cold
 from restshape.analysis.modal_errors import FrequencyEstimate, residual_norm
 from restshape.analysis.modal_prediction import ModalPrediction
 from restshape.analysis.modal_state import ModalState
@@ -57,7 +57,8 @@ class ModalAnalysis:
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: Maker) -> None:
         self.context, self.make = context, make
-        self.solver = EigenSolver(context.policy.solver, scene.solve.tolerance, context.calibration, context.stages)
+        policy, tolerance = context.policy, scene.solve.tolerance
+        self.solver = EigenSolver(policy.solver, tolerance, context.calibration, context.stages, policy.warm)
         self.verified = VerifiedShape()
         self.state = ModalState(plan, scene)
         self.interrupted = False
@@ -86,7 +87,7 @@ class ModalAnalysis:
     @property
     def tolerance(self) -> float:
         """That modes meet beside those of a cold solve."""
-        return TOLERANCE
+        return allowed(self.solver.method, self.solver.tolerance)
 
     @property
     def frequencies(self) -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.clusters import clusters
+from restshape.algebra.clusters import CLUSTER, clusters
 from restshape.algebra.gathering import gather_matrix, matrix_difference
 from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.pencil import Deflation, Pencil
@@ -20,7 +20,12 @@ from restshape.first_use import made
 COLD = 1e-10
 """Residual that a cold solve for comparison goes down to."""
 TOLERANCE = 1e-6
-"""Differences of frequencies, subspaces and participations that are no more than what a solve may leave."""
+"""Differences of frequencies, subspaces and participations that a solve may leave."""
+ROUNDING = float(np.finfo(float).eps)
+"""Of the entries of K, where a slender body's eigenvalues are far below the square of its elements' frequencies."""
+THESIS = 4.0
+"""Times the tolerance whose square modes of the thesis's inverse iteration may differ by, which ends at its residual;
+Davidson's and Krylov and Schur's go beyond theirs."""
 BEYOND = 2
 """Modes above those of the state that a cold solve looks for: where two are about to cross, their ranks may differ."""
 
@@ -36,7 +41,13 @@ def compare_cold(state: ModalState, context: Context, make: Maker) -> Comparison
     pairs = zip(state.matrices.gather(), (gather_matrix(mat, PETSc.COMM_SELF) for mat in cold))
     entries = max(matrix_difference(*pair) for pair in pairs)
     solved = _solved(state, body, _pencil(state, context, cold))
-    return Comparison(entries, max(_frequency_difference(state, solved), _subspace_difference(state, solved)))
+    rounding = _rounding(state, cold[0])
+    return Comparison(entries, max(_frequency_difference(state, solved, rounding), _subspace_difference(state, solved)))
+
+
+def allowed(method: str, tolerance: float) -> float:
+    """What modes may differ by from cold ones, solved by a method of `EigenSolver` to residuals of this tolerance."""
+    return max(TOLERANCE, (THESIS * tolerance) ** 2) if method == "ilu" else TOLERANCE
 
 
 def cold_frequencies(state: ModalState, context: Context, make: Maker) -> np.ndarray:
@@ -85,23 +96,34 @@ def _solved(state: ModalState, body: Eigenproblem, pencil: Pencil) -> ColdModes:
         count += BEYOND
 
 
-def _frequency_difference(state: ModalState, cold: ColdModes) -> float:
-    """The largest relative difference of frequencies; infinite where there are more or fewer of them."""
+def _rounding(state: ModalState, stiffness: PETSc.Mat) -> np.ndarray:
+    """What rounding may do to the frequencies (modes,), relative: to phi K phi over its value, halved by the root."""
+    modes = state.modes
+    sizes = (modes.vectors[modes.chosen] ** 2).sum(axis=1)
+    largest = stiffness.norm(PETSc.NormType.NORM_INFINITY)
+    return 0.5 * ROUNDING * largest * sizes / np.abs(modes.values[modes.chosen])
+
+
+def _frequency_difference(state: ModalState, cold: ColdModes, rounding: np.ndarray) -> float:
+    """The largest relative difference of frequencies beyond rounding; infinite where there are more or fewer."""
     reference = frequencies(cold.values[cold.chosen])
     if len(reference) != len(state.frequencies):
         return float("inf")
-    return float(np.max(np.abs(state.frequencies / reference - 1.0)))
+    return float(np.max(np.maximum(np.abs(state.frequencies / reference - 1.0) - rounding, 0.0)))
 
 
 def _subspace_difference(state: ModalState, cold: ColdModes) -> float:
     """The largest difference of subspaces, 1 - cos^2 of the angle to the cold ones, and of the participation in them.
 
-    Clusters are those of the modes solved for; each must lie in the cold clusters that hold the modes nearest to it.
-    Where these are no more than it has, the mean participations are compared.
+    Clusters are those of the modes solved for, as wide as the tolerance of their residuals makes them; each must lie in
+    the cold clusters that hold the modes nearest to it. Where these are no more than it has, the mean participations
+    are compared.
     """
     modes, worst = state.modes, 0.0
-    cold_clusters = clusters(cold.values)
-    for cluster in clusters(modes.values[: state.count]):
+    # A residual turns modes by itself over the gap of their eigenvalues.
+    width = max(CLUSTER, state.scene.solve.tolerance / TOLERANCE**0.5)
+    cold_clusters = clusters(cold.values, width)
+    for cluster in clusters(modes.values[: state.count], width):
         if not np.isin(cluster, modes.chosen).any():
             continue
         overlap = cold.mass_products @ modes.vectors[cluster].T

@@ -94,7 +94,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
         super().__init__(scene, plan, context, make)
         self.state = NonlinearState(plan, scene)
-        self.guess = CurvedGuess(context.policy.extrapolate)
+        self.guess = CurvedGuess(context.policy.extrapolate, context.policy.warm)
         self._made: list[Newton] = []
 
     @property
@@ -153,6 +153,10 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
 
     def _directions(self) -> int:
         return 0
+
+    @property
+    def _takes_guess(self) -> bool:
+        return True
 
     def _make_system(self, problem: Problem) -> NonlinearSystem:  # type: ignore[override]
         context = self.context

@@ -195,6 +195,8 @@ class NonlinearTransientAnalysis(TransientAnalysis):
     def _guess(self, state: TimeState) -> np.ndarray:
         """Unknowns (n, f) after a step, at the mean rate of change of the rates in the step before."""
         x, previous = self.state.system.equations.before, self.state.previous
+        if not self.context.policy.warm:
+            return self.problem.boundary.values.copy()
         if not self.context.policy.extrapolate:
             return x.copy()
         dt = self.state.integration.scheme.dt

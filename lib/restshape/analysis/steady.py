@@ -132,7 +132,7 @@ class SteadyAnalysis(Generic[P]):
         self.context, self.make = context, make
         self.state: SteadyState[P] = SteadyState(plan, scene)
         self.interrupted = False
-        self.guess = Guess(context.policy.extrapolate)
+        self.guess = Guess(context.policy.extrapolate, context.policy.warm)
         self.solver = self._make_solver(scene)
         self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         self._observed: tuple[np.ndarray | None, BoundProblem[P] | None, dict[str, float]] = (None, None, {})
@@ -156,6 +156,11 @@ class SteadyAnalysis(Generic[P]):
     def _directions(self) -> int:
         """Increments of the solution along which guesses are improved."""
         return self.context.policy.directions
+
+    @property
+    def _takes_guess(self) -> bool:
+        """Whether a solve makes use of an initial guess; a new complete factor of a linear problem does not."""
+        return self.solver.takes_guess
 
     @property
     def predictor(self) -> SteadyPredictor:
@@ -338,7 +343,7 @@ class SteadyAnalysis(Generic[P]):
         x = before.x
         if new_mesh:
             projected = None
-            if context.policy.transfer and before.space is not None:
+            if context.policy.transfer and self._takes_guess and before.space is not None:
                 with context.stages("map"):
                     last = before.space.interpolate(x, frame.interpolations)
                     projected = problem.space.project(before.space, last)

@@ -368,7 +368,7 @@ class TransientAnalysis:
         if factored:
             report = self.solver.apply(system.b, system.solution)
         else:
-            system.full[:] = state.y.ravel()
+            system.full[:] = state.y.ravel() if self.context.policy.warm else 0.0
             system.solution.stateIncrease()
             if guessed:
                 system.full += bound.increments(system.force())

@@ -15,7 +15,7 @@ from restshape.cli.signals import exit_code, interrupt_if_asked
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, printable
 from restshape.outputs.kinds import CsvFile, RecordingFile
-from restshape.policy import POLICIES, policy
+from restshape.policy import GUESSES, POLICIES, policy
 from restshape.scene.renamed import notes
 from restshape.surroundings import start_petsc
 
@@ -38,6 +38,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--edits", type=Path, metavar="FILE", help="edit script (.jsonl); default: the first shape only"
     )
     parser.add_argument("--policy", choices=list(POLICIES), help="what is reused (default: the scene's)")
+    parser.add_argument(
+        "--guess", choices=list(GUESSES), help="initial guess of iterative solves (default: the policy's best)"
+    )
     parser.add_argument(
         "--predict",
         choices=KINDS,
@@ -64,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
     _check_name(args.out)
     app = application(scene.app, f"{args.scene}: app")
     script = load_script(args.edits, scene, keep_good=True) if args.edits else Script.empty(scene)
-    chosen = policy(args.policy or scene.solve.policy)
+    chosen = policy(args.policy or scene.solve.policy, args.guess)
     request = Request(scene, script, app, chosen, Calibration.load(args.calibration), tuple(args.petsc), args.predict)
     first = first_rank()
     if first:
@@ -166,7 +169,8 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     """Print the tables of a summary of a replay of an application."""
     print(
         f"{summary['frames']} frames, {summary['refused']} refused, {summary['unknowns']} unknowns, "
-        f"{summary['elements']} elements, policy {summary['policy']}, {summary['ranks']} rank(s)"
+        f"{summary['elements']} elements, policy {summary['policy']}, initial guess {summary['guess']}, "
+        f"{summary['ranks']} rank(s)"
     )
     for column, reasons in summary["reasons"].items():
         _print_reasons(column, reasons)

@@ -45,6 +45,7 @@ class Request:
             "limits": recorded_limits(self.scene.quantities),
             "app": self.application.name,
             "policy": self.policy.name,
+            "guess": self.policy.guess,
             "predict": self.predict,
             "calibration": self.calibration.as_dict(),
             "petsc_options": list(self.petsc),

@@ -67,7 +67,7 @@ def run_replay(
             interrupted = True
     summary = tally.summary(request.policy.name, comm.size, replay.analysis.estimated_quantity)
     summary |= {"reasons": tally.reasons, "largest_residual": tally.largest_residual}
-    summary |= {"interrupted": interrupted, "rows": rows, "singular": singular}
+    summary |= {"guess": request.policy.guess, "interrupted": interrupted, "rows": rows, "singular": singular}
     if request.application.report:
         summary |= request.application.report.summarised(rows)
     if check:

@@ -30,7 +30,8 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
 
     Args:
         path: the file.
-        overrides: ``"material.steel.E=70e9"`` and the like, applied before validation.
+        overrides: ``"material.steel.E=70e9"`` and the like, applied before validation; a table may be a new entry:
+            ``'supports.c={on="c",fix=["x"]}'``.
 
     Raises:
         UserError: naming file, key and line of what is wrong.
@@ -46,7 +47,7 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     named: list[str] = []
     for override in overrides:
         key, value = parse_override(override)
-        put(raw, key, value, f"--set {override}")
+        put(raw, key, value, f"--set {override}", adds=isinstance(value, dict))
         keys.append(key)
         if key[1:] == ("file",):
             named.append(str(value))
@@ -130,8 +131,14 @@ def parse_override(text: str) -> tuple[tuple[str, ...], Any]:
         return parts, value.strip()
 
 
-def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str) -> None:
+def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str, adds: bool = False) -> None:
     """Sets one dotted key in plain tables, in place; a whole number as a part is the place in a list.
+
+    Args:
+        raw: the tables.
+        key, value: what is set to what.
+        where: for messages.
+        adds: the last part may be a new name in a table whose keys are names that a scene gives.
 
     Raises:
         UserError: no such key.
@@ -154,7 +161,7 @@ def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str) -> No
             raise UserError(
                 f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
             )
-        elif key[:depth] in tables and part not in here:
+        elif key[:depth] in tables and part not in here and not (adds and last):
             raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, suggestion(part, sorted(here)))
         if last:
             if (other := other_name(key)) and isinstance(here, dict):

@@ -11,7 +11,8 @@ from restshape_studies.accuracy import chosen
 from restshape_studies.accuracy.chosen import write_scene as write_chosen
 from restshape_studies.accuracy.study import Case
 from restshape_studies.commands.accuracy import choose
-from small_scenes import across, drag, plate, write_scene, write_script
+from small_scenes import HEAD, across, drag, plate, write_scene, write_script
+from vibrating import dynamics, tower
 
 from restshape.cli.main import main
 
@@ -167,7 +168,9 @@ def test_bad_wishes_are_refused_before_any_work(small, tmp_path, capsys, words, 
 def test_scenes_of_no_use_for_a_study_are_refused(small, tmp_path, capsys):
     scene, _ = small
     out = ("--out", str(tmp_path / "found"))
-    assert main(["accuracy", str(scene), *out]) == 2
+    (tmp_path / "moving").mkdir()
+    moving = tower(tmp_path / "moving", dynamics())
+    assert main(["accuracy", str(moving), *out]) == 2
     assert "no script beside the scene names it" in capsys.readouterr().err
     idle = write_script(tmp_path, [{"do": "idle", "frames": 3}], "idle.jsonl")
     assert main(["accuracy", str(scene), "--edits", str(idle), *out]) == 2
@@ -185,3 +188,49 @@ def test_closed_forms_are_formulas_of_parameters(tmp_path, capsys):
     scene.write_text(text.replace("x*2", "P*2"))
     assert main(["check", str(scene)]) == 2
     assert "quantities.energy.reference" in capsys.readouterr().err
+
+
+STRIP = """
+[parameters]
+P = "3 MPa"
+[shape]
+outline = ["bottom", "right", "top", "left"]
+vertices = { a = [0, 0], b = [2, 0], c = [2, 1], d = [0, 1] }
+[shape.edges]
+bottom = { line = ["a", "b"] }
+right = { line = ["b", "c"] }
+top = { line = ["c", "d"] }
+left = { line = ["d", "a"] }
+[material.m]
+E = "3 GPa"
+nu = 0
+thickness = 1
+[effects.solid]
+model = "plane_stress"
+[supports.left]
+on = "left"
+fix = ["x", "y"]
+[loads.pull]
+on = "right"
+traction = ["P", 0]
+[mesh]
+size = 0.5
+[quantities]
+stretch = { displacement = "x", at = "b", reference = "2*P/3e9" }
+"""
+
+
+@pytest.mark.slow
+def test_a_static_scene_without_a_script_is_studied_on_its_first_shape(command, tmp_path):
+    """A bar that is pulled: its elongation P L / E is known, and every mesh has it."""
+    scene = write_scene(tmp_path, HEAD + STRIP, "bar.toml")
+    told = command("accuracy", scene, *QUICK, "--of", "stretch", "--out", "found", "--json", "found.json")
+    assert told.returncode == 0, told.stdout + told.stderr
+    records = json.loads((tmp_path / "found.json").read_text())
+    assert all(record["error"] < 1e-6 and record["frame_ms"] > 0 for record in records) and len(records) >= 2
+    page = (tmp_path / "found" / "bar.md").read_text()
+    assert (
+        "none: the first shape" in page
+        and "stretch, closed form" in page
+        and "1 frames, errors at frames 0" in told.stdout
+    )

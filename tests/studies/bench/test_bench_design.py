@@ -33,8 +33,15 @@ def test_predict_for_programs_and_people(tmp_path, command, scene):
     # First order: the error grows with the square of the way.
     assert found["error"][7] / found["error"][3] == pytest.approx(4.0, rel=0.2)
     assert found["at"]["1.0"] == max(found["error"]) and found["at"]["0.5"] == max(found["error"][:4])
+    assert min(found["session_s"].values()) > 0 and set(found["ratios"]) == {"frames", "session"}
     assert set(found["quantities"]) == {"stretch", "peak", "wall", "energy"}
-    for words in ("8 of 11 frames predicted", "frames a second", "against the solved answer", "stretch"):
+    for words in (
+        "8 of 11 frames predicted",
+        "frames a second",
+        "the whole session",
+        "against the solved answer",
+        "stretch",
+    ):
         assert words in done.stdout
     assert (tmp_path / "results/bench-predict.png").read_bytes().startswith(PNG)
 
