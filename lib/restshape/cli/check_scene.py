@@ -17,6 +17,7 @@ from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError
 from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
+from restshape.outputs.kinds import PICTURES
 from restshape.scene.condition_words import load_words, support_words
 from restshape.scene.descriptions import keys_in_words
 from restshape.scene.model import Scene
@@ -49,7 +50,7 @@ def _draw(path: Path, scene: Scene, outline: Outline | None) -> None:
     if outline is None:
         what = f"a scene of {scene.app!r} has no outline to draw"
         raise UserError(what, "--picture", "leave --picture out; restshape report draws its recordings")
-    if path.suffix not in (".png", ".svg"):
+    if path.suffix not in PICTURES:
         raise UserError("a picture's name ends in .png or .svg", f"--picture {path}", "name it so")
     from restshape.report.scene_picture import draw_scene
 

@@ -5,8 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from restshape.application import SHAPES, Application, applications
+from restshape.application import Application, applications
 from restshape.cli.options import add_json, print_table, write_json
+from restshape.cli.report_looks import add_looks, read_looks
+from restshape.cli.report_pictures import draw_report
 from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import AnimationFile, PictureFile
@@ -24,6 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--frames", metavar="N", type=int, default=6, help="frames on the contact sheet (default 6)")
     parser.add_argument("--animation", choices=_FORMATS, default="gif", help="kind of animation (default gif)")
     parser.add_argument("--scale", metavar="S", type=float, help="exaggeration (default: 8 %% of the size)")
+    add_looks(parser)
     for app in applications().values():
         if app.report:
             app.report.add_arguments(parser)
@@ -46,6 +49,7 @@ def run(args: argparse.Namespace) -> int:
 
     if args.animation == "mp4":
         require_ffmpeg()
+    looks = read_looks(args)
     with Recording(args.recording) as recording:
         if not recording.n:
             raise UserError("the recording holds no frames", str(args.recording), "run the replay again")
@@ -53,11 +57,11 @@ def run(args: argparse.Namespace) -> int:
         if folder.exists() and not folder.is_dir():
             raise UserError("this is a file, and pictures need a folder", str(folder), "choose another --out")
         refuse_damage(recording)
-        refuse_pictures(folder)
+        refuse_pictures(folder, looks.suffix)
         # A recording opens also where its application is not installed.
         application = applications().get(recording.header.get("app", ""))
         data = _tables(recording, application)
-        pictures = _draw(recording, folder, args, application)
+        pictures = draw_report(recording, folder, args, looks, application)
     print()
     for picture in pictures:
         print(f"wrote {picture}")
@@ -80,13 +84,13 @@ def refuse_damage(recording: Any) -> None:
         raise UserError(what, str(recording.path), do if good else "record it again")
 
 
-def refuse_pictures(folder: Path) -> None:
+def refuse_pictures(folder: Path, suffix: str = ".png") -> None:
     """Makes sure that what a report draws into a folder replaces nothing but its own pictures.
 
     Raises:
         UserError: naming the first other file.
     """
-    named = [PictureFile(folder / f"{name}.png") for name in ("frames", "levels", "quantities", "timeline")]
+    named = [PictureFile(folder / f"{name}{suffix}") for name in ("frames", "levels", "quantities", "timeline")]
     for path in (*named, *(AnimationFile(folder / f"animation.{kind}") for kind in _FORMATS[:2])):
         refuse_foreign(path, str(path))
 
@@ -164,64 +168,3 @@ def _quantity(row: dict[str, Any], extras: Sequence[str]) -> list[str]:
 
 def _short(value: Any) -> Any:
     return f"{value:.3g}" if isinstance(value, float) else value
-
-
-def _draw(recording: Any, folder: Path, args: argparse.Namespace, application: Application | None) -> list[Path]:
-    """Draws all pictures; their paths."""
-    from restshape.report.drape import shows_cloth
-    from restshape.report.quantities import draw_quantities
-    from restshape.report.timeline import draw_timeline
-
-    cloth = shows_cloth(recording)
-    own, reuse = (application.report, application.editing.mesh) if application else (None, SHAPES.mesh)
-    if (cloth or own) and args.scale is not None:
-        what = own.true_scale if own else "cloth is drawn where it lies"
-        raise UserError(f"{what}, not exaggerated", "--scale", "leave --scale out")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        pictures = [folder / "timeline.png"]
-        draw_timeline(recording, pictures[0], iterations=reuse is not None)
-        if draw_quantities(recording, folder / "quantities.png"):
-            pictures.insert(0, folder / "quantities.png")
-        # Without a mesh there is none to reuse; where bodies move, and the pattern stays, there are no levels.
-        if recording.n > 1 and reuse and not (cloth and not recording.table["level"][1:].any()):
-            pictures.insert(0, folder / "levels.png")
-            reuse.draw_levels(recording, pictures[0])
-        if recording.dimension == 2:
-            moving = None if args.animation == "none" else folder / f"animation.{args.animation}"
-            (_draw_cloth if cloth else _draw_plane)(recording, args, folder / "frames.png", moving)
-            pictures = [folder / "frames.png", *pictures, *filter(None, [moving])]
-        elif own:
-            pictures = [*own.draw(recording, folder, args), *pictures]
-    except OSError as error:
-        raise UserError(f"pictures cannot be written: {error.strerror}", str(folder), "choose another --out") from error
-    return pictures
-
-
-def _draw_plane(recording: Any, args: argparse.Namespace, still: Path, moving: Path | None) -> None:
-    """Draws a shape in the plane: some frames, and an animation if it has a path."""
-    from restshape.report.animation import animated_frames, draw_animation
-    from restshape.report.frames import draw_frames
-    from restshape.report.happenings import chosen_frames
-    from restshape.report.scenery import scenery
-
-    common = scenery(recording, args.scale)
-    draw_frames(recording, chosen_frames(recording, args.frames), common, still)
-    if moving:
-        draw_animation(recording, animated_frames(recording), common, moving)
-
-
-def _draw_cloth(recording: Any, args: argparse.Namespace, still: Path, moving: Path | None) -> None:
-    """Draws cloth in space: some frames, and an animation if it has a path."""
-    import numpy as np
-
-    from restshape.report.animation import animated_frames
-    from restshape.report.drape import drape_scenery
-    from restshape.report.drape_frames import draw_drape_animation, draw_drape_frames
-    from restshape.report.happenings import chosen_frames
-
-    shown, animated = chosen_frames(recording, args.frames), animated_frames(recording)
-    common = drape_scenery(recording, np.union1d(shown, animated) if moving else shown)
-    draw_drape_frames(recording, shown, common, still)
-    if moving:
-        draw_drape_animation(recording, animated, common, moving)

@@ -110,6 +110,10 @@ class PageFile(OutputFile):
         return head.startswith(b"# ") and (b"\n```sh\nrestshape " in head or b"Written by `restshape tables`" in head)
 
 
+PICTURES = (".png", ".svg")
+"""Suffixes of still pictures."""
+
+
 class PictureFile(OutputFile):
     """A picture (PNG or SVG) by matplotlib."""
 
@@ -129,8 +133,8 @@ class AnimationFile(OutputFile):
 
     def known(self, head: bytes) -> bool:
         """Whether the folder is that of a report, in which each has a timeline."""
-        timeline = PictureFile(self.with_name("timeline.png"))
-        return timeline.is_file() and timeline.ours()
+        timelines = [PictureFile(self.with_name(f"timeline{suffix}")) for suffix in PICTURES]
+        return any(timeline.is_file() and timeline.ours() for timeline in timelines)
 
 
 class SoundFile(OutputFile):

@@ -2,7 +2,7 @@
 
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from restshape.errors import UserError
 from restshape.outputs.drawn import plain_texts
 from restshape.replay.recording import Recording
+from restshape.report.conditions import LOAD, SUPPORT
 from restshape.report.drawing import Drawing
 from restshape.report.frames import (
     BELOW,
@@ -29,6 +30,7 @@ from restshape.report.frames import (
     wrapped,
 )
 from restshape.report.happenings import failure
+from restshape.report.overlay import USUAL, overlay
 from restshape.report.scenery import Scenery
 from restshape.report.style import BODY, INK, MARK, MESH, REFUSED, new_figure
 
@@ -57,7 +59,9 @@ def require_ffmpeg() -> str:
     return found
 
 
-def draw_animation(recording: Recording, chosen: np.ndarray, scenery: Scenery, path: Path) -> None:
+def draw_animation(
+    recording: Recording, chosen: np.ndarray, scenery: Scenery, path: Path, things: Collection[str] = USUAL
+) -> None:
     """Writes the animation; the suffix of the path says which kind.
 
     Args:
@@ -65,11 +69,14 @@ def draw_animation(recording: Recording, chosen: np.ndarray, scenery: Scenery, p
         chosen: frames to draw.
         scenery: scale, extent and colours.
         path: ``.gif`` or ``.mp4``.
+        things: what frames show besides the field, some of mesh, goal, and `overlay.REBUILT`.
 
     Raises:
-        UserError: MP4 without ffmpeg, or ffmpeg failed.
+        UserError: MP4 without ffmpeg, ffmpeg failed, or a thing cannot be shown.
     """
-    write_animation(_pictures(recording, chosen, scenery), _palette(scenery.colours), path, pause(recording, chosen))
+    write_animation(
+        _pictures(recording, chosen, scenery, things), _palette(scenery.colours), path, pause(recording, chosen)
+    )
 
 
 def write_animation(pictures: Iterator[np.ndarray], palette: np.ndarray, path: Path, seconds: float) -> None:
@@ -97,11 +104,14 @@ def pause(recording: Recording, chosen: np.ndarray) -> float:
     return float(np.clip(duration / max(len(chosen) - 1, 1), *_SECONDS))
 
 
-def _pictures(recording: Recording, chosen: np.ndarray, scenery: Scenery) -> Iterator[np.ndarray]:
+def _pictures(
+    recording: Recording, chosen: np.ndarray, scenery: Scenery, things: Collection[str]
+) -> Iterator[np.ndarray]:
     """RGB pictures (height, width, 3) uint8, both sizes even; all but the body is drawn once."""
     figure, axes, bar = _canvas(recording, scenery)
     canvas = FigureCanvasAgg(figure)
-    drawing = Drawing(axes, scenery)
+    drawing = Drawing(axes, scenery, mesh="mesh" in things, goal="goal" in things)
+    over = overlay(recording, scenery, chosen, things)
     for artist in drawing.artists:
         artist.set_animated(True)
     _, unit = scenery.unit
@@ -118,8 +128,11 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: Scenery) -> Ite
         found = (f"frame {i}", *recording.moments(i), *findings(recording, i, scenery))
         words.set_text("\n".join(wrapped(found, room).split("\n")[:LINES]))
         words.set_color(REFUSED if failure(recording, i, bool(scenery.seen.solved[i])) else INK)
-        for shown in (*drawing.artists, words):
+        above = over.draw(axes, i) if over else []
+        for shown in (*drawing.artists, *above, words):
             axes.draw_artist(shown)
+        for shown in above:
+            shown.remove()
         yield even(canvas)
 
 
@@ -166,8 +179,8 @@ def _palette(colours: Colormap) -> np.ndarray:
     """256 colours: the map's, the map's under mesh lines, greys, and those of words and marks."""
     shades = colours(np.linspace(0, 1, 138))[:, :3]
     under = 0.75 * shades[::2] + 0.25 * np.array(to_rgb(MESH))
-    greys = np.repeat(np.linspace(0, 1, 46)[:, None], 3, axis=1)
-    all_colours = np.vstack([shades, under, greys, *map(to_rgb, (BODY, MARK, REFUSED))])
+    greys = np.repeat(np.linspace(0, 1, 44)[:, None], 3, axis=1)
+    all_colours = np.vstack([shades, under, greys, *map(to_rgb, (BODY, MARK, REFUSED, LOAD, SUPPORT))])
     return (255 * all_colours).round().astype(np.uint8)
 
 

@@ -1,6 +1,6 @@
 """The contact sheet: some frames of a recording side by side, deformed shape in the colours of its stress."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from math import ceil
 from pathlib import Path
 from textwrap import shorten, wrap
@@ -16,6 +16,7 @@ from restshape.report.drawing import Drawing
 from restshape.report.field import limits_of
 from restshape.report.happenings import failure, frame_words
 from restshape.report.marks import marks
+from restshape.report.overlay import USUAL, overlay
 from restshape.report.scenery import Scenery
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 
@@ -40,7 +41,9 @@ class Sheet(NamedTuple):
     height: float
 
 
-def draw_frames(recording: Recording, chosen: np.ndarray, scenery: Scenery, path: Path) -> None:
+def draw_frames(
+    recording: Recording, chosen: np.ndarray, scenery: Scenery, path: Path, things: Collection[str] = USUAL
+) -> None:
     """Writes the contact sheet, in the format that the path's suffix names.
 
     Args:
@@ -48,13 +51,20 @@ def draw_frames(recording: Recording, chosen: np.ndarray, scenery: Scenery, path
         chosen: frames to show.
         scenery: scale, extent and colours.
         path: of the picture.
+        things: what frames show besides the field, some of mesh, goal, and `overlay.REBUILT`.
+
+    Raises:
+        UserError: something of it cannot be shown.
     """
+    over = overlay(recording, scenery, chosen, things)
     xmin, xmax, ymin, ymax = scenery.extent
     sheet = layout(len(chosen), (xmax - xmin) / (ymax - ymin))
     captions = [caption(recording, int(i), scenery, int(sheet.width / LETTER)) for i in chosen]
     figure, grid, bar = _panels(sheet, captions, title_lines(recording, scenery, _wide(sheet)))
     for k, (i, axes) in enumerate(zip(map(int, chosen), grid)):
-        Drawing(axes, scenery).show(recording, i)
+        Drawing(axes, scenery, mesh="mesh" in things, goal="goal" in things).show(recording, i)
+        if over:
+            over.draw(axes, i)
         why = failure(recording, i, bool(scenery.seen.solved[i]))
         axes.set_title(captions[k], loc="left", pad=3, color=REFUSED if why else INK)
         below, left = k + sheet.columns >= len(chosen), k % sheet.columns == 0

@@ -106,6 +106,7 @@ def scenery(
     scale: float | None = None,
     field: str | None = None,
     limits: tuple[float, float] | None = None,
+    room: float = MARGIN,
 ) -> Scenery:
     """What the pictures of a recording have in common, from all its frames.
 
@@ -115,6 +116,7 @@ def scenery(
             the deformation is a large one.
         field: name of the field that gives the colour; default: see `shown_field`.
         limits: values at the ends of the colours in the field's SI unit; default: those of all frames.
+        room: around all, over its size.
 
     Raises:
         UserError: the recording is not of a shape in the plane, lacks the field, or a scale but 1 is given for a large
@@ -135,7 +137,7 @@ def scenery(
         x = recording.points(i) + scale * known_displacement(recording, i)
         low.append(x.min(axis=0, keepdims=True))
         high.append(x.max(axis=0, keepdims=True))
-    (xmin, ymin), (xmax, ymax) = np.vstack(low).min(axis=0) - MARGIN * size, np.vstack(high).max(axis=0) + MARGIN * size
+    (xmin, ymin), (xmax, ymax) = np.vstack(low).min(axis=0) - room * size, np.vstack(high).max(axis=0) + room * size
     known = shown if np.isfinite(seen.top).any() else None
     bottom, top = limits or (colour_range(known, seen) if known else (0.0, 1.0))
     deforms = "displacement" in recording.fields

@@ -1,5 +1,8 @@
 """How pictures look: colours that colour-blind readers can distinguish, numbers with SI prefixes."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from math import floor, isfinite, log10
 
 import matplotlib
@@ -51,10 +54,21 @@ _SETTINGS = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "legend.frameon": False,
-    "figure.dpi": DPI,
-    "savefig.dpi": DPI,
     "svg.hashsalt": "restshape",
 }
+
+
+_RESOLUTION = ContextVar("resolution", default=DPI)
+
+
+@contextmanager
+def resolution(dpi: int) -> Iterator[None]:
+    """Has figures that are made inside it so many pixels an inch."""
+    before = _RESOLUTION.set(dpi)
+    try:
+        yield
+    finally:
+        _RESOLUTION.reset(before)
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -63,7 +77,7 @@ def new_figure(width: float, height: float) -> Figure:
     Args:
         width, height: inches.
     """
-    plt.rcParams.update(_SETTINGS)
+    plt.rcParams.update(_SETTINGS | dict.fromkeys(("figure.dpi", "savefig.dpi"), _RESOLUTION.get()))
     return Figure(figsize=(width, height), layout="constrained")
 
 

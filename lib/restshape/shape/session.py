@@ -41,16 +41,18 @@ class EditFrame(ScriptFrame):
         outline: the valid shape of this frame.
         analysed: whether the script asks for a solution of this frame.
         edit_ended: nothing moves in it, or it is the last one of an event while no hand holds the shape.
+        hand: what the hand holds, and where it is [m]; None where it holds nothing.
     """
 
     outline: Outline
     analysed: bool = True
     edit_ended: bool = False
+    hand: tuple[str, tuple[float, float]] | None = None
 
 
 @dataclass(slots=True)
 class Grab:
-    """What the hand holds: a gesture, where it took hold, and the state before."""
+    """What the hand holds: a gesture, where it took hold, the state before, and its name."""
 
     gesture: Gesture
     check: MotionCheck
@@ -58,6 +60,7 @@ class Grab:
     cursor: tuple[float, float]
     before: State
     c: tuple[float, float] = STILL
+    name: str = ""
 
 
 class EditSession(ScriptSession):
@@ -86,7 +89,8 @@ class EditSession(ScriptSession):
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> EditFrame:
         edit_ended = step.change == "none" or (self._grab is None and last)
         contents = (step.change, step.gesture, step.c, self.scene, step.refused)
-        return EditFrame(*when, *contents, self.outline, analysed, edit_ended)
+        hand = None if self._grab is None else (self._grab.name, self._grab.cursor)
+        return EditFrame(*when, *contents, self.outline, analysed, edit_ended, hand)
 
     def _carried_out(self, event: Any) -> Iterator[Step]:
         if event.do in OF_SHAPE and event.on in bodies_of(self.scene):
@@ -128,7 +132,7 @@ class EditSession(ScriptSession):
             return
         gesture = gestures.drag(self.outline, entity)
         origin = event.at if event.at is not None else tuple(self.outline.centroid(entity).tolist())
-        yield self._take(gesture, origin)
+        yield self._take(gesture, origin, event.on)
 
     def _do_pull(self, event: Any) -> Iterator[Step]:
         try:
@@ -136,11 +140,12 @@ class EditSession(ScriptSession):
         except UserError as error:
             yield self._refusal(error)
             return
-        yield self._take(gesture, place if event.at is None else event.at)
+        yield self._take(gesture, place if event.at is None else event.at, event.on)
 
-    def _take(self, gesture: Gesture, origin: tuple[float, float]) -> Step:
+    def _take(self, gesture: Gesture, origin: tuple[float, float], name: str) -> Step:
         """The hand takes hold, the cursor being at the origin."""
-        self._grab = Grab(gesture, MotionCheck(self.outline, gesture), origin, origin, (self.outline, self.scene))
+        check, before = MotionCheck(self.outline, gesture), (self.outline, self.scene)
+        self._grab = Grab(gesture, check, origin, origin, before, name=name)
         return Step("none", gesture=gesture)
 
     def _do_drag(self, event: Any) -> Iterator[Step]:
