@@ -1,6 +1,7 @@
 """`restshape bench`: what reuse gains, and how time grows with size; one runner of all kinds."""
 
 import argparse
+import json
 import sys
 import time
 from pathlib import Path
@@ -25,10 +26,13 @@ from restshape.cli.shipped import script_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
+from restshape.outputs.drawn import drawn_from, fingerprint
 from restshape.outputs.kinds import PictureFile
 from restshape.outputs.whole import writable
 
 PLACE = 5
+MANY = ("several", "unscripted")
+"""Kinds of studies whose JSON holds a value for each scene."""
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
 PICTURES = Path("results")
 MODULES = (bench_reuse, bench_size, bench_order, bench_eigen, bench_drape, bench_design, bench_effectivity, bench_jumps)
@@ -55,11 +59,16 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         if kind.picture:
             what = "of the picture (default: %(default)s)"
             study.add_argument("--out", type=Path, default=PICTURES, metavar="DIR", help=what)
+        if kind.draw:
+            what = "measure nothing, and draw the picture of an earlier run from what its --json wrote"
+            study.add_argument("--redraw", type=Path, metavar="FILE", help=what)
 
 
 def run(args: argparse.Namespace) -> int:
     """Measure; 0 when it is done, 2 on bad input."""
     kind = KINDS[args.study]
+    if getattr(args, "redraw", None):
+        return redraw(kind, args)
     kind.check(args)
     cases = cases_of(kind, args)
     picture = _picture(args.out, kind.picture) if kind.picture else getattr(args, "picture", None)
@@ -70,8 +79,38 @@ def run(args: argparse.Namespace) -> int:
         kind.show(args, case.name, found[case.name])
     print(f"took {time.monotonic() - start:.0f} s")
     if picture and kind.draw:
-        _draw(picture, lambda: kind.draw(found, args, picture))
-    write_json(args, found if kind.scenes in ("several", "unscripted") else next(iter(found.values())))
+        _draw(picture, lambda: kind.draw(found, args, picture), written(kind, found))
+    write_json(args, written(kind, found))
+    return 0
+
+
+def written(kind: Kind, found: dict[str, Any]) -> Any:
+    """What the JSON holds of what was found by scene."""
+    return found if kind.scenes in MANY else next(iter(found.values()))
+
+
+def redraw(kind: Kind, args: argparse.Namespace) -> int:
+    """Draws the picture of an earlier run from its JSON.
+
+    Raises:
+        UserError: the file cannot be read, or is of another kind.
+    """
+    try:
+        data = json.loads(args.redraw.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise UserError(
+            f"this is no JSON that can be read: {error}", f"--redraw {args.redraw}", "name another"
+        ) from error
+    named = [path.stem for path in getattr(args, "scenes", ())]
+    found = data if kind.scenes in MANY else {named[0] if named else kind.scenes: data}
+    picture = _picture(args.out, kind.picture) if kind.picture else args.picture
+    if picture is None:
+        raise UserError("there is nothing to draw into", "--redraw", "name a picture: --picture FILE.png")
+    try:
+        _draw(picture, lambda: kind.draw and kind.draw(found, args, picture), data)
+    except (KeyError, TypeError, AttributeError, IndexError) as error:
+        what = f"this holds no results of restshape bench {kind.name}"
+        raise UserError(what, f"--redraw {args.redraw}", f"name what bench {kind.name} --json wrote") from error
     return 0
 
 
@@ -145,10 +184,11 @@ def announce(words: str) -> None:
     print(words, file=sys.stderr, flush=True)
 
 
-def _draw(path: Path, draw: Any) -> None:
-    """Draw, and show where."""
+def _draw(path: Path, draw: Any, data: Any) -> None:
+    """Draw, with the hash of the data in the picture, and show where."""
     try:
-        draw()
+        with drawn_from(fingerprint(data)):
+            draw()
     except OSError as error:
         raise UserError(f"{path} cannot be written: {error.strerror}", "--out", "choose another folder") from error
     print(f"wrote {path}")

@@ -49,7 +49,7 @@ def draw(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
     from restshape_studies.pictures.scaling import draw_scaling
 
     (one,) = found.values()
-    draw_scaling(one["sizes"], one["exponents"], args.policy, path)
+    draw_scaling(one["sizes"], one["exponents"], one["policy"], path)
 
 
 def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:

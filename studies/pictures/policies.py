@@ -1,4 +1,4 @@
-"""Time a frame by policy and scene: bars of medians."""
+"""Time a frame by policy and scene: a dot at the median, a line to the 95th percentile."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,7 +18,9 @@ MOST_IN_A_ROW = 5
 
 
 def draw_policies(found: Mapping[str, Mapping[str, Mapping[str, Any]]], path: Path) -> None:
-    """Writes the picture as a PNG: a group of bars a scene, each bar's median with a whisker to the 95th percentile.
+    """Writes the picture as a PNG: a group of rows a scene, in each the median with a line to the 95th percentile.
+
+    The axis is logarithmic, on which the length of a bar would mean nothing.
 
     Args:
         found: scene -> policy -> record with ms (p50, p95) [ms] and fps, as `bench reuse --json` writes it.
@@ -32,7 +34,7 @@ def draw_policies(found: Mapping[str, Mapping[str, Mapping[str, Any]]], path: Pa
     for name, scene in found.items():
         first = place
         for policy, entry in scene.items():
-            handles[policy] = _bar(axes, place, entry, colours[policy])
+            handles[policy] = _row(axes, place, entry, colours[policy])
             place += 1
         ticks.append(((first + place - 1) / 2, name))
         place += 0.8
@@ -40,7 +42,7 @@ def draw_policies(found: Mapping[str, Mapping[str, Mapping[str, Any]]], path: Pa
     axes.set(yticks=[at for at, _ in ticks], yticklabels=[shorten(name, 30, placeholder=" …") for _, name in ticks])
     axes.set_ylim(place - 1.1, -0.7)
     axes.tick_params(axis="y", length=0)
-    axes.set_xlabel("time a moved frame [ms]: p50 (bar), p95 (whisker)")
+    axes.set_xlabel("time a moved frame [ms]: median (dot) to 95th percentile (line)")
     figure.suptitle("The same edits under several policies of reuse", x=0.01, ha="left", color=INK)
     figure.legend(
         list(handles.values()), list(handles), loc="outside lower center", ncols=min(len(handles), MOST_IN_A_ROW)
@@ -48,25 +50,26 @@ def draw_policies(found: Mapping[str, Mapping[str, Mapping[str, Any]]], path: Pa
     save_picture(figure, path)
 
 
-def _bar(axes: Axes, place: float, entry: Mapping[str, Any], colour: str) -> Any:
-    """A bar with its whisker and words; an empty place where nothing moved."""
+def _row(axes: Axes, place: float, entry: Mapping[str, Any], colour: str) -> Any:
+    """A dot with its line and words; words alone where nothing moved."""
     p50, p95 = entry["ms"]["p50"], entry["ms"]["p95"]
+    look = {"marker": "o", "markersize": 7, "color": colour}
     if p50 <= 0:
         axes.text(0.01, place, "no moved frames", transform=axes.get_yaxis_transform(), va="center", color=FAINT)
-        return axes.barh([place], [0], color=colour, label="_")
-    bar = axes.barh(place, p50, height=0.78, color=colour, linewidth=0)
-    axes.plot([p50, p95], [place, place], color=INK, linewidth=1.1, marker="|", markersize=6)
+        return axes.plot([], [], linestyle="none", **look)[0]
+    axes.plot([p50, p95], [place, place], color=colour, linewidth=1.6, marker="|", markersize=6)
+    (dot,) = axes.plot([p50], [place], linestyle="none", **look)
     rate = f"{entry['fps']:,.0f}" if entry["fps"] >= 100 else f"{entry['fps']:.3g}"
     axes.text(max(p50, p95) * 1.12, place, f"{p50:.3g} ms, {rate} frames/s", va="center", fontsize=8)
-    return bar
+    return dot
 
 
 def _scale(axes: Axes, times: list[float]) -> None:
-    """A logarithmic axis with room for the words right of the longest bar."""
+    """A logarithmic axis with room for the words right of the longest line."""
     if not times:
         return
     axes.set_xscale("log")
-    least, most = min(times) / 3, max(times)
+    least, most = min(times) / 1.6, max(times)
     axes.set_xlim(least, most * (most / least) ** 0.42)
     axes.xaxis.set_major_locator(LogLocator(subs=(1,) if most > 1e3 * least else (1, 2, 5)))
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")

@@ -9,6 +9,7 @@ from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, PULLED, STEEL, across, drag
 
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.outputs.drawn import SOURCE
 from restshape.replay.recording import Recording
 from restshape.report.overlay import Overlay, follow, rebuilt_frames
 from restshape.report.scenery import scenery
@@ -128,3 +129,15 @@ def test_pictures_have_the_resolution_and_the_format_that_are_asked_for(recorded
 def test_options_without_sense_are_bad_input(recorded, tmp_path, capsys, words, message):
     assert main(["report", str(recorded), "--animation", "none", "--out", str(tmp_path), *words]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_pictures_hold_the_hash_of_their_recording(recorded, tmp_path):
+    words = ["--frames", "1", "--animation", "none", "--out", str(tmp_path), "--dpi", "50"]
+    assert main(["report", str(recorded), *words]) == 0
+    with Recording(recorded) as recording:
+        own = recording.fingerprint
+        recording.rows["q_peak"][0] += 1.0
+        assert recording.fingerprint != own
+    for path in tmp_path.glob("*.png"):
+        with Image.open(path) as image:
+            assert image.info[SOURCE] == own

@@ -1,13 +1,18 @@
 """What is committed under results/ is what its commands print."""
 
+import json
 import re
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+from restshape_studies.pictures.policies import draw_policies
 from restshape_studies.thesis import thesis_table
 from restshape_studies.verification import Verification
 
 from restshape.cli.main import main
+from restshape.outputs.drawn import SOURCE, fingerprint
 
 ROOT = Path(__file__).parents[2]
 THESIS = ROOT / "results" / "THESIS.md"
@@ -50,3 +55,44 @@ def test_thesis_tables_are_markdown():
         "| row | quantity | thesis | ours | unit |\n| --- | --- | ---: | ---: | --- |\n"
         "| a\\|b | rate | 105 | 2346 | 1/s |\n"
     )
+
+
+PICTURES = sorted(path for path in (ROOT / "results").glob("*.png") if path.with_suffix(".json").is_file())
+
+
+def test_pictures_are_found_beside_their_data():
+    assert {path.stem for path in PICTURES} >= {"bench-predict", "bench-reuse", "bench-size"}
+
+
+@pytest.mark.parametrize("path", PICTURES, ids=lambda path: path.stem)
+def test_a_picture_is_of_the_data_beside_it(path):
+    data = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+    with Image.open(path) as image:
+        assert image.info.get(SOURCE) == fingerprint(data), "draw it again: restshape bench STUDY --redraw FILE.json"
+
+
+def test_a_redrawn_picture_says_which_data_it_shows_and_other_data_say_otherwise(tmp_path, capsys):
+    data = json.loads((ROOT / "results" / "bench-reuse.json").read_text(encoding="utf-8"))
+    del data["cantilever"]
+    (tmp_path / "found.json").write_text(json.dumps(data))
+    redraw = ["bench", "reuse", "--redraw", str(tmp_path / "found.json"), "--out", str(tmp_path)]
+    assert main(redraw) == 0
+    with Image.open(tmp_path / "bench-reuse.png") as image:
+        assert image.info[SOURCE] == fingerprint(data)
+    data["plate"]["auto"]["fps"] += 1.0
+    assert fingerprint(data) != image.info[SOURCE]
+    assert fingerprint({2: 1.0, 10: (1, 2)}) == fingerprint({"10": [1, 2], "2": 1.0})
+    (tmp_path / "found.json").write_text('{"a": {"b": 1}}')
+    assert main(redraw) == 2
+    assert "no results of restshape bench reuse" in capsys.readouterr().err
+
+
+def test_rows_of_policies_have_dots_on_their_axis_and_no_bars(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: figures.append(figure))
+    data = json.loads((ROOT / "results" / "bench-reuse.json").read_text(encoding="utf-8"))
+    draw_policies(data, tmp_path / "a.png")
+    (axes,) = figures[0].axes
+    assert axes.get_xscale() == "log" and not axes.patches
+    dots = sorted(float(line.get_xdata()[0]) for line in axes.lines if line.get_marker() == "o")
+    assert dots == sorted(entry["ms"]["p50"] for scene in data.values() for entry in scene.values())

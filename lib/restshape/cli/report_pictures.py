@@ -17,6 +17,7 @@ def draw_report(
     Raises:
         UserError: an option does not suit the recording, or a picture cannot be written.
     """
+    from restshape.outputs.drawn import drawn_from
     from restshape.report.drape import shows_cloth
     from restshape.report.field import shown_field
     from restshape.report.style import resolution
@@ -34,7 +35,7 @@ def draw_report(
         shown_field(recording, looks.field)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with resolution(looks.dpi):
+        with resolution(looks.dpi), drawn_from(recording.fingerprint):
             return _draw(recording, folder, args, looks, application, cloth)
     except OSError as error:
         raise UserError(f"pictures cannot be written: {error.strerror}", str(folder), "choose another --out") from error

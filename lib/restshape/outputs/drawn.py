@@ -1,9 +1,14 @@
-"""Pictures: whole or not at all, and over no others."""
+"""Pictures: whole or not at all, over no others, and with the hash of the data that they show."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import PictureFile
@@ -11,6 +16,32 @@ from restshape.outputs.whole import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+SOURCE = "Source"
+"""Key of a picture's metadata, in PNG and in SVG."""
+_source: ContextVar[str] = ContextVar("source", default="")
+
+
+def fingerprint(data: Any) -> str:
+    """The hash of what a JSON file holds, however it is laid out."""
+    # Keys that are numbers become texts before they are sorted.
+    plain = json.loads(json.dumps(data))
+    return f"sha256:{sha256(json.dumps(plain, sort_keys=True, separators=(',', ':')).encode()).hexdigest()}"
+
+
+@contextmanager
+def drawn_from(source: str) -> Iterator[None]:
+    """Has pictures that are saved inside it say what they show.
+
+    Args:
+        source: such as `fingerprint` gives it.
+    """
+    before = _source.set(source)
+    try:
+        yield
+    finally:
+        _source.reset(before)
 
 
 def save_picture(figure: Figure, path: Path) -> None:
@@ -23,7 +54,10 @@ def save_picture(figure: Figure, path: Path) -> None:
     refuse_foreign(PictureFile(path), str(path))
     plain_texts(figure)
     with replacing(path) as part:
-        figure.savefig(part)
+        if _source.get():
+            figure.savefig(part, metadata={SOURCE: _source.get()})
+        else:
+            figure.savefig(part)
 
 
 def plain_texts(figure: Figure) -> None:

@@ -3,6 +3,7 @@
 import json
 import time
 import zlib
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -153,6 +154,12 @@ class Recording:
             counts = points if info.where == "point_data" else cells
             here = slice(info.first_frame, self.n)
             refuse_bad_places(starts[here], counts[here], len(dataset), name)
+
+    @property
+    def fingerprint(self) -> str:
+        """The hash of all that it holds: of its header, and of its rows, which hold the checksum of each frame."""
+        header = json.dumps(self.header, sort_keys=True).encode()
+        return f"sha256:{sha256(header + self._rows.tobytes()).hexdigest()}"
 
     @property
     def times(self) -> np.ndarray:
