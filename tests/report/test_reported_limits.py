@@ -15,7 +15,8 @@ from restshape.replay.first_frame import first_frame
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.request import Request
-from restshape.report.happenings import failure, frame_words
+from restshape.report.frames import caption
+from restshape.report.scenery import scenery
 from restshape.report.timeline import draw_timeline
 from restshape.scene.script import load_script
 
@@ -61,13 +62,12 @@ def test_pictures_mark_statuses(recorded, tmp_path, monkeypatch):
     monkeypatch.setattr("restshape.report.timeline.save_picture", lambda figure, path: drawn.append(figure))
     with Recording(recorded[0]) as recording:
         draw_timeline(recording, tmp_path / "t.png")
-        captions = [(" ".join(frame_words(recording, i)), failure(recording, i)) for i in range(recording.n)]
+        common = scenery(recording)
+        captions = [caption(recording, i, common, 80) for i in range(recording.n)]
     figure: Figure = drawn[0]
     texts = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "limit within the error (1)" in texts and "limit violated (1)" in texts
     marks = {line.get_marker(): line.get_xdata() for line in figure.axes[0].lines if line.get_marker() in ("x", "d")}
     np.testing.assert_array_equal(marks["d"], [1])
     np.testing.assert_array_equal(marks["x"], [2])
-    within = "limit within the error"
-    assert [within in words for words, _ in captions] == [False, True, False]
-    assert [why.startswith("LIMIT VIOLATED") for _, why in captions] == [False, False, True]
+    assert "uncertain" not in captions[0] and "limit uncertain" in captions[1] and "LIMIT VIOLATED" in captions[2]

@@ -25,6 +25,11 @@ def violated(recording: Recording) -> np.ndarray:
     return np.array([status == FAILS for status in texts(recording, "constraint_status")], dtype=bool)
 
 
+def uncertain(recording: Recording) -> np.ndarray:
+    """Whether a quantity of each frame (n,) is nearer to its limit than the error of its value."""
+    return np.array([status == UNCERTAIN for status in texts(recording, "constraint_status")], dtype=bool)
+
+
 def utilisations(recording: Recording) -> dict[str, np.ndarray]:
     """By quantity with a limit, how far it is used in each frame (n,): 1 at the limit, above it beyond.
 
@@ -64,14 +69,14 @@ def worst_frame(recording: Recording) -> tuple[int, str] | None:
 
 
 def events(recording: Recording) -> list[list[int]]:
-    """Frames in which something happens, a list a kind: refused, a limit violated, level 3, a remark, level 2.
+    """Frames in which something happens, a list a kind: refused, a limit violated or uncertain, level 3, remarks, level 2.
 
     Of neighbours of one kind the first stands for all.
     """
     level = column(recording, "level")
     remarks = np.array([bool(text) for text in texts(recording, "note")], dtype=bool)
     later = np.arange(recording.n) > 0
-    kinds = [refused(recording), violated(recording), (level == 3) & later, remarks, level == 2]
+    kinds = [refused(recording), violated(recording), uncertain(recording), (level == 3) & later, remarks, level == 2]
     return [_starts(kind) for kind in kinds]
 
 
@@ -122,8 +127,8 @@ def frame_words(recording: Recording, i: int) -> Iterator[str]:
         yield LEVEL_NAMES[level] if level else "values changed" if with_values(recording)[i] else "idle"
     if predicted(recording)[i]:
         yield "predicted"
-    if texts(recording, "constraint_status")[i] == UNCERTAIN:
-        yield "limit within the error"
+    if uncertain(recording)[i]:
+        yield "limit uncertain"
     worst = worst_frame(recording)
     if worst and worst[0] == i:
         yield worst[1]
