@@ -10,12 +10,13 @@ from small_scenes import make_replay, plate, rows_of, write_scene, write_script
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.cli.main import main
-from restshape.replay.columns import columns_of
+from restshape.replay.columns import columns_of, error_column
 from restshape.replay.first_frame import first_frame
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.request import Request
 from restshape.report.frames import caption
+from restshape.report.quantities import draw_quantities
 from restshape.report.scenery import scenery
 from restshape.report.timeline import draw_timeline
 from restshape.scene.script import load_script
@@ -71,3 +72,20 @@ def test_pictures_mark_statuses(recorded, tmp_path, monkeypatch):
     np.testing.assert_array_equal(marks["d"], [1])
     np.testing.assert_array_equal(marks["x"], [2])
     assert "uncertain" not in captions[0] and "limit uncertain" in captions[1] and "LIMIT VIOLATED" in captions[2]
+
+
+def test_errors_are_a_band_around_the_quantity(recorded, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr("restshape.report.quantities.save_picture", lambda figure, path: drawn.append(figure))
+    with Recording(recorded[0]) as recording:
+        assert draw_quantities(recording, tmp_path / "q.png")
+        value, error = recording.table["q_stretch"][0], recording.table[error_column("stretch")][0]
+    axes = next(axes for axes in drawn[0].axes if axes.get_title(loc="left") == "stretch")
+    (band,) = (one for one in axes.collections if any(len(path.vertices) > 8 for path in one.get_paths()))
+    heights = band.get_paths()[0].vertices
+    first = heights[np.isclose(heights[:, 0], 0.0), 1]
+    factor = 10.0 ** np.round(np.log10(first.mean() / value))
+    assert first.max() == pytest.approx(factor * (value + error)) and first.min() == pytest.approx(
+        factor * (value - error)
+    )
+    assert error > 0.0 and axes.get_ylim()[0] <= first.min() and axes.get_ylim()[1] >= first.max()

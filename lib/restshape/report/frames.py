@@ -22,7 +22,7 @@ from restshape.report.style import FAINT, INK, REFUSED, new_figure
 
 WIDTH = 9.5
 """Of a sheet at most [inch]; all lengths below are inches, too."""
-LEFT, RIGHT, BELOW, BETWEEN = 0.72, 1.25, 0.5, 0.18
+LEFT, RIGHT, BELOW, BETWEEN = 0.72, 1.25, 0.5, 0.3
 """Room for numbers and names of axes, for the colour bar, and between panels."""
 NARROWEST, TALLEST = 1.2, 9.0
 """Width of a panel below which not even half a caption fits; height of all panels."""

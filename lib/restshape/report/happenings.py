@@ -69,7 +69,7 @@ def worst_frame(recording: Recording) -> tuple[int, str] | None:
 
 
 def events(recording: Recording) -> list[list[int]]:
-    """Frames in which something happens, a list a kind: refused, a limit violated or uncertain, level 3, remarks, level 2.
+    """Frames in which something happens, a list a kind: refused, limits violated, uncertain, level 3, remarks, level 2.
 
     Of neighbours of one kind the first stands for all.
     """

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from restshape.outputs.drawn import save_picture
+from restshape.replay.columns import error_column
 from restshape.replay.recording import Recording
 from restshape.report.field import limits_of
 from restshape.report.frames import scene_name
@@ -17,6 +18,7 @@ EACH, FRAMED = 1.35, 1.3
 """Height of a panel, and of what is around them [inch]."""
 LEAST_SPAN = 1e-4
 """Least span of an axis, over the size of its values."""
+BAND = "#c6dbef"
 MOST = 12
 """Quantities in a picture."""
 SHOWN_BEYOND = 1.5
@@ -39,6 +41,7 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
     for axes, name in zip(panels, shown):
         values = np.where(stopped, np.nan, column(recording, f"q_{name}"))
         _panel(axes, recording, values, limits.get(name, {}), units.get(name, ""))
+        _band(axes, values, column(recording, error_column(name)), units.get(name, ""))
         axes.set_title(name, loc="left", pad=2)
         _shade(axes, np.flatnonzero(stopped))
     panels[-1].set_xlabel("frame")
@@ -76,6 +79,21 @@ def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str
         axes.text(0.5, 0.5, "no values", transform=axes.transAxes, ha="center", va="center", color=REFUSED)
 
 
+def _band(axes: Axes, values: np.ndarray, errors: np.ndarray, unit: str) -> None:
+    """Shades what lies within the estimated error of a quantity, where it has one."""
+    known = np.isfinite(values) & np.isfinite(errors)
+    if not known.any():
+        return
+    factor, _ = scaled_unit(float(np.abs(values[np.isfinite(values)]).max()), unit)
+    low, high = (np.where(known, factor * (values + sign * errors), np.nan) for sign in (-1.0, 1.0))
+    limits = axes.get_ylim()
+    axes.fill_between(np.arange(len(values)), low, high, color=BAND, linewidth=0, zorder=0.5, step="mid")
+    # An error many times the value is cut off.
+    span = limits[1] - limits[0]
+    reach = max(limits[0] - span, float(np.nanmin(low))), min(limits[1] + span, float(np.nanmax(high)))
+    axes.set_ylim(min(limits[0], reach[0]), max(limits[1], reach[1]))
+
+
 def least_span(axes: Axes, low: float, high: float) -> None:
     """Widens the axis of values from low to high where these are the same but for rounding."""
     least = LEAST_SPAN * max(abs(low), abs(high))
@@ -104,6 +122,9 @@ def _shade(axes: Axes, frames: np.ndarray) -> None:
 def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray) -> None:
     """The legend below all panels: of what occurs."""
     level = column(recording, "level")
+    names = [key[2:] for key in recording.table if key.startswith("q_")]
+    if any(np.isfinite(column(recording, error_column(name))).any() for name in names):
+        axes.fill_between([], [], [], color=BAND, label="estimated error")
     for k in (k for k in (2, 3) if (level == k).any()):
         axes.plot([], [], ls="", marker=LEVEL_MARKS[k], color=LEVELS[k], ms=4.5, label=LEVEL_NAMES[k])
     if limited:
