@@ -23,12 +23,10 @@ LOW, HIGH = 0.5, 2.0
 """Effectivities between these are good."""
 RESOLVED = 3.0
 """True errors below so many times the estimated one of the reference are not known."""
-ROUNDING = 1e-9
-"""Errors below this share of the value are none: what remains is the solver's."""
 
 GOOD, BAD, EXACT, SINGULAR, UNRESOLVED = "good", "bad", "exact", "singular", "unresolved"
-"""What is found of a point: inside or outside of `LOW` to `HIGH`; exact, where true and estimated error are rounding;
-singular; or of an error that the reference is not good enough for."""
+"""What is found of a point: inside or outside of `LOW` to `HIGH`; exact, where true and estimated error are within the
+solver's tolerance; singular; or of an error that the reference is not good enough for."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +79,7 @@ def study(path: Path, given: Sequence[str], sizes: Sequence[float], announce: Ca
         for size in sizes:
             announce(f"{path.stem}: order {order}, size x {size:g}")
             found = _values(path, (*asked, *scaled(scene, size), f"mesh.order={order}"), names)
-            points += [_point(order, size, name, found[name], truth[name]) for name in names]
+            points += [_point(order, size, name, found[name], truth[name], scene.solve.tolerance) for name in names]
     return {"points": [asdict(point) for point in points], "omitted": omitted}
 
 
@@ -114,10 +112,12 @@ def _closed_form(scene: Scene, name: str) -> tuple[float, float] | None:
     return None if value is None else (float(value), 0.0)
 
 
-def _point(order: int, size: float, name: str, found: tuple[float, float], truth: tuple[float, float]) -> Point:
+def _point(
+    order: int, size: float, name: str, found: tuple[float, float], truth: tuple[float, float], tolerance: float
+) -> Point:
     value, estimate = found
     true, doubt = abs(truth[0] - value), truth[1]
-    least = ROUNDING * abs(value)
+    least = tolerance * abs(value)
     effectivity = estimate / true if true > 0.0 else inf
     if estimate == inf:
         verdict = SINGULAR

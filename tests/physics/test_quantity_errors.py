@@ -9,6 +9,7 @@ from small_scenes import write_script as scripted
 from thermal_scenes import ANNULUS
 from thermal_scenes import solved as heat_solved
 
+from restshape.analysis import quantity_errors
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.fem.quantity_error import dual_solution
@@ -120,6 +121,17 @@ def test_heat_of_a_pipe_against_its_closed_form(tmp_path, size):
         assert 0.5 <= errors[name] / abs(value - values[name]) <= 2.0, name
 
 
+def test_sampled_loads_and_straight_sides_count(tmp_path):
+    """Reactions: all of a parabola's traction, and the weight of what a polygon leaves of round holes."""
+    text = HEAD + block() + HOLE + STEEL + CLAMPED + "[effects.gravity]\ng = [0, -9.81]\n"
+    text += '[loads.down]\non = "right"\ntraction = [0, "1e6*y*(1 - y)"]\n'
+    text += '[quantities]\nheld = { reaction = "y", at = "left" }\n'
+    analysis = solved(tmp_path, 0.1, 1, text)
+    true = 8000.0 * 9.81 * 0.01 * (1.0 - np.pi * 0.15**2) - 0.01 * 1e6 / 6.0
+    error, found = abs(true - analysis.observe()["held"]), analysis.quantity_errors(["held"])["held"]
+    assert error > 1.0 and found == pytest.approx(error, rel=0.05)
+
+
 def test_recording_csv_and_summary_hold_errors(tmp_path):
     text = LIMITED.replace("MAX", "max = 1,").replace("wall = {", "wall = { error = true,")
     script = scripted(tmp_path, drag("window", (0.5, 0.5), [(0.55, 0.5), (0.6, 0.5), (0.5, 9.0)]))
@@ -184,8 +196,31 @@ def test_areas_and_names_of_other_columns_are_refused(tmp_path):
         columns_of(scene, application("plane"))
 
 
-def test_an_error_costs_one_more_solve(tmp_path):
-    """Iterations on the kept preconditioner; frames themselves are the same bits with errors and without."""
+def test_duals_of_a_drag_start_at_those_before(tmp_path, monkeypatch):
+    """As good as from nothing, with no more applications of the preconditioner than the frames take."""
+    steps = []
+    plain = quantity_errors.preconditioner
+
+    def counted(solver, rows):
+        apply = plain(solver, rows)
+        return lambda r: (steps.append(1), apply(r))[1]
+
+    monkeypatch.setattr(quantity_errors, "preconditioner", counted)
+    script = scripted(tmp_path, drag("window", (0.5, 0.5), [(0.5 + 0.01 * k, 0.5) for k in range(1, 13)]))
+    replay = make_replay(write_scene(tmp_path, LIMITED.replace("MAX", "error = true,")), script)
+    frames = replay.frames()
+    first = next(frames)
+    steps.clear()
+    rows = [row for row in frames if row["level"] == 1]
+    # A solve applies it once more than it iterates.
+    assert len(steps) <= 1.5 * sum(row["iterations"] + 1 for row in rows), (len(steps), rows)
+    cold = quantity_errors.SteadyQuantityErrors(replay.analysis)(["stretch"])["stretch"]
+    assert rows[-1]["stretch_error"] == pytest.approx(cold, rel=0.02)
+    assert rows[-1]["stretch_error"] != first["stretch_error"]
+
+
+def test_errors_change_no_frame(tmp_path):
+    """The same bits with errors and without."""
     script = scripted(tmp_path, drag("window", (0.5, 0.5), [(0.5 + 0.02 * k, 0.5) for k in range(1, 6)]))
     found = {}
     for word in ("", "error = true,"):

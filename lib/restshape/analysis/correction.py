@@ -36,7 +36,9 @@ def correction(problem: Problem, x: np.ndarray, solver: LinearSolver, rows: slic
     return conjugate_steps(stiffness_product(problem, x), kept, residual).reshape(x.shape)
 
 
-def conjugate_steps(product: Operation, precondition: Operation, residual: np.ndarray) -> np.ndarray:
+def conjugate_steps(
+    product: Operation, precondition: Operation, residual: np.ndarray, known: float = 0.0
+) -> np.ndarray:
     """About the solution (n,) of product(d) = rest: steps of conjugate gradients from 0.
 
     Each lowers the squared distance in the energy norm by what it gains. A single small gain says nothing of what is
@@ -47,6 +49,7 @@ def conjugate_steps(product: Operation, precondition: Operation, residual: np.nd
         product: of a symmetric positive definite matrix with (n,).
         precondition: about its inverse.
         residual: (n,) right side.
+        known: squared energy of what the solution is added to, of which what is left is a share too.
 
     Source: docs/theory.md, section 9; Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952) 409; Strakos and Tichy,
     Electron. Trans. Numer. Anal. 13 (2002) 56.
@@ -63,7 +66,7 @@ def conjugate_steps(product: Operation, precondition: Operation, residual: np.nd
         found += length * step
         residual = residual - length * force
         gains.append(length * weight)
-        if sum(gains[-DELAY:]) <= ENOUGH * sum(gains):
+        if sum(gains[-DELAY:]) <= ENOUGH * (known + sum(gains)):
             break
         z = precondition(residual)
         weight, last = float(residual @ z), weight
