@@ -19,6 +19,8 @@ from restshape.scene.model import Scene
 
 FINER = 4.0
 """How many times as fine as the finest point the reference is, where so many unknowns are affordable."""
+TIGHT = 1e-6
+"""Errors below this share of the value, or the solver's tolerance, are the solver's."""
 LOW, HIGH = 0.5, 2.0
 """Effectivities between these are good."""
 RESOLVED = 3.0
@@ -80,7 +82,12 @@ def study(path: Path, given: Sequence[str], sizes: Sequence[float], announce: Ca
             announce(f"{path.stem}: order {order}, size x {size:g}")
             found = _values(path, (*asked, *scaled(scene, size), f"mesh.order={order}"), names)
             points += [_point(order, size, name, found[name], truth[name], scene.solve.tolerance) for name in names]
-    return {"points": [asdict(point) for point in points], "omitted": omitted}
+    return {"points": [_plain(point) for point in points], "omitted": omitted}
+
+
+def _plain(point: Point) -> dict[str, Any]:
+    """A point for JSON, which knows no infinity."""
+    return {key: None if isinstance(v, float) and not isfinite(v) else v for key, v in asdict(point).items()}
 
 
 def counts(points: Sequence[dict[str, Any]]) -> dict[str, int]:
@@ -117,7 +124,7 @@ def _point(
 ) -> Point:
     value, estimate = found
     true, doubt = abs(truth[0] - value), truth[1]
-    least = tolerance * abs(value)
+    least = min(tolerance, TIGHT) * abs(value)
     effectivity = estimate / true if true > 0.0 else inf
     if estimate == inf:
         verdict = SINGULAR

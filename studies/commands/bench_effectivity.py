@@ -59,7 +59,7 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
             f"{one['size']:g}",
             f"{one['value']:.6g}",
             f"{one['true']:.2g}",
-            f"{one['estimate']:.2g}",
+            "-" if one["estimate"] is None else f"{one['estimate']:.2g}",
             f"{one['effectivity']:.2f}" if one["verdict"] in (GOOD, BAD) else "-",
             one["verdict"],
         )

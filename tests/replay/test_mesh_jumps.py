@@ -102,3 +102,18 @@ def test_answers_with_a_past_are_refused(tmp_path):
     text = plate(0.2).replace('app = "plane"', 'app = "moving"') + "[effects.dynamics]\ntime_step = 1e-4\nsteps = 1\n"
     with pytest.raises(UserError, match=r"solve\.jumps"):
         make_replay(write_scene(tmp_path, text), overrides=ASKED)
+
+
+@pytest.mark.mpi
+def test_two_ranks_find_the_same_errors_and_jumps(tmp_path, on_ranks):
+    text = plate(0.2).replace("energy = {", "energy = { error = true,")
+    scene, script = write_scene(tmp_path, text), write_script(tmp_path, COARSE)
+    found = []
+    for ranks in (1, 2):
+        words = ("--edits", script, "--set", "solve.tolerance=1e-9", "--set", *ASKED, "--json", f"{ranks}.json")
+        done = on_ranks(ranks, "replay", scene, *words)
+        assert done.returncode == 0, done.stdout + done.stderr
+        found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
+    one, two = found
+    assert two["quantity_errors"]["energy"] == pytest.approx(one["quantity_errors"]["energy"], rel=0.02)
+    assert two["jumps"]["energy"]["largest"] == pytest.approx(one["jumps"]["energy"]["largest"], rel=1e-4)

@@ -8,10 +8,11 @@ from restshape import _kernels
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving_state import Generated, Kept
-from restshape.mesh.quality import areas
 from restshape.mesh.relocate import BoundaryNodes, extension
 from restshape.shape.outline import Outline
 
+LEAST = 0.05
+"""Quality of a triangle below which a mesh says nothing of another: its own error would count as the jump."""
 STEPS = 8
 """In which a new mesh goes back to the shape before."""
 
@@ -71,13 +72,14 @@ def _moved(mesh: Mesh, outline: Outline) -> np.ndarray:
 
 
 def _fields_on(mesh: Mesh, like: Mesh | LagrangeSpace | None) -> Mesh | LagrangeSpace | None:
-    """What fields of the order of another space live on; None where a triangle is invalid.
+    """What fields of the order of another space live on; None where a triangle is invalid, or nearly.
 
     Args:
         mesh: with the facets of the other.
         like: its sides on the outline bend as these do where both are on one outline.
     """
-    if areas(mesh.X, mesh.cells).min() <= 0.0:
+    quality, invalid, _ = _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)
+    if invalid or quality < LEAST:
         return None
     if not isinstance(like, LagrangeSpace):
         return mesh
