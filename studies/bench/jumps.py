@@ -1,7 +1,7 @@
 """By how much quantities jump where flips or new meshes change the mesh, in the replay of a script."""
 
 from collections.abc import Sequence
-from math import inf, isfinite
+from math import inf, isfinite, nan
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +34,8 @@ def study(scene: Path, edits: Path, given: Sequence[str]) -> dict[str, Any]:
         frames[level] += 1
         compared = False
         for name, known in largest.items():
-            jump, value = abs(row[jump_column(name)]), abs(row[f"q_{name}"])
+            # Frames that are not analysed have none.
+            jump, value = abs(row.get(jump_column(name), nan)), abs(row[f"q_{name}"])
             if not isfinite(jump):
                 continue
             compared = True
