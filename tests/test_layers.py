@@ -26,7 +26,9 @@ MAY_IMPORT = {
 """What each package may import besides itself."""
 LAYERS = (
     "_kernels",
+    "bounds",
     "errors",
+    "memory",
     "first_use",
     "outputs",
     "findings",

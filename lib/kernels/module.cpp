@@ -21,6 +21,7 @@ void bind_fields(py::module_&);
 void bind_force_space(py::module_&);
 void bind_thickness(py::module_&);
 void bind_second_order(py::module_&);
+void bind_watch(py::module_&);
 
 PYBIND11_MODULE(_kernels, m) {
     m.doc() = "Compiled kernels of restshape: elements, assembly, mesh operations.";
@@ -42,4 +43,5 @@ PYBIND11_MODULE(_kernels, m) {
     bind_force_space(m);
     bind_thickness(m);
     bind_second_order(m);
+    bind_watch(m);
 }

@@ -13,6 +13,7 @@ __all__: list[str] = [
     "OutlineCheck",
     "Triangulation",
     "add_friction",
+    "begin_frame",
     "build",
     "calls",
     "cell_order",
@@ -55,8 +56,11 @@ __all__: list[str] = [
     "smooth_fresh",
     "space_recovery_points",
     "split_prisms",
+    "stop_watching",
     "thickness_stretch",
     "total_area",
+    "watch",
+    "watch_outlet",
 ]
 
 class Body:
@@ -292,6 +296,7 @@ def add_friction(
     slip: typing.SupportsFloat | typing.SupportsIndex,
     potential: numpy.typing.NDArray[numpy.float64],
 ) -> float: ...
+def begin_frame() -> None: ...
 def build() -> dict: ...
 def calls() -> dict: ...
 def cell_order(
@@ -520,6 +525,7 @@ def split_prisms(
     cells: numpy.typing.NDArray[numpy.int32],
     changed: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
 ) -> None: ...
+def stop_watching() -> None: ...
 def thickness_stretch(
     X: numpy.typing.NDArray[numpy.float64],
     u: numpy.typing.NDArray[numpy.float64],
@@ -528,6 +534,16 @@ def thickness_stretch(
     points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> numpy.typing.NDArray[numpy.float64]: ...
 def total_area(X: numpy.typing.NDArray[numpy.float64], cells: numpy.typing.NDArray[numpy.int32]) -> float: ...
+def watch(
+    seconds: typing.SupportsFloat | typing.SupportsIndex,
+    bytes: typing.SupportsInt | typing.SupportsIndex,
+    code: typing.SupportsInt | typing.SupportsIndex,
+    slow: str,
+    large: str,
+) -> None: ...
+def watch_outlet(
+    control: typing.SupportsInt | typing.SupportsIndex, process: typing.SupportsInt | typing.SupportsIndex
+) -> None: ...
 
 cgal_version: str = "5.5.1"
 has_cgal: bool = True

@@ -6,6 +6,11 @@ def printable(text: str) -> str:
     return "".join(c for c in text if c in "\n\t" or not (ord(c) < 32 or 127 <= ord(c) < 160 or c in DIRECTIONS))
 
 
+def quoted(text: str, most: int = 60) -> str:
+    """A text in quotes, for a message; of a long one its beginning."""
+    return repr(text if len(text) <= most else f"{text[: most - 3]}...")
+
+
 DIRECTIONS = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
 """Characters that turn the direction of what follows."""
 

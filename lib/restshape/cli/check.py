@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from restshape.cli.limits import add_limits, limited
 from restshape.cli.options import add_scene
 from restshape.outputs.kinds import PictureFile
 
@@ -12,6 +13,7 @@ SUMMARY = "check a scene and an edit script without solving anything"
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
     add_scene(parser)
+    add_limits(parser)
     parser.add_argument("edits", metavar="EDITS", type=Path, nargs="?", help="edit script (.jsonl)")
     parser.add_argument(
         "--picture", metavar="FILE", type=PictureFile, help="draw the scene with its names (.png or .svg)"
@@ -22,4 +24,5 @@ def run(args: argparse.Namespace) -> int:
     """Prints what the scene holds and which edits would be refused; 1 if any would be."""
     from restshape.cli.check_scene import check
 
-    return check(args)
+    with limited(args) as begin_frame:
+        return check(args, begin_frame)

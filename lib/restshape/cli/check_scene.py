@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -30,15 +31,20 @@ from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 
 
-def check(args: argparse.Namespace) -> int:
-    """Prints what the scene holds and which edits would be refused; 1 if any would be."""
+def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
+    """Prints what the scene holds and which edits would be refused; 1 if any would be.
+
+    Args:
+        args: of the command line.
+        begin_frame: called after each frame of the script.
+    """
     scene = read_scene(args)
     app = application(scene.app)
     data, rows, outline = app.editing.checked(scene, plan(scene, app))
     print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), rows)
     if args.picture:
         _draw(args.picture, scene, outline)
-    return finish(args, scene, data, outline)
+    return finish(args, scene, data, begin_frame, outline)
 
 
 def _draw(path: Path, scene: Scene, outline: Outline | None) -> None:
@@ -85,14 +91,20 @@ def checked_shape(scene: Scene, effects: Plan) -> tuple[dict[str, Any], Rows, Ou
     return data, rows, outline
 
 
-def finish(args: argparse.Namespace, scene: Scene, data: dict[str, Any], outline: Outline | None = None) -> int:
+def finish(
+    args: argparse.Namespace,
+    scene: Scene,
+    data: dict[str, Any],
+    begin_frame: Callable[[], None],
+    outline: Outline | None = None,
+) -> int:
     """Replays the script, if there is one, on paper, writes what programs want, and gives the exit code."""
     refused: list[dict[str, Any]] = []
     if args.edits is not None:
         script = load_script(args.edits, scene)
         if script.error:
             raise script.error
-        data["edits"] = edits = replayed(scene, script, outline)
+        data["edits"] = edits = replayed(scene, script, outline, begin_frame)
         refused = edits["refused"]
         print_edits(args.edits, edits, script)
     write_json(args, data)
@@ -228,7 +240,9 @@ def listed(names: list[str], most: int = 12) -> str:
     return f"{len(names)}: {', '.join(names[:most])}{more}" if names else "0"
 
 
-def replayed(scene: Scene, script: Script, outline: Outline | None = None) -> dict[str, Any]:
+def replayed(
+    scene: Scene, script: Script, outline: Outline | None = None, begin_frame: Callable[[], None] = lambda: None
+) -> dict[str, Any]:
     """What the script does to the shape: frames, what changes in them, and the edits that are refused."""
     from restshape.replay.sessions import session_of
 
@@ -237,6 +251,7 @@ def replayed(scene: Scene, script: Script, outline: Outline | None = None) -> di
     refused = []
     for frame in session_of(scene, script, outline).frames():
         frames += 1
+        begin_frame()
         seconds = frame.t
         changes[frame.change] += 1
         if frame.refused:

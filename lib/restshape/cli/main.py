@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import TextIO
 
 from restshape import __version__
+from restshape.cli.limits import LIMIT_REACHED
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import ending_signals, exit_code, open_streams
 from restshape.errors import UserError, printable
@@ -24,7 +25,8 @@ GROUP = "restshape.commands"
 LAST_WORD = 2.0
 """Seconds that the first rank has for its message."""
 EXIT_CODES = (
-    "exit codes: 0 success, 1 a check failed, 2 bad input, 128 + N ended by signal N (130: interrupted), "
+    "exit codes: 0 success, 1 a check failed, 2 bad input, 3 a limit of time or memory was reached, "
+    "128 + N ended by signal N (130: interrupted), "
     "141 nobody reads the output any more"
 )
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -116,6 +118,10 @@ def _run(words: list[str]) -> int:
     except KeyboardInterrupt:
         print(f"restshape {args.command}: interrupted", file=sys.stderr)
         return exit_code()
+    except MemoryError as error:
+        print(f"restshape {args.command}: not enough memory ({error})", file=sys.stderr)
+        print("  try: a coarser mesh, or fewer points", file=sys.stderr)
+        return LIMIT_REACHED
 
 
 @contextmanager

@@ -3,11 +3,13 @@
 import argparse
 import sys
 import traceback
+from collections.abc import Callable
 from math import log2
 from pathlib import Path
 from typing import Any
 
 from restshape.application import Application, application
+from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_limits, limited
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parity_line import parity_lines
 from restshape.cli.ranks import first_rank
@@ -51,12 +53,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--csv", type=CsvFile, metavar="FILE", help="a row of numbers a frame")
     parser.add_argument("--parity", action="store_true", help="compare each frame with a cold solve on the same mesh")
     parser.add_argument("--strict", action="store_true", help="end with 1 where a frame was refused")
+    add_limits(parser)
     add_verbose(parser)
     parser.add_argument("--calibration", type=Path, metavar="FILE", help="seconds a unit of work (default: nominal)")
 
 
 def run(args: argparse.Namespace) -> int:
     """Replay; 0 when all frames were replayed, 1 when parity fails or --strict finds a refused one, 2 on bad input."""
+    with limited(args) as begin_frame:
+        return _replayed(args, begin_frame)
+
+
+def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
+    """The exit code of a replay that says when each frame begins."""
     from restshape.calibration import Calibration
     from restshape.cli.shipped import script_of
     from restshape.replay.request import Request
@@ -77,8 +86,12 @@ def run(args: argparse.Namespace) -> int:
             print(f"note: the first shape only; its edits: --edits {known}", file=sys.stderr)
     recorder = _start_recorder(args.out, request) if args.out and first else None
     try:
-        summary = _run(args, request, recorder)
+        if recorder:
+            keep_frames(recorder)
+        summary = _run(args, request, recorder, begin_frame)
+        lift_limits()
     except BaseException as error:
+        lift_limits()
         if recorder:
             recorder.close("interrupted")
         # A file that cannot be written is known to the first rank only.
@@ -109,7 +122,7 @@ def _start_recorder(path: Path, request: Any) -> Any:
     return Recorder.start(path, request.header(), columns_of(request.scene, request.application))
 
 
-def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any]:
+def _run(args: argparse.Namespace, request: Any, recorder: Any, begin_frame: Callable[[], None]) -> dict[str, Any]:
     """Start PETSc, run all frames, and sum up."""
     start_petsc(args.petsc)
     from restshape.cli.progress import progress
@@ -119,6 +132,7 @@ def _run(args: argparse.Namespace, request: Any, recorder: Any) -> dict[str, Any
 
         def on_frame() -> None:
             interrupt_if_asked()
+            begin_frame()
             count()
 
         return run_replay(request, recorder, args.parity, args.csv, on_frame, keep_rows=False)
@@ -146,7 +160,7 @@ def _stop_other_ranks(error: BaseException) -> None:
         print("restshape replay: interrupted", file=sys.stderr, flush=True)
     else:
         traceback.print_exception(error)
-    codes = {UserError: 2, KeyboardInterrupt: exit_code()}
+    codes = {UserError: 2, KeyboardInterrupt: exit_code(), MemoryError: LIMIT_REACHED}
     PETSc.COMM_WORLD.tompi4py().Abort(codes.get(type(error), 1))
 
 

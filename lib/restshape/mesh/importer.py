@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import io
-import struct
 from pathlib import Path
-from xml.etree.ElementTree import ParseError
 
 import meshio
 import numpy as np
 from meshio.abaqus._abaqus import abaqus_to_meshio_type
 from scipy.spatial import cKDTree
 
-from restshape.errors import UserError
+from restshape.bounds import LENGTH, MESH_BYTES, READING_MEMORY, TRIANGLES
+from restshape.errors import UserError, printable
+from restshape.memory import bounded_memory
 from restshape.mesh.generate import assemble
 from restshape.mesh.mesh import Mesh, edges_of_cells
 from restshape.mesh.nastran import constraint_sets, has_grid
@@ -28,22 +28,6 @@ PLANE_ELEMENTS = {
     **dict.fromkeys(("CPE4", "CPE4H", "CPE4I", "CPE4R", "CPEG4", "CPS4I", "M3D4", "M3D4R"), "quad"),
 }
 """Abaqus names of plane first-order elements that meshio does not know."""
-
-UNREADABLE = (
-    meshio.ReadError,
-    ValueError,
-    KeyError,
-    IndexError,
-    TypeError,
-    AttributeError,
-    AssertionError,
-    RuntimeError,
-    OSError,
-    ParseError,
-    struct.error,
-    SystemExit,
-)
-"""What meshio's readers raise on broken files; some of them leave by SystemExit."""
 
 FLAT = 1e-6
 """Share of the size by which z may differ from 0."""
@@ -88,6 +72,8 @@ def _read(path: Path) -> meshio.Mesh:
         raise UserError(f"a {path.suffix or 'nameless'} file is no mesh", str(path), f"use {', '.join(FORMATS)}")
     if not path.stat().st_size:
         raise UserError("the mesh file is empty", str(path), "write it again")
+    if path.stat().st_size > MESH_BYTES:
+        raise UserError(f"the mesh file is longer than {MESH_BYTES} bytes", str(path), "take a coarser mesh")
     # meshio waits for ever for the first card of a deck without any.
     if kind == "nastran" and not has_grid(path):
         raise UserError("there is no GRID card after BEGIN BULK", str(path), "export the nodes too")
@@ -98,11 +84,19 @@ def _read(path: Path) -> meshio.Mesh:
     # meshio prints why it fails before it leaves.
     printed = io.StringIO()
     try:
-        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
+        with (
+            contextlib.redirect_stdout(printed),
+            contextlib.redirect_stderr(io.StringIO()),
+            bounded_memory(READING_MEMORY),
+        ):
             return meshio.read(path, file_format=kind)
-    except UNREADABLE as failure:
+    except MemoryError:
+        what = f"reading this {kind} mesh would take more than {READING_MEMORY >> 30} GB of memory"
+        raise UserError(what, str(path), "take a coarser mesh, or export it again") from None
+    # Its readers raise whatever the damage of a file leads to, and some of them leave by SystemExit.
+    except (Exception, SystemExit) as failure:
         reason = printed.getvalue() if isinstance(failure, SystemExit) else str(failure)
-        why = f" ({reason.strip().splitlines()[0]})" if reason.strip() else ""
+        why = f" ({printable(reason.strip().splitlines()[0][:200])})" if reason.strip() else ""
         raise UserError(f"this is no {kind} mesh that can be read{why}", str(path), "export it again") from None
 
 
@@ -123,12 +117,16 @@ def _triangles(read: meshio.Mesh, path: Path, unit: float) -> Triangles:
     points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))]) * unit
     if not np.isfinite(points).all():
         raise UserError(f"node {int(np.argmin(np.isfinite(points).all(axis=1))) + 1} has no finite place", str(path))
+    if np.abs(points).max() > LENGTH:
+        raise UserError(f"a node lies farther than {LENGTH:g} m from 0", str(path), "check mesh.unit")
     cells, lines, row_of_cell, row_of_line = [], [], [], []
     row = 0
     for block in read.cells:
         rows = np.arange(row, row + len(block.data))
         row += len(block.data)
         data = np.asarray(block.data, dtype=np.int64).reshape(len(block.data), -1)
+        if data.size and (data.min() < 0 or data.max() >= len(points)):
+            raise UserError("an element names a node that is not there", str(path), "export it again")
         if block.type == "triangle":
             cells.append(data)
             row_of_cell.append(rows)
@@ -207,8 +205,8 @@ def _checked(found: Triangles, path: Path) -> Triangles:
         UserError: with the first element or node that is wrong, numbered from 1 in the order of the file.
     """
     X, cells = found.X, found.cells
-    if cells.min() < 0 or cells.max() >= len(X):
-        raise UserError("an element names a node that is not there", str(path), "export it again")
+    if len(cells) > TRIANGLES:
+        raise UserError(f"the mesh has more than {TRIANGLES} triangles", str(path), "take a coarser one")
     u, v = X[cells[:, 1]] - X[cells[:, 0]], X[cells[:, 2]] - X[cells[:, 0]]
     double = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
     longest = np.max([np.sum(side**2, axis=1) for side in (u, v, v - u)], axis=0)

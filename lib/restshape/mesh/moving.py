@@ -21,7 +21,7 @@ from restshape.mesh.moving_state import Generated, GestureMap, Kept, MovingState
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.relocate import BoundaryNodes, extension, motion
-from restshape.mesh.sizing import FEWEST_PER_CIRCLE, PER_CIRCLE, refuse_endless
+from restshape.mesh.sizing import FEWEST_PER_CIRCLE, PER_CIRCLE, refuse_endless, refuse_growth
 from restshape.scene.model import MeshSpec
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
@@ -429,6 +429,8 @@ class MovingMesh:
         if self._imported is not None and frame.change == "start":
             mesh = self._imported
         else:
+            if frame.change in ("move", "shape"):
+                refuse_growth(frame.outline, self.spec, len(self.field_mesh.cells))
             mesh = self._broadcast(lambda: self._generate(frame.outline))
         criterion = self._chosen_criterion or self.spec.criterion
         quality_floor, area_floor = thresholds(criterion, self.spec.min_quality, mesh.X, mesh.edge_nodes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -32,8 +32,8 @@ def constraint_sets(path: Path) -> dict[str, np.ndarray]:
                 # set, node, components, value, and once more node, components, value
                 found.setdefault(f"SPC_{int(words[0])}", set()).update(int(word) for word in words[1:7:3] if word)
             elif name == "SPC1":
-                found.setdefault(f"SPC_{int(words[0])}", set()).update(_listed(words[2:]))
-        except (ValueError, IndexError):
+                found.setdefault(f"SPC_{int(words[0])}", set()).update(_listed(words[2:], row_of))
+        except (ValueError, IndexError, OverflowError):
             raise UserError(f"cannot read the card {' '.join(card)!r}", str(path), "export it again") from None
     lost = [(name, node) for name, nodes in found.items() for node in sorted(nodes) if node not in row_of]
     if lost:
@@ -41,11 +41,12 @@ def constraint_sets(path: Path) -> dict[str, np.ndarray]:
     return {name: np.array(sorted(row_of[node] for node in nodes)) for name, nodes in found.items()}
 
 
-def _listed(words: list[str]) -> list[int]:
-    """The numbers of a list in which "a THRU b" stands for all from a to b."""
+def _listed(words: list[str], known: Collection[int]) -> list[int]:
+    """The numbers of a list in which "a THRU b" stands for all from a to b, as far as they are known."""
     words = [word for word in words if word]
     if len(words) == 3 and words[1].upper() == "THRU":
-        return list(range(int(words[0]), int(words[2]) + 1))
+        wanted = range(int(words[0]), int(words[2]) + 1)
+        return list(wanted) if len(wanted) <= len(known) else [number for number in known if number in wanted]
     return [int(word) for word in words]
 
 

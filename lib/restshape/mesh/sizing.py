@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from restshape.errors import UserError
+from restshape.bounds import GROWN_TRIANGLES, GROWTH, TRIANGLES
+from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.shape.outline import Outline
 
@@ -35,9 +37,6 @@ FEWEST_PER_CIRCLE = 8
 
 EQUILATERAL = np.sqrt(3.0) / 4.0
 """Area of a triangle whose sides are 1."""
-
-MOST_CELLS = 4_000_000
-"""Triangles of the largest mesh that is begun: beyond, memory and patience end before the mesher does."""
 
 
 class SizeSpec(Protocol):
@@ -93,7 +92,7 @@ class Sizing:
 
 
 def refuse_endless(outline: Outline, size: float, near: dict[str, float]) -> None:
-    """Makes sure, before any meshing, that the mesh stays within MOST_CELLS.
+    """Makes sure, before any meshing, that the mesh stays within `bounds.TRIANGLES`.
 
     Args:
         outline: the shape.
@@ -103,21 +102,50 @@ def refuse_endless(outline: Outline, size: float, near: dict[str, float]) -> Non
     Raises:
         UserError: naming the key, with the estimate.
     """
-    expected = {"mesh.size": (outline.area() / (EQUILATERAL * size**2), size)}
+    count, where, length, least = expected_triangles(outline, size, near)
+    if count > TRIANGLES:
+        raise UserError(
+            f"a size of {length:.3g} m would make about {count:.2g} triangles; at most {TRIANGLES:.2g} are taken",
+            where,
+            f"a larger size, {float(f'{1.05 * least:.2g}'):g} m at least",
+        )
+
+
+def refuse_growth(outline: Outline, spec: SizeSpec, before: int) -> None:
+    """Makes sure that an edit of a shape does not ask for a mesh many times as large: a coordinate slips easily.
+
+    Args:
+        outline: the shape.
+        spec: the scene's ``MeshSpec``.
+        before: triangles of the mesh before the edit.
+
+    Raises:
+        ReplayProblem: it does.
+    """
+    if spec.size is None:
+        return
+    count = expected_triangles(outline, spec.size, {})[0]
+    if count > max(GROWN_TRIANGLES, GROWTH * before):
+        what = f"this shape would have about {count:.2g} triangles of size {spec.size:.3g} m"
+        raise ReplayProblem(f"{what}, more than {GROWTH:g} times the {before} before the edit: check its units")
+
+
+def expected_triangles(outline: Outline, size: float, near: dict[str, float]) -> tuple[float, str, float, float]:
+    """About how many triangles a mesh has, the key that asks for most of them, its size, and the least one [m].
+
+    Args as of `refuse_endless`; at the least size there are `bounds.TRIANGLES`.
+    """
+    # Sizes may be so small that their squares vanish.
+    area = float(outline.area() / EQUILATERAL)
+    expected = {"mesh.size": (area / size / size, size, math.sqrt(abs(area) / TRIANGLES))}
     for name, length in near.items():
         along = sum(outline.length(edge) for edge in outline.entity(name).edges)
         # The sum over both sides of dr / (h + GRADING r)^2, h being the size on the entity.
-        expected[f"mesh.near.{name}"] = 2.0 * along / (EQUILATERAL * GRADING * length), length
+        wide = float(2.0 * along / (EQUILATERAL * GRADING))
+        expected[f"mesh.near.{name}"] = wide / length, length, wide / TRIANGLES
     where = max(expected, key=lambda key: expected[key][0])
-    count, length = expected[where]
-    if count > MOST_CELLS:
-        room = count / MOST_CELLS
-        wanted = length * (np.sqrt(room) if where == "mesh.size" else room)
-        raise UserError(
-            f"a size of {length:.3g} m would make about {count:.2g} triangles; at most {MOST_CELLS:.2g} are taken",
-            where,
-            f"a larger size, {float(f'{1.05 * wanted:.2g}'):g} m at least",
-        )
+    count, length, least = expected[where]
+    return count, where, length, least
 
 
 def sizing_of(outline: Outline, spec: SizeSpec) -> Sizing:

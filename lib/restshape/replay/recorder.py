@@ -107,6 +107,11 @@ class Recorder:
             recorder.ready()
         return recorder
 
+    @property
+    def outlet(self) -> tuple[int, int]:
+        """The file descriptor at whose end the process finishes the recording, and its process id."""
+        return self._control, self.process_id
+
     def ready(self) -> None:
         """Returns once the file is open.
 

@@ -25,6 +25,8 @@ from restshape.replay.vtkhdf import NoRoom, RecordedFrame, Removed, Topology, Vt
 
 PERIOD = 0.2
 BATCH_BYTES = 8 << 20
+LIMITS = {b"t": "frame limit", b"m": "memory limit"}
+"""What a solver writes that ends at a limit, and the status of its recording."""
 _NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
@@ -150,16 +152,18 @@ def serve(ring: rings.Ring, commands: int, control: int, answers: int) -> int:
     writing = Writing(ring, answers)
     poll = select.poll()
     poll.register(control, select.POLLIN)
-    position, gone, due = 0, False, 0.0
+    position, gone, due, ending = 0, False, 0.0, "interrupted"
     try:
         while writing.status is None and not gone:
             if poll.poll(max(0.0, 1000 * (due - time.monotonic()))):
-                gone = not os.read(control, 4096)
+                heard = os.read(control, 4096)
+                gone = not heard
+                ending = next((why for sign, why in LIMITS.items() if sign in heard), ending)
             due = time.monotonic() + PERIOD
             position = drain(commands, position)
             ring.follow()
             writing.take(position)
-        writing.finish(writing.status or "interrupted")
+        writing.finish(writing.status or ending)
     except OSError as error:
         if isinstance(error, NoRoom) and writing.writer is not None:
             writing.writer.abandon("disk full")

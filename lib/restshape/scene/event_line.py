@@ -5,14 +5,15 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from pydantic.json_schema import SkipJsonSchema
 
-from restshape.scene.units import quantity
+from restshape.scene.units import finite_quantity
 from restshape.scene.values import Strict, Time
 
 
 def _read_coordinate(raw: float | str, info: ValidationInfo) -> float:
     """A length in metres: plain numbers are in the units of the script's header."""
     scale = (info.context or {}).get("scale", 1.0)
-    return quantity(raw, "length") * (1.0 if isinstance(raw, str) else scale)
+    # However far it is: an edit that goes too far is a refused frame.
+    return finite_quantity(raw, "length")[0] * (1.0 if isinstance(raw, str) else scale)
 
 
 Coordinate = Annotated[

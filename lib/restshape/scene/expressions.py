@@ -8,6 +8,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from restshape.bounds import FORMULA_CHARACTERS
+from restshape.errors import quoted
 from restshape.scene import duals
 from restshape.scene.duals import Dual
 from restshape.scene.temperature_scales import check_temperatures, in_kelvins
@@ -31,7 +33,6 @@ FUNCTIONS: dict[str, tuple[Callable[..., NDArray[np.float64]], int]] = {
 OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**", ast.USub: "-", ast.UAdd: "+"}
 COORDINATES = ("x", "y")
 CONSTANTS = {"pi": np.pi}
-LONGEST = 2000
 MAX_DEPTH = 100
 
 
@@ -58,15 +59,15 @@ class Expression:
 
     def __init__(self, text: str, wanted: str | None = None) -> None:
         self.text, self.wanted = text, wanted
-        if len(text) > LONGEST:
-            raise ExpressionError(f"the formula is {len(text)} characters long: {LONGEST} are allowed")
+        if len(text) > FORMULA_CHARACTERS:
+            raise ExpressionError(f"the formula is {len(text)} characters long: {FORMULA_CHARACTERS} are allowed")
         body = parsed(text)
         names: set[str] = set()
         _examine(body, text, names, 0)
         try:
             check_temperatures(body)
         except UnitError as error:
-            raise ExpressionError(f"{text!r} {error}") from error
+            raise ExpressionError(f"{quoted(text)} {error}") from error
         tree = ast.Expression(in_kelvins(body))
         numbers = _Numbers()
         tree = numbers.visit(tree)
@@ -90,7 +91,7 @@ class Expression:
         for name in sorted(self.names.difference(known)):
             near = get_close_matches(name, known, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"known names: {', '.join(known)}"
-            return f"the formula {self.text!r} names {name!r}, which is not in [parameters]: {hint}"
+            return f"the formula {quoted(self.text)} names {name!r}, which is not in [parameters]: {hint}"
         return None
 
     def evaluate(self, x: ArrayLike, y: ArrayLike, parameters: dict[str, float]) -> NDArray[np.float64]:
@@ -151,12 +152,12 @@ def parsed(text: str) -> ast.expr:
     try:
         return ast.parse(plain.strip().replace("^", "**"), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise ExpressionError(f"{text!r} is not a formula") from error
+        raise ExpressionError(f"{quoted(text)} is not a formula") from error
 
 
 def _no_formula(text: str) -> str:
     return (
-        f"{text!r} holds something that formulas may not hold: use + - * / ^, numbers, x, y, pi, "
+        f"{quoted(text)} holds something that formulas may not hold: use + - * / ^, numbers, x, y, pi, "
         f"parameters and {', '.join(FUNCTIONS)}"
     )
 
@@ -164,13 +165,13 @@ def _no_formula(text: str) -> str:
 def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
     """Refuses all that is not arithmetic, and collects the names."""
     if depth > MAX_DEPTH:
-        raise ExpressionError(f"{text!r} is nested too deeply")
+        raise ExpressionError(f"{quoted(text)} is nested too deeply")
     match node:
         case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
             inner: list[ast.AST] = []
         case ast.Name(id=name):
             if name in FUNCTIONS:
-                raise ExpressionError(f"{name!r} in {text!r} is a function: write {name}(...)")
+                raise ExpressionError(f"{name!r} in {quoted(text)} is a function: write {name}(...)")
             names.add(name)
             inner = []
         case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
@@ -183,7 +184,7 @@ def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
             inner = list(arguments)
             _check_call(name, len(inner), text)
         case ast.Call():
-            raise ExpressionError(f"{text!r} calls something that is not one of {', '.join(FUNCTIONS)}")
+            raise ExpressionError(f"{quoted(text)} calls something that is not one of {', '.join(FUNCTIONS)}")
         case _:
             raise ExpressionError(_no_formula(text))
     for part in inner:
@@ -195,10 +196,10 @@ def _check_call(name: str, count: int, text: str) -> None:
     if name not in FUNCTIONS:
         near = get_close_matches(name, FUNCTIONS, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"known functions: {', '.join(FUNCTIONS)}"
-        raise ExpressionError(f"{text!r} calls {name!r}, which is not a known function: {hint}")
+        raise ExpressionError(f"{quoted(text)} calls {name!r}, which is not a known function: {hint}")
     wanted = FUNCTIONS[name][1]
     if count != wanted:
-        raise ExpressionError(f"{name} in {text!r} takes {wanted} argument{'s' * (wanted > 1)}, not {count}")
+        raise ExpressionError(f"{name} in {quoted(text)} takes {wanted} argument{'s' * (wanted > 1)}, not {count}")
 
 
 class _Numbers(ast.NodeTransformer):

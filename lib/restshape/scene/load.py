@@ -1,5 +1,6 @@
 """Scenes from files: read, overridden, validated."""
 
+import re
 import tomllib
 from collections.abc import Sequence
 from copy import copy
@@ -8,12 +9,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from restshape import bounds
 from restshape.application import Application, application
 from restshape.errors import UserError
 from restshape.scene.checks import check_scene
 from restshape.scene.dimensions import check_units
 from restshape.scene.foreign import refuse_foreign
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
+from restshape.scene.plain_values import excess
 from restshape.scene.plan import plan
 from restshape.scene.registered import checked_applications, installed_physics
 from restshape.scene.renamed import other_name
@@ -37,11 +40,9 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         UserError: naming file, key and line of what is wrong.
     """
     path = Path(path)
-    text = read_text(path, "scene")
-    try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise _syntax_error(error, path) from error
+    text = read_text(path, "scene", bounds.SCENE_BYTES)
+    raw = _tables(text, path)
+    _refuse_excess(raw, Source(path, text))
     _check_format(raw, path)
     keys: list[tuple[str, ...]] = []
     named: list[str] = []
@@ -51,6 +52,8 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         keys.append(key)
         if key[1:] == ("file",):
             named.append(str(value))
+    if overrides:
+        _refuse_excess(raw, Source(path, text, tuple(keys)))
     return _scene(raw, Source(path, text, tuple(keys), tuple(named)))
 
 
@@ -64,8 +67,40 @@ def recorded_scene(raw: dict[str, Any], path: Path) -> Scene:
     Raises:
         UserError: they make no scene, or name a file.
     """
+    _refuse_excess(raw, Source(path, recorded=True))
     _check_format(raw, path)
     return _scene(raw, Source(path, recorded=True))
+
+
+def _tables(text: str, path: Path) -> dict[str, Any]:
+    """The plain tables of a text.
+
+    Raises:
+        UserError: it is not TOML, or beyond what can be read.
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise _syntax_error(error, path) from error
+    except RecursionError:
+        what = f"there are more than {bounds.NESTING} tables and lists within each other"
+        raise UserError(what, path.name, "write flatter tables") from None
+    except ValueError as error:
+        # Python reads no whole number of so many digits.
+        digits = re.search(r"\d[\d_]{4000}", text)
+        line = f" (line {text[: digits.start()].count(chr(10)) + 1})" if digits else ""
+        raise UserError("a whole number has more than 4000 digits", path.name + line, "write a smaller one") from error
+
+
+def _refuse_excess(raw: dict[str, Any], source: Source) -> None:
+    """Refuses tables with a value beyond a bound of all values.
+
+    Raises:
+        UserError: naming its key.
+    """
+    if found := excess(raw):
+        key, what, do = found
+        raise source.error([part[:40] for part in key[:4]], what, do)
 
 
 def revise(scene: Scene, key: str, value: Any) -> Scene:
@@ -127,7 +162,8 @@ def parse_override(text: str) -> tuple[tuple[str, ...], Any]:
         raise UserError(f"{text!r} is not key=value", "--set", 'write for example --set material.steel.E="70 GPa"')
     try:
         return parts, tomllib.loads(f"value = {value.strip()}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
+        # What is too large or too deep for TOML, as text, suits no key either.
         return parts, value.strip()
 
 

@@ -14,6 +14,7 @@ from pydantic import (
     model_validator,
 )
 
+from restshape.bounds import BULGE, POLYLINE_POINTS, SPLINE_POINTS
 from restshape.errors import UserError
 from restshape.scene.load_kind import LoadKind
 from restshape.scene.materials import MATERIALS, named
@@ -62,7 +63,7 @@ class ArcSpec(Strict):
 
     arc: tuple[str, str]
     through: Point | None = None
-    bulge: float | None = None
+    bulge: Annotated[float, Field(ge=-BULGE, le=BULGE)] | None = None
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
@@ -75,14 +76,14 @@ class SplineSpec(Strict):
     """An edge that interpolates points: ``{ spline = ["a", "b"], through = [[x, y], ...] }``."""
 
     spline: tuple[str, str]
-    through: Annotated[list[Point], Field(min_length=1)]
+    through: Annotated[list[Point], Field(min_length=1, max_length=SPLINE_POINTS)]
 
 
 class PolylineSpec(Strict):
     """An edge of straight pieces: ``{ polyline = ["a", "b"], through = [[x, y], ...] }``."""
 
     polyline: tuple[str, str]
-    through: Annotated[list[Point], Field(min_length=1)]
+    through: Annotated[list[Point], Field(min_length=1, max_length=POLYLINE_POINTS)]
 
 
 def _check_ends(ends: tuple[str, str]) -> None:
@@ -122,7 +123,7 @@ class EdgeLoop(Strict):
 class PolygonLoop(Strict):
     """A loop of straight edges ``NAME.1``, ``NAME.2``, ... between corners [m]."""
 
-    polygon: Annotated[list[Point], Field(min_length=3)]
+    polygon: Annotated[list[Point], Field(min_length=3, max_length=POLYLINE_POINTS)]
 
 
 LoopSpec = Annotated[

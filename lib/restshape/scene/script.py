@@ -9,11 +9,13 @@ from typing import Annotated, Any, Literal, NoReturn, Self, get_args
 from pydantic import Field, ValidationError, model_validator
 
 from restshape.application import Application, application
+from restshape.bounds import BULGE, NESTING, POLYLINE_POINTS, SCRIPT_BYTES
 from restshape.errors import UserError
 from restshape.scene.bodies import POINTS, Body, bodies_of
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
 from restshape.scene.permits import outside
+from restshape.scene.plain_values import excess
 from restshape.scene.source import Source, read_text, split_key, suggestion
 from restshape.scene.units import article, length_unit
 from restshape.scene.validation_errors import user_error
@@ -119,7 +121,7 @@ class Arc(EventLine):
     do: Literal["arc"]
     on: str
     through: Position | None = None
-    bulge: float | None = None
+    bulge: Annotated[float, Field(ge=-BULGE, le=BULGE)] | None = None
     frames: Frames = 1
 
     @model_validator(mode="after")
@@ -135,7 +137,7 @@ class Hole(EventLine):
     name: Name
     center: Position | None = None
     radius: Annotated[Coordinate, Field(gt=0)] | None = None
-    polygon: Annotated[list[Position], Field(min_length=3)] | None = None
+    polygon: Annotated[list[Position], Field(min_length=3, max_length=POLYLINE_POINTS)] | None = None
 
     @model_validator(mode="after")
     def _is_one_kind(self) -> Self:
@@ -239,7 +241,7 @@ def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = 
             time; or (without keep_good) a line is bad.
     """
     path = Path(path)
-    return read_script(read_text(path, "edit script"), path, scene, keep_good)
+    return read_script(read_text(path, "edit script", SCRIPT_BYTES), path, scene, keep_good)
 
 
 def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bool = False) -> Script:
@@ -353,10 +355,16 @@ class _Reader:
             # Some of its messages end in "at" themselves.
             what = error.msg.lower().removesuffix(" at")
             self.fail(number, f"this is not JSON: {what} at column {error.colno}", "one JSON object a line")
-        except (ValueError, RecursionError) as error:
-            self.fail(number, str(error), "write finite numbers")
+        except RecursionError:
+            self.fail(number, f"there are more than {NESTING} tables and lists within each other", "write flatter ones")
+        except ValueError as error:
+            what = str(error) if len(line) < 4000 else "there is a number that is too large"
+            self.fail(number, what, "write finite numbers")
         if not isinstance(found, dict):
             self.fail(number, f"a JSON object is wanted on each line, not {line.strip()[:40]}", "write {...}")
+        if wrong := excess(found):
+            key, what, do = wrong
+            self.fail(number, f"{'.'.join(part[:40] for part in key[:4])}: {what}", do)
         return found
 
     def header(self, number: int, line: str) -> Header:

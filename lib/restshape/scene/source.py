@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 
-from restshape.errors import UserError
+from restshape.errors import UserError, printable
 from restshape.scene.renamed import other_name
 
 KEY = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
@@ -31,14 +31,23 @@ def suggestion(word: str, known: Sequence[str]) -> str:
     return f"use one of: {', '.join(known)}" if known else ""
 
 
-def read_text(path: Path, kind: str) -> str:
+def read_text(path: Path, kind: str, most: int) -> str:
     """The text of a file.
 
+    Args:
+        path: the file.
+        kind: what it should be, for messages.
+        most: bytes that it may have.
+
     Raises:
-        UserError: the file is missing, cannot be read, or is not text.
+        UserError: the file is missing, cannot be read, is too long, or is not text.
     """
     try:
-        return path.read_bytes().decode("utf-8-sig")
+        with path.open("rb") as file:
+            data = file.read(most + 1)
+        if len(data) > most:
+            raise UserError(f"this {kind} is longer than {most} bytes", str(path), "name another file")
+        return data.decode("utf-8-sig")
     except FileNotFoundError as error:
         raise UserError(f"there is no such {kind}", str(path), "check the path") from error
     except IsADirectoryError as error:
@@ -47,6 +56,9 @@ def read_text(path: Path, kind: str) -> str:
         raise UserError(f"this is not a text file, so it is no {kind}", str(path), "name another file") from error
     except OSError as error:
         raise UserError(f"the {kind} cannot be read: {error.strerror}", str(path), "check its permissions") from error
+    # The name of a file that no file can have.
+    except ValueError as error:
+        raise UserError(f"there is no such {kind}: {error}", printable(str(path)), "check the path") from error
 
 
 @dataclass

@@ -3,7 +3,8 @@
 import math
 import re
 
-from restshape.errors import UserError
+from restshape import bounds
+from restshape.errors import UserError, quoted
 
 Powers = tuple[int, ...]
 """Powers of the base units, in the order of `BASE`."""
@@ -131,10 +132,10 @@ KNOWN_UNITS = (
 """What to write in place of a unit that is not known."""
 
 NUMBER_UNIT = re.compile(
-    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+    r"\s*([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
     r"\s*((?![eE][+-]?\d)[A-Za-zµ°%](?:[\w\sµ°%^*/.²³·-]|/\s*\([A-Za-zµ°%][\w\sµ°%^*.²³·-]*\))*)?\s*$"
 )
-MEASURE = re.compile(r"(?<![\w.])((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµ°%]+)(?!\w)(\s*(?:\^|\*\*))?")
+MEASURE = re.compile(r"(?<![\w.])((?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµ°%]+)(?!\w)(\s*(?:\^|\*\*))?")
 FACTOR = re.compile(r"([*/·\s]*)([A-Za-zµ°%]+)(?:\^?(-?\d+))?\s*")
 GROUP = re.compile(r"/\s*\(([^()]*)\)")
 
@@ -167,7 +168,7 @@ def declare_dimension(name: str, unit_text: str, example: str) -> str:
 
 def reads_as_quantity(text: str) -> bool:
     """Whether the text is a number, with or without something that looks like a unit."""
-    match = NUMBER_UNIT.match(text)
+    match = NUMBER_UNIT.match(text) if len(text) <= bounds.QUANTITY_CHARACTERS else None
     if match is None or "(" not in (match[2] or ""):
         return match is not None
     # In a formula a parenthesis may hold parameters: of a unit it holds several factors that are all units.
@@ -185,6 +186,8 @@ def unit(text: str) -> tuple[float, Powers]:
     factor, powers = 1.0, NONE
     for group in GROUP.findall(plain):
         scale, own = _product(group, text)
+        if not scale:
+            raise UnitError(f"{quoted(text.strip())} is too large a unit: write a smaller one")
         factor, powers = factor / scale, tuple(p - q for p, q in zip(powers, own))
     rest = GROUP.sub(" ", plain)
     scale, own = _product(rest, text) if rest.strip() else (1.0, NONE)
@@ -206,21 +209,32 @@ def _product(plain: str, text: str) -> tuple[float, Powers]:
         scale, own = UNITS[match[2]]
         # a slash holds for the factor behind it only: "N/m s" is (N/m) s
         sign = -1 if "/" in match[1] else 1
-        exponent = sign * int(match[3] or 1)
+        exponent = sign * _exponent(match[3] or "1", text)
         factor *= scale**exponent
         powers = tuple(p + exponent * q for p, q in zip(powers, own))
         position = match.end()
     return factor, powers
 
 
+def _exponent(digits: str, text: str) -> int:
+    """The power of a unit.
+
+    Raises:
+        UnitError: it is larger than any that is meant.
+    """
+    if len(digits) > 3 or abs(int(digits)) > bounds.UNIT_POWER:
+        raise UnitError(f"{quoted(text.strip())} has a unit to a power beyond {bounds.UNIT_POWER}: write a smaller one")
+    return int(digits)
+
+
 def _unknown_unit(word: str, text: str) -> UnitError:
     """The error of a word that is no unit; empty where the text cannot be read at all."""
     if word in ZEROS:
-        return UnitError(f"{text.strip()!r} holds a scale of temperatures, which is no unit: write K")
+        return UnitError(f"{quoted(text.strip())} holds a scale of temperatures, which is no unit: write K")
     word = word or text.strip()
     alike = [name for name in UNITS if name.lower() == word.lower() and name != word]
     do = f"did you mean {' or '.join(map(repr, alike))}?" if alike else KNOWN_UNITS
-    return UnitError(f"{text.strip()!r} is not a known unit: {do}")
+    return UnitError(f"{quoted(text.strip())} is not a known unit: {do}")
 
 
 def spelled(powers: Powers) -> str:
@@ -254,6 +268,17 @@ def quantity(value: object, dimension: str | None) -> float:
         dimension: one of DIMENSIONS; None takes any.
 
     Raises:
+        UnitError: not a finite number, an unknown unit, a unit of another dimension, or beyond what there can be of it.
+    """
+    number, dimension = finite_quantity(value, dimension)
+    refuse_impossible(number, dimension)
+    return number
+
+
+def finite_quantity(value: object, dimension: str | None) -> tuple[float, str | None]:
+    """The same, however large it is, and its dimension as far as that is known.
+
+    Raises:
         UnitError: not a finite number, an unknown unit, or a unit of another dimension.
     """
     example = f"write a number or {EXAMPLES[dimension]}" if dimension else 'write a number or "12 mm"'
@@ -261,9 +286,9 @@ def quantity(value: object, dimension: str | None) -> float:
         raise UnitError(f"a number is wanted here, not {value!r}: {example}")
     factor, zero = 1.0, 0.0
     if isinstance(value, str):
-        match = NUMBER_UNIT.match(value)
+        match = NUMBER_UNIT.match(value) if len(value) <= bounds.QUANTITY_CHARACTERS else None
         if match is None:
-            raise UnitError(f"{value!r} is not a number with a unit: {example}")
+            raise UnitError(f"{quoted(value)} is not a number with a unit: {example}")
         if match[2]:
             zero = ZEROS.get(match[2].strip(), 0.0)
             factor, powers = UNITS["K"] if zero else unit(match[2])
@@ -278,19 +303,32 @@ def quantity(value: object, dimension: str | None) -> float:
                     f"{value!r} is {article(spelled(powers))}, but {article(dimension)} is wanted: {example}"
                 )
         value = match[1]
-    number = float(value) * factor + zero
+    number = _as_float(value) * factor + zero
     if not math.isfinite(number):
-        raise UnitError(f"{value} is not a finite number")
-    refuse_impossible(number, "temperature" if zero else dimension)
-    return number
+        raise UnitError(f"{'the number' if isinstance(value, int) else quoted(str(value))} is not a finite number")
+    return number, "temperature" if zero else dimension
+
+
+def _as_float(value: float | str) -> float:
+    """A whole number, or the text of a number, as a float; infinite where it is too large for one."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 def refuse_impossible(number: float, dimension: str | None) -> None:
     """Refuses a number in SI units that no quantity of a dimension can have.
 
     Raises:
-        UnitError: it is less than the least one.
+        UnitError: it is less than the least one, or beyond all that can be computed with.
     """
+    largest = bounds.LENGTH if dimension == "length" else bounds.NUMBER
+    if abs(number) > largest:
+        symbol = f" {SYMBOLS[dimension]}" if dimension and SYMBOLS[dimension] else ""
+        raise UnitError(
+            f"{number:.6g}{symbol} is beyond {largest:g}{symbol}: write a smaller number, or check its unit"
+        )
     least, what = LEAST.get(dimension or "", (-math.inf, ""))
     if number < least:
         raise UnitError(f"a {dimension} of {number:.6g} {SYMBOLS[dimension or '']} is below {what}: write a higher one")

@@ -18,6 +18,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
+from restshape.bounds import NAME_CHARACTERS
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
@@ -141,6 +142,8 @@ def _read_name(raw: object) -> str:
         raise UnitError(f"a name is wanted here, not {raw!r}")
     if raw in RESERVED:
         raise UnitError(f"{raw!r} means something already: choose another name")
+    if len(raw) > NAME_CHARACTERS:
+        raise UnitError(f"a name has more than {NAME_CHARACTERS} characters: choose a shorter one")
     if not NAME.fullmatch(raw):
         raise UnitError(f"{raw!r} cannot be a name: use letters, digits, - and _, and start with a letter")
     return raw

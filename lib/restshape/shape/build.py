@@ -7,9 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from restshape.errors import UserError
 from restshape.scene.permits import scripts_trusted
+from restshape.scene.source import Source
+from restshape.scene.validation_errors import user_error
 from restshape.shape.curves import bulge_through
 from restshape.shape.draft import Draft, DraftEdge, add_circle, add_loop, add_polygon
 from restshape.shape.outline import Outline
@@ -79,7 +82,10 @@ def with_file(spec: Any, scene_dir: Path) -> Any:
     merged = {**read, **own}
     for key in ("vertices", "edges", "holes", "regions", "groups"):
         merged[key] = {**read.get(key, {}), **own.get(key, {})}
-    return type(spec).model_validate(merged)
+    try:
+        return type(spec).model_validate(merged)
+    except ValidationError as error:
+        raise user_error(error, Source(path), type(spec), ("shape",)) from error
 
 
 def _located(where: str, call, *args):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -11,12 +13,14 @@ import ezdxf
 import numpy as np
 from ezdxf import units
 
-from restshape.errors import UserError
+from restshape.bounds import BULGE, DRAWING_BYTES, LENGTH, NAME_CHARACTERS, READING_MEMORY, SPLINE_POINTS
+from restshape.errors import UserError, printable
+from restshape.memory import bounded_memory
 from restshape.shape.unordered_curves import Curve, shape_data
 
 NO_NAME = ("0", "Defpoints")
 IGNORED = ("TEXT", "MTEXT", "DIMENSION", "POINT", "LEADER")
-SPLINE_POINTS = 8
+POINTS_A_CONTROL_POINT = 8
 """Points that stand for a B-spline, for each of its control points."""
 
 
@@ -31,42 +35,76 @@ def read_dxf(path: Path) -> dict[str, Any]:
     Raises:
         UserError: unreadable, other entities, or open loops.
     """
-    try:
+    with _readable(path):
         drawing = ezdxf.readfile(path)
-    except (OSError, ezdxf.DXFError) as error:
-        raise UserError(
-            f"this cannot be read as DXF: {error}", path.name, "save it as ASCII DXF R2000 or later"
-        ) from error
+        scale = _metres(drawing)
+        found = [_curves_of(entity, scale, path) for entity in drawing.modelspace()]
+    return shape_data([curve for curves in found for curve in curves], path.name)
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    """Has whatever is wrong with a drawing that is read within be an error of the user's."""
+    if path.stat().st_size > DRAWING_BYTES:
+        raise UserError(f"the drawing is longer than {DRAWING_BYTES} bytes", path.name, "draw less")
+    do = "save it as ASCII DXF R2000 or later"
+    try:
+        with bounded_memory(READING_MEMORY):
+            yield
+    except UserError:
+        raise
+    except MemoryError:
+        what = f"reading this drawing would take more than {READING_MEMORY >> 30} GB of memory"
+        raise UserError(what, path.name, do) from None
+    # ezdxf has some twenty kinds of errors, and damaged entities raise Python's own.
+    except Exception as error:
+        why = printable((str(error).strip() or type(error).__name__).splitlines()[0][:200])
+        raise UserError(f"this cannot be read as DXF: {why}", path.name, do) from error
+
+
+def _metres(drawing: Any) -> float:
+    """Metres in one unit of a drawing."""
     unit = int(drawing.header.get("$INSUNITS", 0))
-    scale = units.conversion_factor(unit, units.M) if unit else 1e-3
-    loose_curves: list[Curve] = []
-    for entity in drawing.modelspace():
-        kind, layer = entity.dxftype(), entity.dxf.layer
-        if kind in IGNORED:
-            continue
-        found = _curves(entity, kind)
-        if found is None:
-            raise UserError(
-                f"{kind} on layer {layer!r} cannot be part of an outline",
-                path.name,
-                "use LINE, ARC, CIRCLE, LWPOLYLINE, POLYLINE or SPLINE (explode blocks and hatches)",
-            )
-        label = "" if layer in NO_NAME else _name(layer)
-        for points, form, bulge in found:
-            xy = np.asarray(points, dtype=float)[:, :2] * scale
-            region = label if label.lower().startswith("region") else None
-            loose_curves.append(Curve(xy, form, label, bulge, f"{kind} on layer {layer}", region))
-    return shape_data(loose_curves, path.name)
+    return units.conversion_factor(unit, units.M) if unit else 1e-3
+
+
+def _curves_of(entity: Any, scale: float, path: Path) -> list[Curve]:
+    """The curves of an entity, in metres; none of what is ignored."""
+    kind, layer = entity.dxftype(), entity.dxf.layer
+    if kind in IGNORED:
+        return []
+    found = _curves(entity, kind)
+    if found is None:
+        raise UserError(
+            f"{kind} on layer {layer!r} cannot be part of an outline",
+            path.name,
+            "use LINE, ARC, CIRCLE, LWPOLYLINE, POLYLINE or SPLINE (explode blocks and hatches)",
+        )
+    label = "" if layer in NO_NAME else _name(layer)
+    curves = []
+    for points, form, bulge in found:
+        xy = np.asarray(points, dtype=float)[:, :2] * scale
+        if not (np.abs(xy).max() <= LENGTH and abs(bulge) <= BULGE):
+            what = f"{kind} on layer {layer!r} lies farther than {LENGTH:g} m from 0, or is bent too much"
+            raise UserError(what, path.name, "check the unit of the drawing, $INSUNITS")
+        region = label if label.lower().startswith("region") else None
+        curves.append(Curve(xy, form, label, bulge, f"{kind} on layer {layer}", region))
+    return curves
 
 
 def has_unit(path: Path) -> bool:
-    """Whether a drawing that can be read says its unit."""
-    return bool(int(ezdxf.readfile(path).header.get("$INSUNITS", 0)))
+    """Whether a drawing says its unit.
+
+    Raises:
+        UserError: it cannot be read.
+    """
+    with _readable(path):
+        return bool(int(ezdxf.readfile(path).header.get("$INSUNITS", 0)))
 
 
 def _name(layer: str) -> str:
     """A layer's name as a name in a scene."""
-    name = re.sub(r"[^A-Za-z0-9_-]+", "_", layer)
+    name = re.sub(r"[^A-Za-z0-9_-]+", "_", layer)[: NAME_CHARACTERS // 2]
     return name if re.match(r"[A-Za-z_]", name) else f"layer_{name}"
 
 
@@ -112,7 +150,8 @@ def _spline(entity: Any) -> list[tuple[Any, str, float]]:
     points = [tuple(p)[:2] for p in entity.fit_points]
     if len(points) < 3:
         curve = entity.construction_tool()
-        points = [(p.x, p.y) for p in curve.approximate(SPLINE_POINTS * len(entity.control_points))]
+        count = min(POINTS_A_CONTROL_POINT * len(entity.control_points), SPLINE_POINTS)
+        points = [(p.x, p.y) for p in curve.approximate(count)]
     chain = np.array(points)
     if np.hypot(*(chain[0] - chain[-1])) > 1e-9 * np.ptp(chain):
         return [(points, "spline", 0.0)]

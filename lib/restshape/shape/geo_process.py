@@ -21,6 +21,8 @@ from restshape.shape.unordered_curves import Curve
 
 LIMIT = 60.0
 """Seconds that reading may take."""
+GRACE = 10
+"""Seconds after which it ends by itself."""
 REMEDIES = {
     "run": "look for a loop without end",
     "draw": "use fewer or simpler Booleans, or draw the outline without them",
@@ -61,6 +63,9 @@ def curves_apart(path: Path, how: str) -> list[Curve]:
 def main() -> int:
     """Read the file named first, and write its curves, or what is wrong, into the file named second."""
     path, out, how = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]
+    # Whoever started it may have ended since.
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(int(LIMIT) + GRACE)
     try:
         with gmsh_model(path) as gmsh:
             if how == "run":

@@ -9,6 +9,7 @@ from difflib import get_close_matches
 
 import numpy as np
 
+from restshape.bounds import OUTLINE_PIECES
 from restshape.errors import UserError
 from restshape.shape import curves
 from restshape.shape.swept_area import SweptArea
@@ -260,7 +261,11 @@ class Outline:
         return straight if half < 1e-9 else straight * half / np.sin(half)
 
     def pieces(self, edge: int, error: float) -> np.ndarray:
-        """Parameters from 0 to 1 whose points make a chain of chords no farther than `error` [m] from the edge."""
+        """Parameters from 0 to 1 whose points make a chain of chords no farther than `error` [m] from the edge.
+
+        Raises:
+            UserError: there would be more than `bounds.OUTLINE_PIECES` of them.
+        """
         found = self.edges[edge]
         if found.kind in ("line", "polyline"):
             return np.array(found.knots)
@@ -271,14 +276,21 @@ class Outline:
             a, b = self.points[found.start], self.points[found.end]
             angle = 4.0 * np.arctan(abs(bulge))
             step = 2.0 * np.arccos(max(1.0 - error / curves.arc_centre(a, b, bulge)[1], 0.5))
+            self._refuse_many(edge, angle / step if step > 0.0 else np.inf)
             return np.linspace(0.0, 1.0, 1 + max(int(np.ceil(angle / step)), 2))
         second = curves.second_derivatives(found.knots, found.ends) @ self.points[self.layout.controls[edge]]
         bend = np.hypot(*second.T)
-        parts = []
-        for i, (u, v) in enumerate(itertools.pairwise(found.knots)):
-            n = max(int(np.ceil((v - u) * np.sqrt(max(bend[i], bend[i + 1]) / (8.0 * error)))), 1)
-            parts.append(np.linspace(u, v, n + 1)[:-1])
-        return np.concatenate([*parts, [1.0]])
+        counts = np.ceil(np.diff(found.knots) * np.sqrt(np.maximum(bend[:-1], bend[1:]) / (8.0 * error)))
+        self._refuse_many(edge, float(counts.sum()))
+        ends = zip(itertools.pairwise(found.knots), np.maximum(counts, 1.0).astype(int))
+        return np.concatenate([*(np.linspace(u, v, n + 1)[:-1] for (u, v), n in ends), [1.0]])
+
+    def _refuse_many(self, edge: int, pieces: float) -> None:
+        if not pieces <= OUTLINE_PIECES:
+            what = f"edge {self.edges[edge].name} would be cut into {pieces:.3g} straight pieces"
+            raise UserError(
+                f"{what}, more than {OUTLINE_PIECES}", do="bring its points closer, or take a smaller bulge"
+            )
 
     def polyline(self, edge: int, error: float | None = None) -> np.ndarray:
         """Points (m, 2) from start to end whose chords stay within `error` [m] of the edge (default: 1e-3 of size)."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from restshape.application import Application
+from restshape.bounds import REACH
 from restshape.errors import UserError
 from restshape.scene.bodies import bodies_of
 from restshape.scene.load import revise
@@ -27,7 +28,7 @@ from restshape.shape.references import refuse_lost_names, without_lost_sizes
 from restshape.shape.rigid_body_drag import RigidBodyDrag, begin_body_drag
 from restshape.shape.script_session import STILL, ScriptFrame, ScriptSession, State, Step
 from restshape.shape.sweep import sweep
-from restshape.shape.validity import MotionCheck, problem
+from restshape.shape.validity import MotionCheck, beyond_reach, problem
 
 OF_SHAPE = ("pull", "smooth", "arc", "insert", "delete")
 """Events on parts of the shape, never on bodies."""
@@ -167,7 +168,7 @@ class EditSession(ScriptSession):
             step = self._revised(lambda: grab.moved(self.scene, c))
             grab.c = grab.c if step.refused else c
             return step
-        wrong = grab.check.problem(c)
+        wrong = _too_far(self.outline, c) or grab.check.problem(c)
         if wrong is not None:
             return Step("none", wrong, gesture=grab.gesture, c=grab.c)
         grab.c = c
@@ -225,8 +226,9 @@ class EditSession(ScriptSession):
         for i in range(1, frames + 1):
             c = coefficients(i / frames)
             wanted = self.outline.moved(gesture.points(c))
+            way = float(np.abs(wanted.points - before[0].points).max())
             # Curves that bend are resampled: the samples of the motion are those of the shape before it.
-            wrong = check.problem(c) or problem(wanted)
+            wrong = _too_far(wanted, (way, 0.0)) or check.problem(c) or problem(wanted)
             if wrong is not None:
                 yield Step("none", wrong, gesture=gesture, c=reached)
                 continue
@@ -373,3 +375,9 @@ class EditSession(ScriptSession):
     def _grabbed(self) -> dict[str, Any]:
         gesture = self.grabbed
         return {} if gesture is None else {"gesture": gesture, "c": self._grab.c}
+
+
+def _too_far(outline: Outline, way: tuple[float, float]) -> str | None:
+    """Why parts of a shape cannot go that way (x, y) [m] in one edit; None where they can."""
+    far = max(map(abs, way))
+    return None if far <= REACH * outline.size else beyond_reach("move the shape by", f"{far:.3g} m", outline)

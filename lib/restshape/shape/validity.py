@@ -11,6 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from restshape import _kernels
+from restshape.bounds import OUTLINE_PIECES, REACH
+from restshape.errors import UserError
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
 
@@ -43,7 +45,10 @@ class MotionCheck:
             return None
         if found[0] == "resample":
             now = self.outline.moved(self.gesture.points(c))
-            self._check = self._kernel(now)
+            try:
+                self._check = self._kernel(now)
+            except UserError as error:
+                return error.what
             self._check.settle(c[0], c[1])
             found = self._check.check(c[0], c[1])
         return None if found is None else describe(self.outline, found)
@@ -51,6 +56,8 @@ class MotionCheck:
     def _kernel(self, sampled: Outline) -> _kernels.OutlineCheck:
         outline, gesture, size = self.outline, self.gesture, self.outline.size
         params = [sampled.pieces(e, CHORD * size) for e in range(len(outline.edges))]
+        if (count := sum(map(len, params))) > OUTLINE_PIECES:
+            raise UserError(f"the shape would be cut into {count} straight pieces, more than {OUTLINE_PIECES}")
         first = np.concatenate([[0], np.cumsum([len(s) for s in params])]).astype(np.int32)
         ends = np.array([(edge.start, edge.end) for edge in outline.edges], dtype=np.int32).reshape(-1, 2)
         loops = [(KINDS[loop.kind], [e for e, _ in loop.edges], [f for _, f in loop.edges]) for loop in outline.loops]
@@ -93,7 +100,19 @@ def problem(outline: Outline, moved_points: np.ndarray | None = None) -> str | N
     shape = outline if moved_points is None else outline.moved(moved_points)
     if not (np.isfinite(shape.points).all() and np.isfinite(shape.bulges).all()):
         return "a coordinate is not a finite number"
-    return MotionCheck(shape).problem()
+    extent = float(np.ptp(shape.points, axis=0).max())
+    if extent > REACH * shape.size:
+        return beyond_reach("make the shape", f"{extent:.3g} m large", shape)
+    try:
+        return MotionCheck(shape).problem()
+    except UserError as error:
+        return error.what
+
+
+def beyond_reach(does: str, what: str, outline: Outline) -> str:
+    """The sentence for an edit that goes farther than `bounds.REACH` allows."""
+    far = f"more than {REACH:g} times the {outline.size:.3g} m that it had at first"
+    return f"this would {does} {what}, {far}: check the units"
 
 
 def describe(outline: Outline, found: tuple) -> str:

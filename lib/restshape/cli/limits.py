@@ -1,0 +1,113 @@
+"""How long a frame may take and how much memory a run: options, and what ends a run at them."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from restshape.bounds import FRAME_SECONDS, MEMORY_SHARE
+
+if TYPE_CHECKING:
+    from restshape.replay.recorder import Recorder
+
+LIMIT_REACHED = 3
+"""Exit code of a run that has ended at a limit."""
+OTHER_RANKS = 10.0
+"""Seconds that other ranks give the first one to say what has happened, and to keep the frames."""
+RANKS_HERE = ("OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "PMI_LOCAL_SIZE")
+UNITS = {"": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12}
+
+
+def add_limits(parser: argparse.ArgumentParser) -> None:
+    """Adds ``--frame-limit`` and ``--memory-limit``."""
+    parser.add_argument(
+        "--frame-limit",
+        metavar="SECONDS",
+        type=_seconds,
+        default=FRAME_SECONDS,
+        help="end where a frame takes longer, the frames before it kept (default: %(default)g; none: no limit)",
+    )
+    parser.add_argument(
+        "--memory-limit",
+        metavar="SIZE",
+        type=_bytes,
+        default=None,
+        help="end where more memory is taken, such as 8GB (default: 90%% of the machine's; none: no limit)",
+    )
+
+
+def _seconds(text: str) -> float:
+    """Seconds; 0 for none."""
+    return 0.0 if text == "none" else _positive(text, text)
+
+
+def _bytes(text: str) -> float:
+    """Bytes of a size such as 500MB; 0 for none."""
+    if text == "none":
+        return 0.0
+    unit = next((unit for unit in reversed(UNITS) if text.endswith(unit)), "")
+    return _positive(text.removesuffix(unit), text) * UNITS[unit]
+
+
+def _positive(number: str, text: str) -> float:
+    try:
+        found = float(number)
+    except ValueError:
+        found = math.nan
+    if not 0.0 < found < 1e15:
+        raise argparse.ArgumentTypeError(f"{text!r} is no limit: write a positive number, or none")
+    return found
+
+
+@contextmanager
+def limited(args: argparse.Namespace) -> Iterator[Callable[[], None]]:
+    """What says that the next frame begins; at a limit the process ends, with a message and `LIMIT_REACHED`.
+
+    That is so while compiled code does not return, too. The time of the first frame counts from here.
+    """
+    from restshape import _kernels
+    from restshape.cli.ranks import first_rank
+    from restshape.memory import machine_memory
+
+    memory = args.memory_limit
+    if memory is None:
+        here = next((int(os.environ[name]) for name in RANKS_HERE if os.environ.get(name, "").isdigit()), 1)
+        memory = MEMORY_SHARE * machine_memory() / max(here, 1)
+    seconds = args.frame_limit + (0.0 if first_rank() or not args.frame_limit else OTHER_RANKS)
+    sys.stderr.flush()
+    kept = "; the frames before it are kept" if getattr(args, "out", None) or getattr(args, "csv", None) else ""
+    _kernels.watch(seconds, int(memory), LIMIT_REACHED, *messages(args.command, args.frame_limit, memory, kept))
+    try:
+        yield _kernels.begin_frame
+    finally:
+        _kernels.stop_watching()
+
+
+def messages(command: str, seconds: float, memory: float, kept: str) -> tuple[str, str]:
+    """What is said where a frame takes too long, and where memory runs out."""
+    slow = f"frame %d takes longer than {seconds:g} s{kept}"
+    large = f"in frame %d more than {memory / 1e9:.3g} GB of memory are in use{kept}"
+    do = "look for a coordinate in the wrong unit, take a coarser mesh, or raise"
+    return (
+        f"restshape {command}: {slow}\n  try: {do} --frame-limit\n",
+        f"restshape {command}: {large}\n  try: {do} --memory-limit\n",
+    )
+
+
+def lift_limits() -> None:
+    """From now on nothing is limited: all frames are done."""
+    from restshape import _kernels
+
+    _kernels.stop_watching()
+
+
+def keep_frames(recorder: Recorder) -> None:
+    """Has a recording finished before a limit ends the process."""
+    from restshape import _kernels
+
+    _kernels.watch_outlet(*recorder.outlet)

@@ -1,0 +1,39 @@
+"""How much memory there is, how much a process takes, and pieces of work that may take no more than so much."""
+
+from __future__ import annotations
+
+import os
+import resource
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
+
+
+def machine_memory() -> int:
+    """Memory of the machine, or of the container that this process runs in [bytes]."""
+    found = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    with suppress(OSError, ValueError):
+        found = min(found, int(CONTROL_GROUP.read_text()))
+    return found
+
+
+@contextmanager
+def bounded_memory(most: int) -> Iterator[None]:
+    """Has what is done within fail by a MemoryError before it takes more than so much memory besides [bytes].
+
+    Where the system does not tell how much a process has, nothing is bounded.
+    """
+    try:
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+    except (OSError, ValueError):
+        yield
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    wanted = pages * os.sysconf("SC_PAGE_SIZE") + most
+    resource.setrlimit(resource.RLIMIT_AS, (wanted if soft == resource.RLIM_INFINITY else min(soft, wanted), hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))

@@ -1,0 +1,40 @@
+"""Plain tables from files, before they are validated: nothing in them is too deep, too long or too large."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from restshape import bounds
+
+Key = tuple[str, ...]
+
+
+def excess(table: dict[str, Any]) -> tuple[Key, str, str] | None:
+    """The first place in plain tables that is beyond a bound: its key, what is wrong, what to do; None without one."""
+    waiting: list[tuple[Key, Any]] = [((), table)]
+    while waiting:
+        key, value = waiting.pop()
+        found = _excess_of(key, value)
+        if found:
+            return (key, *found)
+        if isinstance(value, dict | list):
+            waiting += reversed([((*key, name), one) for name, one in _entries(value)])
+    return None
+
+
+def _entries(value: dict[str, Any] | list[Any]) -> Iterator[tuple[str, Any]]:
+    """What a table or a list holds that can be beyond a bound, with its key or place."""
+    pairs = value.items() if isinstance(value, dict) else ((str(place), one) for place, one in enumerate(value))
+    for name, one in pairs:
+        if isinstance(value, dict) or not isinstance(one, float):
+            yield name, one
+
+
+def _excess_of(key: Key, value: object) -> tuple[str, str] | None:
+    """What is wrong with one value, or with its name."""
+    if len(key) > bounds.NESTING:
+        return f"there are more than {bounds.NESTING} tables and lists within each other", "write a flatter table"
+    if key and len(key[-1].encode(errors="replace")) > bounds.NAME_CHARACTERS:
+        return f"a name has more than {bounds.NAME_CHARACTERS} characters", "choose a shorter one"
+    if isinstance(value, int) and abs(value) > bounds.WHOLE_NUMBER:
+        return "the whole number has more than 64 bits", "write a smaller number"
+    return None
