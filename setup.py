@@ -9,6 +9,7 @@ Environment:
   RESTSHAPE_CGAL=0        build without CGAL's mesher: gmsh makes all meshes
   MPICXX                  MPI's C++ compiler wrapper (default: mpicxx)
   RESTSHAPE_PORTABLE=1    no -march=native: the binary runs on any CPU of the architecture
+  RESTSHAPE_SANITIZE=1    with address and undefined-behaviour sanitizers: see scripts/sanitize.sh
   RESTSHAPE_BUILD_JOBS    files compiled at once (default: 2)
 """
 
@@ -30,6 +31,7 @@ except ImportError:
 
 KERNELS = Path("lib/kernels")
 APPLICATIONS = Path("apps")
+SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize=vptr")
 BUILD = Path("build/kernels") / sysconfig.get_config_var("SOABI")
 
 
@@ -124,7 +126,14 @@ def cgal_folder() -> str | None:
 def compile_flags() -> list[str]:
     """Options of the compiler that decide what the code does and how fast."""
     portable = os.environ.get("RESTSHAPE_PORTABLE", "0") not in ("", "0")
+    if sanitized():
+        return ["-O1", "-g1", "-Wall", "-fno-math-errno", "-fno-omit-frame-pointer", *SANITIZERS]
     return ["-O3", "-g0", "-Wall", "-fno-math-errno", *([] if portable else ["-march=native"])]
+
+
+def sanitized() -> bool:
+    """Whether the modules look for reads beyond arrays and undefined behaviour while they run."""
+    return os.environ.get("RESTSHAPE_SANITIZE", "0") not in ("", "0")
 
 
 def system_headers(cgal: str | None) -> list[str]:
@@ -148,7 +157,7 @@ def kernels_extension() -> Pybind11Extension:
         libraries=[library],
         define_macros=[("RESTSHAPE_FLAGS", f'"{" ".join(flags)}"'), ("RESTSHAPE_CGAL", "1" if cgal else "0")],
         extra_compile_args=[*flags, *system_headers(cgal), *mpi_flags("compile", "-I|-D|-pthread")],
-        extra_link_args=mpi_flags("link", "-L|-l|-Wl|-pthread"),
+        extra_link_args=[*mpi_flags("link", "-L|-l|-Wl|-pthread"), *(SANITIZERS if sanitized() else ())],
         cxx_std=17,
     )
 
@@ -161,6 +170,7 @@ def application_extensions() -> list[Pybind11Extension]:
             sources_in(folder),
             include_dirs=[str(folder), str(KERNELS)],
             extra_compile_args=[*compile_flags(), *system_headers(None)],
+            extra_link_args=list(SANITIZERS) if sanitized() else [],
             cxx_std=17,
         )
         for folder in sorted(APPLICATIONS.glob("*/kernels"))

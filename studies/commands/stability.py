@@ -18,8 +18,8 @@ PLACE = 3
 SUMMARY = "hard cases that state what must hold; with --fuzz, random scenes and edits that must not break"
 SILENCE = 1800.0
 """Seconds that one case may take."""
-EACH = 120.0
-"""Seconds that one random example may take."""
+EACH = 60.0
+"""Seconds of the processor's time that one random example may take."""
 SHOWN_MESSAGES = 8
 """Refusals that a fuzz prints, the most frequent ones first."""
 
@@ -124,6 +124,14 @@ def _line(row: dict[str, Any]) -> str:
     return f"{verdict:8}  {row['case']}  {row['policy']}  {row['must']}: {value}{more}  {row['seconds']:.1f} s"
 
 
+def _outcomes(mutated: dict[str, dict[str, int]]) -> list[tuple[str, int, str]]:
+    """A row for each way in which examples were made or damaged: runs, and how many ended with which code."""
+    rows = []
+    for name, ends in mutated.items():
+        rows.append((name, sum(ends.values()), "; ".join(f"{end}: {times}" for end, times in ends.items())))
+    return rows
+
+
 def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
@@ -151,6 +159,7 @@ def _fuzz(args: argparse.Namespace) -> int:
     shown = ("examples", "valid", "refused", "too_large", "broken", "damaged", "written")
     shown += ("frames", "refused_frames", "largest")
     print_table(f"fuzz of seed {args.seed}, {tried.seconds:.0f} s", shown, [[numbers[key] for key in shown]], shown)
+    print_table("by what was done", ("done", "runs", "ended with"), _outcomes(numbers["mutated"]), ("runs",))
     messages = list(numbers["messages"].items())[:SHOWN_MESSAGES]
     print_table("most frequent refusals", ("times", "message"), [(n, text) for text, n in messages], ("times",))
     for what, times in numbers["warned"].items():

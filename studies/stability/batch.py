@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+DRAWN, DAMAGED, FILES, RECORDINGS = KINDS = ("drawn", "damaged", "files", "recordings")
+"""What batches are of: scenes as they were drawn, with damage, with drawings and meshes, recordings."""
 FAULT = "fault"
 """Folder of the last example at fault."""
 
@@ -14,7 +16,7 @@ class Batch:
         seed: all follows from it.
         count: number of examples.
         apps: applications that the scenes are of.
-        damaged: something is done to the files.
+        kind: one of `KINDS`.
         known: signatures of faults that are counted only, and neither end the batch nor are made smaller.
         shrink: look for a smaller example of a fault.
     """
@@ -22,6 +24,6 @@ class Batch:
     seed: int
     count: int
     apps: tuple[str, ...]
-    damaged: bool
+    kind: str
     known: tuple[str, ...] = ()
     shrink: bool = True

@@ -27,7 +27,8 @@ def command_problem(folder: Path, example: Example, message: str, frames: int, r
     """
     for name in (RECORDING, TABLE, SUMMARY):
         (folder / name).unlink(missing_ok=True)
-    code, printed = _run(folder, example)
+    files = (SCENE, EDITS, RECORDING, TABLE, SUMMARY)
+    code, printed = run_command([str(folder / word) if word in files else word for word in example.words])
     if code != (2 if message else 0):
         return f"the command ends with {code}, where the replay said {message or 'nothing'!r}"
     if message and not printed.rstrip().rpartition("restshape replay: ")[2]:
@@ -37,10 +38,8 @@ def command_problem(folder: Path, example: Example, message: str, frames: int, r
     return _written(folder, frames, refused) if frames else ""
 
 
-def _run(folder: Path, example: Example) -> tuple[int, str]:
+def run_command(words: list[str]) -> tuple[int, str]:
     """The exit code, and what went to stderr; both streams are as strict with characters as real ones."""
-    files = (SCENE, EDITS, RECORDING, TABLE, SUMMARY)
-    words = [str(folder / word) if word in files else word for word in example.words]
     out, err = (io.TextIOWrapper(io.BytesIO(), "utf-8", errors) for errors in ("strict", "backslashreplace"))
     with redirect_stdout(out), redirect_stderr(err):
         code = main(words)

@@ -1,12 +1,15 @@
 """An example of a fuzz: a scene and edits as text, and how they are replayed."""
 
+import base64
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 MOST_ELEMENTS = 200
 """Of a scene's first mesh."""
 SCENE, EDITS = "scene.toml", "edits.jsonl"
+RECORDED = "damaged.vtkhdf"
+"""A recording that was damaged."""
 RECORDING, TABLE, SUMMARY = "frames.vtkhdf", "frames.csv", "summary.json"
 
 
@@ -20,6 +23,7 @@ class Example:
         policy, predict: as after --policy and --predict.
         damaged: what was done to the files; empty where they are as they were made.
         written: the command replays them too, and writes all that it can.
+        files: bytes as base64 of other files that the scene names, by their names.
     """
 
     app: str
@@ -29,12 +33,18 @@ class Example:
     predict: str
     damaged: str = ""
     written: bool = False
+    files: dict[str, str] = field(default_factory=dict)
 
     def write(self, folder: Path) -> None:
         """Write the two files and what else a replay wants to know into a folder."""
-        (folder / SCENE).write_text(self.scene, encoding="utf-8", errors="surrogatepass")
-        (folder / EDITS).write_text(self.edits, encoding="utf-8", errors="surrogatepass")
+        for name, data in self.inputs().items():
+            (folder / name).write_bytes(data)
         (folder / "example.json").write_text(json.dumps(asdict(self)) + "\n")
+
+    def inputs(self) -> dict[str, bytes]:
+        """What the files hold that are read, by their names."""
+        named = {name: base64.b64decode(data) for name, data in self.files.items()}
+        return {SCENE: _encoded(self.scene), EDITS: _encoded(self.edits), **named}
 
     @property
     def words(self) -> list[str]:
@@ -46,3 +56,11 @@ class Example:
     def command(self) -> str:
         """The command that replays the files."""
         return " ".join(["restshape", *self.words])
+
+
+def _encoded(text: str) -> bytes:
+    """The bytes of a text, of which some may be none of UTF-8."""
+    try:
+        return text.encode("utf-8", "surrogateescape")
+    except UnicodeEncodeError:
+        return text.encode("utf-8", "surrogatepass")

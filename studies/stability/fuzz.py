@@ -1,5 +1,6 @@
 """Random scenes and edits, in batches in processes of their own, for a crash or a hang ends the process."""
 
+import itertools
 import json
 import re
 import shutil
@@ -12,20 +13,22 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from restshape_studies.stability.batch import FAULT, Batch
-from restshape_studies.stability.example import EDITS, MOST_ELEMENTS, SCENE, Example
-from restshape_studies.stability.watched import End, watch
+from restshape_studies.stability.batch import DAMAGED, DRAWN, FAULT, FILES, RECORDINGS, Batch
+from restshape_studies.stability.example import MOST_ELEMENTS, RECORDED, Example
+from restshape_studies.stability.watched import REPORTS, End, watch
 
 from restshape.errors import UserError
 
 PROCESS = "restshape_studies.stability.fuzz_process"
 BATCH = 25
 """Examples a process: starting one takes a second."""
-DAMAGED_SHARE = 3
-"""Every third batch is of damaged files."""
+CYCLE = (*(DRAWN, DAMAGED, DRAWN, DAMAGED, FILES) * 3, *(DRAWN, DAMAGED, DRAWN, DAMAGED, RECORDINGS))
+"""Kinds of the batches, in turn: of 10,000 examples 4,000 are drawn, 4,000 damaged, 1,500 name files, 500 record."""
 PLACE = re.compile(r'File "(.*?)", line (\d+) in ')
 """Where Python was when it crashed, the innermost place first."""
 
+OWN = ("stderr", REPORTS)
+"""Files of the process that plays, which nobody needs."""
 MADE_FOLDER = re.compile(r"\S*restshape-fuzz-\w+/")
 
 
@@ -61,6 +64,7 @@ class Tried:
         valid: that gave frames to the end; refused: with a message, as a whole; too_large: with a first mesh of more
             elements than wanted, which ended there; broken: at fault.
         damaged: of all, those with damage to valid files; written: those that `restshape replay` replayed too.
+        mutated: by what was done to examples, how many ended how.
         frames, refused_frames: over all examples.
         seconds: wall-clock.
         largest: elements of a first mesh.
@@ -82,13 +86,22 @@ class Tried:
     largest: int = 0
     warned: Counter = field(default_factory=Counter)
     messages: Counter = field(default_factory=Counter)
+    mutated: dict[str, Counter] = field(default_factory=dict)
     found: dict[str, Found] = field(default_factory=dict)
+
+    def ended(self, mutator: str, outcome: str) -> None:
+        """Count an example that ended so; one without an outcome is a smaller one of a fault."""
+        if outcome:
+            self.mutated.setdefault(mutator, Counter())[outcome] += 1
 
     def as_dict(self) -> dict[str, Any]:
         """The numbers for `--json`."""
-        table = {key: value for key, value in vars(self).items() if key not in ("found", "warned", "messages")}
+        table = {
+            key: value for key, value in vars(self).items() if key not in ("found", "warned", "messages", "mutated")
+        }
         report = {"warned": dict(self.warned), "messages": dict(self.messages.most_common())}
-        return {**table, **report, "faults": [asdict(found) for found in self.found.values()]}
+        mutated = {name: dict(sorted(ends.items())) for name, ends in sorted(self.mutated.items())}
+        return {**table, "mutated": mutated, **report, "faults": [asdict(found) for found in self.found.values()]}
 
 
 def fuzz(
@@ -122,8 +135,8 @@ def fuzz(
     while tried.examples < count and time.monotonic() - start < seconds:
         before = tried.examples
         wanted = min(BATCH, count - tried.examples)
-        damaged = number % DAMAGED_SHARE == DAMAGED_SHARE - 1
-        batch = Batch(seed + number, wanted, tuple(apps), damaged, tuple(tried.found), shrink)
+        kind = CYCLE[number % len(CYCLE)]
+        batch = Batch(seed + number, wanted, tuple(apps), kind, tuple(tried.found), shrink)
         _play(batch, tried, keep, each)
         number += 1
         tried.seconds = time.monotonic() - start
@@ -144,16 +157,19 @@ def _play(batch: Batch, tried: Tried, keep: Path | None, each: float) -> None:
 def _count(batch: Batch, tried: Tried, lines: list[tuple[str, Any]], folder: Path, end: End, keep: Path | None) -> None:
     """Count what a process reported, and note faults."""
     new: dict[str, Found] = {}
+    mutator = ""
     for what, content in lines:
         # After the first fault that nobody knows come smaller examples of it.
         if what == "begin":
             tried.examples += not new
-            tried.damaged += batch.damaged and not new
+            tried.damaged += batch.kind != DRAWN and not new
             tried.shrinking += bool(new)
+            mutator = content["mutator"]
         elif what == "end" and not new:
             _add(tried, content)
         elif what == "fault":
             tried.broken += not new
+            tried.ended(mutator, "traceback" if not new else "")
             name = content["signature"]
             if name in tried.found:
                 tried.found[name].seen += not new
@@ -162,6 +178,7 @@ def _count(batch: Batch, tried: Tried, lines: list[tuple[str, Any]], folder: Pat
     if end.hung or (end.problem and not new):
         tried.broken += 1
         kind = "hang" if end.hung else "crash"
+        tried.ended(mutator, kind)
         place = PLACE.search((folder / "stderr").read_text(errors="replace"))
         name = f"{kind} at {Path(place[1]).name}:{place[2]}" if place else f"{kind} of seed {batch.seed}"
         if name in tried.found:
@@ -175,6 +192,7 @@ def _count(batch: Batch, tried: Tried, lines: list[tuple[str, Any]], folder: Pat
 
 def _add(tried: Tried, end: dict[str, Any]) -> None:
     """Add an example that ended as it should."""
+    tried.ended(end["mutator"], end["outcome"])
     if end["elements"] > MOST_ELEMENTS:
         tried.too_large += 1
     else:
@@ -190,14 +208,30 @@ def _add(tried: Tried, end: dict[str, Any]) -> None:
 
 def _keep(found: Found, folder: Path, keep: Path | None, number: int) -> None:
     """Keep the files of a fault for people."""
-    if not (folder / "example.json").is_file():
+    described = folder / "example.json"
+    if described.is_file():
+        found.command = Example(**json.loads(described.read_text())).command
+    elif (folder / RECORDED).is_file():
+        found.command = f"restshape report {RECORDED}"
+    else:
         return
-    found.command = Example(**json.loads((folder / "example.json").read_text())).command
     if keep is None:
         return
-    kept = keep / f"{number:02d}-seed-{found.seed}"
-    kept.mkdir(parents=True, exist_ok=True)
-    for name in (SCENE, EDITS, "example.json"):
-        shutil.copy(folder / name, kept / name)
+    kept = _new_folder(keep, f"{number:02d}-seed-{found.seed}")
+    for path in sorted(folder.iterdir()):
+        if path.is_file() and path.name not in OWN:
+            shutil.copy(path, kept / path.name)
     (kept / "fault.txt").write_text(f"{found.signature}\n{found.what}\n{found.command}\n")
     found.folder = str(kept)
+
+
+def _new_folder(keep: Path, name: str) -> Path:
+    """A new folder of this name, or with a number behind it where there is one already."""
+    for number in itertools.count(1):
+        folder = keep / (name if number == 1 else f"{name}-{number}")
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            continue
+        return folder
+    raise AssertionError("counting ends never")

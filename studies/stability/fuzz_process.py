@@ -7,6 +7,7 @@ that ended or hung the process.
 import faulthandler
 import json
 import math
+import shutil
 import sys
 import time
 from collections.abc import Callable
@@ -15,13 +16,22 @@ from pathlib import Path
 from typing import Any, Self
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
-from restshape_studies.stability.batch import FAULT, Batch
-from restshape_studies.stability.example import Example
+from restshape_studies.stability import player
+from restshape_studies.stability.batch import DRAWN, FAULT, RECORDINGS, Batch
+from restshape_studies.stability.example import RECORDED, Example
+from restshape_studies.stability.player import Played
 from restshape_studies.stability.strategies import examples
-from restshape_studies.stability.watched import Telling
+from restshape_studies.stability.watched import REPORTS, Telling
 
+from restshape import _kernels
 from restshape.surroundings import start_petsc
 
+MEMORY = 6 << 30
+"""Bytes that an example may take."""
+CRASH = 70
+"""Exit code where it takes more."""
+OWN = ("stderr", REPORTS)
+"""Files of the process itself."""
 SHRINKING = 20.0
 """Seconds after the first fault in which smaller examples of it are looked for."""
 
@@ -35,9 +45,9 @@ class Watched:
     tell: Callable[[str, Any], None]
     first: float = math.inf
 
-    def of(self, example: Example) -> Self:
-        """Itself, watching over an example."""
-        self.example = example
+    def of(self, keep: Callable[[Path], None]) -> Self:
+        """Itself, watching over an example whose files `keep` writes into a folder."""
+        self.keep = keep
         return self
 
     def __enter__(self) -> None:
@@ -54,7 +64,7 @@ class Watched:
         if name in self.known:
             return True
         self.first = min(self.first, time.monotonic())
-        self.example.write(self.folder / FAULT)
+        self.keep(self.folder / FAULT)
         return False
 
 
@@ -67,11 +77,25 @@ def run(batch: Batch, folder: Path, tell: Callable[[str, Any], None]) -> None:
     # A crash reports its line of Python, which PETSc's own handler would not.
     start_petsc(["-no_signal_handler"])
     faulthandler.enable()
-    from restshape_studies.stability.player import play
-
     (folder / FAULT).mkdir(exist_ok=True)
-    phases = (Phase.generate, Phase.shrink) if batch.shrink else (Phase.generate,)
     watched = Watched(batch.known, folder, tell)
+    (_run_recordings if batch.kind == RECORDINGS else _run_examples)(batch, folder, watched, tell)
+
+
+def _run_recordings(batch: Batch, folder: Path, watched: Watched, tell: Callable[[str, Any], None]) -> None:
+    """Report and salvage damaged recordings."""
+    from restshape_studies.stability.hostile_recordings import damages, outcome
+
+    for name, path in damages(batch, folder):
+        tell("begin", {"mutator": name})
+        limit_memory()
+        with watched.of(lambda kept, path=path: shutil.copy(path, kept / RECORDED)):
+            tell("end", {"mutator": name, "outcome": outcome(folder, path), **asdict(Played())})
+
+
+def _run_examples(batch: Batch, folder: Path, watched: Watched, tell: Callable[[str, Any], None]) -> None:
+    """Replay random examples."""
+    phases = (Phase.generate, Phase.shrink) if batch.shrink else (Phase.generate,)
 
     @seed(batch.seed)
     @settings(
@@ -82,18 +106,33 @@ def run(batch: Batch, folder: Path, tell: Callable[[str, Any], None]) -> None:
         report_multiple_bugs=False,
         suppress_health_check=list(HealthCheck),
     )
-    @given(examples(batch.apps, batch.damaged))
+    @given(examples(batch.apps, batch.kind))
     def play_one(example: Example) -> None:
         if time.monotonic() - watched.first > SHRINKING:
             return
+        clear(folder)
         example.write(folder)
-        tell("begin", {})
-        start = time.perf_counter()
-        with watched.of(example):
-            played = play(folder, example)
-            tell("end", {**asdict(played), "seconds": time.perf_counter() - start})
+        name = example.damaged or DRAWN
+        tell("begin", {"mutator": name})
+        limit_memory()
+        with watched.of(example.write):
+            played = player.play(folder, example)
+            tell("end", {"mutator": name, "outcome": played.outcome, **asdict(played)})
 
     play_one()
+
+
+def clear(folder: Path) -> None:
+    """Remove the files of the example before; the process's own stay."""
+    for path in folder.iterdir():
+        if path.is_file() and path.name not in OWN:
+            path.unlink()
+
+
+def limit_memory() -> None:
+    """End the process where an example takes more memory than it may."""
+    large = f"an example took more than {MEMORY >> 30} GB\n"
+    _kernels.watch(0.0, MEMORY, CRASH, large, large)
 
 
 def main() -> int:

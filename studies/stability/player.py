@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 from restshape_studies.stability.commanded import command_problem
-from restshape_studies.stability.example import EDITS, MOST_ELEMENTS, SCENE, Example
+from restshape_studies.stability.example import EDITS, MOST_ELEMENTS, RECORDING, SCENE, SUMMARY, TABLE, Example
 from restshape_studies.verification import FrameCheck, verification
 
 from restshape.application import application
@@ -55,15 +55,33 @@ class Played:
     written: bool = False
     warned: list[str] = field(default_factory=list)
 
+    @property
+    def outcome(self) -> str:
+        """The exit code of the command, with what a code 0 may mean."""
+        if self.elements > MOST_ELEMENTS:
+            return "0, too large"
+        if self.message:
+            return "2, after frames" if self.frames else "2"
+        return "0, refused frames" if self.refused else "0"
+
+
+OUTPUTS = {RECORDING, TABLE, SUMMARY, f"{RECORDING}.lock"}
+BYSTANDER = "notes.txt"
+"""A file that nothing names."""
+
 
 def play(folder: Path, example: Example) -> Played:
     """How the replay of an example's files ended.
 
     Raises:
-        Fault: a shown number is not finite, a refusal has no message, or the command reports or writes something else.
+        Fault: a shown number is not finite, a refusal has no message, the command reports or writes something else, or
+            a file was changed that is no output.
         BaseException: whatever a user would see a traceback of.
     """
     played = Played()
+    before = {**example.inputs(), BYSTANDER: b"mine"}
+    (folder / BYSTANDER).write_bytes(before[BYSTANDER])
+    others = {path.name for path in folder.iterdir()}
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
@@ -77,6 +95,10 @@ def play(folder: Path, example: Example) -> Played:
             played.written = True
             if wrong := command_problem(folder, example, played.message, played.frames, played.refused):
                 raise Fault(f"restshape replay: {wrong}")
+    if changed := [name for name, data in before.items() if (folder / name).read_bytes() != data]:
+        raise Fault(f"written over: {changed}")
+    if new := sorted({path.name for path in folder.iterdir()} - others - OUTPUTS):
+        raise Fault(f"left behind: {new}")
     played.warned = sorted({f"{w.category.__name__}: {w.message} ({Path(w.filename).name}:{w.lineno})" for w in caught})
     return played
 

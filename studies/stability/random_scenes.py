@@ -41,9 +41,11 @@ class RandomScenes:
         edits: kinds of edits of a scene, a list of events each.
         heads: what the first lines of scripts may hold besides.
         predictable: whether frames of a scene can be predicted.
+        outlined: scenes have a [shape], which may be that of a file.
     """
 
     scenes: st.SearchStrategy[Table]
     edits: Callable[[Table], Parts] = outline_edits
     heads: tuple[Table, ...] = ({}, {}, {}, ON_DEMAND)
     predictable: Callable[[Table], bool] = always
+    outlined: bool = True

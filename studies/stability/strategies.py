@@ -1,14 +1,14 @@
 """Hypothesis strategies of examples: a scene of an application, an edit script, and damage to them."""
 
-import json
 from collections.abc import Sequence
 
 from hypothesis import strategies as st
-from restshape_studies.stability.damage import keys_of, plain_values, replaced, spliced, splices, values, without
+from restshape_studies.stability.batch import DAMAGED, FILES
 from restshape_studies.stability.example import Example
+from restshape_studies.stability.hostile_files import hostile_files
+from restshape_studies.stability.mutators import MUTATORS, texts
 from restshape_studies.stability.random_scenes import RandomScenes
 from restshape_studies.stability.shape_strategies import Table
-from restshape_studies.stability.tables import toml
 from restshape_studies.verification import verification
 
 from restshape.policy import POLICIES
@@ -32,29 +32,25 @@ def timed(head: Table, parts: list[list[Table]]) -> list[Table]:
 
 
 @st.composite
-def examples(draw: st.DrawFn, apps: Sequence[str], damaged: bool) -> Example:
-    """A scene of one of the applications with its edits; or the same after some damage."""
-    app = draw(st.sampled_from(list(apps)))
-    known = verification(app).load_random_scenes()
+def examples(draw: st.DrawFn, apps: Sequence[str], kind: str) -> Example:
+    """A scene of one of the applications with its edits, of one of `batch.KINDS`."""
+    scenes = {app: verification(app).load_random_scenes() for app in apps}
+    app = draw(st.sampled_from([app for app, known in scenes.items() if kind != FILES or known.outlined]))
+    known = scenes[app]
     scene = draw(known.scenes)
     lines = draw(scripts(scene, known))
-    harm = draw(st.sampled_from(["a value", "a key", "an event", "scene", "edits"])) if damaged else ""
-    if harm == "a value":
-        scene = replaced(scene, draw(st.sampled_from(keys_of(scene))), draw(plain_values))
-    elif harm == "a key":
-        scene = without(scene, draw(st.sampled_from(keys_of(scene))))
-    elif harm == "an event":
-        line = draw(st.integers(0, len(lines) - 1))
-        lines = [*lines]
-        lines[line] = {**lines[line], draw(st.sampled_from(list(lines[line]))): draw(values)}
-    text, edits = toml(scene), "".join(json.dumps(line) + "\n" for line in lines)
-    if harm == "scene":
-        text = spliced(text, draw(st.lists(splices, min_size=1, max_size=3)))
-    elif harm == "edits":
-        edits = spliced(edits, draw(st.lists(splices, min_size=1, max_size=3)))
+    harm, files = "", {}
+    if kind == FILES:
+        scene, harm, files = draw(hostile_files(scene))
+        lines = timed({}, [[{"do": "scale", "on": "outline", "factor": 1.1, "frames": 2}], [{"do": "undo"}]])
+    if kind == DAMAGED:
+        harm = draw(st.sampled_from(list(MUTATORS)))
+        text, edits = MUTATORS[harm](draw, scene, lines)
+    else:
+        text, edits = texts(scene, lines)
     policy = draw(st.sampled_from(list(POLICIES)[::-1]))
     # What cannot be predicted is asked for at times, for it is refused.
     can = known.predictable(scene) and policy != "rebuild" and "analysis" not in lines[0]
     predict = draw(st.sampled_from(["none", "linear"])) if can or draw(st.integers(0, 19)) == 19 else "none"
     written = draw(st.integers(1, WRITTEN_SHARE)) == WRITTEN_SHARE
-    return Example(app, text, edits, policy, predict, harm, written)
+    return Example(app, text, edits, policy, predict, harm, written, files)

@@ -21,6 +21,9 @@ LOOK = 0.05
 READY = "ready"
 """What a process reports first that works on one thing for long before it has another line to report."""
 
+WAITING = 10.0
+"""How many times as long a process may be silent that does not compute: a busy machine lets it wait."""
+
 START = 60.0
 """Seconds that a process may take besides to come to its first line: a busy machine imports slowly."""
 
@@ -59,7 +62,8 @@ def watch(
         module: is given `job` as JSON on stdin, and reports its lines to the folder's file.
         folder: for files of the process.
         job: what it shall do.
-        silence: seconds without a line after which it is ended; `START` more before the first one.
+        silence: seconds of the processor's time without a line after which it is ended, and ten times as long where it
+            only waits; `START` more before the first one.
         heard: is given each line, as soon as it is there.
         words: further arguments.
     """
@@ -89,7 +93,7 @@ def watch(
 
 def _listen(process: subprocess.Popen, path: Path, silence: float, heard: Callable[[str, Any], None]) -> bool:
     """Hand on all lines until the process ends; whether it was silent for too long."""
-    at, since = 0, time.monotonic() + START
+    at, since, busy = 0, time.monotonic() + START, START
     while True:
         over = process.poll() is not None
         whole = path.read_bytes()[at:] if path.is_file() else b""
@@ -99,8 +103,18 @@ def _listen(process: subprocess.Popen, path: Path, silence: float, heard: Callab
             if kind != READY:
                 heard(kind, content)
         at += len(whole)
+        used = processor_time(process.pid)
         if whole:
-            since = time.monotonic()
-        if over or time.monotonic() - since > silence:
+            since, busy = time.monotonic(), used
+        if over or used - busy > silence or time.monotonic() - since > WAITING * silence:
             return not over
         time.sleep(LOOK)
+
+
+def processor_time(process: int) -> float:
+    """Seconds that a process has computed; 0 where the system does not tell."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -1,4 +1,4 @@
-"""What is too large is refused by its place and a remedy, before time or memory goes into it; a frame has its limits."""
+"""What is too large is refused by its place and a remedy, before memory goes into it; a frame has its limits."""
 
 import base64
 import csv

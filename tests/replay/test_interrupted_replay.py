@@ -127,6 +127,19 @@ def test_one_of_two_ranks_ends(tmp_path, start_restshape, words, number):
 
 
 @pytest.mark.mpi
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_to_one_rank_ends_all_after_the_same_frame(tmp_path, start_restshape, words, number):
+    process = start_restshape(*words, ranks=2)
+    wait_for_frames(process)
+    os.kill(children(process.pid)[-1], number)
+    printed, told = process.communicate(timeout=60)
+    assert process.returncode == 128 + number, told
+    assert "restshape replay: interrupted" in told and "Traceback" not in told and "MPI_ABORT" not in told
+    assert "policy auto, 2 rank(s)" in printed
+    assert opened(tmp_path / "a.vtkhdf").status == "interrupted"
+
+
+@pytest.mark.mpi
 def test_a_full_disk_ends_all_ranks(tmp_path, start_restshape, words):
     process = start_restshape(*words, ranks=2)
     wait_for_frames(process)

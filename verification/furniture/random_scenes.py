@@ -222,4 +222,4 @@ def edits(scene: Table) -> Parts:
     return plank_gestures(names), plank_edits(names), choices(), plank_sets(scene)
 
 
-SCENES = RandomScenes(plank_scenes(), edits=edits, predictable=never)
+SCENES = RandomScenes(plank_scenes(), edits=edits, predictable=never, outlined=False)

@@ -116,7 +116,8 @@ def _run(words: list[str]) -> int:
             time.sleep(LAST_WORD)
         return 2
     except KeyboardInterrupt:
-        print(f"restshape {args.command}: interrupted", file=sys.stderr)
+        if first_rank():
+            print(f"restshape {args.command}: interrupted", file=sys.stderr)
         return exit_code()
     except MemoryError as error:
         print(f"restshape {args.command}: not enough memory ({error})", file=sys.stderr)

@@ -13,7 +13,7 @@ from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_li
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parity_line import parity_lines
 from restshape.cli.ranks import first_rank
-from restshape.cli.signals import exit_code, interrupt_if_asked
+from restshape.cli.signals import agreeing, exit_code
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, printable
 from restshape.outputs.kinds import CsvFile, RecordingFile
@@ -125,13 +125,15 @@ def _start_recorder(path: Path, request: Any) -> Any:
 def _run(args: argparse.Namespace, request: Any, recorder: Any, begin_frame: Callable[[], None]) -> dict[str, Any]:
     """Start PETSc, run all frames, and sum up."""
     start_petsc(args.petsc)
+    from petsc4py import PETSc
+
     from restshape.cli.progress import progress
     from restshape.replay.run import run_replay
 
-    with progress(quiet=not first_rank()) as count:
+    with progress(quiet=not first_rank()) as count, agreeing(PETSc.COMM_WORLD.tompi4py()) as end_if_asked:
 
         def on_frame() -> None:
-            interrupt_if_asked()
+            end_if_asked()
             begin_frame()
             count()
 

@@ -3,13 +3,17 @@
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any
 
 ENDING = (signal.SIGINT, signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM)
 """Signals at which frames are kept and the command ends, with 128 and their number."""
+PATIENCE = 2
+"""Signals that wait for the end of a frame on several ranks: launchers send the first one twice."""
 _received: list[int] = []
+_postponing = False
 
 
 @contextmanager
@@ -34,7 +38,8 @@ def ending_signals() -> Iterator[None]:
 
 def _interrupt(number: int, _: FrameType | None) -> None:
     _received.append(number)
-    raise KeyboardInterrupt
+    if not _postponing or len(_received) > PATIENCE:
+        raise KeyboardInterrupt
 
 
 def interrupt_if_asked() -> None:
@@ -45,6 +50,36 @@ def interrupt_if_asked() -> None:
     """
     if _received:
         raise KeyboardInterrupt
+
+
+@contextmanager
+def agreeing(ranks: Any) -> Iterator[Callable[[], None]]:
+    """What ends all ranks after the same frame where a signal came to one of them; to be called after each frame.
+
+    A signal within waits for the end of the frame; one after `PATIENCE` of them interrupts at once.
+
+    Args:
+        ranks: communicator of mpi4py.
+    """
+    global _postponing
+    if ranks.size == 1:
+        yield interrupt_if_asked
+        return
+    from mpi4py import MPI
+
+    from restshape.replay.run import AgreedInterrupt
+
+    def end_together() -> None:
+        number = ranks.allreduce(_received[0] if _received else 0, op=MPI.MAX)
+        if number:
+            _received[:] = [number]
+            raise AgreedInterrupt
+
+    _postponing = True
+    try:
+        yield end_together
+    finally:
+        _postponing = False
 
 
 def exit_code() -> int:

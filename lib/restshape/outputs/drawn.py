@@ -10,13 +10,16 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from restshape import __version__
 from restshape.outputs.claims import refuse_foreign
-from restshape.outputs.kinds import PictureFile
+from restshape.outputs.kinds import PICTURE_MARK, PictureFile
 from restshape.outputs.whole import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+MARKED_BY = {".png": "Software", ".svg": "Creator"}
+"""Which of the metadata of a format says who drew it."""
 
 SOURCE = "Source"
 """Key of a picture's metadata, in PNG and in SVG."""
@@ -54,10 +57,14 @@ def save_picture(figure: Figure, path: Path) -> None:
     refuse_foreign(PictureFile(path), str(path))
     plain_texts(figure)
     with replacing(path) as part:
-        if _source.get():
-            figure.savefig(part, metadata={SOURCE: _source.get()})
-        else:
-            figure.savefig(part)
+        figure.savefig(part, metadata=_metadata(path.suffix.lower()))
+
+
+def _metadata(suffix: str) -> dict[str, str] | None:
+    """What a picture of a format says of itself: who drew it, and what it shows."""
+    key = MARKED_BY.get(suffix)
+    known = {SOURCE: _source.get()} if _source.get() else {}
+    return known | ({key: f"{PICTURE_MARK} {__version__}"} if key else {}) or None
 
 
 def plain_texts(figure: Figure) -> None:

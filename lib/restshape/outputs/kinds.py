@@ -12,6 +12,8 @@ HEAD = 1 << 16
 """Bytes of a file that are looked at."""
 SIGNED = "written by restshape script, "
 """Beginning of the note in the first line of such a script; what follows it is the CRC-32 of all other lines."""
+PICTURE_MARK = "restshape"
+"""Beginning of `Software` in the texts of a picture."""
 SCENE_MARK = "# written by restshape accuracy --write\n"
 
 
@@ -115,15 +117,15 @@ PICTURES = (".png", ".svg")
 
 
 class PictureFile(OutputFile):
-    """A picture (PNG or SVG) by matplotlib."""
+    """A picture (PNG or SVG) that says which program drew it."""
 
     what = "a picture that restshape drew"
 
     def known(self, head: bytes) -> bool:
-        """Whether matplotlib wrote it."""
+        """Whether `outputs.drawn` has marked it."""
         if head.startswith(b"<?xml"):
-            return b"<dc:title>Matplotlib v" in head
-        return head.startswith(b"\x89PNG\r\n\x1a\n") and b"tEXtSoftware\0Matplotlib" in head
+            return b"<dc:title>" + PICTURE_MARK.encode() in head
+        return head.startswith(b"\x89PNG\r\n\x1a\n") and b"tEXtSoftware\0" + PICTURE_MARK.encode() in head
 
 
 class AnimationFile(OutputFile):

@@ -18,6 +18,10 @@ from restshape.replay.tally import Tally
 from restshape.surroundings import petsc_options
 
 
+class AgreedInterrupt(KeyboardInterrupt):
+    """All ranks have agreed to end after this frame: none of them waits for another."""
+
+
 def run_replay(
     request: Request,
     recorder: Recorder | None = None,
@@ -33,7 +37,7 @@ def run_replay(
         recorder: takes each frame; on rank 0 only.
         parity: compare each frame with a cold solve on the same mesh.
         csv: file for a row of numbers a frame.
-        on_frame: called after each frame.
+        on_frame: called after each frame; on several ranks an `AgreedInterrupt` of it ends the replay.
         keep_rows: give all `rows`; else those alone that the report of the application needs.
 
     Raises:
@@ -60,9 +64,9 @@ def run_replay(
                 if table:
                     table(row)
                 on_frame()
-        except KeyboardInterrupt:
-            # The other ranks know nothing of it, and one that waits for this one cannot be determined.
-            if comm.size > 1 or not tally.frames:
+        except KeyboardInterrupt as interrupt:
+            # Else the other ranks know nothing of it, and one that waits for this one cannot be determined.
+            if (comm.size > 1 and not isinstance(interrupt, AgreedInterrupt)) or not tally.frames:
                 raise
             interrupted = True
     summary = tally.summary(request.policy.name, comm.size, replay.analysis.estimated_quantity)

@@ -55,7 +55,7 @@ def opened(path: Path) -> Iterator[Recording]:
     """
     missing = _missing(path)
     if not missing:
-        with Recording(path) as recording:
+        with _found(path, path) as recording:
             yield recording
         return
     with tempfile.TemporaryDirectory(prefix="restshape-") as folder:
@@ -64,13 +64,27 @@ def opened(path: Path) -> Iterator[Recording]:
             while data := old.read(1 << 20):
                 new.write(data)
             new.truncate(old.tell() + missing)
-        try:
-            with Recording(copy) as recording:
-                yield recording
-        except UserError as error:
-            if error.where == str(copy):
-                raise UserError(error.what, str(path), "record it again") from error
-            raise
+        with _found(copy, path) as recording:
+            yield recording
+
+
+def _found(path: Path, named: Path) -> Recording:
+    """The recording in a file, opened.
+
+    Args:
+        path: of the file.
+        named: the file that the user has named, for messages.
+
+    Raises:
+        UserError: it cannot be opened; without its header and the index of its frames none of them can be found.
+    """
+    try:
+        return Recording(path)
+    except UserError as error:
+        if error.do.startswith("restshape salvage"):
+            what = f"no frame can be found, for header or index cannot be read: {error.what}"
+            raise UserError(what, str(named), "record it again: salvage needs both") from error
+        raise UserError(error.what, str(named), error.do) from error
 
 
 def _missing(path: Path) -> int:

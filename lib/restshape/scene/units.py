@@ -305,7 +305,8 @@ def finite_quantity(value: object, dimension: str | None) -> tuple[float, str | 
         value = match[1]
     number = _as_float(value) * factor + zero
     if not math.isfinite(number):
-        raise UnitError(f"{'the number' if isinstance(value, int) else quoted(str(value))} is not a finite number")
+        shown = quoted(value) if isinstance(value, str) else "the number" if isinstance(value, int) else value
+        raise UnitError(f"{shown} is not a finite number")
     return number, "temperature" if zero else dimension
 
 
