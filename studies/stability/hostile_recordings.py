@@ -21,10 +21,10 @@ from restshape_studies.stability.strategies import examples
 
 SALVAGED = "salvaged.vtkhdf"
 REPORT = "report"
-TRIES = 30
+TRIES = 60
 """Examples that are drawn until one has a recording."""
-LARGE = 200_000
-"""Bytes of a recording that is damaged; larger ones take long to draw."""
+LARGE = 4_000_000
+"""Bytes of a recording that is damaged; larger ones take long to copy."""
 HOSTILE: list[Any] = [0, -1, 2**31 - 1, 2**62, -(2**62), 10_000_000]
 HEADERS: list[Any] = [None, -1, 1e308, "", "x" * 5000, "\x1b[2J", [], {}, [[]], {"file": "/etc/passwd"}, True]
 

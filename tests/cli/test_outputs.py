@@ -12,11 +12,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from small_scenes import plate, write_scene
 
 from restshape.cli.main import all_commands, parser_for
 from restshape.errors import UserError
-from restshape.outputs.kinds import JsonFile, OutputFile, RecordingFile, SoundFile, mark_sound
+from restshape.outputs.drawn import save_picture
+from restshape.outputs.kinds import JsonFile, OutputFile, PictureFile, RecordingFile, SoundFile, mark_sound
 from restshape.outputs.locks import Lock, Locked
 from restshape.outputs.whole import write_whole
 from restshape.replay.recorder import Recorder
@@ -103,6 +105,19 @@ def test_files_of_its_own_are_replaced_and_a_script_only_if_nobody_changed_it(co
     (tmp_path / "a-report" / "frames.png").write_bytes(FOREIGN["photo.png"])
     ended = command("report", "a.vtkhdf", "--animation", "none")
     assert ended.returncode == 2 and "is not a picture that restshape drew" in ended.stderr
+
+
+def test_a_picture_by_another_program_of_matplotlib_is_not_replaced(tmp_path):
+    path, figure = tmp_path / "a.png", Figure()
+    save_picture(figure, path)
+    assert PictureFile(path).ours()
+    save_picture(figure, path)
+    figure.savefig(path)
+    before = path.read_bytes()
+    assert b"Matplotlib" in before and not PictureFile(path).ours()
+    with pytest.raises(UserError, match=r"a\.png"):
+        save_picture(figure, path)
+    assert path.read_bytes() == before
 
 
 def test_a_failed_write_leaves_what_was_there(tmp_path):

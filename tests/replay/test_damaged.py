@@ -152,6 +152,16 @@ def test_crafted_files_end_in_a_message(command, damaged, name):
         assert "Traceback" not in ended.stderr
 
 
+@pytest.mark.parametrize("lost", ["restshape/header", "restshape/table", "VTKHDF/Steps/PartOffsets"])
+def test_a_recording_without_header_or_index_cannot_be_salvaged_and_that_is_said(command, damaged, lost):
+    with h5py.File(damaged, "r+") as file:
+        del file[lost]
+    ended = command("salvage", damaged, "--out", damaged.with_name("good.vtkhdf"))
+    assert ended.returncode == 2 and "header or index cannot be read" in ended.stderr
+    assert "record it again" in ended.stderr and "restshape salvage " + str(damaged) not in ended.stderr
+    assert not damaged.with_name("good.vtkhdf").exists()
+
+
 def test_points_that_are_no_numbers_are_damage(sound, damaged):
     with h5py.File(damaged, "r+") as file:
         file["VTKHDF/Points"][0] = np.nan

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+from collections.abc import Iterator
 from pathlib import Path
 
 import meshio
@@ -54,7 +55,9 @@ def read_mesh(path: Path | str, unit: float = 1.0, ranks: int = 1) -> tuple[Mesh
         UserError: the file cannot be read, or does not hold a plane mesh in one piece.
     """
     path = Path(path)
-    triangles = _checked(_triangles(_read(path), path, unit), path)
+    read = _read(path)
+    with _readable(path, FORMATS[path.suffix.lower()]):
+        triangles = _checked(_triangles(read, path, unit), path)
     try:
         outline, boundary, X, cells = trace(triangles)
     except UserError as error:
@@ -81,6 +84,13 @@ def _read(path: Path) -> meshio.Mesh:
         _refuse_includes(path)
     for name, shape in PLANE_ELEMENTS.items():
         abaqus_to_meshio_type.setdefault(name, shape)
+    with _readable(path, kind):
+        return meshio.read(path, file_format=kind)
+
+
+@contextlib.contextmanager
+def _readable(path: Path, kind: str) -> Iterator[None]:
+    """Has whatever is wrong with a file that is read within be an error of the user's."""
     # meshio prints why it fails before it leaves.
     printed = io.StringIO()
     try:
@@ -89,11 +99,13 @@ def _read(path: Path) -> meshio.Mesh:
             contextlib.redirect_stderr(io.StringIO()),
             bounded_memory(READING_MEMORY),
         ):
-            return meshio.read(path, file_format=kind)
+            yield
+    except UserError:
+        raise
     except MemoryError:
         what = f"reading this {kind} mesh would take more than {READING_MEMORY >> 30} GB of memory"
         raise UserError(what, str(path), "take a coarser mesh, or export it again") from None
-    # Its readers raise whatever the damage of a file leads to, and some of them leave by SystemExit.
+    # meshio's readers raise whatever the damage of a file leads to, and some of them leave by SystemExit.
     except (Exception, SystemExit) as failure:
         reason = printed.getvalue() if isinstance(failure, SystemExit) else str(failure)
         why = f" ({printable(reason.strip().splitlines()[0][:200])})" if reason.strip() else ""

@@ -1,0 +1,132 @@
+"""Mutators damage what they are given, and the files that they damage are read where they are whole."""
+
+import base64
+import json
+import tomllib
+from pathlib import Path
+
+import meshio
+import pytest
+from hypothesis import HealthCheck, find, given, settings
+from hypothesis import strategies as st
+from restshape_studies.stability.batch import DAMAGED, DRAWN, FILES, KINDS, RECORDINGS, Batch
+from restshape_studies.stability.example import EDITS, SCENE, Example
+from restshape_studies.stability.foreign_files import samples
+from restshape_studies.stability.fuzz import CYCLE, _new_folder
+from restshape_studies.stability.hostile_bytes import BYTES
+from restshape_studies.stability.hostile_files import naming
+from restshape_studies.stability.hostile_recordings import DAMAGE, damages, outcome
+from restshape_studies.stability.mutators import MUTATORS, texts
+from restshape_studies.stability.player import Fault, play
+from restshape_studies.stability.scenery import plate
+from restshape_studies.stability.tables import toml
+
+from restshape.mesh.importer import read_mesh
+from restshape.shape.dxf import read_dxf
+from restshape.shape.geo import read_geo
+
+SCENE_TABLE = {"format": "x", "version": 1, "shape": {"vertices": {"a": [0.0, 1.5]}}, "mesh": {"size": 0.25}}
+LINES = [{"format": "e", "version": 1}, {"t": 0.1, "do": "press", "on": "a"}, {"t": 0.2, "do": "drag", "to": [1.0, 2]}]
+QUICK = settings(
+    max_examples=25, deadline=None, database=None, suppress_health_check=list(HealthCheck), derandomize=True
+)
+
+
+@pytest.mark.parametrize("name", list(MUTATORS))
+def test_a_mutator_changes_a_scene_or_its_script(name):
+    whole, changed = texts(SCENE_TABLE, LINES), set()
+
+    @QUICK
+    @given(st.data())
+    def mutate(data):
+        found = MUTATORS[name](data.draw, SCENE_TABLE, LINES)
+        assert all(isinstance(text, str) for text in found)
+        changed.add(found)
+
+    mutate()
+    assert len(changed - {whole}) > 5
+    assert SCENE_TABLE["shape"] == {"vertices": {"a": [0.0, 1.5]}} and len(LINES) == 3
+
+
+def test_numbers_too_long_for_python_and_depths_too_large_for_it_are_in_the_text():
+    def has(name: str, part: str) -> None:
+        draws = st.composite(lambda draw: MUTATORS[name](draw, SCENE_TABLE, LINES))()
+        found = find(draws, lambda both: part in "".join(both), settings=settings(QUICK, max_examples=3000))
+        with pytest.raises((ValueError, RecursionError)):
+            tomllib.loads(found[0]), [json.loads(line) for line in found[1].splitlines()]
+
+    has("huge", "7" * 5000)
+    has("nested", "[" * 5000)
+
+
+def test_samples_are_read_as_they_are_and_damage_changes_them(tmp_path):
+    readers = {".geo": read_geo, ".dxf": read_dxf}
+    for name, (ending, data) in samples().items():
+        path = tmp_path / f"sample{ending}"
+        path.write_bytes(data)
+        assert readers.get(ending, read_mesh)(path), name
+    assert meshio.read(tmp_path / "sample.vtu").cells
+
+
+@pytest.mark.parametrize("name", list(BYTES))
+def test_damage_of_bytes(name):
+    data, changed = samples()["gmsh"][1], set()
+
+    @QUICK
+    @given(st.data())
+    def damage(drawn):
+        changed.add(BYTES[name](drawn.draw, data))
+
+    damage()
+    assert len(changed - {data}) > 5
+
+
+def test_batches_are_of_all_kinds_in_the_shares_that_are_documented():
+    assert len(CYCLE) == 20 and [CYCLE.count(kind) for kind in KINDS] == [8, 8, 3, 1]
+    assert (DRAWN, DAMAGED, FILES, RECORDINGS) == KINDS
+
+
+def test_an_example_with_files_is_refused_or_played_and_what_it_writes_over_is_a_fault(tmp_path, monkeypatch):
+    name, drawing = "part.geo", samples()["geo"][1][:200]
+    scene = toml(naming(tomllib.loads(plate("plane")), name))
+    files = {name: base64.b64encode(drawing).decode()}
+    example = Example(
+        "plane", scene, '{"format": "restshape-edits", "version": 1}\n', "auto", "none", "file: cut", files=files
+    )
+    example.write(tmp_path)
+    assert (tmp_path / name).read_bytes() == drawing
+    played = play(tmp_path, example)
+    assert played.outcome == "2" and "part.geo" in played.message
+
+    def spoil(folder: Path, *_: object) -> None:
+        (folder / EDITS).write_text("mine")
+
+    monkeypatch.setattr("restshape_studies.stability.player._play", spoil)
+    with pytest.raises(Fault, match=r"written over: \['edits\.jsonl'\]"):
+        play(tmp_path, example)
+    monkeypatch.setattr(
+        "restshape_studies.stability.player._play", lambda folder, *_: (folder / "new").write_text("mine")
+    )
+    example.write(tmp_path)
+    with pytest.raises(Fault, match=r"left behind: \['new'\]"):
+        play(tmp_path, example)
+
+
+def test_bytes_that_are_no_text_are_written(tmp_path):
+    Example("plane", "\udcff\udcfe", "\ud800", "auto", "none").write(tmp_path)
+    assert (tmp_path / SCENE).read_bytes() == b"\xff\xfe" and (tmp_path / EDITS).read_bytes() == b"\xed\xa0\x80"
+
+
+@pytest.mark.slow
+def test_damaged_recordings_end_in_a_report_or_a_message(tmp_path):
+    found = [(name, outcome(tmp_path, path)) for name, path in damages(Batch(3, 12, ("plane",), RECORDINGS), tmp_path)]
+    assert len(found) == 12 and len({name for name, _ in found}) > 3
+    assert {name.removeprefix("recording: ") for name, _ in found} <= set(DAMAGE)
+    assert any(codes == "report 2, salvage 2" for _, codes in found)
+
+
+def test_a_folder_of_faults_is_a_new_one(tmp_path):
+    first = _new_folder(tmp_path, "01-seed-7")
+    (first / SCENE).write_text("kept")
+    assert _new_folder(tmp_path, "01-seed-7") == tmp_path / "01-seed-7-2"
+    assert (first / SCENE).read_text() == "kept"
