@@ -107,15 +107,16 @@ def test_files_of_its_own_are_replaced_and_a_script_only_if_nobody_changed_it(co
     assert ended.returncode == 2 and "is not a picture that restshape drew" in ended.stderr
 
 
-def test_a_picture_by_another_program_of_matplotlib_is_not_replaced(tmp_path):
-    path, figure = tmp_path / "a.png", Figure()
+@pytest.mark.parametrize("name", ["a.png", "a.svg"])
+def test_a_picture_by_another_program_of_matplotlib_is_not_replaced(tmp_path, name):
+    path, figure = tmp_path / name, Figure()
     save_picture(figure, path)
     assert PictureFile(path).ours()
     save_picture(figure, path)
     figure.savefig(path)
     before = path.read_bytes()
     assert b"Matplotlib" in before and not PictureFile(path).ours()
-    with pytest.raises(UserError, match=r"a\.png"):
+    with pytest.raises(UserError, match=name):
         save_picture(figure, path)
     assert path.read_bytes() == before
 
