@@ -7,6 +7,8 @@ SCENE_BYTES = 16 << 20
 """Text of a scene."""
 SCRIPT_BYTES = 256 << 20
 """Text of an edit script."""
+CALIBRATION_BYTES = 1 << 20
+"""Text of a calibration that is read."""
 DRAWING_BYTES = 64 << 20
 """A .dxf file; a .geo file has bounds of its own, in `restshape.shape.geo_tokens`."""
 MESH_BYTES = 1 << 30
@@ -30,6 +32,9 @@ FORMULA_CHARACTERS = 2000
 """Characters of a formula."""
 NAME_CHARACTERS = 200
 """Characters of a name, so that files can be named for it."""
+
+FILE_NAME_BYTES = 255
+"""Bytes of one part of a file's name, as systems take them."""
 
 SPLINE_POINTS = 1000
 """Points of one spline: all of them are coupled by a full matrix."""

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from restshape.bounds import CALIBRATION_BYTES
 from restshape.errors import UserError
 from restshape.outputs.whole import write_whole
 
@@ -105,10 +106,11 @@ class Calibration:
         place = NOMINAL if path is None else path
         make = "restshape info --calibrate --out FILE writes one"
         try:
-            content = json.loads(place.read_text(encoding="utf-8"))
+            with place.open(encoding="utf-8") as file:
+                content = json.loads(file.read(CALIBRATION_BYTES))
         except OSError as error:
             raise UserError(error.strerror or str(error), str(place), make) from error
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise UserError(f"not JSON: {error}", str(place), make) from error
         if not isinstance(content, dict) or content.get("format") != FORMAT or content.get("version") != 1:
             raise UserError(f"not a {FORMAT} file of version 1", str(place), make)

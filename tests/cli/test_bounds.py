@@ -140,6 +140,29 @@ def test_a_file_without_an_end_is_refused(command, tmp_path, place):
     assert ended.returncode == 2 and "/dev/zero: this" in ended.stderr and "bytes" in ended.stderr
 
 
+LONG_NAME = "n" * 300
+
+
+@pytest.mark.parametrize("option", ["SCENE", "--edits", "--out", "--csv", "--json", "--calibration", "--allow-path"])
+def test_a_name_that_no_file_can_have_is_refused(command, tmp_path, option):
+    words: list[object] = [write_scene(tmp_path, PLATE), option, LONG_NAME + ".vtkhdf" * (option == "--out")]
+    ended = command("replay", *(words if option != "SCENE" else [f"{LONG_NAME}.toml"]))
+    assert ended.returncode == 2 and "too long" in ended.stderr.lower()
+
+
+@pytest.mark.parametrize("key", ["shape.file", "mesh.file"])
+@pytest.mark.parametrize("name", [LONG_NAME, "a\0b"])
+def test_a_scene_names_no_such_file_either(command, tmp_path, key, name):
+    scene = write_scene(tmp_path, PLATE)
+    ended = command("check", scene, "--set", f"{key}={name}.msh")
+    assert ended.returncode == 2 and f"scene.toml: {key}" in ended.stderr
+
+
+def test_a_calibration_without_end_is_refused(command, tmp_path):
+    ended = command("replay", write_scene(tmp_path, PLATE), "--calibration", "/dev/zero")
+    assert ended.returncode == 2 and "not JSON" in ended.stderr
+
+
 def test_long_texts_are_not_searched_for_numbers(monkeypatch):
     class Unused:
         def match(self, text: str) -> None:
@@ -273,7 +296,7 @@ def test_every_bound_is_documented_with_its_value():
 
 def shown(name: str, value: float) -> str:
     """A bound as the page shows it."""
-    if name.endswith("_BYTES") or name.endswith("_MEMORY"):
+    if (name.endswith("_BYTES") and value > 255) or name.endswith("_MEMORY"):
         return f"{value >> 20} MB" if value < 1 << 30 else f"{value >> 30} GB"
     if name == "WHOLE_NUMBER":
         return "2^63"

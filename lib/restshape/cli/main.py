@@ -17,7 +17,7 @@ from restshape import __version__
 from restshape.cli.limits import LIMIT_REACHED
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import ending_signals, exit_code, open_streams
-from restshape.errors import UserError, printable
+from restshape.errors import UserError, printable, quoted
 
 COMMANDS = ("new", "script", "check", "list", "schema", "info", "replay", "report", "salvage")
 GROUP = "restshape.commands"
@@ -84,6 +84,10 @@ def main(argv: list[str] | None = None) -> int:
         print("restshape: interrupted", file=sys.stderr)
         return exit_code()
     except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            print(f"restshape: the name of a file is too long: {quoted(str(error.filename))}", file=sys.stderr)
+            print("  try: a shorter name", file=sys.stderr)
+            return 2
         if error.errno not in FULL:
             raise
         _leave(sys.stdout)

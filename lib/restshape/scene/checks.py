@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from restshape.application import Application
+from restshape.bounds import FILE_NAME_BYTES
 from restshape.scene.bodies import bodies_of
 from restshape.scene.dimensions import formulas
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
@@ -61,6 +62,8 @@ def _check_file(key: tuple[str, str], file: str, source: Source) -> None:
         what, do = f"the recording names the file {file!r}, and no file but the recording is read", "replay its scene"
         raise source.error(key, what, do)
     path = source.path.parent / file
+    if any(len(part.encode(errors="replace")) > FILE_NAME_BYTES for part in path.parts):
+        raise source.error(key, f"a part of the name has more than {FILE_NAME_BYTES} bytes", "choose a shorter one")
     if file not in source.named and (refused := outside(file, source.path.parent)):
         raise source.error(key, *refused)
     if not path.is_file():
