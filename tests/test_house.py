@@ -123,3 +123,9 @@ def test_what_names_an_application_is_found():
         assert APPLICATION.search(line)
     for line in ("[effects.solid]", 'settings("solid")', "a cantilever bends", "a vibration of the plate"):
         assert not APPLICATION.search(line)
+
+
+def test_elements_are_symbols():
+    """Elements are taken by their families' symbols, so that a wrong name is an ImportError."""
+    found = [path for path in LIBRARY.rglob("*.py") if "_kernels.Element(" in path.read_text()]
+    assert found == [], "take them from restshape.fem.elements"

@@ -11,6 +11,7 @@ from scipy.optimize import nnls
 from restshape import _kernels
 from restshape.algebra.preconditioner import nonzeros, set_preconditioner
 from restshape.calibration import Calibration
+from restshape.fem.elements import LINEAR_ELASTIC
 
 SIDES = (32, 100)
 """Grid points a side of the two problems: 2,048 and 20,000 unknowns."""
@@ -164,7 +165,7 @@ def measure_assembly(X: np.ndarray, cells: np.ndarray) -> float:
     operator = _kernels.Operator(False, 2, np.array([0, nodes], dtype=np.int32), 0, "csr")
     operator.set_topology([cells])
     operator.set_constraints(np.zeros(2 * nodes, dtype=np.uint8))
-    element = _kernels.Element("linear_elastic_tri3")
+    element = LINEAR_ELASTIC["tri3"]
     params = np.array([1.0 if name in ("lambda", "mu", "thickness") else 0.0 for name in element.parameters])
     x, rhs = np.zeros_like(X), np.zeros(2 * nodes)
 

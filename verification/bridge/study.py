@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from restshape.application import application
+from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.replayed_files import replay_files
 from restshape.scene.load import load_scene
 
@@ -57,10 +58,10 @@ def study() -> dict[str, SessionCourse]:
 def followed(rows: list[dict]) -> SessionCourse:
     """What the rows of a replay report."""
     t, score, stress = (np.array([row[key] for row in rows]) for key in ("t", "q_score", "q_strength"))
-    verdicts = np.array([row["constraint_status"] for row in rows])
+    statuses = np.array([row["constraint_status"] for row in rows])
     solved = sum(row["iterations"] > 0 for row in rows)
     taken = float(sum(row["ms"] for row in rows[1:]))
-    return SessionCourse(t, score, stress, verdicts == "holds", verdicts == "fails", solved, taken)
+    return SessionCourse(t, score, stress, np.isin(statuses, (HOLDS, UNCERTAIN)), statuses == FAILS, solved, taken)
 
 
 def main() -> None:

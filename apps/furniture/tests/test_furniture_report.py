@@ -65,7 +65,6 @@ def test_pictures_are_those_of_furniture(recorded):
         "guidance.png",
         "suggestions-20.png",
         "animation.gif",
-        "quantities.png",
         "timeline.png",
     ]
     for picture in told["pictures"]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.fem.averages import node_weights
+from restshape.fem.edge_reactions import EdgeReactions
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Function
 from restshape.fem.problem import Problem
@@ -101,21 +102,23 @@ def nodal_quantity(
     return Differentiable(value, derivative)
 
 
-def reaction_lift(mask: np.ndarray, nodes: np.ndarray | slice, column: int, factor: float = 1.0) -> np.ndarray:
-    """The `Derivative.lift` (n, f) of `factor` times the sum of reactions at nodes; mask: of prescribed unknowns."""
+def reaction_lift(
+    mask: np.ndarray, nodes: np.ndarray | slice, column: int, factor: float | np.ndarray = 1.0
+) -> np.ndarray:
+    """The `Derivative.lift` (n, f) of the sum of reactions at nodes, times factors; mask: of prescribed unknowns."""
     lift = np.zeros(mask.shape)
     lift[nodes, column] = factor * (mask[nodes, column] != 0)
     return lift
 
 
 def flow_derivative(
-    problem: Problem, fixed: np.ndarray, parts: Sequence[tuple[Integral, np.ndarray]]
+    problem: Problem, fixed: EdgeReactions, parts: Sequence[tuple[Integral, np.ndarray]]
 ) -> Callable[[np.ndarray], Derivative]:
     """The derivative of what flows out by edges: of the integrals there, less the reactions of a scalar.
 
     Args:
         problem: of one unknown a node.
-        fixed: (k,) nodes of the edges at which it is prescribed.
+        fixed: the reactions that pass there.
         parts: integrals that are linear and symmetric in the unknowns, with those of their entities (m,) that count.
     """
 
@@ -123,6 +126,6 @@ def flow_derivative(
         load = np.zeros_like(x)
         for integral, chosen in parts:
             integral.add_residual(np.ones_like(x), load, chosen)
-        return Derivative(load, reaction_lift(problem.boundary.mask, fixed, 0, -1.0))
+        return Derivative(load, reaction_lift(problem.boundary.mask, fixed.nodes, 0, -fixed.parts()))
 
     return derivative

@@ -29,8 +29,8 @@ class TimeState(NamedTuple):
 class Scheme(Protocol):
     """One step of length dt: M a' + C v' + r(y') = 0 in second order, M v' + r(y') = 0 in first.
 
-    The step from y to y' solves r(y') + a3 r(y) + (a0 M + a1 C) (y' - y) = M a2 v + C (a4 v + a5 a), which the
-    coefficients name. In first order M is the capacity and there is no C.
+    The step from y to y' solves r(y') + a3 r(y) + (a0 M + a1 C) (y' - y) = M a2 v + C ((a4 - a3) v + a5 a), which
+    the coefficients name. In first order M is the capacity and there is no C.
 
     Attributes:
         order: of the equation in time.

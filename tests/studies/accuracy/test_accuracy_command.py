@@ -39,7 +39,8 @@ def test_a_pick_is_written_run_again_and_holds(command, small, tmp_path):
     written = (tmp_path / "found" / "scene-chosen.toml").read_text()
     assert "# held at the left" in written and "# coarse" in written
     held = tomllib.loads(written)
-    assert held["mesh"] == {"size": fastest["size"], "order": 1} and held["solve"]["policy"] == "auto"
+    assert held["mesh"] == {"size": fastest["size"], "edges_per_circle": 8, "order": 1}
+    assert held["solve"]["policy"] == "auto"
     assert "holds: " in told.stdout and "reuse below the tolerance: at 2 of 2 points" in told.stdout
     page = (tmp_path / "found" / "scene.md").read_text()
     for words in (

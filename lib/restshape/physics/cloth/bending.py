@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape import _kernels
+from restshape.fem.elements import HINGE, HINGE_MIRRORED, HINGE_NONLINEAR, HINGE_NONLINEAR_MIRRORED, MORLEY
 from restshape.fem.integral import Integral
 from restshape.mesh.hinges import border_cells, hinges, inner_sides, normals
 from restshape.mesh.mesh import Mesh
@@ -12,8 +12,8 @@ from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import UPPER
 
 HINGES = {
-    "hinge": ("hinge_flap4", "hinge_mirrored_flap3"),
-    "nonlinear": ("hinge_nonlinear_flap4", "hinge_nonlinear_mirrored_flap3"),
+    "hinge": (HINGE["flap4"], HINGE_MIRRORED["flap3"]),
+    "nonlinear": (HINGE_NONLINEAR["flap4"], HINGE_NONLINEAR_MIRRORED["flap3"]),
 }
 """Elements of inner edges, and of edges whose other triangle is a mirror image."""
 QUADRATIC = ("morley", "hinge")
@@ -30,7 +30,7 @@ class MorleyBending:
 
     def __init__(self, mesh: Mesh, space: MorleySpace, block: int) -> None:
         self.mesh, self.space, self.block = mesh, space, block
-        self.element = _kernels.Element("morley_tri6")
+        self.element = MORLEY["tri6"]
         self.parameters = np.empty(0)
 
     def blocks(self) -> list[np.ndarray]:
@@ -66,11 +66,11 @@ class HingeBending:
 
     def __init__(self, mesh: Mesh, kind: str, supports: ClothSupports, block: int) -> None:
         self.mesh, self.block = mesh, block
-        self.element = _kernels.Element(HINGES[kind][0])
+        self.element = HINGES[kind][0]
         self.nodes = hinges(mesh.cells, mesh.cell_edges)
         self.parameters = np.empty(0)
         edges = np.concatenate([supports.clamped, supports.mirrored])
-        self.mirror = _kernels.Element(HINGES[kind][1]) if len(edges) else None
+        self.mirror = HINGES[kind][1] if len(edges) else None
         if self.mirror:
             # Of each clamped edge, then of each on a plane of symmetry, with its triangle on the left.
             self.mirrored_in, self.mirrored_nodes = border_cells(mesh.cells, mesh.cell_edges, edges)

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from restshape import _kernels
+from restshape.fem.elements import MEMBRANE, MEMBRANE_COROTATED, MEMBRANE_STABILISED
 from restshape.fem.integral import Integral
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import UPPER
 
-ELEMENTS = {"stvk": ("membrane_tri3", "membrane_stabilised_tri3"), "corotated": ("membrane_corotated_tri3",) * 2}
+ELEMENTS = {"stvk": (MEMBRANE, MEMBRANE_STABILISED), "corotated": (MEMBRANE_COROTATED,) * 2}
 """Elements with the true and the stabilised tangent, by law."""
 LOAD = slice(6, 9)
 """Parameters that are the weight by area."""
@@ -24,7 +24,7 @@ class Membrane:
     block = 0
 
     def __init__(self, law: str, corners: np.ndarray) -> None:
-        self.element, self.stabilised = (_kernels.Element(name) for name in ELEMENTS[law])
+        self.element, self.stabilised = (family["tri3"] for family in ELEMENTS[law])
         self.corners = corners
         self.parameters = np.empty(0)
 

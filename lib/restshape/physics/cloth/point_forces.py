@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape import _kernels
+from restshape.fem import elements
 from restshape.fem.integral import Integral
 from restshape.physics.cloth.contact import POTENTIAL, Contact
 
-ELEMENT = _kernels.Element("potential_point1")
+ELEMENT = elements.POTENTIAL["point1"]
 """A quadratic function of a node's position."""
 
 

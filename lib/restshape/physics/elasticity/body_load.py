@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape import _kernels
+from restshape.fem.elements import MASS
 from restshape.fem.entity_sets import cells_on
 from restshape.fem.nodal_values import evaluate, rates, varies
 from restshape.fem.region_materials import require_value
@@ -30,7 +30,7 @@ class BodyLoads:
         self.of_cells = [(name, load) for name, load in given if not (smooth and varies(load.body))]
         self.of_nodes = [(name, load) for name, load in given if smooth and varies(load.body)]
         self.varies = any(varies(load.body) for _, load in given)
-        self._consistent = _kernels.Element("mass_tri6") if self.of_nodes else None
+        self._consistent = MASS["tri6"] if self.of_nodes else None
 
     def add_to_cells(self, params: np.ndarray) -> None:
         """Add the forces (ne, 2) [N/m^3] on cells to the columns 3 and 4 of parameters (ne, p)."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape import _kernels
+from restshape.fem.elements import PRESSURE, TRACTION
 from restshape.fem.entity_sets import facets_on, nodes_on
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
@@ -42,7 +42,7 @@ class PlaneLoads:
         self.points: list[tuple[str, Load]] = [(name, surface[name]) for name in surface if not on_edges[name]]
         self.varies = self.body.varies or any(part.varies for part in edges)
         shape = SHAPES[space.cells.shape[1]][1]
-        self._traction, self._pressure = (_kernels.Element(f"{name}_{shape}") for name in ("traction", "pressure"))
+        self._traction, self._pressure = TRACTION[shape], PRESSURE[shape]
 
     def update(self) -> None:
         """Evaluate the loads on edges where the nodes are now."""

@@ -4,9 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from restshape import _kernels
 from restshape.algebra.traits import Traits
 from restshape.errors import UserError
+from restshape.fem.elements import LINEAR_ELASTIC, LINEAR_ELASTIC_DILATATION, LUMPED_MASS, STVK, STVK_DILATATION
+from restshape.fem.elements import MASS as MASS_ELEMENTS
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
@@ -40,7 +41,7 @@ from restshape.physics.elasticity.stress import PlaneStresses, plane_compliance
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 
-MASSES = {CONSISTENT: "mass", LUMPED: "lumped_mass"}
+MASSES = {CONSISTENT: MASS_ELEMENTS, LUMPED: LUMPED_MASS}
 
 
 class PlaneSolid(TransientProblem):
@@ -75,9 +76,9 @@ class PlaneSolid(TransientProblem):
         shape, model = SHAPES[space.cells.shape[1]][0], plan.settings("solid").model
         self.scene, self.space, self.plan = scene, space, plan
         self.linear = not plan.on("large_deformation")
-        mean = "dilatation_" if plan.settings("solid").element == "mean_dilatation" else ""
-        self.small = _kernels.Element(f"linear_elastic_{mean}{shape}")
-        self.element = self.small if self.linear else _kernels.Element(f"stvk_{mean}{shape}")
+        self.averaged = plan.settings("solid").element == "mean_dilatation"
+        small, large = (LINEAR_ELASTIC_DILATATION, STVK_DILATATION) if self.averaged else (LINEAR_ELASTIC, STVK)
+        self.small, self.element = small[shape], (small if self.linear else large)[shape]
         stress = model == "plane_stress"
         self.materials = table_by_region(scene, space, lambda m: (*lame(m, stress), m.thickness, m.rho))
         self.gravity = np.array(plan.settings("gravity").g) if plan.on("gravity") else None
@@ -167,7 +168,7 @@ class PlaneSolid(TransientProblem):
                 "material",
                 'give each material its rho, e.g. rho = "2400 kg/m^3"',
             )
-        element = _kernels.Element(f"{MASSES[kind]}_{SHAPES[self.space.cells.shape[1]][0]}")
+        element = MASSES[kind][SHAPES[self.space.cells.shape[1]][0]]
         return Integral(element, self.space.X, self.space.cells, by_cell((density * thickness)[:, None], region))
 
     def add_nodal_loads(self, out: np.ndarray, sign: float, cells: np.ndarray | None = None) -> None:

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from restshape import _kernels
+from restshape.fem.elements import GEOMETRIC, GEOMETRIC_DILATATION
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Observer
 from restshape.physics.elasticity.plane_solid import PlaneSolid
@@ -37,7 +38,7 @@ class PrestressedSolid(PlaneSolid):
 
     @cached_property
     def _geometric(self) -> _kernels.Element:
-        return _kernels.Element(self.small.name.replace("linear_elastic", "geometric"))
+        return (GEOMETRIC_DILATATION if self.averaged else GEOMETRIC)[self.element.shape]
 
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates those quantities that the displacement gives; load factors are the analysis's to report."""

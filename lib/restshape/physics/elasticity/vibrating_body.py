@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from restshape import _kernels
 from restshape.errors import UserError
 from restshape.fem.dirichlet import Dirichlet
+from restshape.fem.elements import Family
 from restshape.fem.integral import Integral
 from restshape.fem.problem import INTERNAL, MASS, STIFFNESS, Fields, Unknown
 from restshape.fem.space import Space
@@ -160,8 +160,6 @@ class VibratingBody(ABC):
                     )
         return dirichlet_of(self.scene, self.space, self.unknowns)
 
-    def integral(self, element: str, parameters: np.ndarray) -> Integral:
-        """An element, by its name without the shape, over all cells."""
-        return Integral(
-            _kernels.Element(f"{element}_{self.space.cell_type}"), self.space.X, self.space.cells, parameters
-        )
+    def integral(self, element: Family, parameters: np.ndarray) -> Integral:
+        """The element of a family over all cells."""
+        return Integral(element[self.space.cell_type], self.space.X, self.space.cells, parameters)

@@ -1,6 +1,7 @@
 """What materials give to bodies that vibrate: moduli, density and thickness by region."""
 
 from restshape.errors import UserError
+from restshape.fem.elements import ANISOTROPIC, LINEAR_ELASTIC, Family
 from restshape.fem.region_materials import names_by_region, require_value
 from restshape.fem.space import Space
 from restshape.scene.expressions import Value
@@ -21,9 +22,9 @@ def materials_by_region(scene: Scene, plane: Space) -> list[Material]:
     return [scene.material[name or some] for name in names]
 
 
-def law(materials: list[Material]) -> str:
-    """The law of small strains that all materials have: "linear_elastic", or "anisotropic" if one has a grain."""
-    return "anisotropic" if any(m.orthotropic for m in materials) else "linear_elastic"
+def law(materials: list[Material]) -> Family:
+    """The law of small strains that all materials have: LINEAR_ELASTIC, or ANISOTROPIC if one has a grain."""
+    return ANISOTROPIC if any(m.orthotropic for m in materials) else LINEAR_ELASTIC
 
 
 def constant_thickness(material: Material) -> float:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from restshape.fem.elements import ANISOTROPIC, LUMPED_MASS, MASS
 from restshape.fem.region_materials import by_cell
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
@@ -27,7 +28,7 @@ class VibratingPlane(VibratingBody):
         super().__init__(scene, plane)
         self.space, self.stress = plane, stress
         thickness = [constant_thickness(m) for m in self.materials]
-        if law(self.materials) == "anisotropic":
+        if law(self.materials) is ANISOTROPIC:
             plane_law = plane_stress if stress else plane_strain
             rows = [plane_params(plane_law(stiffness_of(m)), h) for m, h in zip(self.materials, thickness)]
         else:
@@ -35,7 +36,7 @@ class VibratingPlane(VibratingBody):
         masses = [[m.rho * h] for m, h in zip(self.materials, thickness)]
         region = plane.cell_region
         self.stiffness = self.integral(law(self.materials), by_cell(np.array(rows), region))
-        self.mass = self.integral("lumped_mass" if lumped else "mass", by_cell(np.array(masses), region))
+        self.mass = self.integral(LUMPED_MASS if lumped else MASS, by_cell(np.array(masses), region))
         self.boundary = self.supports()
 
     def all_rigid_motions(self) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from restshape.fem.elements import ANISOTROPIC, LUMPED_MASS, MASS
 from restshape.fem.region_materials import by_cell
 from restshape.mesh.extrude import Extrusion
 from restshape.mesh.lagrange_space import LagrangeSpace
@@ -29,13 +30,13 @@ class VibratingSolid(VibratingBody):
         super().__init__(scene, plane)
         self.space = Extrusion(plane, layers, common_thickness(scene), scene.parameters)
         region = self.space.cell_region
-        if law(self.materials) == "anisotropic":
+        if law(self.materials) is ANISOTROPIC:
             rows = [solid_params(stiffness_of(m)) for m in self.materials]
         else:
             rows = [(*lame(m, False), 0.0, 0.0, 0.0) for m in self.materials]
         masses = np.array([[m.rho] for m in self.materials])
         self.stiffness = self.integral(law(self.materials), by_cell(np.array(rows), region))
-        self.mass = self.integral("lumped_mass" if lumped else "mass", by_cell(masses, region))
+        self.mass = self.integral(LUMPED_MASS if lumped else MASS, by_cell(masses, region))
         self.boundary = self.supports()
 
     def motion(self, plane_motion: np.ndarray) -> np.ndarray:

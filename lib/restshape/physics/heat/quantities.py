@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from restshape.fem.derivative import Differentiable, flow_derivative, nodal_quantity
+from restshape.fem.edge_reactions import EdgeReactions
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, reduction
 from restshape.fem.problem import Inertia, Problem
@@ -38,13 +39,10 @@ def heat_quantity(
 
 
 def _heat_flow(problem: Problem, surfaces: Sequence[SurfaceHeat], capacity: Inertia | None, edge: str) -> Function:
-    """Heat [W] that leaves by an edge: by its fluxes and convections, and where its temperature is fixed.
-
-    A node where two such edges meet counts for both.
-    """
+    """Heat [W] that leaves by an edge: by its fluxes and convections, and where its temperature is fixed."""
     index = problem.space.facets_of(edge)
-    facets = problem.space.facets[index]
-    fixed = np.unique(facets[problem.boundary.mask[facets, 0].all(axis=1)])
+    supported = [on for one in problem.scene.supports.values() if "temperature" in one.fix for on in one.on]
+    fixed = EdgeReactions(problem.space, edge, supported)
     parts = [(part, np.flatnonzero(np.isin(part.index, index)).astype(np.int32)) for part in surfaces]
     own = [(part, chosen) for part, chosen in parts if len(chosen)]
 
@@ -52,11 +50,11 @@ def _heat_flow(problem: Problem, surfaces: Sequence[SurfaceHeat], capacity: Iner
         out = np.zeros_like(x)
         for part, chosen in own:
             part.integral().add_residual(x, out, chosen)
-        if not len(fixed):
+        if not len(fixed.nodes):
             return out.sum()
-        balance = unconstrained_residual(problem, x, cells_around(problem.space, fixed))
+        balance = unconstrained_residual(problem, x, cells_around(problem.space, fixed.nodes))
         if capacity is not None:
             balance += capacity.apply(motion[0].v)
-        return out.sum() - balance[fixed].sum()
+        return out.sum() - fixed.parts() @ balance[fixed.nodes, 0]
 
     return Differentiable(value, flow_derivative(problem, fixed, [(p.integral(ambient=False), c) for p, c in own]))

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from restshape.fem.elements import MASS_PLATE, PLATE
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.plate import PlateMesh
 from restshape.physics.elasticity.stiffness import FREE_SIDES, plate_params, stiffness_of
@@ -28,7 +29,7 @@ class VibratingPlate(VibratingBody):
         self.space = PlateMesh(plane, common_thickness(scene), scene.parameters)
         table = np.stack([plate_params(stiffness_of(m), m.rho) for m in self.materials])
         parameters = np.ascontiguousarray(table[plane.cell_region])
-        self.stiffness, self.mass = self.integral("plate", parameters), self.integral("mass_plate", parameters)
+        self.stiffness, self.mass = self.integral(PLATE, parameters), self.integral(MASS_PLATE, parameters)
         self.boundary = self.supports()
         self._topology = -1
         self.update()
