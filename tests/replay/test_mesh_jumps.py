@@ -14,6 +14,7 @@ from restshape.replay.mesh_jumps import MeshJumps
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.summary import summarise
+from restshape.report.quantities import draw_quantities
 from restshape.report.tables import jumped
 from restshape.scene.load import load_scene
 
@@ -85,7 +86,7 @@ def test_summary_has_the_largest(tmp_path):
     json.dumps(found, allow_nan=False)
 
 
-def test_reports_mark_large_ones(tmp_path):
+def test_reports_mark_large_ones(tmp_path, monkeypatch):
     scene, script = write_scene(tmp_path, plate(0.2)), write_script(tmp_path, FINE)
     replay = make_replay(scene, script, overrides=ASKED)
     loaded = replay.session.scene
@@ -96,6 +97,16 @@ def test_reports_mark_large_ones(tmp_path):
     with Recording(tmp_path / "a.vtkhdf") as recording:
         for least in (0.0005, 0.005):
             np.testing.assert_array_equal(jumped(recording, least), np.flatnonzero(np.array(worst) > least))
+        drawn = []
+        monkeypatch.setattr("restshape.report.quantities.save_picture", lambda figure, path: drawn.append(figure))
+        assert draw_quantities(recording, tmp_path / "q.png")
+    panel = next(axes for axes in drawn[0].axes if axes.get_title(loc="left") == "energy")
+    bars = panel.collections[0].get_segments()
+    changed = [row for row in rows if np.isfinite(row["energy_jump"])]
+    assert len(bars) == len(changed)
+    for bar, row in zip(bars, changed):
+        found = bar[:, 1] / row["q_energy"]
+        np.testing.assert_allclose(found / found[1], [1.0 - row["energy_jump"] / row["q_energy"], 1.0], rtol=1e-9)
 
 
 def test_answers_with_a_past_are_refused(tmp_path):

@@ -7,13 +7,14 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from restshape.outputs.drawn import save_picture
-from restshape.replay.columns import error_column
+from restshape.replay.columns import error_column, jump_column
 from restshape.replay.recording import Recording
 from restshape.report.field import limits_of
 from restshape.report.frames import scene_name
-from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, new_figure, scaled_unit
+from restshape.report.style import GOAL, INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, new_figure, scaled_unit
 from restshape.report.tables import column, quantity_units, refused
 
+JUMP = jump_column("")
 EACH, FRAMED = 1.35, 1.3
 """Height of a panel, and of what is around them [inch]."""
 LEAST_SPAN = 1e-4
@@ -41,6 +42,7 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
     for axes, name in zip(panels, shown):
         values = np.where(stopped, np.nan, column(recording, f"q_{name}"))
         _panel(axes, recording, values, limits.get(name, {}), units.get(name, ""))
+        _jumps(axes, values, column(recording, jump_column(name)), units.get(name, ""))
         _band(axes, values, column(recording, error_column(name)), units.get(name, ""))
         axes.set_title(name, loc="left", pad=2)
         _shade(axes, np.flatnonzero(stopped))
@@ -94,6 +96,14 @@ def _band(axes: Axes, values: np.ndarray, errors: np.ndarray, unit: str) -> None
     axes.set_ylim(min(limits[0], reach[0]), max(limits[1], reach[1]))
 
 
+def _jumps(axes: Axes, values: np.ndarray, jumps: np.ndarray, unit: str) -> None:
+    """Bars from where a quantity would be on the mesh before flips or a new mesh, to where it is."""
+    here = np.flatnonzero(np.isfinite(jumps) & np.isfinite(values))
+    if len(here):
+        factor, _ = scaled_unit(float(np.abs(values[np.isfinite(values)]).max()), unit)
+        axes.vlines(here, factor * (values - jumps)[here], factor * values[here], color=GOAL, lw=1.6, zorder=2)
+
+
 def least_span(axes: Axes, low: float, high: float) -> None:
     """Widens the axis of values from low to high where these are the same but for rounding."""
     least = LEAST_SPAN * max(abs(low), abs(high))
@@ -130,6 +140,8 @@ def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray
     if limited:
         axes.plot([], [], color=REFUSED, lw=1.0, ls="--", label="limit")
         axes.plot([], [], ls="", marker="x", color=REFUSED, ms=4.5, label="beyond its limit")
+    if any(np.isfinite(column(recording, name)).any() for name in recording.table if name.endswith(JUMP)):
+        axes.plot([], [], color=GOAL, lw=1.6, label="jump by the mesh")
     if stopped.any():
         axes.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3, label=f"refused ({stopped.sum()}), no value")
     handles, names = axes.get_legend_handles_labels()
