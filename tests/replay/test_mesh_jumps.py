@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape.application import application
@@ -101,7 +102,7 @@ def test_reports_mark_large_ones(tmp_path, monkeypatch):
         monkeypatch.setattr("restshape.report.quantities.save_picture", lambda figure, path: drawn.append(figure))
         assert draw_quantities(recording, tmp_path / "q.png")
     panel = next(axes for axes in drawn[0].axes if axes.get_title(loc="left") == "energy")
-    bars = panel.collections[0].get_segments()
+    bars = next(one for one in panel.collections if isinstance(one, LineCollection)).get_segments()
     changed = [row for row in rows if np.isfinite(row["energy_jump"])]
     assert len(bars) == len(changed)
     for bar, row in zip(bars, changed):
