@@ -39,9 +39,7 @@ def bind(
     mesh, scene = frame.mesh, frame.scene
     arguments = options.arguments(mesh)
     # Cloth that has fallen out of reach is thrown again, so that an edit, or its undo, brings it back.
-    policy = options.context.policy
-    warm = policy.warm if frame.mesh is before.mesh else policy.transfer
-    cold = before.problem is None or not warm or before.report.falls
+    cold = before.problem is None or not options.context.policy.warm or before.report.falls
     if new_mesh or not same_elements(before.problem, arguments):
         corners = None
         if not cold:
