@@ -3,6 +3,8 @@
 python -m restshape_apps.furniture.pictures --out results/furniture [--only NAME ...] [--piece NAME] [--joints A B]
 """
 
+# More than 15 modules: each picture of the page has a module of its own.
+
 import argparse
 import sys
 from collections.abc import Callable, Sequence

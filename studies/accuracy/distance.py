@@ -13,9 +13,9 @@ CLOSE = 0.01
 
 NAMES = {
     "motion": "displacement and velocity in the energy norm",
-    "energy": "displacement in the energy norm",
+    "energy": "solution in the energy norm",
     "strain": "stretch and bending in the energy norm",
-    "l2": "displacement in the L2 norm",
+    "l2": "solution in the L2 norm",
     "frequencies": "frequencies (the worst mode)",
     "load_factors": "load factors (the worst mode)",
     "shapes": "shapes of the modes (the worst)",

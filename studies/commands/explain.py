@@ -109,7 +109,7 @@ def solvers(plan: dict[str, Any]) -> list[tuple[str, str, str]]:
     expected = ", ".join(f"{name} {ms:.3g}" for name, ms in sorted(plan["expected_ms"].items(), key=lambda at: at[1]))
     why = f"policy {plan['policy']}{', expected ms a solve: ' + expected if expected else ''}"
     rows.append(("preconditioner", used, why))
-    done = f"{plan['factorizations']} frames with a factorization, {plan['iterations']} iterations"
+    done = f"{plan['factorisations']} frames with a factorisation, {plan['iterations']} iterations"
     newton = f", {plan['newton']} Newton steps" if plan["newton"] else ""
     rows.append(("work", f"{done}{newton}", "in these frames, the first included"))
     return rows

@@ -110,7 +110,7 @@ def solver(planned: Plan, scene: Scene, whole: list[Row]) -> Row:
         "policy": scene.solve.policy,
         "preconditioners": used,
         "expected_ms": expected(scene, whole[-1]) if _chooses(planned, scene) else {},
-        "factorizations": sum(row["pc_rebuilt"] for row in whole),
+        "factorisations": sum(row["pc_rebuilt"] for row in whole),
         "iterations": sum(row["iterations"] for row in whole),
         "newton": sum(row["newton"] for row in whole),
     }

@@ -199,15 +199,15 @@ def test_numbers_that_are_none_do_not_stay():
     assert report.refreshed and true_residual(diagonal(good), b, x) <= 1e-6
 
 
-def factorizations() -> int:
-    """Numeric Cholesky factorizations so far."""
+def factorisations() -> int:
+    """Numeric Cholesky factorisations so far."""
     stages = [None, *(PETSc.Log.Stage(f"restshape {name}") for name in ("pattern", "values", "factor", "krylov"))]
     event = PETSc.Log.Event("MatCholFctrNum")
     return sum(event.getPerfInfo(stage and stage.id)["count"] for stage in stages)
 
 
 def test_level_2_factors_only_when_the_iteration_was_given_up(tmp_path):
-    """A frame of level 2 has a factorization if and only if an iteration with the old factor came before it."""
+    """A frame of level 2 has a factorisation if and only if an iteration with the old factor came before it."""
     PETSc.Log.begin()
     made = make_replay(
         write_scene(tmp_path, plate(0.07)),
@@ -216,9 +216,9 @@ def test_level_2_factors_only_when_the_iteration_was_given_up(tmp_path):
         relocation="laplacian",
         criterion="author",
     )
-    before, level2, extra_iterations = factorizations(), 0, 0
+    before, level2, extra_iterations = factorisations(), 0, 0
     for row in made.frames():
-        now = factorizations()
+        now = factorisations()
         assert now - before == row["pc_rebuilt"]
         if row["level"] == 2:
             level2 += 1

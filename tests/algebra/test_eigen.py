@@ -90,12 +90,12 @@ def test_old_factor_still_finds_the_new_modes():
     K, M, rigid = spring_chain(40)
     auto = solver("auto")
     auto.solve(K, M, rigid, 3, True)
-    made = auto.pencil.factorizations
+    made = auto.pencil.factorisations
     stiffer, _, _ = spring_chain(40, 1.3)
     found, report = auto.solve(stiffer, M, rigid, 3, False)
     dense = eigh(stiffer[:, :], eigvals_only=True)
     assert found.values[:3] == pytest.approx(dense[1:4], rel=1e-10)
-    assert report.method == "davidson" and auto.pencil.factorizations == made
+    assert report.method == "davidson" and auto.pencil.factorisations == made
 
 
 def test_mode_that_the_start_knows_nothing_of_is_counted_and_found():

@@ -93,7 +93,7 @@ def test_check_prints_the_box_and_the_mass(tmp_path, command):
     scene_of(tmp_path)
     done = command("check", tmp_path / "scene.toml", "--json", tmp_path / "a.json")
     found = json.loads((tmp_path / "a.json").read_text())
-    assert done.returncode == 0 and "2 m x 1 m from (0, 0) m on" in done.stdout and "157 kg" in done.stdout
+    assert done.returncode == 0 and "2 m x 1 m, lower left corner (0, 0) m" in done.stdout and "157 kg" in done.stdout
     assert found["bounds"] == [[0.0, 0.0], [2.0, 1.0]] and found["mass"] == pytest.approx(157.0)
 
 

@@ -1,5 +1,8 @@
 """Furniture under the hand, frame after frame: status, forces, valid range of what is dragged, suggestions."""
 
+# More than 15 modules: equilibrium, ranges and suggestions, which know nothing of each other, meet here.
+# More than 15 attributes: it holds the answers of a frame, a column each.
+
 from __future__ import annotations
 
 import json

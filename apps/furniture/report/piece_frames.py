@@ -1,6 +1,8 @@
 """The contact sheet of furniture: Characteristic frames of a recording, each with its joints, its forces and its
 range."""
 
+# More than 15 modules: all that a frame of furniture shows meets here.
+
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence

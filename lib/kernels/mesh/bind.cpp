@@ -178,7 +178,7 @@ void bind_mesh(py::module_& m) {
         .def("solve", &restshape::HarmonicExtension::solve, "values"_a,
              "Values (n, k) at all nodes from values (nb, k) at the boundary nodes.")
         .def("stiffen", &restshape::HarmonicExtension::stiffen, "field"_a,
-             "Weights each triangle by the size of the gradient of a field (n, k), and factorizes again.");
+             "Weights each triangle by the size of the gradient of a field (n, k), and factorises again.");
     py::class_<BoundTriangulation>(m, "Triangulation",
                                    "Delaunay flips in the arrays of a mesh; a flipped edge keeps its number.")
         .def(py::init<Indices, Indices, Indices, const Flags&>(), py::arg("cells").noconvert(),

@@ -32,7 +32,7 @@ class HarmonicExtension {
         for (std::int32_t e = 0; e < cell_count; ++e) shapes_[e] = shape_of(X, cells + 3 * e);
         assemble();
         if (free_count_) factor_.analyzePattern(stiffness_);
-        factorize();
+        factorise();
     }
 
     // Values (n, k) at all nodes from values (nb, k) at the boundary nodes.
@@ -73,7 +73,7 @@ class HarmonicExtension {
         }
         weights_ = weights_ / largest + Eigen::VectorXd::Constant(weights_.size(), least);
         assemble();
-        factorize();
+        factorise();
     }
 
  private:
@@ -114,9 +114,9 @@ class HarmonicExtension {
         pull_.setFromTriplets(pulls_.begin(), pulls_.end());
     }
 
-    void factorize() {
+    void factorise() {
         if (!free_count_) return;
-        factor_.factorize(stiffness_);
+        factor_.factorise(stiffness_);
         if (factor_.info() != Eigen::Success) throw std::runtime_error("the mesh has a triangle without area");
     }
 

@@ -30,7 +30,7 @@ class BucklingSolver:
         kept: an old factor serves for as long as counted work says that it pays.
         tolerance: of the residual |K phi + mu G phi| relative to |K phi|.
         calibration: seconds a unit of counted work.
-        stages: takes the time of factorizations and of iterations.
+        stages: takes the time of factorisations and of iterations.
 
     Attributes:
         reach: the tolerance, or what rounding leaves of it.
@@ -80,7 +80,7 @@ class BucklingSolver:
         pencil.set_matrices(geometric, stiffness, new_system)
         self.deflation = Deflation(np.empty((0, pencil.size)), pencil)
         self.constrained = constrained
-        substitutions, factorizations = pencil.substitutions, pencil.factorizations
+        substitutions, factorisations = pencil.substitutions, pencil.factorisations
         self.report = EigenReport(0, False, 0, "davidson")
         found = None
         if self.warm and self.history:
@@ -100,7 +100,7 @@ class BucklingSolver:
         report = self.report
         self.doubtful = report.missed_modes > 0
         report.iterations = pencil.substitutions - substitutions
-        report.refreshed, report.age = pencil.factorizations > factorizations, self.life.age
+        report.refreshed, report.age = pencil.factorisations > factorisations, self.life.age
         return Found(within, found.modes[: len(within)], found.residuals[: len(within)], 0, True), report
 
     # --- from nothing -------------------------------------------------------------------------------------------------

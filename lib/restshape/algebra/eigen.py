@@ -94,7 +94,7 @@ class EigenSolver:
             iteration with an old factor, or Krylov-Schur, whichever counted work expects to be cheaper).
         tolerance: of the residual |K phi - lambda M phi| relative to |lambda M phi|.
         calibration: seconds a unit of counted work.
-        stages: takes the time of factorizations and of iterations.
+        stages: takes the time of factorisations and of iterations.
         warm: later frames start from the modes of the last ones; else each is solved by Krylov-Schur from nothing.
 
     Source: docs/theory.md, section 7.
@@ -152,7 +152,7 @@ class EigenSolver:
         self.pencil.set_matrices(stiffness, mass, new_system)
         self.floor = 0.0 if new_system else self.floor
         self._deflation = Deflation(rigid, self.pencil)
-        substitutions, factorizations = self.pencil.substitutions, self.pencil.factorizations
+        substitutions, factorisations = self.pencil.substitutions, self.pencil.factorisations
         # A mode that has just come down among the others may be lost again in the next frame.
         verify = verify or self.doubtful
         if not (self.warm and self.history):
@@ -164,7 +164,7 @@ class EigenSolver:
             found, report = self._follow(count, new_system, verify)
         self.doubtful = report.missed_modes > 0
         report.iterations = self.pencil.substitutions - substitutions
-        report.refreshed = self.pencil.factorizations > factorizations
+        report.refreshed = self.pencil.factorisations > factorisations
         self.history = [found.modes, *self.history[: HISTORY - 1]]
         return found, report
 

@@ -48,7 +48,7 @@ class LinearSolver:
             `Choice` prefers, or that PETSc's options name), `ilu` (CG with ILU(3), kept until the mesh is another one).
         tolerance: of the true residual, relative to the right side.
         calibration: seconds a unit of counted work, for the choice and the refresh.
-        stages: takes the time of factorizations and of Krylov iterations.
+        stages: takes the time of factorisations and of Krylov iterations.
         memory: bytes that a complete factor may take under `auto`.
         directions: increments of the solution along which guesses are improved; 0 for none.
         traits: of all matrices: where they are not symmetric and definite, GMRES takes the place of CG; a complete

@@ -21,7 +21,7 @@ class LoadPencil(Pencil):
         """Factor K - G/shift as they stand, and keep it; the number of load factors between 0 and -1/shift."""
         with self.stages("factor"):
             below = self._kept.make(self.mass, self.stiffness, 1.0 / shift)
-        self.factorizations += 1
+        self.factorisations += 1
         self.shift, self.nonzeros = shift, self._kept.nonzeros
         return below
 
@@ -29,7 +29,7 @@ class LoadPencil(Pencil):
         """The number of load factors between 0 and -1/shift, by a factor that is not kept (Sylvester)."""
         with self.stages("factor"):
             found = self._counting.make(self.mass, self.stiffness, 1.0 / shift)
-        self.factorizations += 1
+        self.factorisations += 1
         return found
 
 

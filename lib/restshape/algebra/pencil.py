@@ -16,13 +16,13 @@ class Pencil:
     PETSc's own factor is L D L^T without pivoting: it serves indefinite matrices too, and its D reports the inertia.
 
     Args:
-        stages: takes the time of factorizations.
+        stages: takes the time of factorisations.
 
     Attributes:
         stiffness, mass: PETSc matrices of the same pattern, symmetric; set by `set_matrices`.
         shift: s of the factor.
         nonzeros: of the factor.
-        factorizations, substitutions, products: counted since the start.
+        factorisations, substitutions, products: counted since the start.
     """
 
     def __init__(self, stages: Stages) -> None:
@@ -30,7 +30,7 @@ class Pencil:
         self.stiffness = self.mass = PETSc.Mat()
         self.shift = 0.0
         self.nonzeros = 0.0
-        self.factorizations = self.substitutions = self.products = 0
+        self.factorisations = self.substitutions = self.products = 0
         self._kept = _Factor()
         self._counting = _Factor()
         self._patterns = (0, 0)
@@ -90,7 +90,7 @@ class Pencil:
         """
         with self.stages("factor"):
             below = self._kept.make(self.stiffness, self.mass, shift)
-        self.factorizations += 1
+        self.factorisations += 1
         self.shift, self.nonzeros = shift, self._kept.nonzeros
         return below
 
@@ -98,7 +98,7 @@ class Pencil:
         """The number of eigenvalues below a shift, rigid motions included, by a factor that is not kept (Sylvester)."""
         with self.stages("factor"):
             found = self._counting.make(self.stiffness, self.mass, shift)
-        self.factorizations += 1
+        self.factorisations += 1
         return found
 
     def solve(self, rows: np.ndarray) -> np.ndarray:

@@ -1,5 +1,7 @@
 """What a scene and an edit script hold, for people and for programs."""
 
+# More than 15 modules: whatever a scene may hold is checked and printed here.
+
 import argparse
 import sys
 from collections import Counter
@@ -41,7 +43,7 @@ def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     scene = read_scene(args)
     app = application(scene.app)
     data, rows, outline = app.editing.checked(scene, plan(scene, app))
-    print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "held"), rows)
+    print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "content"), rows)
     if args.picture:
         _draw(args.picture, scene, outline)
     return finish(args, scene, data, begin_frame, outline)
@@ -195,7 +197,7 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows = [(plurals[kind], listed(found)) for kind, found in names.items() if found or kind in ("vertex", "edge")]
     rows.append(("area", f"{outline.area():.6g} m^2"))
     (x, y), (width, height) = outline.bounds()[0], np.subtract(*outline.bounds()[::-1])
-    rows.append(("bounding box", f"{width:.6g} m x {height:.6g} m from ({x:.6g}, {y:.6g}) m on"))
+    rows.append(("bounding box", f"{width:.6g} m x {height:.6g} m, lower left corner ({x:.6g}, {y:.6g}) m"))
     rows += [(f"material {name}", keys_in_words(m)) for name, m in scene.material.items()]
     rows += summed(scene, effects, outline)[1]
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
@@ -265,7 +267,7 @@ def print_edits(path: Path, edits: dict[str, Any], script: Script) -> None:
     rows += [(f"frames with change {change!r}", count) for change, count in edits["changes"].items()]
     rows.append(("refused frames", len(edits["refused"])))
     print()
-    print_table(str(path), ("what", "held"), rows)
+    print_table(str(path), ("what", "content"), rows)
     for warning in script.warnings:
         print(f"warning: {warning}", file=sys.stderr)
     if edits["refused"]:

@@ -1,5 +1,7 @@
 """`restshape replay`: replays an edit script against a scene."""
 
+# More than 15 modules: the command joins reading, replaying, recording, progress, signals and output.
+
 import argparse
 import sys
 import traceback
@@ -200,7 +202,7 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     print_table("time a frame", heads, rows, right=heads[1:])
     print(
         f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); "
-        f"{summary['iterations']} iterations, {summary['refreshes']} factorizations, "
+        f"{summary['iterations']} iterations, {summary['refreshes']} factorisations, "
         f"largest true residual {summary['largest_residual']:.1e}"
     )
     if summary["predicted"]:
@@ -281,7 +283,7 @@ def _distribution(found: dict[str, float]) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"
+    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
 def _ends(values: list[float | None]) -> list[str]:

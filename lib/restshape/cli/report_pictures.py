@@ -1,5 +1,7 @@
 """Which pictures `restshape report` draws of a recording."""
 
+# More than 15 modules: each kind of picture has a module of its own, which is imported where it is drawn.
+
 import argparse
 from pathlib import Path
 from typing import Any

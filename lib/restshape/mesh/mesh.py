@@ -1,5 +1,7 @@
 """A triangle mesh that knows which part of its outline each node and facet lies on."""
 
+# More than 15 attributes: a mesh is its index arrays, which the kernels take one by one.
+
 from __future__ import annotations
 
 import itertools

@@ -1,5 +1,7 @@
 """The mesh of a shape under edit: relocated, reconnected or reconstructed from frame to frame."""
 
+# More than 15 modules: relocation, flips, nesting and remeshing meet here, and know nothing of each other.
+
 import itertools
 import logging
 from collections.abc import Callable

@@ -1,5 +1,7 @@
 """A moving picture of a recording: GIF by Pillow, MP4 where ffmpeg is installed."""
 
+# More than 15 modules: all that a frame shows is drawn again for each.
+
 import shutil
 import subprocess
 from collections.abc import Collection, Iterator

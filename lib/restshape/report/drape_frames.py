@@ -1,5 +1,7 @@
 """The contact sheet and the animation of cloth: each frame in space, from above, and as a flat pattern."""
 
+# More than 15 modules: all that a frame of cloth shows meets here.
+
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence

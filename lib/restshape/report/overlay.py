@@ -1,5 +1,7 @@
 """Supports, loads, the hand and names over the frames of a recording, from the scene and the script in its header."""
 
+# More than 15 modules: what is drawn over a field comes from scene, script and recording.
+
 from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, cast

@@ -1,5 +1,7 @@
 """A scene before any solve: its shape with names, supports, loads, goals, and its size."""
 
+# More than 15 modules: whatever a scene may hold is drawn here.
+
 from pathlib import Path
 from textwrap import shorten, wrap
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Any
 
+from restshape.scene.materials import MATERIALS
 from restshape.scene.model import Load, Material, Scene, Support
 from restshape.scene.physics import Physics
 from restshape.scene.quantity import CORE, Quantity
@@ -25,6 +26,9 @@ def declared_keys(physics: Physics) -> dict[str, Meanings]:
         "direction": physics.boundary,
         "load of the kind": {key: kind.meaning for key, kind in physics.loads.items()},
         "quantity of the kind": {key: kind.meaning for key, kind in physics.quantities.items()},
+        "value of the material": {
+            f"{name}.{key}": value for name, values in physics.materials.items() for key, value in values.items()
+        },
     }
 
 
@@ -37,6 +41,7 @@ def core_keys() -> dict[str, frozenset[str]]:
         "direction": frozenset(),
         "load of the kind": frozenset(Load.model_fields),
         "quantity of the kind": frozenset([*Quantity.model_fields, *CORE]),
+        "value of the material": frozenset(f"{name}.{key}" for name, values in MATERIALS.items() for key in values),
     }
 
 

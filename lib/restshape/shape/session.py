@@ -1,5 +1,7 @@
 """An edit session: events of a script turned into frames, each with a valid shape."""
 
+# More than 15 modules: each kind of edit has a module of its own.
+
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator

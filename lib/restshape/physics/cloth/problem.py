@@ -1,5 +1,7 @@
 """Cloth on one mesh as a problem of finite elements: membrane, bending, weight and contact, with positions unknown."""
 
+# More than 15 modules: the parts of cloth, each in a module of its own, make one problem here.
+
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence

@@ -1,5 +1,8 @@
 """Elastic solids in the plane as a problem: integrals, supports, loads and stresses of a scene on one space."""
 
+# More than 15 modules: laws, loads, supports, stresses and quantities make one problem here.
+# More than 15 attributes: a problem holds what its integrals, loads and quantities share.
+
 from collections.abc import Mapping
 
 import numpy as np

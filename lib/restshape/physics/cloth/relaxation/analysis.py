@@ -1,5 +1,7 @@
 """Cloth that is relaxed, frame after frame, on pattern, factors and positions that are kept."""
 
+# More than 15 modules: the strategies of relaxation, each in a module of its own, meet here.
+
 # More modules than most have: here all parts of a relaxation meet.
 
 from __future__ import annotations
