@@ -15,19 +15,10 @@ from restshape.fem.observer import Function, area_at, cells_at, reduction
 from restshape.fem.problem import STIFFNESS, Problem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.nodal_stress import NodalStress
+from restshape.physics.elasticity.scene_checks import elsewhere
 from restshape.physics.elasticity.stress import COMPONENTS, component_slopes
 from restshape.physics.elasticity.target_curves import GoalDistance
 from restshape.scene.model import Quantity
-
-ELSEWHERE = {
-    "frequency": ("only free vibrations have frequencies", "use an application that has [effects.modal]"),
-    "mode": ("only free vibrations have frequencies", "use an application that has [effects.modal]"),
-    "load_factor": (
-        "without buckling there are no load factors",
-        "add [effects.buckling], in an application that has it",
-    ),
-}
-"""Quantities that solids, static or in motion, have not: why, and what to do."""
 
 
 class ObservedSolid(Problem, Protocol):
@@ -71,10 +62,9 @@ class PlaneQuantities:
             return Differentiable(energy, lambda x: Derivative(self._inner_forces(x, cells), energy=cells))
         if quantity.distance:
             return self._distance(name, quantity)
-        for kind, (why, do) in ELSEWHERE.items():
-            if getattr(quantity, kind):
-                key = "load_factor" if kind == "load_factor" else ""
-                raise UserError(why, f"quantities.{name}{key and '.' + key}", f"leave it out, or {do}")
+        if (missing := elsewhere(quantity)) is not None:
+            why, key, do = missing
+            raise UserError(why, ".".join(("quantities", name, *key)), do)
         nodes = observed_nodes(self.space, name, quantity)
         if quantity.reaction:
             column = "xy".index(quantity.reaction)

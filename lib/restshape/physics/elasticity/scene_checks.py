@@ -1,8 +1,26 @@
 """What models alone cannot check in a scene of elastic solids."""
 
 from restshape.scene.expressions import Expression
-from restshape.scene.model import Scene
+from restshape.scene.model import Quantity, Scene
 from restshape.scene.source import Source, suggestion
+
+ELSEWHERE = {
+    "frequency": ("only free vibrations have frequencies", "use an application that has [effects.modal]"),
+    "mode": ("only free vibrations have frequencies", "use an application that has [effects.modal]"),
+    "load_factor": (
+        "without buckling there are no load factors",
+        "add [effects.buckling], in an application that has it",
+    ),
+}
+"""Quantities that solids, static or in motion, have not: why, and what to do."""
+
+
+def elsewhere(quantity: Quantity) -> tuple[str, tuple[str, ...], str] | None:
+    """Why solids, static or in motion, have no such quantity, its key where that says more, and what to do; or None."""
+    for kind, (why, do) in ELSEWHERE.items():
+        if getattr(quantity, kind):
+            return why, (kind,) if kind == "load_factor" else (), f"leave it out, or {do}"
+    return None
 
 
 def check_solids(scene: Scene, source: Source) -> None:
@@ -20,6 +38,10 @@ def check_solids(scene: Scene, source: Source) -> None:
             what = f"the application {scene.app!r} knows isotropic materials only"
             raise source.error(("material", name), what, "give E and nu")
     _refuse_no_thickness(scene, source)
+    for name, quantity in scene.quantities.items():
+        missing = elsewhere(quantity)
+        if missing and not source.recorded and not (quantity.load_factor and "buckling" in scene.effects):
+            raise source.error(("quantities", name, *missing[1]), missing[0], missing[2])
 
 
 def _refuse_no_thickness(scene: Scene, source: Source) -> None:
