@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
+    BaseModel,
     BeforeValidator,
     Discriminator,
     Field,
@@ -36,7 +37,8 @@ def _tag_by_key(keys: tuple[str, ...]) -> Discriminator:
     """A discriminator that distinguishes models by which of the keys is there."""
 
     def tag(raw: object) -> str | None:
-        present = [key for key in keys if (key in raw if isinstance(raw, dict) else hasattr(raw, key))]
+        given = raw if isinstance(raw, dict) else type(raw).model_fields if isinstance(raw, BaseModel) else ()
+        present = [key for key in keys if key in given]
         return f"<{present[0]}>" if present else None
 
     wanted = f"one of {', '.join(keys)} is wanted here"

@@ -97,7 +97,7 @@ def _located(where: str, call, *args):
 
 
 def _edge(draft: Draft, name: str, spec: Any) -> DraftEdge:
-    kind = next(k for k in ("line", "arc", "spline", "polyline") if hasattr(spec, k))
+    kind = next(k for k in ("line", "arc", "spline", "polyline") if k in type(spec).model_fields)
     start, end = getattr(spec, kind)
     where = f"shape.edges.{name}"
     for vertex in (start, end):
@@ -129,9 +129,9 @@ def _bulge(where: str, a: np.ndarray, b: np.ndarray, spec: Any) -> float:
 
 
 def _add(draft: Draft, name: str, kind: str, loop: Any) -> None:
-    if hasattr(loop, "circle"):
+    if "circle" in type(loop).model_fields:
         add_circle(draft, name, kind, loop.circle.center, loop.circle.radius)
-    elif hasattr(loop, "polygon"):
+    elif "polygon" in type(loop).model_fields:
         add_polygon(draft, name, kind, loop.polygon)
     else:
         add_loop(draft, name, kind, list(loop.loop))
