@@ -138,3 +138,13 @@ def test_scenes_that_make_no_sense_are_refused(scene, overrides, told):
 def test_thickness_that_vanishes_is_refused():
     with pytest.raises(UserError, match="thickness is"):
         first_frame(SCENES / "bar_100.toml", ["material.aluminium.thickness='0.004 - 0.1*x'"])
+
+
+def test_a_plate_on_the_first_reconnected_mesh_has_its_free_sides():
+    """Whatever number the topology of its mesh has."""
+    made = first_frame(SCENES / "bar_100.toml", ["effects.modal.model=plate", 'mesh.size="9 mm"', "mesh.layers=1"])
+    state, mesh = made.analysis.state, made.analysis.space
+    known = state.body.stiffness.parameters.copy()
+    mesh.topology = -1
+    body = made.analysis.make(state.scene, state.plan, mesh, False)
+    np.testing.assert_array_equal(body.stiffness.parameters, known)

@@ -141,10 +141,11 @@ def tiny_holes(trial: Trial) -> Iterator[Statement]:
     holes = [{"do": "hole", "name": f"h{k}", "center": [0.02 + 0.03 * k, 0.015], "radius": 0.0005} for k in range(3)]
     way = [(0.05 + 0.004 * k, 0.015 + 0.002 * k) for k in range(1, 4)]
     events = [*holes, *drag("h1", (0.05, 0.015), way)]
-    rows, statements = followed(trial, "bar_100.toml", events, PLATE, "effects.modal.modes=3", 'mesh.size="8 mm"')
-    # Each hole takes 0.03 % of the plate.
+    few = ["effects.modal.modes=3", 'mesh.size="8 mm"', "mesh.edges_per_circle=8"]
+    rows, statements = followed(trial, "bar_100.toml", events, PLATE, *few)
+    # Each hole takes 0.03 % of the plate; the mesh is much finer around it.
     found = [[row[f"f_{k}"] for k in (1, 2, 3)] for row in rows]
-    yield near("tones as without holes", found, found[0], 5e-3)
+    yield near("tones as without holes", found, found[0], 1e-2)
     yield from statements
 
 

@@ -55,7 +55,8 @@ REASONS = {
 """Why there is a new mesh after a change of that kind, for the log."""
 
 # Versions after flips count downwards, so that they never meet those of generated meshes.
-_reconnections = itertools.count(-1, -1)
+_reconnections = itertools.count(-2, -1)
+"""Topologies of reconnected meshes; -1 stands for none."""
 
 
 class MovingMesh:

@@ -31,7 +31,7 @@ class VibratingPlate(VibratingBody):
         parameters = np.ascontiguousarray(table[plane.cell_region])
         self.stiffness, self.mass = self.integral(PLATE, parameters), self.integral(MASS_PLATE, parameters)
         self.boundary = self.supports()
-        self._topology = -1
+        self._topology: int | None = None
         self.update()
 
     def update(self) -> None:
