@@ -116,7 +116,7 @@ class HarmonicExtension {
 
     void factorise() {
         if (!free_count_) return;
-        factor_.factorise(stiffness_);
+        factor_.factorize(stiffness_);
         if (factor_.info() != Eigen::Success) throw std::runtime_error("the mesh has a triangle without area");
     }
 
