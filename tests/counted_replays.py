@@ -15,8 +15,8 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.request import Request
+from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import Script, load_script
 
 EVENTS = (
     "RestshapePattern",

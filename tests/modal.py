@@ -11,8 +11,8 @@ from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 
 SCENES = EDITS = Path(__file__).parent / "scenes"
 

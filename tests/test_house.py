@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 LIBRARY = Path(__file__).parents[1] / "lib" / "restshape"
+KERNELS = Path(__file__).parents[1] / "lib" / "kernels"
 WORDS = re.compile(r"restshape_apps|plank|furnitur|fastener|\bnails?\b", re.IGNORECASE)
 
 
@@ -73,7 +74,7 @@ def doubled(names: Iterable[tuple[str, Path]]) -> dict[str, list[str]]:
     """Names that occur more than once, and where."""
     found: dict[str, list[str]] = {}
     for name, path in names:
-        found.setdefault(name, []).append(str(path.relative_to(LIBRARY)))
+        found.setdefault(name, []).append(str(path.relative_to(LIBRARY.parent)))
     return {name: paths for name, paths in found.items() if len(paths) > 1}
 
 
@@ -88,12 +89,12 @@ def test_no_two_classes_of_the_library_have_the_same_name():
 
 
 def test_no_two_files_of_the_library_have_the_same_name():
-    # A folder of a physics, and a command, is named for what others name theirs for.
-    files = (
-        (path.name, path)
-        for path in LIBRARY.rglob("*.py")
-        if path.name != "__init__.py" and path.relative_to(LIBRARY).parts[0] not in ("physics", "cli")
-    )
+    files = ((path.name, path) for path in LIBRARY.rglob("*.py") if path.name != "__init__.py")
+    assert not doubled(files)
+
+
+def test_no_two_kernel_files_of_the_library_have_the_same_name():
+    files = ((path.name, path) for path in KERNELS.rglob("*.?pp"))
     assert not doubled(files)
 
 

@@ -6,14 +6,14 @@ Quantities of interest: the mean distance of the deformed outline from a goal, a
 from pathlib import Path
 
 from restshape.application import Application
-from restshape.physics.elasticity.declaration import PLANE_SOLIDS
+from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
 
 application = Application(
     name="cantilever",
     summary="beams that deform by weight and wind to meet a goal shape",
     folder=Path(__file__).parent,
     physics=(PLANE_SOLIDS,),
-    analysis="restshape.physics.elasticity.analyses:steady_analysis",
+    analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
     takes=("solid", "large_deformation", "gravity"),
     needs=("large_deformation",),
 )

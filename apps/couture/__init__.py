@@ -7,12 +7,12 @@ equilibrium.
 from pathlib import Path
 
 from restshape.application import Application
-from restshape.physics.cloth.declaration import CLOTH
+from restshape.physics.cloth.cloth_declaration import CLOTH
 
 application = Application(
     name="couture",
     summary="cloth that hangs from supports and lies on bodies, at rest",
     folder=Path(__file__).parent,
     physics=(CLOTH,),
-    analysis="restshape.physics.cloth.relaxation.analysis:RelaxationAnalysis",
+    analysis="restshape.physics.cloth.relaxation.relaxation_analysis:RelaxationAnalysis",
 )

@@ -20,7 +20,7 @@ application = Application(
     editing=Editing(
         session="restshape_apps.furniture.session.plank_session:PlankSession",
         replayed="restshape_apps.furniture.session.plank_session:replayed_planks",
-        events="restshape.scene.script:PLAIN_EVENTS",
+        events="restshape.scene.edit_script:PLAIN_EVENTS",
         check="restshape.scene.checks:check_parameters",
         contents="restshape_apps.furniture.cli.check_planks:checked",
     ),

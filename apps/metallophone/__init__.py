@@ -6,7 +6,7 @@ After section 4.4 of the thesis. Quantities of interest: frequencies, by rank or
 from pathlib import Path
 
 from restshape.application import Application
-from restshape.physics.elasticity.declaration import FREE_VIBRATIONS
+from restshape.physics.elasticity.elasticity_declaration import FREE_VIBRATIONS
 
 application = Application(
     name="metallophone",

@@ -11,8 +11,8 @@ from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import Script, load_script
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:

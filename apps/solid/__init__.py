@@ -7,12 +7,12 @@ critical load factors.
 from pathlib import Path
 
 from restshape.application import Application
-from restshape.physics.elasticity.declaration import PLANE_SOLIDS
+from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
 
 application = Application(
     name="solid",
     summary="elastic solids in the plane, at rest",
     folder=Path(__file__).parent,
     physics=(PLANE_SOLIDS,),
-    analysis="restshape.physics.elasticity.analyses:steady_analysis",
+    analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
 )

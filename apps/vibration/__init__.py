@@ -10,12 +10,12 @@ Quantities of interest: those of static solids, peaks over a frame's time steps,
 from pathlib import Path
 
 from restshape.application import Application
-from restshape.physics.elasticity.declaration import MOVING_SOLIDS
+from restshape.physics.elasticity.elasticity_declaration import MOVING_SOLIDS
 
 application = Application(
     name="vibration",
     summary="elastic solids that vibrate, on shaking ground",
     folder=Path(__file__).parent,
     physics=(MOVING_SOLIDS,),
-    analysis="restshape.physics.elasticity.analyses:transient_analysis",
+    analysis="restshape.physics.elasticity.elasticity_analyses:transient_analysis",
 )

@@ -101,7 +101,7 @@ class Editing:
 SHAPES = Editing(
     session="restshape.shape.session:EditSession",
     replayed="restshape.replay.shapes:replayed_shape",
-    events="restshape.scene.script:EVENTS",
+    events="restshape.scene.edit_script:EVENTS",
     check="restshape.scene.checks:check_shaped",
     contents="restshape.cli.check_scene:checked_shape",
     mesh=MeshReuse(levels="restshape.report.levels:draw_levels"),

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
-from restshape.scene.script import Script
 from restshape.shape.session import EditFrame, EditSession
 
 MOVING = ("move", "shape", "values", "mesh")

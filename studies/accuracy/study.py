@@ -16,9 +16,9 @@ from restshape_studies.bench.job import Job, Outcome, run
 
 from restshape.application import Application, application
 from restshape.errors import UserError
+from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
-from restshape.scene.script import Script, load_script
 
 SECONDS = 30.0
 REFERENCE_SECONDS = 120.0

@@ -31,8 +31,8 @@ def request(job: Job) -> Any:
     from restshape.calibration import Calibration
     from restshape.policy import policy
     from restshape.replay.request import Request
+    from restshape.scene.edit_script import Script, load_script
     from restshape.scene.load import load_scene
-    from restshape.scene.script import Script, load_script
 
     scene = load_scene(job.scene, job.overrides)
     script = load_script(job.edits, scene) if job.edits else Script.empty(scene)

@@ -12,8 +12,8 @@ from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 from restshape.policy import policy
 from restshape.replay.request import Request
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 
 PARTS = (0.01, 0.1, 0.25, 0.5, 1.0)
 """Parts of the drag after which Newton's method is started."""

@@ -212,8 +212,8 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
 
     from restshape.application import application
     from restshape.cli.shipped import script_of
+    from restshape.scene.edit_script import load_script
     from restshape.scene.load import load_scene
-    from restshape.scene.script import load_script
 
     if args.edits and len(args.scenes) > 1:
         raise UserError("a script belongs to one scene", "--edits", "name one scene")

@@ -120,8 +120,8 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
     Raises:
         UserError: a bad scene or script, or a scene without a script.
     """
+    from restshape.scene.edit_script import load_script
     from restshape.scene.load import load_scene
-    from restshape.scene.script import load_script
 
     if kind.scenes not in ("several", "unscripted", "one", "still"):
         return [Case(kind.scenes, installed_scene(kind.scenes), None)]

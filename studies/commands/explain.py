@@ -48,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
         raise UserError("effects are priced on one rank", do="start it without mpiexec")
     from restshape_studies.explain.study import Asked, explain
 
-    from restshape.scene.script import load_script
+    from restshape.scene.edit_script import load_script
 
     scene = read_scene(args)
     if args.frames < 0:

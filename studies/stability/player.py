@@ -21,8 +21,8 @@ from restshape.policy import policy
 from restshape.replay.columns import columns_of
 from restshape.replay.loop import Replay
 from restshape.replay.summary import summarise
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 
 ENDLESS = ("mu_", "q_critical")
 """Beginnings of columns that may be infinite: nothing buckles."""

@@ -12,8 +12,8 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import Policy, policy
 from restshape.replay.loop import Replay
+from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import Script, load_script
 
 BLOCK = """
 [shape]

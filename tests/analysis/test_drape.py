@@ -15,13 +15,13 @@ from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
 from restshape.application import application
 from restshape.calibration import Calibration
-from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
-from restshape.physics.cloth.relaxation.equations import ClothEquations
+from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
-from restshape.scene.script import Script, load_script
 
 ROOT = Path(__file__).parents[2]
 INCLINE = Path(__file__).parents[1] / "scenes" / "incline.toml"

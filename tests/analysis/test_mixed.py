@@ -12,8 +12,8 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 
 TOLERANCE = 1e-9
 SETTINGS = ["mesh.order=2", "mesh.size=0.2", f"solve.tolerance={TOLERANCE}"]

@@ -8,8 +8,8 @@ from cloths import BALL, CONTACT, write_cloth
 from small_scenes import CURVED
 
 from restshape.cli.main import main
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 from restshape.shape.session import EditSession
 
 LINES = [

@@ -4,8 +4,8 @@ from small_scenes import across, drag, plate, write_scene, write_script
 
 from restshape.cli.main import main
 from restshape.cli.script_notes import note_script
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 
 
 def test_refused_edits_are_counted_and_the_first_is_told(tmp_path, capsys):

@@ -7,7 +7,7 @@ import pytest
 
 from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.problem import Problem, TransientProblem
-from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.elasticity.plane_solid import PlaneSolid
 from restshape.physics.elasticity.prestressed_solid import PrestressedSolid
 from restshape.physics.elasticity.vibrating_plane import VibratingPlane

@@ -14,7 +14,7 @@ from restshape.fem.problem import INTERNAL, MASS, STIFFNESS
 from restshape.fem.space import Space
 from restshape.mesh.generate import generate
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.scene import cloth_arguments, cloth_problem
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec

@@ -5,7 +5,7 @@ import pytest
 from large import LARGE, solid
 from small_scenes import HEAD, block, make_replay, meshed, rows_of, write_scene
 
-from restshape.physics.elasticity.thickness import thickness_stretch
+from restshape.physics.elasticity.thickness_stretch import thickness_stretch
 
 E, NU = 1e6, 0.3
 

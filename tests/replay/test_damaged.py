@@ -12,8 +12,8 @@ from plates import record_plate
 
 from restshape.errors import UserError, printable
 from restshape.outputs.drawn import save_picture
+from restshape.replay.good_frames import salvage
 from restshape.replay.recording import Recording, ranges
-from restshape.replay.salvage import salvage
 
 
 @pytest.fixture(scope="module")

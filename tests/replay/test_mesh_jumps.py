@@ -15,7 +15,7 @@ from restshape.replay.mesh_jumps import MeshJumps
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.summary import summarise
-from restshape.report.quantities import draw_quantities
+from restshape.report.quantity_panels import draw_quantities
 from restshape.report.tables import jumped
 from restshape.scene.load import load_scene
 
@@ -99,7 +99,7 @@ def test_reports_mark_large_ones(tmp_path, monkeypatch):
         for least in (0.0005, 0.005):
             np.testing.assert_array_equal(jumped(recording, least), np.flatnonzero(np.array(worst) > least))
         drawn = []
-        monkeypatch.setattr("restshape.report.quantities.save_picture", lambda figure, path: drawn.append(figure))
+        monkeypatch.setattr("restshape.report.quantity_panels.save_picture", lambda figure, path: drawn.append(figure))
         assert draw_quantities(recording, tmp_path / "q.png")
     panel = next(axes for axes in drawn[0].axes if axes.get_title(loc="left") == "energy")
     bars = next(one for one in panel.collections if isinstance(one, LineCollection)).get_segments()

@@ -9,12 +9,12 @@ from petsc4py import PETSc
 
 from restshape.application import application
 from restshape.calibration import Calibration
-from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.parity import ENTRIES, Parity
+from restshape.scene.edit_script import Script
 from restshape.scene.load import revise
-from restshape.scene.script import Script
 
 HUNG = (PIN, PIN.replace("pin", "other").replace('"a"', '"d"'))
 

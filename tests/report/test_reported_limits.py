@@ -16,10 +16,10 @@ from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.request import Request
 from restshape.report.frames import caption
-from restshape.report.quantities import draw_quantities
+from restshape.report.quantity_panels import draw_quantities
 from restshape.report.scenery import scenery
 from restshape.report.timeline import draw_timeline
-from restshape.scene.script import load_script
+from restshape.scene.edit_script import load_script
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +76,7 @@ def test_pictures_mark_statuses(recorded, tmp_path, monkeypatch):
 
 def test_errors_are_a_band_around_the_quantity(recorded, tmp_path, monkeypatch):
     drawn = []
-    monkeypatch.setattr("restshape.report.quantities.save_picture", lambda figure, path: drawn.append(figure))
+    monkeypatch.setattr("restshape.report.quantity_panels.save_picture", lambda figure, path: drawn.append(figure))
     with Recording(recorded[0]) as recording:
         assert draw_quantities(recording, tmp_path / "q.png")
         value, error = recording.table["q_stretch"][0], recording.table[error_column("stretch")][0]

@@ -28,7 +28,7 @@ from restshape.report.field import limits_of, shown_field
 from restshape.report.frames import caption
 from restshape.report.happenings import chosen_frames, failure, utilisations, worst_frame
 from restshape.report.marks import marks
-from restshape.report.quantities import draw_quantities, least_span
+from restshape.report.quantity_panels import draw_quantities, least_span
 from restshape.report.scenery import scenery
 from restshape.report.smooth import smooth_triangles
 from restshape.report.survey import survey

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from restshape_studies.stability.damage import keys_of, spliced, splices, values
 
 from restshape.errors import UserError
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene, revise
-from restshape.scene.script import load_script
 
 DATA = Path(__file__).parents[1] / "data"
 SCENE = (DATA / "plate.toml").read_text()

@@ -8,7 +8,7 @@ from small_scenes import plate, write_scene
 from restshape.application import applications
 from restshape.cli.check_scene import starting_outline
 from restshape.errors import UserError
-from restshape.physics.elasticity.declaration import PLANE_SOLIDS
+from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene, parse_override, revise
 from restshape.scene.model import ArcSpec, CircleLoop, Support

@@ -8,8 +8,8 @@ import pytest
 from cloths import CONTACT, cloth
 
 from restshape.errors import UserError
+from restshape.scene.edit_script import EVENTS, Script, load_script
 from restshape.scene.load import load_scene, revise
-from restshape.scene.script import EVENTS, Script, load_script
 
 HEADER = {"format": "restshape-edits", "version": 1, "scene": "plate.toml", "units": "mm"}
 

@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from restshape.errors import UserError
-from restshape.physics.elasticity.material_keys import ElasticMaterial
+from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, stiffness_of, turned
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene

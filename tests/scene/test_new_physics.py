@@ -11,7 +11,7 @@ from restshape.application import Application, application, applications
 from restshape.cli.main import main
 from restshape.cli.schema import scene_schema
 from restshape.errors import UserError
-from restshape.physics.elasticity.declaration import PLANE_SOLIDS
+from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
 from restshape.scene.effect import Effect
 from restshape.scene.load import load_scene, revise
 from restshape.scene.load_kind import AREAS, CURVES, LoadKind

@@ -11,13 +11,13 @@ from restshape.application import Application, Editing
 from restshape.cli.options import require_mesh
 from restshape.cli.schema import scene_schema, script_schema
 from restshape.errors import UserError
+from restshape.scene.edit_script import load_script
 from restshape.scene.effect import Effect
 from restshape.scene.event_line import EventLine
 from restshape.scene.load import load_scene, revise
 from restshape.scene.physics import Physics, Section
 from restshape.scene.quantity import QuantityKind
 from restshape.scene.registered import checked_applications
-from restshape.scene.script import load_script
 from restshape.scene.solver import DEFINITE, SolverPlan, System
 from restshape.scene.values import Strict, number_of, value_of
 
@@ -60,7 +60,7 @@ ROPES = Physics(
 ROPE_EDITING = Editing(
     session="nowhere:nothing",
     replayed="nowhere:nothing",
-    events="restshape.scene.script:PLAIN_EVENTS",
+    events="restshape.scene.edit_script:PLAIN_EVENTS",
     check="restshape.scene.checks:check_parameters",
     contents="nowhere:nothing",
 )

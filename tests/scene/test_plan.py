@@ -7,7 +7,7 @@ import pytest
 
 from restshape.application import application
 from restshape.errors import UserError
-from restshape.physics.elasticity.declaration import PLANE_SOLIDS
+from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
 

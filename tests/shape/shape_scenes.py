@@ -5,9 +5,9 @@ from pathlib import Path
 
 from small_scenes import CURVED
 
+from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene, ShapeSpec
-from restshape.scene.script import Script, load_script
 from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 

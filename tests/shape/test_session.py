@@ -12,7 +12,7 @@ from restshape_studies.stability.edit_strategies import gestures, single_edits
 from shape_scenes import plate, scene_and_script, square
 from small_scenes import CURVED
 
-from restshape.scene.script import EVENTS
+from restshape.scene.edit_script import EVENTS
 from restshape.shape import gesture as movements
 from restshape.shape.session import EditSession
 from restshape.shape.validity import MotionCheck, problem

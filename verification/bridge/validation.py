@@ -14,10 +14,10 @@ from restshape.calibration import Calibration
 from restshape.mesh.moving import MovingMesh
 from restshape.policy import policy
 from restshape.replay.constraints import HOLDS, constraint_status, limits_of
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene, revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
-from restshape.scene.script import load_script
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditFrame, EditSession
 

@@ -7,8 +7,8 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 
 FOLDER = application("cantilever").folder
 SCENE, EDITS = FOLDER / "scenes" / "cantilever.toml", FOLDER / "edits" / "cantilever.jsonl"

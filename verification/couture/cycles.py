@@ -28,10 +28,10 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
-from restshape.physics.cloth.problem import ClothProblem
-from restshape.physics.cloth.relaxation.equations import ClothEquations
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import SLIPPING, EquilibriumSolver
-from restshape.physics.cloth.relaxation.report import ConvergenceReport
+from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.scene import ClothArguments, cloth_arguments, cloth_problem
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan

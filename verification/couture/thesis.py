@@ -14,8 +14,8 @@ from petsc4py import PETSc
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
 from restshape.application import application
-from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
-from restshape.physics.cloth.relaxation.equations import ClothEquations
+from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
 from restshape.replay.first_frame import first_frame
 
 SCENES = application("couture").folder / "scenes"

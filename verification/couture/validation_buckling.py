@@ -5,8 +5,8 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import Check
 
 from restshape.application import application
-from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
-from restshape.physics.cloth.relaxation.report import ConvergenceReport
+from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.replay.first_frame import first_frame
 
 BLADE = application("couture").folder / "scenes" / "blade.toml"

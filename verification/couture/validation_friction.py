@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 from restshape.application import application
 from restshape.physics.cloth.contact import FrictionHistory
-from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
-from restshape.physics.cloth.relaxation.report import ConvergenceReport
+from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.replay.first_frame import first_frame
 
 SCENES = application("couture").folder / "scenes"

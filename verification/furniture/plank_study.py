@@ -18,9 +18,9 @@ from restshape_studies.accuracy.study import Case
 from restshape.errors import UserError
 from restshape.guidance.combination_search import Limits
 from restshape.guidance.ranges import SAMPLES, Ranges, valid_ranges
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
-from restshape.scene.script import load_script
 
 Row = dict[str, Any]
 

@@ -9,8 +9,8 @@ from restshape_verification.bridge.study import WAYS, followed, study
 from restshape_verification.bridge.validation import designs, solved
 
 from restshape.application import application
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 from restshape.shape.session import EditSession
 
 SCENE = application("bridge").folder / "scenes" / "bridge.toml"

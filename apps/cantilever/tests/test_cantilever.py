@@ -9,8 +9,8 @@ from small_scenes import make_replay
 
 from restshape.application import application
 from restshape.physics.elasticity.target_curves import goal_curve
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 from restshape.shape.session import EditSession
 
 FOLDER = application("cantilever").folder

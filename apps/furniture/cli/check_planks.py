@@ -10,9 +10,9 @@ from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Pla
 
 from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError
+from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
-from restshape.scene.script import Script
 
 
 def checked(scene: Scene, effects: Plan) -> tuple[dict[str, Any], list[tuple[str, str]], None]:

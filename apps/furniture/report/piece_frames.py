@@ -28,8 +28,8 @@ from restshape.replay.sessions import session_of
 from restshape.report.frames import scene_name
 from restshape.report.style import new_figure
 from restshape.report.tables import column, refused, row_of, rows_of
+from restshape.scene.edit_script import Script, read_script
 from restshape.scene.load import recorded_scene
-from restshape.scene.script import Script, read_script
 
 LETTERS, LINES = 46, 3
 """Room in a title: letters a line, and lines for what is wrong."""

@@ -10,8 +10,8 @@ from restshape_apps.furniture.scene.plank_events import PLANK_EVENTS
 from restshape_apps.furniture.session.grammar import GRAMMAR
 from restshape_apps.furniture.session.plank_session import PlankSession
 
+from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
-from restshape.scene.script import Script
 from restshape.scene.units import quantity
 from restshape.shape.outline import Outline
 from restshape.shape.script_language import ANGLE, FRAMES, LENGTH, NAME, NUMBER, PLAIN, LineInterpreter, length

@@ -22,10 +22,10 @@ from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
 
 from restshape.application import Application
 from restshape.errors import UserError
+from restshape.scene.edit_script import Script
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
-from restshape.scene.script import Script
 from restshape.shape.handpath import resampled
 from restshape.shape.script_session import ScriptSession, Step
 from restshape.shape.sweep import sweep

@@ -8,8 +8,8 @@ from furniture_scenes import write_bench, write_edits
 from restshape_apps.furniture.session.plank_session import PlankSession
 
 from restshape.cli.main import main
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 
 PRESS = {"do": "press", "on": "left", "at": [-0.5, 0.0, 0.25]}
 OVER = {"do": "drag", "path": [[-0.4, 0.0, 0.25], [-0.6, 0.0, 0.25]], "frames": 6}

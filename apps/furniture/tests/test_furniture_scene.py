@@ -15,9 +15,9 @@ from restshape_apps.furniture.shape.planks import SIDES
 from restshape.application import application
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
-from restshape.scene.script import load_script
 
 DRAWN = "from = [-0.5, 0, 0]\nto = [-0.5, 0, 0.5]\nwidth = [0, 0.3, 0]"
 

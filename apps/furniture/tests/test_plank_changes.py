@@ -13,8 +13,8 @@ from restshape_apps.furniture.session.plank_session import PlankSession
 from restshape_apps.furniture.shape.plank_scene import piece_of
 
 from restshape.errors import UserError
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 from restshape.shape.script_language import interpreted
 
 SHELF = {"do": "plank", "name": "shelf", "from": [-0.49, 0, 0.2], "to": [0.49, 0, 0.2], "width": [0, 0.2, 0]}

@@ -10,8 +10,8 @@ from restshape_apps.furniture.session.plank_session import PlankSession
 
 from restshape.errors import UserError
 from restshape.guidance.ranges import valid_ranges
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 
 
 @pytest.fixture

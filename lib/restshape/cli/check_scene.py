@@ -23,12 +23,12 @@ from restshape.mesh.sizing import refuse_endless
 from restshape.outputs.kinds import PICTURES
 from restshape.scene.condition_words import load_words, support_words
 from restshape.scene.descriptions import keys_in_words
+from restshape.scene.edit_script import Script, load_script
 from restshape.scene.model import Scene
 from restshape.scene.physics import Rows
 from restshape.scene.plan import Plan, plan
 from restshape.scene.renamed import notes
 from restshape.scene.scene_type import joined_sections
-from restshape.scene.script import Script, load_script
 from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 

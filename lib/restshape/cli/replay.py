@@ -71,8 +71,8 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     from restshape.calibration import Calibration
     from restshape.cli.shipped import script_of
     from restshape.replay.request import Request
+    from restshape.scene.edit_script import Script, load_script
     from restshape.scene.plan import plan
-    from restshape.scene.script import Script, load_script
 
     scene = read_scene(args)
     _check_name(args.out)

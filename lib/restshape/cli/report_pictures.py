@@ -46,7 +46,7 @@ def draw_report(
 def _draw(
     recording: Any, folder: Path, args: argparse.Namespace, looks: Looks, application: Application | None, cloth: bool
 ) -> list[Path]:
-    from restshape.report.quantities import draw_quantities
+    from restshape.report.quantity_panels import draw_quantities
     from restshape.report.timeline import draw_timeline
 
     own, reuse = (application.report, application.editing.mesh) if application else (None, SHAPES.mesh)

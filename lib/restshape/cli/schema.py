@@ -60,8 +60,8 @@ def script_schema() -> dict[str, Any]:
     """The JSON schema of one line of an edit script: the header, or an event of any installed application."""
     from pydantic import Field, TypeAdapter
 
+    from restshape.scene.edit_script import Event, Header, events_of
     from restshape.scene.registered import checked_applications
-    from restshape.scene.script import Event, Header, events_of
 
     lines = Header | Event
     for app in checked_applications().values():

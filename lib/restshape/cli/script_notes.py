@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from restshape.scene.edit_script import Script
     from restshape.scene.model import Scene
-    from restshape.scene.script import Script
 
 
 def note_script(scene: Scene, script: Script, path: Path) -> None:

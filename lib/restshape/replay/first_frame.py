@@ -9,8 +9,8 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.scene.edit_script import Script
 from restshape.scene.load import load_scene
-from restshape.scene.script import Script
 
 
 def first_frame(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PETSc.COMM_WORLD) -> Replay:

@@ -40,9 +40,9 @@ from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.rows import without_values
 from restshape.replay.sessions import Follower
+from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
-from restshape.scene.script import Script
 from restshape.shape.protocol import Session
 from restshape.shape.session import EditFrame
 

@@ -9,8 +9,8 @@ from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.request import Request
 from restshape.replay.run import run_replay
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.scene.script import load_script
 
 
 def replay_files(

@@ -7,8 +7,8 @@ from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.policy import Policy
 from restshape.replay.constraints import recorded_limits
+from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
-from restshape.scene.script import Script
 
 
 @dataclass(frozen=True)

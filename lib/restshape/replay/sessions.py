@@ -6,8 +6,8 @@ from restshape.application import application as application_named
 from restshape.mesh.advance import MeshUpdate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
+from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
-from restshape.scene.script import Script
 from restshape.shape.outline import Outline
 from restshape.shape.protocol import Session
 from restshape.shape.session import EditFrame

@@ -11,9 +11,9 @@ from restshape.mesh.importer import read_mesh
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import MovingMesh
 from restshape.policy import Policy
+from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
-from restshape.scene.script import Script
 from restshape.shape.session import EditSession
 
 

@@ -21,8 +21,8 @@ from restshape.report.scenery import Scenery
 from restshape.report.style import INK
 from restshape.report.survey import known_displacement
 from restshape.report.tables import refused
+from restshape.scene.edit_script import Script, read_script
 from restshape.scene.load import recorded_scene
-from restshape.scene.script import Script, read_script
 from restshape.shape.session import EditFrame
 
 REBUILT = ("supports", "loads", "hand", "names")

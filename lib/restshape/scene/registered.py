@@ -7,8 +7,8 @@ from typing import NoReturn
 from restshape.application import Application, applications
 from restshape.errors import UserError
 from restshape.scene.declared_keys import core_keys, declared_keys
+from restshape.scene.edit_script import shared_events
 from restshape.scene.physics import Physics
-from restshape.scene.script import shared_events
 
 
 @cache

@@ -12,9 +12,9 @@ from pydantic import ValidationError
 
 from restshape.errors import UserError
 from restshape.scene.bodies import bodies_of
+from restshape.scene.edit_script import EVENTS, FORMAT, VERSION, Script
 from restshape.scene.load import parse_override
 from restshape.scene.model import Scene
-from restshape.scene.script import EVENTS, FORMAT, VERSION, Script
 from restshape.scene.units import quantity
 from restshape.scene.validation_errors import plain, whole_lists
 from restshape.shape.handpath import cursor_path

@@ -12,8 +12,8 @@ import numpy as np
 from restshape.application import Application
 from restshape.application import application as application_named
 from restshape.errors import UserError
+from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
-from restshape.scene.script import Script
 from restshape.scene.source import split_key
 
 FRAME_TIME = 1.0 / 60.0

@@ -14,10 +14,10 @@ from restshape.application import Application
 from restshape.bounds import REACH
 from restshape.errors import UserError
 from restshape.scene.bodies import bodies_of
+from restshape.scene.edit_script import Script
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
-from restshape.scene.script import Script
 from restshape.shape import gesture as gestures
 from restshape.shape import rigid_body_drag, topology_edits
 from restshape.shape.build import outline_from_spec

@@ -6,9 +6,9 @@ They are found by the entry points beside this folder, which pytest has on its p
 from pathlib import Path
 
 from restshape.application import Application
-from restshape.physics.cloth.declaration import CLOTH
-from restshape.physics.elasticity.declaration import FREE_VIBRATIONS, MOVING_SOLIDS, PLANE_SOLIDS
-from restshape.physics.heat.declaration import HEAT
+from restshape.physics.cloth.cloth_declaration import CLOTH
+from restshape.physics.elasticity.elasticity_declaration import FREE_VIBRATIONS, MOVING_SOLIDS, PLANE_SOLIDS
+from restshape.physics.heat.heat_declaration import HEAT
 
 HERE = Path(__file__).parent
 
@@ -17,14 +17,14 @@ plane = Application(
     summary="solids in the plane, at rest",
     folder=HERE / "plane",
     physics=(PLANE_SOLIDS,),
-    analysis="restshape.physics.elasticity.analyses:steady_analysis",
+    analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
 )
 beams = Application(
     name="beams",
     summary="beams that deform far",
     folder=HERE / "beams",
     physics=(PLANE_SOLIDS,),
-    analysis="restshape.physics.elasticity.analyses:steady_analysis",
+    analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
     takes=("solid", "large_deformation", "gravity"),
     needs=("large_deformation",),
 )
@@ -33,7 +33,7 @@ moving = Application(
     summary="solids in motion",
     folder=HERE / "moving",
     physics=(MOVING_SOLIDS,),
-    analysis="restshape.physics.elasticity.analyses:transient_analysis",
+    analysis="restshape.physics.elasticity.elasticity_analyses:transient_analysis",
 )
 modes = Application(
     name="modes",
@@ -47,12 +47,12 @@ cloth = Application(
     summary="cloth at rest",
     folder=HERE / "cloth",
     physics=(CLOTH,),
-    analysis="restshape.physics.cloth.relaxation.analysis:RelaxationAnalysis",
+    analysis="restshape.physics.cloth.relaxation.relaxation_analysis:RelaxationAnalysis",
 )
 conduction = Application(
     name="conduction",
     summary="bodies that conduct heat",
     folder=HERE / "conduction",
     physics=(HEAT,),
-    analysis="restshape.physics.heat.analyses:heat_analysis",
+    analysis="restshape.physics.heat.heat_analyses:heat_analysis",
 )

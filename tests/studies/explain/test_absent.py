@@ -16,7 +16,7 @@ from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application
-from restshape.physics.cloth.relaxation.analysis import RelaxationAnalysis
+from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 
 LARGE = "[effects.large_deformation]\n"
 STRETCH = '[quantities]\nstretch = { displacement = "x", at = "right" }\n'

@@ -7,7 +7,7 @@ from restshape.fem.integral import Integral
 from restshape.mesh.hinges import border_cells, hinges, inner_sides, normals
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth.boundary import ClothSupports
+from restshape.physics.cloth.cloth_boundary import ClothSupports
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import UPPER
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.boundary import ClothSupports
+from restshape.physics.cloth.cloth_boundary import ClothSupports
+from restshape.physics.cloth.cloth_materials import fabric_of
+from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.cloth_supports import supports_of
 from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.initial_placement import InitialPlacement, rotation
-from restshape.physics.cloth.materials import fabric_of
-from restshape.physics.cloth.problem import ClothProblem
-from restshape.physics.cloth.supports import supports_of
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

@@ -35,9 +35,9 @@ from restshape.fem.supports import dirichlet_of
 from restshape.fem.time_integration import Newmark, Rayleigh, TimeIntegration
 from restshape.physics.elasticity.base_excitation import HarmonicExcitation
 from restshape.physics.elasticity.body_load import require_density
+from restshape.physics.elasticity.elasticity_quantities import MotionQuantities, PlaneQuantities
 from restshape.physics.elasticity.loads import PlaneLoads
 from restshape.physics.elasticity.nodal_stress import NodalStress, blank_stress
-from restshape.physics.elasticity.quantities import MotionQuantities, PlaneQuantities
 from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
 from restshape.physics.elasticity.stiffness import lame
 from restshape.physics.elasticity.stress import PlaneStresses, plane_compliance

@@ -6,7 +6,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.fem.space import Space
-from restshape.physics.elasticity.thickness import thickness_stretch
+from restshape.physics.elasticity.thickness_stretch import thickness_stretch
 
 REFERENCE_NODES = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0, 0.5], [0.5, 0]], dtype=float)
 """Reference coordinates of a triangle's corners and the middles of its sides."""

@@ -17,7 +17,7 @@ from restshape.fem.region_materials import by_cell, table_by_region
 from restshape.fem.space import Space
 from restshape.fem.supports import dirichlet_of
 from restshape.fem.time_integration import Theta, TimeIntegration
-from restshape.physics.heat.quantities import heat_quantity
+from restshape.physics.heat.heat_quantities import heat_quantity
 from restshape.physics.heat.surface import SurfaceHeat
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan

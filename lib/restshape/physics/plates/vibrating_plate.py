@@ -8,7 +8,7 @@ from restshape.mesh.plate import PlateMesh
 from restshape.physics.elasticity.stiffness import FREE_SIDES, plate_params, stiffness_of
 from restshape.physics.elasticity.vibrating_body import VibratingBody
 from restshape.physics.elasticity.vibrating_materials import common_thickness
-from restshape.physics.plates.mode_estimate import PlateModeEstimate
+from restshape.physics.plates.plate_mode_estimate import PlateModeEstimate
 from restshape.scene.model import Scene
 
 

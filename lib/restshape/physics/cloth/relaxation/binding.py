@@ -10,10 +10,10 @@ import numpy as np
 from restshape.analysis.frame import Frame
 from restshape.mesh.transfer import transfer
 from restshape.physics.cloth.body_motion import body_axes, moved_with
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
-from restshape.physics.cloth.problem import ClothProblem
-from restshape.physics.cloth.relaxation.options import RelaxationOptions
+from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.row import penetration_notes
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact

@@ -10,11 +10,11 @@ import numpy as np
 
 from restshape.algebra.descent import MEMORY
 from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS
-from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH, EquilibriumSolver
-from restshape.physics.cloth.relaxation.report import ConvergenceReport
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem
 
 log = logging.getLogger("restshape.physics")

@@ -16,9 +16,9 @@ from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
 from restshape.algebra.weak_calls import weak_call
 from restshape.errors import ReplayProblem
-from restshape.physics.cloth.problem import ClothProblem
-from restshape.physics.cloth.relaxation.equations import ClothEquations
-from restshape.physics.cloth.relaxation.report import FALLS, ConvergenceReport
+from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
+from restshape.physics.cloth.relaxation.relaxation_report import FALLS, ConvergenceReport
 
 log = logging.getLogger("restshape.physics")
 

@@ -10,8 +10,8 @@ import numpy as np
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.binding import friction_of
 from restshape.physics.cloth.relaxation.cold_start import ColdStart, restart_soft
-from restshape.physics.cloth.relaxation.options import RelaxationOptions
-from restshape.physics.cloth.relaxation.report import ConvergenceReport
+from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.relaxation.strategies import STRATEGIES

@@ -7,7 +7,7 @@ from itertools import compress
 from typing import Any
 
 from restshape.physics.cloth.body_columns import body_columns, body_row
-from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.tunnelling import penetrations, tunnelling
 from restshape.scene.bodies import Body

@@ -8,11 +8,11 @@ import numpy as np
 
 from restshape.fem.observer import Observer
 from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.material_motion import AdvectedCloth, MaterialPlace
-from restshape.physics.cloth.problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
-from restshape.physics.cloth.relaxation.report import ConvergenceReport
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

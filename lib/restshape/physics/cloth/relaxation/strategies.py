@@ -11,7 +11,7 @@ from restshape.algebra.descent import MEMORY, Descent
 from restshape.algebra.kinetic_damping import KineticDamping
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import SLIPPING, EquilibriumSolver
-from restshape.physics.cloth.relaxation.report import FALLS, ConvergenceReport
+from restshape.physics.cloth.relaxation.relaxation_report import FALLS, ConvergenceReport
 
 Strategy = Callable[[EquilibriumSolver, np.ndarray, int, ConvergenceReport], ConvergenceReport]
 FREELY = 1e-6

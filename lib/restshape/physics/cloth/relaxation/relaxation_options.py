@@ -13,7 +13,7 @@ from restshape.algebra.linear import LinearSolver
 from restshape.analysis.analysis import Context
 from restshape.application import application
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.scene import ClothArguments, cloth_arguments
 from restshape.physics.cloth.tunnelling import size_of

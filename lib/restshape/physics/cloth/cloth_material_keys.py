@@ -4,7 +4,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, WithJsonSchema, model_validator
 
-from restshape.physics.elasticity.material_keys import ElasticMaterial
+from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
 from restshape.scene.units import UnitError, quantity
 from restshape.scene.values import Measured
 

@@ -19,12 +19,12 @@ from restshape.analysis.solution import Solution
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Fields
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.error_estimate import ClothEstimate
-from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.binding import bind
-from restshape.physics.cloth.relaxation.comparison import compare_cold
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
-from restshape.physics.cloth.relaxation.options import RelaxationOptions, Watch
+from restshape.physics.cloth.relaxation.relaxation_comparison import compare_cold
+from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions, Watch
 from restshape.physics.cloth.relaxation.relaxing import relax
 from restshape.physics.cloth.relaxation.row import Row
 from restshape.physics.cloth.relaxation.state import RelaxationState

@@ -14,8 +14,8 @@ from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, cells_at, reduction
 from restshape.fem.problem import STIFFNESS, Problem
 from restshape.fem.residuals import unconstrained_residual
+from restshape.physics.elasticity.elasticity_scene_checks import elsewhere
 from restshape.physics.elasticity.nodal_stress import NodalStress
-from restshape.physics.elasticity.scene_checks import elsewhere
 from restshape.physics.elasticity.stress import COMPONENTS, component_slopes
 from restshape.physics.elasticity.target_curves import GoalDistance
 from restshape.scene.model import Quantity

@@ -2,11 +2,11 @@
 
 from typing import Literal
 
-from restshape.physics.cloth.derived_effects import CLOTH as DERIVED
+from restshape.physics.cloth.cloth_derived_effects import CLOTH as DERIVED
+from restshape.physics.cloth.cloth_material_keys import ClothMaterial
+from restshape.physics.cloth.cloth_scene_checks import check_cloth
+from restshape.physics.cloth.cloth_solver_plan import cloth_plan
 from restshape.physics.cloth.effects import EFFECTS, cloth_columns
-from restshape.physics.cloth.material_keys import ClothMaterial
-from restshape.physics.cloth.scene_checks import check_cloth
-from restshape.physics.cloth.solver_plan import cloth_plan
 from restshape.physics.cloth.support_keys import ClothSupport
 from restshape.physics.cloth.weight import mass_and_weight
 from restshape.scene.bodies import Body, Start, body_words, start_words

@@ -5,14 +5,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from restshape.physics.elasticity.derived_effects import GRAIN, LARGE, SOLID
+from restshape.physics.elasticity.elasticity_derived_effects import GRAIN, LARGE, SOLID
+from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
+from restshape.physics.elasticity.elasticity_scene_checks import check_goals, check_solids
+from restshape.physics.elasticity.elasticity_solver_plan import solid_plan, vibration_plan
 from restshape.physics.elasticity.goal import Goal, goal_words
-from restshape.physics.elasticity.material_keys import ElasticMaterial
 from restshape.physics.elasticity.modal_effect import IN_PLANE_MODES, MODAL, modal_columns
 from restshape.physics.elasticity.motion_effects import IN_MOTION
-from restshape.physics.elasticity.scene_checks import check_goals, check_solids
 from restshape.physics.elasticity.solid_effects import AT_REST, buckling_columns
-from restshape.physics.elasticity.solver_plan import solid_plan, vibration_plan
 from restshape.scene.derived_effects import REGIONS
 from restshape.scene.load_kind import AREAS, CURVES, ENTITIES, POINTS, LoadKind
 from restshape.scene.model import Scene

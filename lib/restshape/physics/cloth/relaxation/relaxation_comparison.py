@@ -9,9 +9,9 @@ import numpy as np
 from restshape.algebra.gathering import gather_matrix, matrix_difference
 from restshape.analysis.analysis import Comparison
 from restshape.errors import ReplayProblem
-from restshape.physics.cloth.problem import ClothProblem
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
-from restshape.physics.cloth.relaxation.report import ConvergenceReport
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import cloth_arguments, cloth_problem
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from restshape.physics.elasticity.derived_effects import LARGE
+from restshape.physics.elasticity.elasticity_derived_effects import LARGE
 from restshape.scene.derived_effects import On
 from restshape.scene.model import Scene
 from restshape.scene.solver import DEFINITE, INDEFINITE, UNSYMMETRIC, SolverPlan, System

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "recovery/estimate.hpp"
-#include "recovery/space.hpp"
+#include "recovery/space_recovery.hpp"
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;

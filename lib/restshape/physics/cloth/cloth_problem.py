@@ -16,15 +16,15 @@ from restshape.fem.problem import INTERNAL, STIFFNESS, Fields, Problem, Unknown
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
 from restshape.physics.cloth.bending import QUADRATIC, bending_of
-from restshape.physics.cloth.boundary import ClothDirichlet, ClothSupports
+from restshape.physics.cloth.cloth_boundary import ClothDirichlet, ClothSupports
+from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
+from restshape.physics.cloth.cloth_quantities import observer
 from restshape.physics.cloth.contact import Contact
-from restshape.physics.cloth.error_estimate import ClothEstimate
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.material_motion import MaterialPlace
 from restshape.physics.cloth.membrane import Membrane
 from restshape.physics.cloth.parameters import Lumped
 from restshape.physics.cloth.point_forces import PointForces
-from restshape.physics.cloth.quantities import observer
 from restshape.scene.model import Quantity
 from restshape.scene.plan import Plan
 
