@@ -44,10 +44,10 @@ LAYERS = (
     "sensitivity",
     "measurement",
     "analysis",
-    "physics",
     "guidance",
     "replay",
     "report",
+    "physics",
     "cli",
 )
 """Parts of the library: each imports those before it alone."""

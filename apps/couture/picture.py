@@ -13,9 +13,9 @@ import numpy as np
 from restshape.cli.options import refuse_overwriting
 from restshape.errors import UserError
 from restshape.outputs.kinds import PictureFile
+from restshape.physics.cloth.pictures.drape import drape_scenery, shows_cloth
+from restshape.physics.cloth.pictures.drape_frames import draw_drape_frames
 from restshape.replay.recording import Recording
-from restshape.report.drape import drape_scenery, shows_cloth
-from restshape.report.drape_frames import draw_drape_frames
 
 
 def draw(recording: Recording, frames: Sequence[int], path: Path) -> None:

@@ -13,5 +13,5 @@ application = Application(
     summary="plates that sound when struck: eigenfrequencies and modes",
     folder=Path(__file__).parent,
     physics=(FREE_VIBRATIONS,),
-    analysis="restshape.physics.vibrating_bodies:modal_analysis",
+    analysis="restshape.physics.free_vibration.vibrating_bodies:modal_analysis",
 )

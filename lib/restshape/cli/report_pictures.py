@@ -2,13 +2,18 @@
 
 # More than 15 modules: each kind of picture has a module of its own, which is imported where it is drawn.
 
+from __future__ import annotations
+
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from restshape.application import SHAPES, Application
 from restshape.cli.report_looks import Looks
 from restshape.errors import UserError
+
+if TYPE_CHECKING:
+    from restshape.scene.physics import OwnPictures
 
 
 def draw_report(
@@ -20,15 +25,13 @@ def draw_report(
         UserError: an option does not suit the recording, or a picture cannot be written.
     """
     from restshape.outputs.drawn import drawn_from
-    from restshape.report.drape import shows_cloth
-    from restshape.report.field import shown_field
+    from restshape.report.field import own_pictures, shown_field
     from restshape.report.style import resolution
 
-    cloth, own = shows_cloth(recording), application.report if application else None
-    if (cloth or own) and args.scale is not None:
-        what = own.true_scale if own else "cloth is drawn where it lies"
-        raise UserError(f"{what}, not exaggerated", "--scale", "leave --scale out")
-    if looks.of_plane and (cloth or own or recording.dimension != 2):
+    special, own = own_pictures(recording), application.report if application else None
+    if (drawn := special or own) and args.scale is not None:
+        raise UserError(f"{drawn.true_scale}, not exaggerated", "--scale", "leave --scale out")
+    if looks.of_plane and (special or own or recording.dimension != 2):
         what = "this is an option of pictures of shapes in the plane"
         raise UserError(what, looks.of_plane[0], f"leave {' and '.join(looks.of_plane)} out")
     if own and looks.suffix != ".png":
@@ -38,13 +41,18 @@ def draw_report(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with resolution(looks.dpi), drawn_from(recording.fingerprint):
-            return _draw(recording, folder, args, looks, application, cloth)
+            return _draw(recording, folder, args, looks, application, special)
     except OSError as error:
         raise UserError(f"pictures cannot be written: {error.strerror}", str(folder), "choose another --out") from error
 
 
 def _draw(
-    recording: Any, folder: Path, args: argparse.Namespace, looks: Looks, application: Application | None, cloth: bool
+    recording: Any,
+    folder: Path,
+    args: argparse.Namespace,
+    looks: Looks,
+    application: Application | None,
+    special: OwnPictures | None,
 ) -> list[Path]:
     from restshape.report.quantity_panels import draw_quantities
     from restshape.report.timeline import draw_timeline
@@ -58,13 +66,13 @@ def _draw(
     if draw_quantities(recording, quantities):
         pictures.insert(0, quantities)
     # Without a mesh there is none to reuse; where bodies move, and the pattern stays, there are no levels.
-    if recording.n > 1 and reuse and not (cloth and not recording.table["level"][1:].any()):
+    if recording.n > 1 and reuse and not (special and not recording.table["level"][1:].any()):
         pictures.insert(0, levels)
         reuse.draw_levels(recording, levels)
     if recording.dimension == 2:
         moving = None if args.animation == "none" else folder / f"animation.{args.animation}"
-        if cloth:
-            _draw_cloth(recording, args, frames, moving)
+        if special:
+            special.drawn(recording, args, frames, moving)
         else:
             _draw_plane(recording, args, looks, frames, moving)
         return [frames, *pictures, *filter(None, [moving])]
@@ -84,19 +92,3 @@ def _draw_plane(recording: Any, args: argparse.Namespace, looks: Looks, still: P
     draw_frames(recording, chosen_frames(recording, args.frames), common, still, looks.things)
     if moving:
         draw_animation(recording, animated_frames(recording), common, moving, looks.things)
-
-
-def _draw_cloth(recording: Any, args: argparse.Namespace, still: Path, moving: Path | None) -> None:
-    """Draws cloth in space: some frames, and an animation if it has a path."""
-    import numpy as np
-
-    from restshape.report.animation import animated_frames
-    from restshape.report.drape import drape_scenery
-    from restshape.report.drape_frames import draw_drape_animation, draw_drape_frames
-    from restshape.report.happenings import chosen_frames
-
-    shown, animated = chosen_frames(recording, args.frames), animated_frames(recording)
-    common = drape_scenery(recording, np.union1d(shown, animated) if moving else shown)
-    draw_drape_frames(recording, shown, common, still)
-    if moving:
-        draw_drape_animation(recording, animated, common, moving)

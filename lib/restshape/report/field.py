@@ -9,7 +9,7 @@ import numpy as np
 from restshape.application import applications
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
-from restshape.scene.physics import Physics, PictureField
+from restshape.scene.physics import OwnPictures, Physics, PictureField
 
 IN_CELLS = "_in_cells"
 """End of the name of a field that each cell has at its own nodes, as it jumps between regions."""
@@ -106,6 +106,12 @@ def physics_of(recording: Recording) -> tuple[Physics, ...]:
     """The physics of the recorded application; none where it is not installed."""
     app = applications().get(recording.header.get("app", ""))
     return tuple(app.physics) if app else ()
+
+
+def own_pictures(recording: Recording) -> OwnPictures | None:
+    """How a physics draws a recording that is not of a shape in the plane; None: no physics does."""
+    offered = (one.pictures for one in physics_of(recording) if one.pictures)
+    return next((pictures for pictures in offered if pictures.of(recording)), None)
 
 
 def true_scale(recording: Recording) -> bool:

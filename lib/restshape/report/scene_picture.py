@@ -13,9 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Curve
 
+from restshape.application import application
 from restshape.outputs.drawn import save_picture
-from restshape.physics.elasticity.goal import Goal
-from restshape.physics.elasticity.target_curves import goal_curve
 from restshape.report.conditions import LOAD, SUPPORT, Moved, draw_loads, draw_supports
 from restshape.report.name_labels import Labels
 from restshape.report.places import place_of
@@ -43,11 +42,12 @@ def draw_scene(scene: Scene, outline: Outline, used: set[str], path: Path) -> No
         used: names of entities that the scene uses, which are written in any case.
         path: of the picture.
     """
-    goals = [goal_curve(goal) for goal in scene.sections.get("goal", {}).values() if isinstance(goal, Goal)]
+    named = goals_of(scene)
+    goals = [*named.values()]
     low, high = outline.bounds()
     size = float(max(high - low))
     factor, unit = length_unit(size)
-    legend = _legend(scene, outline, bool(goals))
+    legend = _legend(scene, outline, ", ".join(named))
     corners = np.vstack([low, high, *goals])
     low_all, high_all = corners.min(axis=0) - ROOM * size, corners.max(axis=0) + ROOM * size
     aspect = float((high_all - low_all)[0] / (high_all - low_all)[1])
@@ -142,7 +142,14 @@ def _part(name: str, outline: Outline) -> bool:
     return bool(dot) and loop in (other.name for other in outline.loops)
 
 
-def _legend(scene: Scene, outline: Outline, goals: bool) -> list[tuple[str, str]]:
+def goals_of(scene: Scene) -> dict[str, np.ndarray]:
+    """The goals (m, 2) [m] of a scene by name."""
+    sections = {key: section for one in application(scene.app).physics for key, section in one.sections.items()}
+    curved = ((section, scene.sections.get(key) or {}) for key, section in sections.items() if section.curve)
+    return {name: section.curve_of(goal) for section, given in curved for name, goal in given.items()}
+
+
+def _legend(scene: Scene, outline: Outline, goals: str) -> list[tuple[str, str]]:
     """What colours mean: a colour and words each; groups with what is in them."""
 
     def on(names: list[str]) -> str:
@@ -151,7 +158,7 @@ def _legend(scene: Scene, outline: Outline, goals: bool) -> list[tuple[str, str]
 
     found = [(SUPPORT, f"support {name} on {on(one.on)}: {support_words(one)}") for name, one in scene.supports.items()]
     found += [(LOAD, f"load {name} on {on(one.on)}: {load_words(one)}") for name, one in scene.loads.items()]
-    return found + ([(GOAL, f"goal {', '.join(scene.sections['goal'])}")] if goals else [])
+    return found + ([(GOAL, f"goal {goals}")] if goals else [])
 
 
 def _write_legend(figure: Figure, legend: list[tuple[str, str]], wide: float, high: float) -> None:

@@ -9,10 +9,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
 
 from restshape.errors import UserError
-from restshape.physics.elasticity.goal import Goal
-from restshape.physics.elasticity.target_curves import goal_curve
 from restshape.replay.recording import Recording
-from restshape.report.field import ShownField, shown_field, true_scale
+from restshape.report.field import ShownField, physics_of, shown_field, true_scale
 from restshape.report.style import BODY, COLOURS, SIGNED, length_unit, scaled_unit, si
 from restshape.report.survey import Survey, colour_range, known_displacement, survey
 
@@ -147,6 +145,9 @@ def scenery(
 
 def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:
     """The goals (m, 2) [m] of the recorded scene; those that an edit has set later are not known."""
-    scene = recording.header.get("scene_values")
-    given = scene.get("goal", {}) if isinstance(scene, dict) else {}
-    return tuple(goal_curve(Goal.model_validate(goal)) for goal in given.values())
+    scene, found = recording.header.get("scene_values"), []
+    for one in physics_of(recording):
+        for key, section in one.sections.items():
+            given = scene.get(key, {}) if section.curve and isinstance(scene, dict) else {}
+            found += [section.curve_of(section.model.model_validate(goal)) for goal in given.values()]
+    return tuple(found)

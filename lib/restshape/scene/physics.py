@@ -16,6 +16,11 @@ from restshape.scene.quantity import QuantityKind
 from restshape.scene.values import Name
 
 if TYPE_CHECKING:
+    from argparse import Namespace
+    from pathlib import Path
+
+    import numpy as np
+
     from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.model import Material, Scene, Support
     from restshape.scene.solver import SolverPlan
@@ -23,6 +28,13 @@ if TYPE_CHECKING:
 
 Rows = list[tuple[str, str]]
 """What is printed for people: what it is, and what it says."""
+
+
+def imported(path: str) -> Callable[..., Any]:
+    """The function that a path ``module:attribute`` names, imported now."""
+    module, attribute = path.split(":")
+    found: Callable[..., Any] = getattr(import_module(module), attribute)
+    return found
 
 
 @dataclass(frozen=True)
@@ -36,6 +48,8 @@ class Section:
         required: a scene must have it; without it it has the defaults of its keys, or no names.
         optional: a scene without it has None.
         words: what one of its tables says, for people; None: its keys and values.
+        curve: path ``module:attribute`` of the function that gives points (m, 2) [m] of the curve that one of its
+            tables stands for, which pictures show; empty: there is none.
     """
 
     model: type[BaseModel]
@@ -44,6 +58,7 @@ class Section:
     required: bool = False
     optional: bool = False
     words: Callable[[Any], str] | None = None
+    curve: str = ""
 
     @property
     def field(self) -> tuple[Any, Any]:
@@ -54,6 +69,11 @@ class Section:
         if self.optional:
             return kind | None, Field(None, description=self.summary)
         return kind, Field(default_factory=dict if self.named else self.model, description=self.summary)
+
+    def curve_of(self, table: BaseModel) -> np.ndarray:
+        """Points (m, 2) [m] of the curve that a table of this model stands for."""
+        found: np.ndarray = imported(self.curve)(table)
+        return found
 
 
 @dataclass(frozen=True)
@@ -107,6 +127,30 @@ class PictureField:
     quantity: tuple[str, object] | None = None
 
 
+@dataclass(frozen=True)
+class OwnPictures:
+    """How recordings are drawn that are not of a shape in the plane; each a path ``module:attribute`` of a function.
+
+    Args:
+        shows: whether a recording is one of these.
+        draw: draws a recording, as the options of `restshape report` say, into a still picture, and into an animation
+            if that has a path.
+        true_scale: why what is drawn cannot be exaggerated; no path.
+    """
+
+    shows: str
+    draw: str
+    true_scale: str
+
+    def of(self, recording: object) -> bool:
+        """Whether it draws this recording."""
+        return bool(imported(self.shows)(recording))
+
+    def drawn(self, recording: object, options: Namespace, still: Path, moving: Path | None) -> None:
+        """Draws this recording."""
+        imported(self.draw)(recording, options, still, moving)
+
+
 # More than 15 attributes: each is a part of the declaration, of which a physics gives those that it has.
 @dataclass(frozen=True, eq=False)
 class Physics:
@@ -130,6 +174,7 @@ class Physics:
         invariants: what cannot change during an edit.
         pictured: fields of recordings that pictures show, by name, the most important first.
         true_scale: names of effects under which pictures show deformations as they are, not exaggerated.
+        pictures: of recordings that are not of a shape in the plane; None: there are none.
         orders: of elements; the usual one first.
         layered: bodies have a thickness of their own with layers of elements over it.
         nested: its fields, of first order, may live on a mesh nested in coarser ones.
@@ -159,6 +204,7 @@ class Physics:
     invariants: tuple[Invariant, ...] = ()
     pictured: Mapping[str, PictureField] = field(default_factory=dict)
     true_scale: tuple[str, ...] = ()
+    pictures: OwnPictures | None = None
     orders: tuple[int, ...] = (1,)
     layered: bool = False
     nested: bool = False
@@ -176,13 +222,11 @@ class Physics:
             UserError: it does not.
         """
         if self.check_shape:
-            module, attribute = self.check_shape.split(":")
-            getattr(import_module(module), attribute)(scene, outline)
+            imported(self.check_shape)(scene, outline)
 
     def inspected(self, scene: Scene, outline: object) -> Inspection:
         """What it sees in a scene with an outline; nothing where it does not look."""
         if not self.inspect_shape:
             return Inspection()
-        module, attribute = self.inspect_shape.split(":")
-        found: Inspection = getattr(import_module(module), attribute)(scene, outline)
+        found: Inspection = imported(self.inspect_shape)(scene, outline)
         return found

@@ -40,7 +40,7 @@ modes = Application(
     summary="bodies that vibrate freely",
     folder=HERE / "modes",
     physics=(FREE_VIBRATIONS,),
-    analysis="restshape.physics.vibrating_bodies:modal_analysis",
+    analysis="restshape.physics.free_vibration.vibrating_bodies:modal_analysis",
 )
 cloth = Application(
     name="cloth",

@@ -11,7 +11,7 @@ from restshape.physics.cloth.support_keys import ClothSupport
 from restshape.physics.cloth.weight import mass_and_weight
 from restshape.scene.bodies import Body, Start, body_words, start_words
 from restshape.scene.load_kind import ENTITIES
-from restshape.scene.physics import Physics, Section
+from restshape.scene.physics import OwnPictures, Physics, Section
 from restshape.scene.quantity import QuantityKind
 
 CLOTH = Physics(
@@ -37,6 +37,11 @@ CLOTH = Physics(
     },
     effects=EFFECTS,
     derived=DERIVED,
+    pictures=OwnPictures(
+        shows="restshape.physics.cloth.pictures.drape:shows_cloth",
+        draw="restshape.physics.cloth.pictures.drape_frames:draw_drape",
+        true_scale="cloth is drawn where it lies",
+    ),
     nested=True,
     check=check_cloth,
     columns=cloth_columns,

@@ -69,7 +69,15 @@ QUANTITIES = {
     ),
 }
 
-GOALS = {"goal": Section(Goal, "curves that the deformed shape is measured against", named=True, words=goal_words)}
+GOALS = {
+    "goal": Section(
+        Goal,
+        "curves that the deformed shape is measured against",
+        named=True,
+        words=goal_words,
+        curve="restshape.physics.elasticity.target_curves:goal_curve",
+    )
+}
 
 
 def follower_loads(scene: Scene, on: frozenset[str]) -> dict[str, list[str]]:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.physics.cloth.body_columns import recorded_bodies
+from restshape.physics.cloth.pictures.body_surfaces import body_surface
 from restshape.replay.recording import Recording
-from restshape.report.body_surfaces import body_surface
 from restshape.report.camera import Camera
 from restshape.report.style import length_unit, scaled_unit
 from restshape.report.tables import column

@@ -7,10 +7,10 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
+from restshape.physics.cloth.pictures.body_surfaces import body_surface
+from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, bodies, places
 from restshape.replay.recording import Recording
-from restshape.report.body_surfaces import body_surface
 from restshape.report.camera import Camera
-from restshape.report.drape import COLOURS, TENSION, DrapeScenery, bodies, places
 from restshape.report.outlines import border, lines
 from restshape.report.space_scene import SpaceDrawing, SpaceImage
 from restshape.report.style import INK

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from math import ceil
 from pathlib import Path
@@ -18,12 +19,13 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from restshape.outputs.drawn import plain_texts, save_picture
+from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, drape_scenery
+from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
 from restshape.replay.recording import Recording
-from restshape.report.animation import even, pause, write_animation
+from restshape.report.animation import animated_frames, even, pause, write_animation
 from restshape.report.camera import Camera
-from restshape.report.drape import COLOURS, TENSION, DrapeScenery
-from restshape.report.drape_image import BODY, DrapeImage
 from restshape.report.frames import scene_name
+from restshape.report.happenings import chosen_frames
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.space_axes import draw_box, marks
 from restshape.report.style import BODY as PLAIN
@@ -121,6 +123,21 @@ def convergence_words(recording: Recording, i: int) -> tuple[str, bool]:
     if rests == 1:
         return f"at rest{' and stable' if stays == 1 else ''}, {size}".rstrip(", "), True
     return size, True
+
+
+def draw_drape(recording: Recording, options: Namespace, still: Path, moving: Path | None) -> None:
+    """Draws cloth in space: some frames, and an animation if it has a path.
+
+    Args:
+        recording: of cloth.
+        options: of `restshape report`; its frames.
+        still, moving: paths of the pictures.
+    """
+    shown, animated = chosen_frames(recording, options.frames), animated_frames(recording)
+    common = drape_scenery(recording, np.union1d(shown, animated) if moving else shown)
+    draw_drape_frames(recording, shown, common, still)
+    if moving:
+        draw_drape_animation(recording, animated, common, moving)
 
 
 def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery, path: Path) -> None:

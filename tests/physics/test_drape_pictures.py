@@ -13,14 +13,14 @@ from plates import record_plate
 
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.physics.cloth.pictures.body_surfaces import body_surface
+from restshape.physics.cloth.pictures.drape import drape_scenery, places, shows_cloth
+from restshape.physics.cloth.pictures.drape_frames import convergence_words, draw_drape_frames
+from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.report import space_scene
-from restshape.report.body_surfaces import body_surface
 from restshape.report.camera import Camera
-from restshape.report.drape import drape_scenery, places, shows_cloth
-from restshape.report.drape_frames import convergence_words, draw_drape_frames
-from restshape.report.drape_image import BODY, DrapeImage
 from restshape.report.space_axes import marks
 from restshape.report.space_scene import SpaceDrawing, SpaceImage
 from restshape.report.style import new_figure

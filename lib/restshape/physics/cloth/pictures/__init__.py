@@ -1,0 +1,1 @@
+"""Pictures of cloth and of the bodies that it lies on."""

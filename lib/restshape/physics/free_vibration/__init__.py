@@ -1,0 +1,1 @@
+"""Free vibrations of solids and plates."""
