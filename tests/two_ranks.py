@@ -41,13 +41,13 @@ class TwoRanks:
                 self._start()
             for link in self.links:
                 print(asked, file=link, flush=True)
-            told = [json.loads(link.readline()) for link in self.links]
+            reported = [json.loads(link.readline()) for link in self.links]
         except (OSError, ValueError) as error:
             # One of them waits for the other, or is no more.
             self.stop()
             raise RuntimeError(f"two ranks did not both answer: {words}") from error
-        code = max(answer["code"] for answer in told)
-        out, err = ("".join(answer[key] for answer in told) for key in ("out", "err"))
+        code = max(answer["code"] for answer in reported)
+        out, err = ("".join(answer[key] for answer in reported) for key in ("out", "err"))
         return subprocess.CompletedProcess(words, code, out, err)
 
     def _start(self) -> None:

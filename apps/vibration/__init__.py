@@ -14,7 +14,7 @@ from restshape.physics.elasticity.elasticity_declaration import MOVING_SOLIDS
 
 application = Application(
     name="vibration",
-    summary="elastic solids that vibrate, on shaking ground",
+    summary="elastic solids that vibrate, also by base excitation",
     folder=Path(__file__).parent,
     physics=(MOVING_SOLIDS,),
     analysis="restshape.physics.elasticity.elasticity_analyses:transient_analysis",

@@ -119,7 +119,9 @@ def _replay(replay: Replay) -> list[Segment]:
             continue
         if len(pending) > 1:
             raise UserError(
-                "regret is measured where a frame has one solve", str(replay.session.scene.path), "take a scene at rest"
+                "the cost in hindsight is measured where a frame has one solve",
+                str(replay.session.scene.path),
+                "take a scene at rest",
             )
         matrix, right, guess, new = pending[0]
         pending.clear()
@@ -165,7 +167,7 @@ def _table(segment: Segment, comm: PETSc.Comm, window: int) -> np.ndarray:
     counts = np.full((len(solves),) * 2, -1)
     for i, made in enumerate(solves):
         ksp = PETSc.KSP().create(comm)
-        ksp.setOptionsPrefix("regret_")
+        ksp.setOptionsPrefix("hindsight_")
         ksp.setType("cg")
         ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
         ksp.setInitialGuessNonzero(True)
@@ -175,7 +177,7 @@ def _table(segment: Segment, comm: PETSc.Comm, window: int) -> np.ndarray:
         ksp.setUp()
         if comm.size > 1:
             ksp.setUpOnBlocks()
-        options = PETSc.Options("regret_")
+        options = PETSc.Options("hindsight_")
         for key in given:
             options.delValue(key)
         ksp.getPC().setReusePreconditioner(True)

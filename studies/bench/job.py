@@ -135,7 +135,7 @@ def _read(reports: Path, problem: str) -> Outcome:
         kind, content = json.loads(line)
         if kind == "error":
             raise UserError(**content)
-        if kind == "regret":
+        if kind == "hindsight":
             outcome.hindsight_cost = content
         elif kind == "found":
             outcome.found = content

@@ -71,7 +71,7 @@ def hindsight_cost(job: Job, tell: Any) -> None:
     """Report the cost of the schedule of refreshes over the best in hindsight."""
     from restshape_studies.bench.hindsight import measure
 
-    tell("regret", measure(request(job)))
+    tell("hindsight", measure(request(job)))
 
 
 def measured(job: Job, tell: Any) -> None:

@@ -62,8 +62,8 @@ def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row
     for name, entry in found.items():
         entry["ratios"] = {base: ratios(runs[name], runs[base]) for base in bases_of(name) if base in runs}
     if plan.hindsight_cost and "auto" in jobs:
-        announce(f"{case.name}: auto, regret")
-        found["auto"]["regret"] = hindsight(jobs["auto"], play)
+        announce(f"{case.name}: auto, hindsight cost")
+        found["auto"]["hindsight"] = hindsight(jobs["auto"], play)
     return found
 
 

@@ -34,7 +34,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_repeat(parser, "timed runs a policy")
     parser.add_argument(
         "--hindsight",
-        "--regret",
         dest="hindsight_cost",
         action="store_true",
         help="measure the hindsight cost of auto's refreshes",
@@ -92,7 +91,7 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     events = [event for event in one["events"] if event in EVENTS or any(e["events"][event] for e in found.values())]
     rows = [[event, *(str(entry["events"][event]) for entry in found.values())] for event in events]
     print_table("", ("PETSc events", *found), rows, list(found))
-    hindsight_cost = found.get("auto", {}).get("regret")
+    hindsight_cost = found.get("auto", {}).get("hindsight")
     if hindsight_cost:
         print(hindsight_line(hindsight_cost))
     print()

@@ -336,13 +336,13 @@ def test_two_ranks_choose_alike_and_twice_the_same(tmp_path, on_ranks):
 
 
 @pytest.mark.slow
-def test_the_choice_is_told(tmp_path, command):
+def test_the_choice_is_reported(tmp_path, command):
     scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
-    told = {}
+    reported = {}
     for memory in ("4e9", "1e5"):
         words = ("replay", scene, "--edits", script, "--json", "a.json", "--set", f"solve.factor_memory={memory}")
         done = command(*words, "--parity")
         assert done.returncode == 0, done.stdout + done.stderr
-        told[memory] = json.loads((tmp_path / "a.json").read_text())["preconditioners"]
-    assert list(told["4e9"]) == ["cholesky"]
-    assert "cholesky" not in told["1e5"]
+        reported[memory] = json.loads((tmp_path / "a.json").read_text())["preconditioners"]
+    assert list(reported["4e9"]) == ["cholesky"]
+    assert "cholesky" not in reported["1e5"]

@@ -123,7 +123,7 @@ def test_no_step_goes_farther_than_the_reach():
     np.testing.assert_allclose(x[:, 0], chain.rest(), rtol=1e-7)
 
 
-def test_an_energy_that_is_no_number_is_told():
+def test_an_energy_that_is_no_number_is_reported():
     class Broken(Chain):
         def energy(self, x):
             return np.nan if x.any() else 0.0

@@ -62,7 +62,7 @@ def test_equal_steps_are_refreshed_equally_often():
 
 
 @pytest.mark.skipif(PETSc.COMM_WORLD.size > 1, reason="one rank")
-def test_regret_of_a_drag_that_goes_one_way(tmp_path):
+def test_cost_in_hindsight_of_a_drag_that_goes_one_way(tmp_path):
     script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (1.2, 0.5), 60)))
     scene = load_scene(write_scene(tmp_path, plate(0.08)))
     request = Request(scene, load_script(script, scene), application(scene.app), policy("auto"), Calibration.load())

@@ -120,9 +120,9 @@ def test_incompressible_column(tmp_path):
         ('app = "plane"', 'app = "moving"', "buckling"),
     ],
 )
-def test_what_users_are_told(tmp_path, old, new, words):
+def test_what_users_read(tmp_path, old, new, words):
     text = column()
     assert old in text
-    with pytest.raises(UserError, match=words) as told:
+    with pytest.raises(UserError, match=words) as reported:
         solved(tmp_path, text.replace(old, new))
-    assert told.value.do
+    assert reported.value.do

@@ -130,9 +130,12 @@ def test_nested_meshes_lead_to_rest(tmp_path):
 def test_what_is_not_converged_says_so(tmp_path):
     scene = cloth(tmp_path, PIN, overrides=("effects.drape.steps=3", "mesh.size=0.2"))
     found = solved(scene)
-    told = found.row()
-    assert not told["converged"] and told["tangent_positive_definite"] == -1
-    assert told["note"].startswith("not at rest: residual ") and f"{found.state.report.residual:.2e}" in told["note"]
+    reported = found.row()
+    assert not reported["converged"] and reported["tangent_positive_definite"] == -1
+    assert (
+        reported["note"].startswith("not at rest: residual ")
+        and f"{found.state.report.residual:.2e}" in reported["note"]
+    )
     assert found.residual_norm() == pytest.approx(found.state.report.residual, rel=1e-6)
 
 
@@ -245,7 +248,7 @@ capsule = { start = [0.45, 0.55, -0.3], end = [0.45, 0.55, 0.3], radius = 0.03 }
 """
 
 
-def test_a_body_that_comes_through_is_told(tmp_path):
+def test_a_body_that_comes_through_is_reported(tmp_path):
     """A bar stands between the nodes of a triangle of 0.2 m: all nodes rest, and the bar is in the cloth."""
     pins = "".join(f'[supports.{c}]\non = "{c}"\nfix = ["x", "y", "z"]\n' for c in "abcd")
     pierced = solved(cloth(tmp_path, pins, BAR, CONTACT, overrides=("mesh.size=0.3", "effects.cloth.bending=hinge")))
@@ -291,15 +294,15 @@ def test_steps_know_of_new_supports_bending_and_nodes(tmp_path, bending):
 
 
 @pytest.mark.parametrize(("kind", "blocks"), [("sor", True), ("gamg", False), ("eisenstat", False), ("icc", False)])
-def test_motion_takes_the_preconditioner_that_petsc_is_told(tmp_path, kind, blocks):
+def test_motion_takes_the_preconditioner_of_the_petsc_options(tmp_path, kind, blocks):
     found = solved(cloth(tmp_path, PIN, overrides=('effects.cloth.bending="hinge"',)))
     sheet, options = found.problem, PETSc.Options()
     equations = ClothEquations(sheet, PETSc.COMM_SELF, Stages())
-    options.setValue("told_step_pc_type", kind)
+    options.setValue("reported_step_pc_type", kind)
     steps = Steps(1 / 60, longest=1 / 60, most=5)
     shape, rows = found.x.shape, equations.rows
-    moving = KineticDamping(PETSc.COMM_SELF, "told_", equations, equations.mass, shape, rows, steps)
-    options.delValue("told_step_pc_type")
+    moving = KineticDamping(PETSc.COMM_SELF, "reported_", equations, equations.mass, shape, rows, steps)
+    options.delValue("reported_step_pc_type")
     x = sheet.flat(np.column_stack([sheet.mesh.X, np.zeros(len(sheet.mesh.X))]))
     moving.run(x, 0.0)
     assert moving.linear.blocks is blocks and equations.steps.patterned is blocks
@@ -315,7 +318,7 @@ friction = 0.3
 
 
 @pytest.mark.parametrize(("centre", "begins"), [(-0.05, ""), (-0.03, "10"), (0.0, "40")])
-def test_cloth_that_begins_inside_a_body_is_told(tmp_path, centre, begins):
+def test_cloth_that_begins_inside_a_body_is_reported(tmp_path, centre, begins):
     scene = cloth(tmp_path, CONTACT, TABLE.replace("CENTRE", str(centre)), overrides=("mesh.size=0.08",))
     row = solved(scene).row()
     assert ("begins" in row["note"]) == bool(begins)
@@ -323,8 +326,8 @@ def test_cloth_that_begins_inside_a_body_is_told(tmp_path, centre, begins):
         assert f"cloth begins {begins} mm inside bodies.table" in row["note"]
 
 
-@pytest.mark.parametrize(("stiffness", "told"), [(2e3, True), (5e7, False)])
-def test_the_deepest_node_is_told(tmp_path, stiffness, told):
+@pytest.mark.parametrize(("stiffness", "reported"), [(2e3, True), (5e7, False)])
+def test_the_deepest_node_is_reported(tmp_path, stiffness, reported):
     """By the distance from a ball in closed form; soft contact gives by more than its thickness, stiff by less."""
     found = solved(cloth(tmp_path, CONTACT, BALL, overrides=(f"effects.contact.stiffness={stiffness}",)))
     corners = found.problem.corners(found.x)
@@ -332,5 +335,5 @@ def test_the_deepest_node_is_told(tmp_path, stiffness, told):
     depth = 0.25 - np.linalg.norm(corners - [0.5, 0.5, -0.3], axis=1).min()
     row = found.row()
     assert row["max_penetration"] == pytest.approx(max(depth, 0.0), abs=1e-12)
-    assert bool(depth > found.problem.contact.thickness) is told
-    assert (f"cloth lies {1e3 * depth:.3g} mm inside bodies.ball" in row["note"]) is told
+    assert bool(depth > found.problem.contact.thickness) is reported
+    assert (f"cloth lies {1e3 * depth:.3g} mm inside bodies.ball" in row["note"]) is reported

@@ -89,7 +89,7 @@ def test_second_order_tetrahedra(layers, size):
     assert bar.errors()["estimate"] / (bar.frequencies[0] / BAR - 1.0) == pytest.approx(1.0, abs=0.15)
 
 
-def test_first_order_tetrahedra_that_lock_are_told_too_little_of_their_error():
+def test_first_order_tetrahedra_that_lock_underestimate_their_error():
     """Far from any asymptotics: 68 % too high, of which the estimate reports more than a half."""
     bar = modes_of("bar_100.toml")
     error = bar.frequencies[0] / BAR - 1.0
@@ -139,7 +139,7 @@ def test_error_of_one_time_step(tmp_path, beta):
     assert analysis.errors()["estimate_time"] * size == pytest.approx(wrong, rel=0.1)
 
 
-def test_steps_too_long_for_what_swings_are_not_told_more_than_what_swings(tmp_path):
+def test_steps_too_long_for_what_swings_are_not_reported_more_than_what_swings(tmp_path):
     """A motion in all modes, most of them far beyond the step: the error is that of their phases, not a multiple."""
     replay = make_replay(tower(tmp_path, dynamics(0.05, 1), size=0.4))
     rows_of(replay)

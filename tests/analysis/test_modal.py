@@ -120,7 +120,7 @@ def test_supports_leave_the_rigid_motions_that_they_do():
 
 
 @pytest.mark.parametrize(
-    "scene, overrides, told",
+    "scene, overrides, reported",
     [
         ("bar_100.toml", ["material.aluminium.rho=0"], "density"),
         ("slender.toml", ['supports.wall.fix=["z"]'], "no unknown 'z'"),
@@ -130,8 +130,8 @@ def test_supports_leave_the_rigid_motions_that_they_do():
         ("slender.toml", ["material.steel.thickness='0.01 + 0*x'"], "one thickness"),
     ],
 )
-def test_scenes_that_make_no_sense_are_refused(scene, overrides, told):
-    with pytest.raises(UserError, match=told):
+def test_scenes_that_make_no_sense_are_refused(scene, overrides, reported):
+    with pytest.raises(UserError, match=reported):
         first_frame(SCENES / scene, overrides)
 
 

@@ -53,7 +53,7 @@ def test_an_even_stretch_is_met_in_every_frame_of_a_drag(tmp_path, name):
 
 
 @pytest.mark.parametrize("predict", ["none", "linear"])
-def test_the_residual_that_is_told_is_that_of_the_displacement(tmp_path, predict):
+def test_the_residual_that_is_reported_is_that_of_the_displacement(tmp_path, predict):
     made = bent(tmp_path, predict=predict)
     for row in made.frames():
         analysis = made.analysis

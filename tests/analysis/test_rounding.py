@@ -11,7 +11,7 @@ from restshape.replay.first_frame import first_frame
 
 
 @pytest.mark.parametrize(("tolerance", "reached"), [(1e-6, True), (1e-10, False)])
-def test_a_tolerance_below_rounding_is_told(tolerance, reached):
+def test_a_tolerance_below_rounding_is_reported(tolerance, reached):
     # Forces along a strip of 1:100 are 10^4 times those that bend it, and so is their rounding.
     scene = Path(__file__).parents[1] / "scenes" / "elastica.toml"
     made = first_frame(scene, ["parameters.load=10", f"solve.tolerance={tolerance}"])

@@ -22,7 +22,7 @@ DOWN = drag("window", (0.5, 1.4), across((0.5, 1.4), (0.55, 0.6), 24))
 @pytest.mark.parametrize(("beta", "gamma"), [(0.25, 0.5), (0.3025, 0.6), (0.3, 0.5)])
 @pytest.mark.parametrize("steps", [1, 12])
 def test_steps_are_those_of_the_textbook(tmp_path, mass, beta, gamma, steps):
-    """u and v after 12 steps under shaking ground, damping, tractions and weight, in one frame or in twelve."""
+    """u and v after 12 steps under ground acceleration, damping, tractions and weight, in one frame or in twelve."""
     scene = tower(tmp_path, SHAKEN, DAMPED, PULLED, WEIGHT, dynamics(0.013, steps, beta=beta, gamma=gamma, mass=mass))
     replay = make_replay(scene)
     rows_of(replay)

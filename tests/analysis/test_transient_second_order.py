@@ -21,7 +21,7 @@ A = np.array([[1e-3, 4e-4], [-2e-4, 7e-4]])
 @pytest.mark.parametrize("mass", ["consistent", "lumped"])
 @pytest.mark.parametrize(("beta", "gamma"), [(0.25, 0.5), (0.3, 0.5)])
 def test_steps_are_those_of_the_textbook(tmp_path, mass, beta, gamma):
-    """u and v after 12 steps under shaking ground, damping, tractions and weight."""
+    """u and v after 12 steps under ground acceleration, damping, tractions and weight."""
     scene = tower(tmp_path, SHAKEN, DAMPED, PULLED, WEIGHT, dynamics(0.013, 6, beta=beta, gamma=gamma, mass=mass))
     replay = make_replay(scene, overrides=ORDER)
     rows_of(replay)

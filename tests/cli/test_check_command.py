@@ -147,8 +147,8 @@ def test_a_thickness_without_a_sign_is_refused_and_a_thin_one_is_not(capsys):
     key = "material.aluminium.thickness"
     assert check(bar, "--set", f'{key}="4e-3 - 3.9e-3 * sin(pi * x / 0.1)"') == 0
     assert check(bar, "--set", f'{key}="4e-3 - 4.1e-3 * sin(pi * x / 0.1)"') == 2
-    told = capsys.readouterr().err
-    assert key in told and "the thickness is -" in told
+    reported = capsys.readouterr().err
+    assert key in reported and "the thickness is -" in reported
 
 
 def test_check_tells_of_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
@@ -156,12 +156,12 @@ def test_check_tells_of_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
     start = '[start]\nmove = [0, 0, "half"]\nscatter = "1 mm"\n'
     path = write_cloth(tmp_path, BALL, clamp, start)
     assert check(path, "--json", tmp_path / "check.json") == 0
-    told = " ".join(capsys.readouterr().out.split())
-    assert "sphere, center (0.5, half, -0.3), radius 0.25, friction 0.3" in told
-    assert "x = 0 and slope = 0 on left" in told and "symmetry x on right" in told
-    assert "moved by (0, 0, half) m, scattered by 0.001 m with the seed 0" in told
+    reported = " ".join(capsys.readouterr().out.split())
+    assert "sphere, center (0.5, half, -0.3), radius 0.25, friction 0.3" in reported
+    assert "x = 0 and slope = 0 on left" in reported and "symmetry x on right" in reported
+    assert "moved by (0, 0, half) m, scattered by 0.001 m with the seed 0" in reported
     # 1 m^2 of 0.5 mm at 400 kg/m^3
-    assert "mass 0.2 kg, weight 1.962 N; 200 g/m^2, which is rho times thickness" in told
+    assert "mass 0.2 kg, weight 1.962 N; 200 g/m^2, which is rho times thickness" in reported
     found = json.loads((tmp_path / "check.json").read_text())
     assert found["bodies"] == {"ball": {"sphere": {"center": [0.5, "half", -0.3], "radius": 0.25}, "friction": 0.3}}
     assert [found[key] for key in ("mass_by_area", "mass", "weight")] == pytest.approx([0.2, 0.2, 1.962], rel=1e-12)

@@ -170,7 +170,7 @@ def test_a_second_run_is_refused_at_its_start_and_a_lock_left_by_a_killed_one_is
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_recording_removed_meanwhile_is_told(tmp_path):
+def test_a_recording_removed_meanwhile_is_reported(tmp_path):
     path = tmp_path / "a.vtkhdf"
     recorder = begin(path)
     path.unlink()

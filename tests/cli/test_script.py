@@ -69,7 +69,7 @@ def test_the_same_seed_gives_the_same_bytes(scene, tmp_path, capsys):
     assert texts[0] == texts[1] != texts[2]
 
 
-def test_what_will_be_refused_is_told(scene, tmp_path, capsys):
+def test_what_will_be_refused_is_reported(scene, tmp_path, capsys):
     out = tmp_path / "edits.jsonl"
     assert main(["script", str(scene), "window by 0 0.5 in 10 frames", "--out", str(out)]) == 0
     assert "3 frames will be refused: edges top and window.1" in capsys.readouterr().err

@@ -8,14 +8,14 @@ from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
 
-def test_refused_edits_are_counted_and_the_first_is_told(tmp_path, capsys):
+def test_refused_edits_are_counted_and_the_first_is_reported(tmp_path, capsys):
     scene = load_scene(write_scene(tmp_path, plate()))
     good = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 4))
     path = write_script(tmp_path, [*good, *drag("eyes", (0.5, 0.5), [(0.6, 0.5), (0.7, 0.5)])])
     note_script(scene, load_script(path, scene), path)
-    told = capsys.readouterr().err
+    printed = capsys.readouterr().err
     # The press, two drags and the release.
-    assert "4 frames of" in told and "the first in line 5" in told and "eyes" in told
+    assert "4 frames of" in printed and "the first in line 5" in printed and "eyes" in printed
 
 
 def test_a_good_script_needs_no_word(tmp_path, capsys):
@@ -25,7 +25,7 @@ def test_a_good_script_needs_no_word(tmp_path, capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_a_quantity_that_is_not_there_is_told_before_any_run(tmp_path, capsys):
+def test_a_quantity_that_is_not_there_is_reported_before_any_run(tmp_path, capsys):
     scene = write_scene(tmp_path, plate())
     script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 4)))
     words = ["accuracy", str(scene), "--edits", str(script), "--of", "nothing", "--out", str(tmp_path / "out")]

@@ -29,9 +29,9 @@ def test_a_signal_keeps_the_frames(tmp_path, start_restshape, number):
     process = start_restshape(*write_long(tmp_path, FRAMES))
     assert process.stderr.readline() == "100 frames\n"
     process.send_signal(number)
-    _, told = process.communicate(timeout=60)
+    _, reported = process.communicate(timeout=60)
     assert process.returncode == 128 + number
-    assert told.endswith("restshape replay: interrupted\n") and "MPI_ABORT" not in told.upper()
+    assert reported.endswith("restshape replay: interrupted\n") and "MPI_ABORT" not in reported.upper()
     with Recording(tmp_path / "a.vtkhdf") as recording:
         assert recording.status == "interrupted" and recording.n >= 100 and recording.verify() == []
 

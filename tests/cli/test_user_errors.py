@@ -52,18 +52,18 @@ def change(path, old, new):
         (("-solid_pc_type", "cholesky", "-solid_ksp_type", "preonly"), "-solid_ksp_type preonly"),
     ],
 )
-def test_what_petsc_refuses_is_told_with_its_option(folder, replay, words, named):
-    code, _, told = replay("--", *words)
+def test_what_petsc_refuses_is_reported_with_its_option(folder, replay, words, named):
+    code, _, shown_text = replay("--", *words)
     assert code == 2
-    assert f"-- {named}: PETSc refuses it" in told
-    assert "Traceback" not in told and "MPI_ABORT" not in told and len(told.splitlines()) <= 3
+    assert f"-- {named}: PETSc refuses it" in shown_text
+    assert "Traceback" not in shown_text and "MPI_ABORT" not in shown_text and len(shown_text.splitlines()) <= 3
 
 
 @pytest.mark.slow
 def test_words_that_petsc_never_used_are_named(folder, replay):
-    code, _, told = replay("--", "-solid_ksp_tpye", "cg", "-foo", "3", "nonsense", "-solid_ksp_type", "cg")
+    code, _, shown_text = replay("--", "-solid_ksp_tpye", "cg", "-foo", "3", "nonsense", "-solid_ksp_type", "cg")
     assert code == 0
-    assert "no use of these words after --: -solid_ksp_tpye -foo nonsense\n" in told
+    assert "no use of these words after --: -solid_ksp_tpye -foo nonsense\n" in shown_text
 
 
 @pytest.mark.slow
@@ -73,8 +73,8 @@ def test_words_that_petsc_used_leave_no_note(folder, replay):
 
 @pytest.mark.slow
 def test_a_table_that_cannot_be_written(folder, replay):
-    code, _, told = replay("--csv", "/dev/full")
-    assert code == 2 and "/dev/full: cannot write" in told and "Traceback" not in told
+    code, _, shown_text = replay("--csv", "/dev/full")
+    assert code == 2 and "/dev/full: cannot write" in shown_text and "Traceback" not in shown_text
 
 
 def test_a_recording_is_named_for_what_it_is(folder, capsys):
@@ -128,8 +128,8 @@ def test_check_shows_values_of_supports_and_loads(folder, capsys):
 @pytest.mark.parametrize("command", ["check", "replay"])
 def test_a_mesh_without_end_is_not_begun(folder, capsys, command, key, size):
     assert main([command, str(folder / "plate.toml"), "--set", f"{key}={size}"]) == 2
-    told = capsys.readouterr().err
-    assert f"plate.toml: {key}" in told and "triangles" in told and "a larger size" in told
+    shown_text = capsys.readouterr().err
+    assert f"plate.toml: {key}" in shown_text and "triangles" in shown_text and "a larger size" in shown_text
 
 
 @pytest.mark.slow
@@ -138,8 +138,8 @@ def test_a_hole_goes_with_its_mesh_size_and_comes_back_with_it(folder, replay):
     header = (folder / "plate.jsonl").read_text().splitlines()[0]
     events = [json.dumps({"t": t, **line}) for t, line in enumerate(lines)]
     (folder / "cut.jsonl").write_text("\n".join([header, *events]) + "\n")
-    code, _, told = replay("--edits", "cut.jsonl", "--out", "cut.vtkhdf")
-    assert code == 0, told
+    code, _, shown_text = replay("--edits", "cut.jsonl", "--out", "cut.vtkhdf")
+    assert code == 0, shown_text
     with Recording(folder / "cut.vtkhdf") as recording:
         first, without, again = recording.table["elements"].tolist()
         assert list(recording.table["refused"]) == ["", "", ""]
@@ -201,8 +201,8 @@ size = 1
 def test_a_mesh_whose_parts_all_have_materials(tmp_path, replay):
     (tmp_path / "parts.inp").write_text(SQUARE)
     (tmp_path / "plate.toml").write_text(PARTS)
-    code, printed, told = replay()
-    assert code == 0, told
+    code, printed, shown_text = replay()
+    assert code == 0, shown_text
     assert "4 elements" in printed
 
 
@@ -210,5 +210,5 @@ def test_a_mesh_whose_parts_all_have_materials(tmp_path, replay):
 def test_a_part_without_a_material(tmp_path, replay):
     (tmp_path / "parts.inp").write_text(SQUARE)
     (tmp_path / "plate.toml").write_text(PARTS.replace('hard = { E = "2 GPa", nu = 0.3, region = ["RIGHT"] }\n', ""))
-    code, _, told = replay()
-    assert code == 2 and "2 triangles lie outside of the regions" in told
+    code, _, shown_text = replay()
+    assert code == 2 and "2 triangles lie outside of the regions" in shown_text

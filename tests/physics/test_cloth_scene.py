@@ -98,7 +98,7 @@ def test_one_material_gives_one_matrix_and_two_give_one_a_cell(tmp_path):
     assert mass == pytest.approx(0.75 * 0.2 + 0.25 * 0.6, rel=1e-12)
 
 
-def test_a_group_of_regions_has_a_material_and_a_place_without_one_is_told(tmp_path):
+def test_a_group_of_regions_has_a_material_and_a_place_without_one_is_reported(tmp_path):
     tape = '[material.tape]\nE = "8 MPa"\nnu = 0.25\nrho = 1200\nthickness = "0.5 mm"\nregion = "taped"\n'
     grouped = ('shape.groups={taped=["patch"]}',)
     found, mesh = arguments(tmp_path, PIN, tape, overrides=grouped)

@@ -179,10 +179,10 @@ def test_meshes_show_the_exponent(tmp_path):
 
 def test_check_and_replay_mark_them(tmp_path, restshape):
     scene = write_scene(tmp_path, ARM.replace("NEAR", "0.016"))
-    told = restshape("check", scene, "--json", "a.json")
+    reported = restshape("check", scene, "--json", "a.json")
     warnings = json.loads((tmp_path / "a.json").read_text())["warnings"]
-    assert told.returncode == 0 and len(warnings) == 2 and all("end of a support d" in one for one in warnings)
-    assert "mass" in told.stdout and "bounding box" in told.stdout and 'reduce = "mean"' in told.stdout
-    told = restshape("replay", scene, "--json", "a.json")
+    assert reported.returncode == 0 and len(warnings) == 2 and all("end of a support d" in one for one in warnings)
+    assert "mass" in reported.stdout and "bounding box" in reported.stdout and 'reduce = "mean"' in reported.stdout
+    reported = restshape("replay", scene, "--json", "a.json")
     marked = json.loads((tmp_path / "a.json").read_text())["singular"]
-    assert set(marked) == {"peak", "corner"} and "corner is taken at a singular place (r^-0." in told.stdout
+    assert set(marked) == {"peak", "corner"} and "corner is taken at a singular place (r^-0." in reported.stdout

@@ -81,11 +81,13 @@ def test_the_summary_tells_how_many_frames_are_at_rest(cloth, tmp_path, capsys):
     out = tmp_path / "restless.json"
     words = ["replay", str(cloth.with_suffix(".toml")), "--set", "effects.drape.steps=1", "--json", str(out)]
     assert main(words) == 0
-    told = json.loads(out.read_text())["rest"]
-    assert (told["converged"], told["tangent_positive_definite"], told["not_converged"]) == (0, 0, 1) and told[
-        "residual"
-    ] > 1e-4
-    assert f"converged: 0 of 1 frames, 0 of them stable; largest residual {told['residual']:.1e} of the weight" in (
+    reported = json.loads(out.read_text())["rest"]
+    assert (reported["converged"], reported["tangent_positive_definite"], reported["not_converged"]) == (
+        0,
+        0,
+        1,
+    ) and reported["residual"] > 1e-4
+    assert f"converged: 0 of 1 frames, 0 of them stable; largest residual {reported['residual']:.1e} of the weight" in (
         capsys.readouterr().out
     )
 

@@ -56,12 +56,12 @@ def test_json_for_programs(tmp_path, restshape, scene, script):
 
 def test_tables_for_people(command, scene, script):
     done = command("replay", scene, "--edits", script, "--strict")
-    told = done.stdout
+    reported = done.stdout
     # One frame is refused.
     assert done.returncode == 1 and command("replay", scene, "--strict").returncode == 0
-    assert told.startswith(f"{FRAMES} frames, 1 refused, ")
+    assert reported.startswith(f"{FRAMES} frames, 1 refused, ")
     for words in ("1 relocation", "2 reconnection", "3 reconstruction", "p95", "stretch", "largest"):
-        assert words in told
+        assert words in reported
 
 
 def test_csv_and_recording_hold_the_same(tmp_path, command, scene, script):
@@ -138,7 +138,7 @@ def test_a_policy_that_is_not_there(command, scene):
 
 
 @pytest.mark.parametrize("name", ["auto", "thesis", "refactor", "rebuild"])
-def test_parity_is_told(tmp_path, command, scene, script, name):
+def test_parity_is_reported(tmp_path, command, scene, script, name):
     done = command("replay", scene, "--edits", script, "--policy", name, "--parity", "--json", "a.json")
     assert done.returncode == 0 and "parity with cold solves: holds" in done.stdout
     found = read_json(tmp_path / "a.json")["parity"]

@@ -1,4 +1,4 @@
-"""Violated constraints in words: a limit is the one that was written, and the value can be told from it."""
+"""Violated constraints in words: a limit is the one that was written, and the value can be reported from it."""
 
 import pytest
 
@@ -18,6 +18,6 @@ from restshape.replay.constraints import Limit, formatted_constraint, violated_c
         (1e-3, Limit(most=0.0, unit="m"), "q is 1 mm, at most 0 m"),
     ],
 )
-def test_value_and_limit_are_told_apart(value, limit, text):
+def test_value_and_limit_are_distinguished(value, limit, text):
     (found,) = violated_constraints({"q": limit}, {"q": value})
     assert formatted_constraint(found) == text

@@ -1,4 +1,4 @@
-"""Damage of a recording is told, and what is good in it is saved."""
+"""Damage of a recording is reported, and what is good in it is saved."""
 
 import json
 import os
@@ -73,7 +73,7 @@ def test_a_file_that_is_cut_off_keeps_its_frames(sound, damaged, tmp_path):
 
 def test_no_flipped_byte_is_drawn_without_a_word_or_ends_in_a_traceback(sound, damaged):
     data, rng = sound[0].read_bytes(), np.random.default_rng(0)
-    told = 0
+    reported = 0
     with Recording(sound[0]) as recording:
         table, times = recording.table, recording.times
         for place in rng.integers(0, len(data), 80):
@@ -83,7 +83,7 @@ def test_no_flipped_byte_is_drawn_without_a_word_or_ends_in_a_traceback(sound, d
             try:
                 with Recording(damaged) as other:
                     bad = other.verify()
-                    told += bool(bad)
+                    reported += bool(bad)
                     if not bad:
                         assert other.n == 12 and other.header == recording.header
                         assert all(np.array_equal(other.table[k].astype(str), table[k].astype(str)) for k in table)
@@ -92,8 +92,8 @@ def test_no_flipped_byte_is_drawn_without_a_word_or_ends_in_a_traceback(sound, d
                             assert np.array_equal(other.points(i), frame["points"])
                             assert np.array_equal(other.field(i, "von_mises"), frame["von_mises"])
             except UserError:
-                told += 1
-    assert told > 5
+                reported += 1
+    assert reported > 5
 
 
 def write_header(file: h5py.File, text: bytes) -> None:

@@ -24,7 +24,7 @@ REFUSED = [*drag("window", (0.5, 0.5), [[0.55, 0.5], [0.5, 5.0], [0.6, 0.5]]), {
 
 @pytest.mark.parametrize("policy", ["auto", "refactor"])
 @pytest.mark.parametrize("kind", KINDS)
-def test_prediction_is_told_how_far_it_is_from_the_solution(tmp_path, kind, policy):
+def test_prediction_reports_its_distance_from_the_solution(tmp_path, kind, policy):
     """Frame by frame against a replay that solves; on release against the solve that follows."""
     scene, script = write_scene(tmp_path, KINDS[kind]), write_script(tmp_path, SHORT)
     tight = ["solve.tolerance=1e-10"]

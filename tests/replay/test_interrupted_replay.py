@@ -65,10 +65,10 @@ def test_ctrl_c(tmp_path, start_restshape, words):
     process = start_restshape(*words)
     wait_for_frames(process)
     process.send_signal(signal.SIGINT)
-    printed, told = process.communicate(timeout=20)
+    printed, reported = process.communicate(timeout=20)
     assert process.returncode == 130
     assert "policy auto" in printed and "time a frame" in printed
-    assert told.endswith("restshape replay: interrupted\n") and "Traceback" not in told
+    assert reported.endswith("restshape replay: interrupted\n") and "Traceback" not in reported
     recording = opened(tmp_path / "a.vtkhdf")
     assert recording.status == "interrupted" and 100 <= recording.n < FRAMES
 
@@ -104,11 +104,11 @@ def test_a_full_disk(tmp_path, start_restshape, words):
     wait_for_frames(process)
     (recorder,) = recorders(process.pid)
     resource.prlimit(recorder, resource.RLIMIT_FSIZE, (20 << 20, 20 << 20))
-    _, told = process.communicate(timeout=60)
+    _, reported = process.communicate(timeout=60)
     assert process.returncode == 2
-    assert "the disk is full" in told and "Traceback" not in told
+    assert "the disk is full" in reported and "Traceback" not in reported
     recording = opened(tmp_path / "a.vtkhdf")
-    assert recording.status == "disk full" and f"the first {recording.n} frames" in told
+    assert recording.status == "disk full" and f"the first {recording.n} frames" in reported
 
 
 @pytest.mark.slow
@@ -132,9 +132,9 @@ def test_a_signal_to_one_rank_ends_all_after_the_same_frame(tmp_path, start_rest
     process = start_restshape(*words, ranks=2)
     wait_for_frames(process)
     os.kill(children(process.pid)[-1], number)
-    printed, told = process.communicate(timeout=60)
-    assert process.returncode == 128 + number, told
-    assert "restshape replay: interrupted" in told and "Traceback" not in told and "MPI_ABORT" not in told
+    printed, reported = process.communicate(timeout=60)
+    assert process.returncode == 128 + number, reported
+    assert "restshape replay: interrupted" in reported and "Traceback" not in reported and "MPI_ABORT" not in reported
     assert "policy auto" in printed and "2 rank(s)" in printed
     assert opened(tmp_path / "a.vtkhdf").status == "interrupted"
 
@@ -145,9 +145,9 @@ def test_a_full_disk_ends_all_ranks(tmp_path, start_restshape, words):
     wait_for_frames(process)
     (recorder,) = [found for rank in children(process.pid) for found in recorders(rank)]
     resource.prlimit(recorder, resource.RLIMIT_FSIZE, (10 << 20, 10 << 20))
-    _, told = process.communicate(timeout=60)
-    assert process.returncode == 2, told
-    assert "the disk is full" in told and "Traceback" not in told
+    _, reported = process.communicate(timeout=60)
+    assert process.returncode == 2, reported
+    assert "the disk is full" in reported and "Traceback" not in reported
     assert opened(tmp_path / "a.vtkhdf").status == "disk full"
 
 
@@ -156,7 +156,7 @@ def test_ctrl_c_to_two_ranks(tmp_path, start_restshape, words):
     process = start_restshape(*words, ranks=2)
     wait_for_frames(process)
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=30)
-    assert process.returncode != 0 and "Traceback" not in told
+    _, reported = process.communicate(timeout=30)
+    assert process.returncode != 0 and "Traceback" not in reported
     recording = opened(tmp_path / "a.vtkhdf")
     assert recording.status == "interrupted" and 100 <= recording.n < FRAMES

@@ -17,8 +17,8 @@ PLATE = (*SOLID[:2], "--set", "effects.modal.model=plate", "--set", "effects.mod
 def test_frequencies_are_those_of_one_rank(tmp_path, on_ranks, words, name):
     scene, edits, found = SCENES / "bar_100.toml", EDITS / "bar_100_short.jsonl", []
     for ranks in (1, 2):
-        told = ("--json", f"{ranks}.json", "--csv", f"{ranks}.csv", "--policy", name, "--parity")
-        done = on_ranks(ranks, "replay", scene, "--edits", edits, *words, *told)
+        reported = ("--json", f"{ranks}.json", "--csv", f"{ranks}.csv", "--policy", name, "--parity")
+        done = on_ranks(ranks, "replay", scene, "--edits", edits, *words, *reported)
         assert done.returncode == 0, done.stdout + done.stderr
         lines = [line.split(",") for line in (tmp_path / f"{ranks}.csv").read_text().splitlines()]
         columns = [lines[0].index(f"f_{k}") for k in (1, 2, 3)]

@@ -81,12 +81,12 @@ def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
     out, numbers = files / "a.vtkhdf", files / "a.json"
     call = ["replay", str(files / "plate.toml"), "--edits", str(files / "on demand.jsonl")]
     assert main([*call, "--out", str(out), "--json", str(numbers), "--csv", str(files / "a.csv")]) == 0
-    told = json.loads(numbers.read_text())
-    assert told["quantities"]["strength"][2] is None and told["quantities"]["score"][2] > 1.9
-    assert told["constraint_status"]["holds"] + told["constraint_status"]["fails"] == 8
+    reported = json.loads(numbers.read_text())
+    assert reported["quantities"]["strength"][2] is None and reported["quantities"]["score"][2] > 1.9
+    assert reported["constraint_status"]["holds"] + reported["constraint_status"]["fails"] == 8
     printed = capsys.readouterr().out
     assert (
-        f"constraint status: {told['constraint_status']['last']} at the end" in printed
+        f"constraint status: {reported['constraint_status']['last']} at the end" in printed
         and "solved where nothing moved" in printed
     )
     with Recording(out) as recording:
@@ -127,9 +127,10 @@ def test_a_motion_is_not_analysed_on_demand(tmp_path, capsys, command):
         '{"format": "restshape-edits", "version": 1, "analysis": "on demand"}\n{"t": 0, "do": "analyse"}\n'
     )
     assert main([command, str(scene), *(["--edits"] if command == "replay" else []), str(edits)]) == 2
-    told = capsys.readouterr().err
+    reported = capsys.readouterr().err
     assert (
-        "edits.jsonl: line 1: time integration goes on from frame to frame" in told and 'leave "analysis" out' in told
+        "edits.jsonl: line 1: time integration goes on from frame to frame" in reported
+        and 'leave "analysis" out' in reported
     )
 
 

@@ -108,7 +108,7 @@ def test_frames_larger_than_the_ring_and_a_full_ring(tmp_path, monkeypatch):
             assert np.array_equal(recording.field(i, "u"), points[::-1])
 
 
-def test_the_cost_of_writing_is_told(tmp_path):
+def test_the_cost_of_writing_is_reported(tmp_path):
     with Recorder.start(tmp_path / "a.vtkhdf", {}, {}) as recorder:
         recorder.topology(CELLS)
         recorder.frame(0.0, CORNERS, {}, {}, {})
@@ -119,7 +119,7 @@ def test_the_cost_of_writing_is_told(tmp_path):
         assert recording.writer["cpu_s"] == result["cpu_s"]
 
 
-def test_bad_places_are_told_before_the_run(tmp_path):
+def test_bad_places_are_reported_before_the_run(tmp_path):
     text = tmp_path / "scene.toml"
     text.write_text("format = 1\n")
     for path, message in [
@@ -134,7 +134,7 @@ def test_bad_places_are_told_before_the_run(tmp_path):
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
-def test_an_unwritable_folder_is_told_before_the_run(tmp_path):
+def test_an_unwritable_folder_is_reported_before_the_run(tmp_path):
     tmp_path.chmod(0o500)
     with pytest.raises(UserError, match="Permission denied"):
         Recorder.start(tmp_path / "a.vtkhdf", {}, {})
@@ -204,7 +204,7 @@ def test_a_disk_full_before_the_first_frame_leaves_an_earlier_recording(earlier)
     assert path.read_bytes() == data and [p.name for p in path.parent.iterdir()] == [path.name]
 
 
-def test_a_killed_recorder_is_told(tmp_path):
+def test_a_killed_recorder_is_reported(tmp_path):
     recorder = Recorder.start(tmp_path / "a.vtkhdf", {}, {})
     recorder.topology(CELLS)
     os.kill(recorder.process_id, 9)

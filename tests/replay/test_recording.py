@@ -159,7 +159,7 @@ def test_unknown_fields_and_frames_are_refused(plate):
             recording.mesh(12)
 
 
-def test_a_recording_that_is_being_written_is_told(tmp_path, monkeypatch):
+def test_a_recording_that_is_being_written_is_reported(tmp_path, monkeypatch):
     monkeypatch.setattr("restshape.replay.recording._PAUSE", 0.0)
     with Recorder.start(tmp_path / "a.vtkhdf", {}, {}) as recorder:
         recorder.topology(np.array([[0, 1, 2]]))

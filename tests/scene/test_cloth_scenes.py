@@ -161,8 +161,8 @@ def test_what_follows_from_a_scene_of_cloth(tmp_path):
 
 
 def test_bodies_without_contact_are_warned_of(tmp_path):
-    told = plan(cloth(tmp_path, PIN, BALL), COUTURE).warnings
-    assert len(told) == 1 and "falls through bodies.ball" in told[0]
+    reported = plan(cloth(tmp_path, PIN, BALL), COUTURE).warnings
+    assert len(reported) == 1 and "falls through bodies.ball" in reported[0]
     assert plan(cloth(tmp_path, BALL, CONTACT), COUTURE).warnings == ()
 
 
@@ -197,11 +197,11 @@ def test_a_line_is_named_for_a_bad_body(tmp_path):
         ("[]", "three numbers", ""),
     ],
 )
-def test_a_list_of_another_length_is_told_by_its_key_with_an_example(tmp_path, given, what, do):
-    with pytest.raises(UserError) as told:
+def test_a_list_of_another_length_is_reported_by_its_key_with_an_example(tmp_path, given, what, do):
+    with pytest.raises(UserError) as reported:
         cloth(tmp_path, CONTACT, f"[bodies.top]\nbox = {{ center = [0, 0, 0], half = {given} }}\n")
-    assert "bodies.top.box.half (line " in told.value.where
-    assert what in told.value.what and told.value.do == do
+    assert "bodies.top.box.half (line " in reported.value.where
+    assert what in reported.value.what and reported.value.do == do
 
 
 def test_all_levels_of_the_mesh_lead_to_rest_unless_fewer_are_asked_for(tmp_path):
@@ -223,8 +223,8 @@ def test_bodies_that_nothing_touches_ask_for_contact_alone(tmp_path):
 
 def test_a_warning_of_bodies_that_come_through_holds_nothing_else(tmp_path):
     found = plan(cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=2",)), COUTURE)
-    (told,) = found.warnings
-    assert "bodies.ball may come through" in told and "stiffness" not in told
+    (reported,) = found.warnings
+    assert "bodies.ball may come through" in reported and "stiffness" not in reported
     (why,) = (effect.why for effect in found.effects if effect.name == "contact")
     assert "stiffness" in why and "may come through" not in why
 

@@ -51,7 +51,7 @@ def test_kinds_of_names(scene_file):
     assert kinds["window.4"] == "edge" and kinds["window.v1"] == "vertex" and "window.5" not in kinds
 
 
-def test_edges_and_loops_are_told_apart(scene_file):
+def test_edges_and_loops_are_distinguished(scene_file):
     scene = load_scene(scene_file, ["shape.edges.top={arc=['c','d'], bulge=0.2}"])
     assert scene.shape.edges["top"] == ArcSpec(arc=("c", "d"), bulge=0.2)
     assert isinstance(scene.shape.holes["window"], CircleLoop)
@@ -132,7 +132,7 @@ def test_an_error_names_file_key_and_line(scene_file):
     assert "less than 0.5" in caught.value.what
 
 
-def test_all_findings_are_told_at_once(scene_file):
+def test_all_findings_are_reported_at_once(scene_file):
     text = scene_file.read_text().replace("nu = 0.3", "nuu = 0.3").replace("[mesh]", "[mesh]\nordr = 2")
     scene_file.write_text(text)
     with pytest.raises(UserError) as caught:

@@ -123,7 +123,7 @@ def test_every_event(read):
         ("[" * 100000, "within each other"),
     ],
 )
-def test_a_bad_line_is_told_with_its_number(read, event, message):
+def test_a_bad_line_is_reported_with_its_number(read, event, message):
     with pytest.raises(UserError, match=message) as caught:
         read(event, {"t": 0, "do": "idle"})
     assert caught.value.where.startswith("s.jsonl: line 2")
@@ -173,22 +173,22 @@ LIFTED = {
 def test_a_body_is_lifted_by_set_and_not_by_a_hand(tmp_path, read, name, event):
     scene = cloth(tmp_path, CONTACT, *(f"[bodies.{name}]\n{form}" for name, (form, _) in LIFTED.items()))
     press = {"t": 0, "do": "press", "on": name}
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as printed:
         read(press, {"t": 1} | event, scene=scene)
     keys = [f"bodies.{name}.{key}" for key in LIFTED[name][1]]
-    assert "at most 2 entries" in told.value.what and " and of ".join(keys) in told.value.do
+    assert "at most 2 entries" in printed.value.what and " and of ".join(keys) in printed.value.do
     with pytest.raises(UserError, match="leave out z"):
         read(press | {"at": [0, 0, 0]}, scene=scene)
     for key in keys:
         scene = revise(scene, key, 0.75)
     values = json.loads(scene.bodies[name].model_dump_json(exclude_none=True))
     assert json.dumps(values).count("0.75") == len(keys)
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as printed:
         read(PRESS, {"t": 1, "do": "drag", "to": [250, 0, 20]}, scene=scene)
-    assert told.value.do == "write 2, as in [250, 0]"
+    assert printed.value.do == "write 2, as in [250, 0]"
 
 
-def test_a_torn_last_line_is_told_and_the_others_stay(read):
+def test_a_torn_last_line_is_reported_and_the_others_stay(read):
     script = read(PRESS, '{"t": 0.1, "do": "dr', tail="")
     assert [event.do for event in script.events] == ["press"]
     assert "line 3" in script.torn and "torn" in script.torn

@@ -145,7 +145,7 @@ def test_a_scene_may_name_its_material(tmp_path):
     assert load_scene(path, ["material.body.name=brass"]).material["body"].E == 100e9
 
 
-def test_a_wrong_name_is_told_with_the_nearest_one(tmp_path):
+def test_a_wrong_name_is_reported_with_the_nearest_one(tmp_path):
     path = tmp_path / "named.toml"
     path.write_text(scene_text("plane", 'name = "coper"'))
     with pytest.raises(UserError) as caught:

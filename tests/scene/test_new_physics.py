@@ -157,7 +157,7 @@ def test_units_and_formulas_are_those_of_the_physics(fin):
         ("[mesh]\n", "[mesh]\norder = 2\n", "mesh.order", "no elements of order 2", "1"),
     ],
 )
-def test_what_is_wrong_is_told_with_place_and_remedy(fin, old, new, where, what, do):
+def test_what_is_wrong_is_reported_with_place_and_remedy(fin, old, new, where, what, do):
     with pytest.raises(UserError) as caught:
         fin(old, new)
     assert where in caught.value.where and what in caught.value.what and do in caught.value.do
@@ -191,7 +191,7 @@ def test_the_schema_holds_its_keys(fin):
 def test_check_tells_its_keys_with_units(fin, tmp_path, capsys):
     fin()
     assert main(["check", str(tmp_path / "fin.toml")]) == 0
-    told = " ".join(capsys.readouterr().out.split())
+    reported = " ".join(capsys.readouterr().out.split())
     for words in (
         "conductivity 200 W/(m K)",
         "temperature = 353.15 K on a",
@@ -200,4 +200,4 @@ def test_check_tells_its_keys_with_units(fin, tmp_path, capsys):
         "holds up to 363.15 K",
         "effect conduction on",
     ):
-        assert words in told
+        assert words in reported

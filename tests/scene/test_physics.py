@@ -106,7 +106,7 @@ def test_tables_are_read_with_units_formulas_and_defaults(tmp_path, install):
         (ROPE + "[quantities]\na = { tensoin = true }\n", "quantities.a.tensoin", "no key", "'tension'"),
     ],
 )
-def test_what_is_wrong_in_them_is_told_with_place_and_remedy(tmp_path, install, text, where, what, do):
+def test_what_is_wrong_in_them_is_reported_with_place_and_remedy(tmp_path, install, text, where, what, do):
     install(HANGING)
     with pytest.raises(UserError) as caught:
         scene_of(tmp_path, text)
@@ -150,7 +150,7 @@ def test_a_key_of_another_application_is_refused_by_its_name(tmp_path, install):
     assert 'app = "hanging"' in caught.value.do and "ropes" in caught.value.where
 
 
-def test_two_meanings_of_one_key_are_told_at_start_by_name(install):
+def test_two_meanings_of_one_key_are_reported_at_start_by_name(install):
     same = replace(HANGING, name="same")
     install(HANGING, same)
     assert set(checked_applications()) == {"hanging", "same"}

@@ -133,5 +133,5 @@ def test_what_makes_an_answer_bad_is_a_warning():
     app = application("plane")
     column = Path(__file__).parents[1] / "scenes" / "column.toml"
     assert plan(load_scene(column), app).warnings == ()
-    (told,) = plan(load_scene(column, ["mesh.order=1"]), app).warnings
-    assert told.startswith("effects.buckling: first-order triangles bend too stiffly")
+    (reported,) = plan(load_scene(column, ["mesh.order=1"]), app).warnings
+    assert reported.startswith("effects.buckling: first-order triangles bend too stiffly")

@@ -62,12 +62,12 @@ def test_a_dimension_without_a_name_is_spelled_out():
         quantity("1 m^-2", "length")
 
 
-def test_a_mass_by_area_is_told_what_density_it_makes():
-    with pytest.raises(UnitError) as told:
+def test_a_mass_by_area_is_reported_what_density_it_makes():
+    with pytest.raises(UnitError) as reported:
         quantity("500 g/m^2", "density")
-    assert "is a quantity in kg/m^2, but a density is wanted: divide it by the thickness" in str(told.value)
+    assert "is a quantity in kg/m^2, but a density is wanted: divide it by the thickness" in str(reported.value)
     # half a kilogram on 0.4 litres
-    assert '0.4 mm thick have rho = "1250 kg/m^3"' in str(told.value)
+    assert '0.4 mm thick have rho = "1250 kg/m^3"' in str(reported.value)
 
 
 @pytest.mark.parametrize(

@@ -97,7 +97,7 @@ def test_twins(tmp_path, inner):
     assert remainders[0] / remainders[1] == pytest.approx(4.0, rel=0.1)
 
 
-def test_a_drag_is_foretold(tmp_path):
+def test_a_drag_is_predicted(tmp_path):
     scene = write_scene(tmp_path, column(height=0.05, size=0.03))
     script = write_script(tmp_path, drag("top", (0.5, 0.05), across((0.5, 0.05), (0.5, 0.048), 8)))
     predicted, solved = (rows_of(make_replay(scene, script, predict=way)) for way in ("linear", "none"))

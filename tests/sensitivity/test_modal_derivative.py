@@ -116,9 +116,9 @@ def test_close_frequencies_keep_their_own_rates(length):
     moved = Stretched(solved_square("mesh.size=0.5", "solve.tolerance=1e-10", *sides))
     low, high = moved.analysis.state.modes.values[1:3]
     assert 1e-5 < high / low - 1.0 < 1e-3
-    told, h = moved.rates, 1e-5
+    reported, h = moved.rates, 1e-5
     ahead, behind = (moved.solve(step)[2] for step in (h, -h))
-    assert told[1:3] == pytest.approx((ahead - behind)[1:3] / (2.0 * h), rel=1e-3)
+    assert reported[1:3] == pytest.approx((ahead - behind)[1:3] / (2.0 * h), rel=1e-3)
 
 
 def test_rates_of_eigenvalues_that_coincide_do_not_hang_on_the_basis():

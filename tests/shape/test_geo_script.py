@@ -86,16 +86,16 @@ BOUNDS = {
 
 
 @pytest.mark.parametrize("name", list(BOUNDS))
-def test_bounds_are_told_with_their_line(tmp_path, monkeypatch, name):
+def test_bounds_are_reported_with_their_line(tmp_path, monkeypatch, name):
     text, why = BOUNDS[name]
     if "work" in why:
         # A tenth of what is done outside of tests.
         monkeypatch.setattr("restshape.shape.geo_tokens.MOST_STEPS", 300_000)
     path = tmp_path / "x.geo"
     path.write_text(text)
-    with pytest.raises(UserError, match=why) as told:
+    with pytest.raises(UserError, match=why) as reported:
         read_geo(path)
-    assert told.value.where.startswith("x.geo")
+    assert reported.value.where.startswith("x.geo")
 
 
 @pytest.mark.slow

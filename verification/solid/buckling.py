@@ -32,7 +32,7 @@ ENDS: dict[str, tuple[list[str], list[Callable[[float, float], float]]]] = {
         ],
     ),
 }
-"""Overrides of the scene, and what is 0 at z = k L and s = P/S for the first three modes: docs/theory.md, section 8."""
+"""Overrides of the scene, and what is 0 at z = k L and s = P/S for the first three modes: docs/theory/buckling.md."""
 
 EULER = {
     "hinged at both ends": np.pi,

@@ -20,11 +20,11 @@ def slender(comm: PETSc.Comm) -> list[Check]:
     source = "Euler and Bernoulli's beam; shear adds 0.15 %"
     first = rows[0]["q_tip"]
     found = [Check("tip of the first beam [m]", first, -4 * 100 / (210e9 * 0.02 * 0.05**3), 0.005, source)]
-    for (foretold, solved), side, power in zip(ends, ("longer", "higher"), (3, -3)):
+    for (predicted, solved), side, power in zip(ends, ("longer", "higher"), (3, -3)):
         linear, exact = 1.0 + power * GROWTH, (1.0 + GROWTH) ** power
-        y, z = foretold["q_tip"] / first, solved["q_tip"] / first
+        y, z = predicted["q_tip"] / first, solved["q_tip"] / first
         found += [
-            Check(f"foretold tip, beam {side} by a tenth [first]", y, linear, 0.002, source),
+            Check(f"predicted tip, beam {side} by a tenth [first]", y, linear, 0.002, source),
             Check(f"solved tip, beam {side} by a tenth [first]", z, exact, 0.002, source),
             Check(f"error of the prediction, beam {side} [solved]", y / z - 1.0, linear / exact - 1.0, 0.02, source),
         ]

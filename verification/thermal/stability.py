@@ -16,7 +16,7 @@ HEATED = '[loads.warm]\non = "left"\nflux = 1000\n'
 QUANTITIES = '[quantities]\nwarm = { heat_flow = true, at = "left" }\ncold = { heat_flow = true, at = "right" }\n'
 MOVED = drag("window", (0.3, 0.5), across((0.3, 0.5), (0.42, 0.6), 12))
 
-SPOILT = 1e-6
+DISTURBED = 1e-6
 """Distance in the energy norm that rounding may leave where one temperature is hardly bound to the others."""
 
 
@@ -31,7 +31,7 @@ def _moved(trial: Trial, text: str) -> Iterator[Statement]:
     rows = rows_of(made, lambda row: row["index"] % 4 or check())
     yield from sound(rows)
     yield below("entries equal cold ones", check.entries, 1e-13)
-    yield below("solutions equal cold ones", check.solution, SPOILT)
+    yield below("solutions equal cold ones", check.solution, DISTURBED)
     lost = max(abs(row["q_warm"] + row["q_cold"]) for row in rows)
     yield below("heat that is lost, of that which enters", lost / 1000.0, 1e-4)
 

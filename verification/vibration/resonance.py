@@ -48,7 +48,7 @@ class Resonance:
 
     @property
     def crossing(self) -> float:
-        """Where the eigenfrequency meets the shaking's [m]."""
+        """Where the eigenfrequency meets that of the base excitation [m]."""
         return float(np.interp(-self.excitation_frequency, -self.frequency, self.places))
 
     @property

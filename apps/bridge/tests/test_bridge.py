@@ -77,5 +77,5 @@ def test_the_template_runs(command, tmp_path):
     scene, edits = tmp_path / "mine" / "scene.toml", tmp_path / "mine" / "edits.jsonl"
     done = command("replay", str(scene), "--edits", str(edits), "--json", str(tmp_path / "a.json"))
     assert done.returncode == 0, done.stderr
-    told = json.loads((tmp_path / "a.json").read_text())
-    assert told["refused"] == 0 and told["constraint_status"]["last"] == "holds"
+    reported = json.loads((tmp_path / "a.json").read_text())
+    assert reported["refused"] == 0 and reported["constraint_status"]["last"] == "holds"

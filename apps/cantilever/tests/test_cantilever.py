@@ -91,8 +91,8 @@ def test_the_template_runs(command, tmp_path):
     scene, edits = tmp_path / "mine" / "scene.toml", tmp_path / "mine" / "edits.jsonl"
     done = command("replay", str(scene), "--edits", str(edits), "--json", str(tmp_path / "a.json"))
     assert done.returncode == 0, done.stderr
-    told = json.loads((tmp_path / "a.json").read_text())
-    assert told["refused"] == 0 and told["quantities"]["miss"][-1] < told["quantities"]["miss"][0]
+    reported = json.loads((tmp_path / "a.json").read_text())
+    assert reported["refused"] == 0 and reported["quantities"]["miss"][-1] < reported["quantities"]["miss"][0]
 
 
 def test_speeds_beside_the_thesis_are_of_warm_runs_that_take_turns(monkeypatch):

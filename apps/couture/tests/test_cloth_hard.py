@@ -56,7 +56,7 @@ def test_differences_of_the_energy_are_the_residual(tmp_path):
     assert differenced(made, most=10**6) == pytest.approx(made.analysis.residual_norm(), rel=1e-5)
 
 
-def test_a_fall_ends_at_once_and_is_told(tmp_path):
+def test_a_fall_ends_at_once_and_is_reported(tmp_path):
     made, (row,) = played(Trial(tmp_path), square(0.06, ball(1.0, 1.0), CONTACT))
     assert row["converged"] == 0 and row["tangent_positive_definite"] == -1 and row["relaxation_steps"] < 200
     assert row["note"].startswith("not at rest: residual ") and row["note"].endswith("it falls without end")
@@ -64,7 +64,7 @@ def test_a_fall_ends_at_once_and_is_told(tmp_path):
     assert made.analysis.residual_norm() == pytest.approx(row["residual"])
 
 
-def test_too_few_steps_are_told(tmp_path):
+def test_too_few_steps_are_reported(tmp_path):
     _, (row,) = played(Trial(tmp_path), square(0.03, ball(0.15, 0.15), CONTACT), overrides=["effects.drape.steps=2"])
     assert row["converged"] == 0 and "2 steps are over" in row["note"] and "of the weight" in row["note"]
 

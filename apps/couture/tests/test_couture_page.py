@@ -28,9 +28,9 @@ def test_the_napkin(tmp_path, monkeypatch):
     found = json.loads(Path("napkin.json").read_text())
     assert found["frames"] == int(re.search(r"has (\d+) frames", PAGE)[1])
     lowest = found["quantities"]["lowest"]
-    told = [float(value) for value in re.search(r"corner at (\d+) mm .*?and (\d+) mm", PAGE, re.S).groups()]
+    reported = [float(value) for value in re.search(r"corner at (\d+) mm .*?and (\d+) mm", PAGE, re.S).groups()]
     # Where folds go hangs on the machine's rounding.
-    assert [-1e3 * lowest[0], -1e3 * lowest[-1]] == pytest.approx(told, rel=0.03)
+    assert [-1e3 * lowest[0], -1e3 * lowest[-1]] == pytest.approx(reported, rel=0.03)
     (drawn,) = (shlex.split(line) for line in lines if "couture.picture" in line)
     assert picture(drawn[3:]) == 0 and Path("napkin.png").stat().st_size > 10_000
 

@@ -49,7 +49,7 @@ class FurnitureAnalysis:
         result: of the last frame.
         forces: of each case; empty where joints are lost or no equilibrium was found.
 
-    Source: docs/theory.md, section 11.
+    Source: docs/theory/furniture.md.
     """
 
     estimated_quantity = "nothing: planks are rigid here, and a model without a mesh has no error of one"

@@ -28,7 +28,7 @@ class PlankEquilibrium:
     Attributes:
         sprung: the last solution is that of springs which pull or slide, for no other was found.
 
-    Source: docs/theory.md, section 11.
+    Source: docs/theory/furniture.md.
     """
 
     def __init__(self, furniture: Furniture, prefix: str = "planks_", tolerance: float = TOLERANCE) -> None:

@@ -86,8 +86,8 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     rows.append(("feet", ", ".join(f"{names[foot.plank]} {SIDES[foot.side]}" for foot in piece.feet) or "none"))
     rows.append(("mass", f"{geometry.mass.sum():.6g} kg of {scene.wood.name}"))
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
-    rows += [(f"weight {load.name}", _told(load, piece)) for load in piece.weights]
-    rows += [(f"push {load.name}", _told(load, piece)) for load in piece.pushes]
+    rows += [(f"weight {load.name}", _reported(load, piece)) for load in piece.weights]
+    rows += [(f"push {load.name}", _reported(load, piece)) for load in piece.pushes]
     rows.append(("floor", f"height {scene.floor.height:g} m, friction {scene.floor.friction:g}"))
     rows += quantity_rows(scene)
     if any(q.max is not None or q.min is not None for q in scene.quantities.values()):
@@ -111,7 +111,7 @@ def _joint(joint: Joint, names: list[str], length: float, count: int) -> str:
     return f"on {names[joint.j]} {SIDES[joint.face]}, {1e3 * length:.4g} mm long, {by}"
 
 
-def _told(load: Load, piece: Piece) -> str:
+def _reported(load: Load, piece: Piece) -> str:
     """How much a load is, and where."""
     plank = piece.planks[load.plank]
     place = plank.centre + plank.axes @ (np.array(load.place) * plank.size)

@@ -77,7 +77,7 @@ def support_planks(furniture: Furniture, shown: int = SHOWN, trials: int = TRIAL
         shown: how many to give.
         trials: full tests at most of near places, and as many of far ones.
 
-    Source: docs/theory.md, section 11; the thesis, section 6.5.5.
+    Source: docs/theory/furniture.md; the thesis, section 6.5.5.
     """
     use = _uses(furniture)
     geometry = furniture.geometry()

@@ -1,4 +1,4 @@
-// What joints and contacts do to their planks: gradients of the energy of docs/theory.md, section 11.
+// What joints and contacts do to their planks: gradients of the energy of docs/theory/furniture.md.
 #pragma once
 
 #include "piece.hpp"

@@ -21,7 +21,7 @@ DesignCheck Furniture::test(const double* gamma, int wanted, bool quick) {
     check.faults = shape_.faults;
     if (!shape_.faults.empty()) check.flaws |= lost;
     // A shape that cannot be closed has no numbers to go on with.
-    if (shape_.spoilt()) return spoilt(check);
+    if (shape_.invalid()) return invalid(check);
     if (quick && (check.flaws & wanted)) return check;
     if (wanted & overlapping) check.overlaps = overlaps(P, shape_, quick);
     if (!check.overlaps.empty()) check.flaws |= overlapping;
@@ -116,7 +116,7 @@ void Furniture::stand(DesignCheck& check) {
     if (!check.falls.empty()) check.flaws |= unstable;
 }
 
-DesignCheck Furniture::spoilt(DesignCheck check) {
+DesignCheck Furniture::invalid(DesignCheck check) {
     check.flaws |= lost | unstable | weak | unbalanced;
     check.pull = check.shear = check.missing = std::numeric_limits<double>::infinity();
     return check;

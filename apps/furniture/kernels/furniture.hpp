@@ -95,7 +95,7 @@ class Furniture {
     // Which loads the contacts of each part cannot balance.
     void stand(DesignCheck& check);
 
-    static DesignCheck spoilt(DesignCheck check);
+    static DesignCheck invalid(DesignCheck check);
 
     // One-sided contact from the last such state where there is one; else springs, and one-sided contact where those
     // pull or slide.

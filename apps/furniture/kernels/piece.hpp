@@ -104,7 +104,7 @@ struct Shape {
 
     Fault fault() const { return faults.empty() ? Fault::none : faults.front().fault; }
     // Whether an end or a length cannot be had, so that what follows has no numbers.
-    bool spoilt() const {
+    bool invalid() const {
         for (const Flawed& one : faults)
             if (one.fault == Fault::slant || one.fault == Fault::behind || one.fault == Fault::length) return true;
         return false;

@@ -37,7 +37,7 @@ def force_derivative(furniture: Furniture, directions: np.ndarray, case: int = 0
         directions: (m, 8 n), such as `DesignModes.directions`.
         case: of the loads.
 
-    Source: docs/theory.md, section 11: A dx = db - dA x.
+    Source: docs/theory/furniture.md: A dx = db - dA x.
     """
     raw = furniture.kernel.derivative(directions, case)
     m = len(directions)

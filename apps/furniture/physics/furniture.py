@@ -156,7 +156,7 @@ class Furniture:
     Raises:
         UserError: a name is unknown, a fastener does not reach through its plank, or its strength there is not known.
 
-    Source: docs/theory.md, section 11.
+    Source: docs/theory/furniture.md.
     """
 
     def __init__(self, piece: Piece, compliance: Compliance | None = None) -> None:

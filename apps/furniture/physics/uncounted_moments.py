@@ -25,7 +25,7 @@ def uncounted_uses(
 
     Returns: (j,) pull and (j,) shear of the fastener that bears most.
 
-    Source: docs/theory.md, section 11, "Not counted".
+    Source: docs/theory/furniture.md, "Not counted".
     """
     pull, shear = furniture.strength.T
     bent, twisted = np.abs(forces.twist).T

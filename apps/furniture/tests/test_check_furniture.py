@@ -18,13 +18,13 @@ def test_check_tells_planks_joints_and_loads_of_furniture_in_space(tmp_path, cap
     text = drawn.replace('mass = "20 kg"', 'mass = "20 kg"\nat = [0.5, 0, 0.5]')
     limit = '[quantities]\nlong = { length = "x", at = "top", limit = "90 cm" }\n'
     assert check(write_bench(tmp_path, text + limit), "--json", tmp_path / "check.json") == 0
-    told = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    reported = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
     board = "1200 x 300 x 20 mm of pine, middle at (0, 0, 0.51) m; x along -x, y along +y, z along -z"
-    assert f"plank top {board}" in told and "weight box 200 N on top at (-0.6, 0, 0.5) m" in told
+    assert f"plank top {board}" in reported and "weight box 200 N on top at (-0.6, 0, 0.5) m" in reported
     # A fastener each 20 mm along the 300 mm.
-    assert any(line.startswith("joint left +x on top +z, 300 mm long, 15 'screw'") for line in told)
-    assert "quantity long sum of length x at top, holds up to 900 mm" in told
-    assert any(line.startswith("limits restshape replay") for line in told)
+    assert any(line.startswith("joint left +x on top +z, 300 mm long, 15 'screw'") for line in reported)
+    assert "quantity long sum of length x at top, holds up to 900 mm" in reported
+    assert any(line.startswith("limits restshape replay") for line in reported)
     found = json.loads((tmp_path / "check.json").read_text())
     assert found["planks"]["top"]["axes"] == [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]
 
@@ -32,5 +32,5 @@ def test_check_tells_planks_joints_and_loads_of_furniture_in_space(tmp_path, cap
 def test_check_refuses_quantities_of_joints_that_are_not_there(tmp_path, capsys):
     text = '[quantities]\nfree = { utilisation = "pull", at = "top +x" }\n'
     assert check(write_bench(tmp_path, BENCH + text)) == 2
-    told = capsys.readouterr().err
-    assert "quantities.free.at (line" in told and "no joint at 'top +x'" in told
+    reported = capsys.readouterr().err
+    assert "quantities.free.at (line" in reported and "no joint at 'top +x'" in reported

@@ -29,9 +29,9 @@ def found(tmp_path_factory):
 @pytest.mark.slow
 def test_every_effect_that_can_be_left_out_is_priced(found):
     # The clock of a machine that does other things besides may leave small ones without a price.
-    told = {name: found[name]["how"] for name in OPTIONAL}
-    assert told["bending"] == "by difference"
-    assert {how.partition(":")[2] for how in told.values()} <= {"", ANOTHER_WAY.partition(":")[2]}
+    reported = {name: found[name]["how"] for name in OPTIONAL}
+    assert reported["bending"] == "by difference"
+    assert {how.partition(":")[2] for how in reported.values()} <= {"", ANOTHER_WAY.partition(":")[2]}
     assert sum(row["share"] for row in found.values()) == pytest.approx(1.0, abs=1e-9)
     # Two cases of three planks each, in Python: it is what takes most of such a frame.
     assert found["bending"]["share"] > found["push"]["share"] and found["bending"]["share"] > 0.25

@@ -13,7 +13,7 @@ def bench(folder, parameters: str, thickness: str):
 
 
 @pytest.mark.parametrize(
-    ("parameters", "formula", "told"),
+    ("parameters", "formula", "reported"),
     [
         ('t = "18 kg"', "t", "'t' is a mass (t = '18 kg'), but a length is wanted"),
         ('t = "18 kg"', "t/2", "'t/2' is a mass"),
@@ -23,10 +23,10 @@ def bench(folder, parameters: str, thickness: str):
         ('t = "18 mm"\nm = "2 kg"', "t + 2*m", "adds a length and a mass"),
     ],
 )
-def test_a_parameter_of_another_dimension_is_refused(tmp_path, parameters, formula, told):
+def test_a_parameter_of_another_dimension_is_refused(tmp_path, parameters, formula, reported):
     with pytest.raises(UserError) as caught:
         load_scene(bench(tmp_path, parameters, f'thickness = "{formula}"'))
-    assert told in caught.value.what and "wood.thickness" in caught.value.where
+    assert reported in caught.value.what and "wood.thickness" in caught.value.where
 
 
 @pytest.mark.parametrize(

@@ -32,17 +32,17 @@ USES = ((1.2, 3.5e-3), (1.81, 1.1), (1.05, 0.04))
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory):
+def reported(tmp_path_factory):
     """What JSON and CSV of a replay hold: the leg goes too far twice, each time it is let go."""
-    folder = tmp_path_factory.mktemp("told")
+    folder = tmp_path_factory.mktemp("reported")
     words = ["replay", str(write_bench(folder)), "--edits", str(write_edits(folder, *EVENTS))]
     assert main([*words, "--json", str(folder / "run.json"), "--csv", str(folder / "run.csv")]) == 0
     with (folder / "run.csv").open(newline="") as file:
         return json.loads((folder / "run.json").read_text()), list(csv.DictReader(file))
 
 
-def test_json_tells_the_guidance_of_each_frame(told):
-    found, rows = told
+def test_json_tells_the_guidance_of_each_frame(reported):
+    found, rows = reported
     frames = found["guidance"]["frames"]
     assert len(frames) == found["frames"] == len(rows) == 16
     # The box tips over the leg's outer side: the leg has moved by 0.5 m and a little more.
@@ -62,8 +62,8 @@ def test_json_tells_the_guidance_of_each_frame(told):
     assert [frame["unit"] for frame in frames[11:13]] == ["rad"] * 2
 
 
-def test_json_tells_every_search_for_suggestions(told):
-    found, rows = told
+def test_json_tells_every_search_for_suggestions(reported):
+    found, rows = reported
     searches = found["guidance"]["suggestions"]
     assert [search["frame"] for search in searches] == [9, 15]
     for search in searches:
@@ -195,9 +195,9 @@ def test_furniture_is_not_predicted_and_says_why(tmp_path, capsys):
 def test_the_terminal_says_that_ranges_and_suggestions_look_at_no_limit(tmp_path, capsys):
     note = "ranges and suggestions judge the piece alone"
     text = BENCH + '[quantities]\nlong = { length = "x", at = "top", limit = "90 cm" }\n'
-    for scene, told in ((write_bench(tmp_path, text, "limited.toml"), True), (write_bench(tmp_path), False)):
+    for scene, reported in ((write_bench(tmp_path, text, "limited.toml"), True), (write_bench(tmp_path), False)):
         assert main(["replay", str(scene)]) == 0
-        assert (note in capsys.readouterr().out) is told
+        assert (note in capsys.readouterr().out) is reported
 
 
 LOOSE = """

@@ -61,10 +61,10 @@ def test_the_page_names_every_key_of_json(tmp_path, command):
     assert main([command, *words, "--json", str(out)]) == 0
     found = json.loads(out.read_text())
     section = COMMANDS.split(f"\n### `{command}`\n")[1].split("\n### ")[0]
-    told = set(found)
+    reported = set(found)
     if command == "replay":
         guidance = found["guidance"]
         assert len(guidance["suggestions"]) == 1
-        told |= set(guidance) | set(guidance["frames"][0]) | set(guidance["suggestions"][0])
+        reported |= set(guidance) | set(guidance["frames"][0]) | set(guidance["suggestions"][0])
         assert set(guidance["suggestions"][0]["found"][0]) <= NAMED
-    assert told <= named(section)
+    assert reported <= named(section)

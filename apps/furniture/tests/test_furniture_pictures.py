@@ -130,10 +130,10 @@ def test_everything_drawn_is_in_sight(arrows) -> None:
 def test_written_forces_of_feet_bear_the_weight() -> None:
     furniture = model(table())
     axes, _ = drawn(furniture)
-    told = [float(t.get_text()[:-2]) for t in axes.texts if t.get_text().endswith(" N")]
+    reported = [float(t.get_text()[:-2]) for t in axes.texts if t.get_text().endswith(" N")]
     weight = (furniture.geometry().mass.sum() + 50.0) * 9.80665
     # Friction takes part in what is written, which is rounded.
-    assert sum(told) == pytest.approx(weight, rel=0.03)
+    assert sum(reported) == pytest.approx(weight, rel=0.03)
     assert [t.get_text() for t in axes.texts if t.get_text().endswith("kg")] == ["50 kg"]
 
 
@@ -203,8 +203,10 @@ def test_a_range_is_black_where_the_piece_is_valid_and_red_where_not() -> None:
         shown[words] = {line.get_color() for line in axes.lines if line.get_linewidth() == 3.2}
         # Numbers at both ends are those of the range, in millimetres.
         low, high = direction_view.ranges.intervals[0] * furniture.piece.size * 1e3
-        told = [t.get_text().replace("\N{MINUS SIGN}", "-") for t in axes.texts if t.get_text().endswith(" mm")]
-        assert sorted(float(text.removeprefix("beyond ")[:-3]) for text in told) == pytest.approx([low, high], abs=0.6)
+        reported = [t.get_text().replace("\N{MINUS SIGN}", "-") for t in axes.texts if t.get_text().endswith(" mm")]
+        assert sorted(float(text.removeprefix("beyond ")[:-3]) for text in reported) == pytest.approx(
+            [low, high], abs=0.6
+        )
     assert [REFUSED in colours for colours in shown.values()] == [False, True]
 
 

@@ -62,10 +62,10 @@ def test_a_range_holds_where_the_frames_of_a_drag_hold(tmp_path):
 def test_an_invalid_piece_that_is_let_go_has_suggestions_that_hold(tmp_path):
     replay, rows = replayed(tmp_path, *slide(-0.7, 10), {"do": "release"})
     assert rows[-2]["violated_constraints"] == "falls under its weights" and rows[-2]["suggested"] == 0
-    told = json.loads(rows[-1]["suggestions"])
-    assert 1 <= len(told) == rows[-1]["suggested"] <= 8 and rows[-1]["tried"] > 0
+    reported = json.loads(rows[-1]["suggestions"])
+    assert 1 <= len(reported) == rows[-1]["suggested"] <= 8 and rows[-1]["tried"] > 0
     design = replay.analysis.design
-    for suggestion, one in zip(design.suggestion_list.found, told):
+    for suggestion, one in zip(design.suggestion_list.found, reported):
         assert Furniture(design.piece).test(suggestion.t * suggestion.direction).valid is one["valid"]
         assert one["words"] == suggestion.words and one["range"][0] <= one["t"] <= one["range"][1]
 

@@ -39,9 +39,9 @@ def recorded(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     scene, path = write_bench(folder), folder / "bench.vtkhdf"
     assert main(["replay", str(scene), "--edits", str(write_edits(folder, *EVENTS)), "--out", str(path)]) == 0
-    told = folder / "report.json"
-    assert main(["report", str(path), "--json", str(told)]) == 0
-    return path, json.loads(told.read_text())
+    printed = folder / "report.json"
+    assert main(["report", str(path), "--json", str(printed)]) == 0
+    return path, json.loads(printed.read_text())
 
 
 def figures(monkeypatch, module):
@@ -58,8 +58,8 @@ def space(axes) -> SpaceImage:
 
 
 def test_pictures_are_those_of_furniture(recorded):
-    told = recorded[1]
-    names = [picture.rpartition("/")[2] for picture in told["pictures"]]
+    printed = recorded[1]
+    names = [picture.rpartition("/")[2] for picture in printed["pictures"]]
     assert names == [
         "frames.png",
         "guidance.png",
@@ -67,7 +67,7 @@ def test_pictures_are_those_of_furniture(recorded):
         "animation.gif",
         "timeline.png",
     ]
-    for picture in told["pictures"]:
+    for picture in printed["pictures"]:
         with Image.open(picture) as image:
             assert np.asarray(image.convert("RGB"), dtype=float).std() > 5.0
 
@@ -121,8 +121,8 @@ def test_the_band_is_the_range_and_dots_are_red_where_the_piece_does_not_hold(re
     spans = [band.get_paths()[0].vertices for band in bands]
     spans = [(v[:, 0].mean(), v[:, 1].min(), v[:, 1].max()) for v in spans if np.ptp(v[:, 0]) == pytest.approx(1.0)]
     frames = [(i, grabbed({"valid_ranges": table["valid_ranges"][i]})) for i in held]
-    told = [(i, 1e3 * one.low, 1e3 * one.high) for i, hand in frames for one in hand.ranges]
-    assert np.array(spans)[:, 1:] == pytest.approx(np.array(told)[:, 1:])
+    printed = [(i, 1e3 * one.low, 1e3 * one.high) for i, hand in frames for one in hand.ranges]
+    assert np.array(spans)[:, 1:] == pytest.approx(np.array(printed)[:, 1:])
     dots = next(c for c in use.collections if len(c.get_offsets()) == len(table["constraint_status"]))
     red = [np.allclose(colour[:3], to_rgb(REFUSED)) for colour in dots.get_facecolors()]
     assert red == [word == "fails" for word in table["constraint_status"]]
@@ -132,11 +132,11 @@ def test_suggestions_show_arrows_and_end_states(recorded, tmp_path, monkeypatch)
     made = figures(monkeypatch, piece_suggestions)
     with Recording(recorded[0]) as recording:
         assert searches(recording).tolist() == [20]
-        told = json.loads(recording.table["suggestions"][20])
+        printed = json.loads(recording.table["suggestions"][20])
         piece_suggestions.draw_suggestions(recording, 20, tmp_path / "suggestions.png")
     before, *panels = [axes for axes in made[0].axes if axes.get_visible() and axes.get_title(loc="left")]
-    assert len(panels) == len(told)
-    for axes, one in zip(panels, told):
+    assert len(panels) == len(printed)
+    for axes, one in zip(panels, printed):
         title = axes.get_title(loc="left").replace("\n", " ")
         assert title.startswith(f"{one['number']}: ") and one["words"].split(";")[0] in title
         assert not space(axes).veil.empty
@@ -160,13 +160,13 @@ def test_a_recording_tells_the_pieces_of_its_frames(recorded):
 def test_searches_are_bounded(recorded, tmp_path, capsys):
     common = ["report", str(recorded[0]), "--animation", "none", "--out", str(tmp_path / "few")]
     assert main([*common, "--searches", "0", "--json", str(tmp_path / "few.json")]) == 0
-    told = json.loads((tmp_path / "few.json").read_text())
-    assert not [picture for picture in told["pictures"] if "suggestions" in picture]
+    printed = json.loads((tmp_path / "few.json").read_text())
+    assert not [picture for picture in printed["pictures"] if "suggestions" in picture]
     assert main([*common, "--searches", "-1"]) == 2
     assert "no fewer than 0" in capsys.readouterr().err
 
 
-def test_a_limit_alone_is_told_apart_from_a_piece_that_does_not_hold(tmp_path, monkeypatch):
+def test_a_limit_alone_is_distinguished_from_a_piece_that_does_not_hold(tmp_path, monkeypatch):
     # The bench holds; a limit below what it weighs does not.
     text = BENCH + '[quantities]\nheavy = { mass = true, limit = "1 g" }\n'
     path = tmp_path / "heavy.vtkhdf"
@@ -195,7 +195,7 @@ def test_limits_alone_fail_where_the_piece_has_no_flaw(status, flaws, alone):
     assert only_limits({"constraint_status": status, "flaws": flaws}) is alone
 
 
-def test_a_recording_without_findings_is_drawn_and_told_by_its_text(recorded, tmp_path, capsys):
+def test_a_recording_without_findings_is_drawn_and_reported_by_its_text(recorded, tmp_path, capsys):
     with Recording(recorded[0]) as recording:
         for name in ("findings", "valid_ranges"):
             del recording.table[name]
@@ -203,8 +203,8 @@ def test_a_recording_without_findings_is_drawn_and_told_by_its_text(recorded, tm
         piece_frames.draw_piece_frames(recording, telling_frames(recording, 3), tmp_path / "frames.png")
         rows = rows_of(recording)
     print_guidance(rows)
-    told = capsys.readouterr().out
-    assert "falls under its weights" in told and "record it again" in told and "valid ranges\n" not in told
+    printed = capsys.readouterr().out
+    assert "falls under its weights" in printed and "record it again" in printed and "valid ranges\n" not in printed
     frame = guidance(rows)["frames"][9]
     assert frame["parameter"] == "left: move z" and frame["findings"] is frame["ranges"] is frame["unit"] is None
 
@@ -221,6 +221,6 @@ def test_a_replay_of_one_frame_and_a_lost_joint_are_drawn(tmp_path):
     path = tmp_path / "lost.vtkhdf"
     assert main(["replay", str(write_bench(tmp_path, lost)), "--out", str(path)]) == 0
     assert main(["report", str(path), "--json", str(tmp_path / "lost.json")]) == 0
-    told = json.loads((tmp_path / "lost.json").read_text())
-    assert [frame["constraint_status"] for frame in told["guidance"]["frames"]] == ["fails"]
-    assert any(picture.endswith("frames.png") for picture in told["pictures"])
+    printed = json.loads((tmp_path / "lost.json").read_text())
+    assert [frame["constraint_status"] for frame in printed["guidance"]["frames"]] == ["fails"]
+    assert any(picture.endswith("frames.png") for picture in printed["pictures"])

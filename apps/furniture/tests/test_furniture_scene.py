@@ -68,7 +68,10 @@ def test_weights_without_gravity_are_warned_of(tmp_path):
     silent = BENCH.replace("[effects.gravity]\ng = [0, 0, -10]\n", "")
     for text, warned in ((silent, True), (BENCH, False)):
         scene = load_scene(write_bench(tmp_path, text))
-        assert any("weights weigh nothing" in told for told in plan(scene, application("furniture")).warnings) is warned
+        assert (
+            any("weights weigh nothing" in reported for reported in plan(scene, application("furniture")).warnings)
+            is warned
+        )
 
 
 @pytest.mark.parametrize("name", sorted(PIECES))
@@ -151,7 +154,7 @@ def test_errors_name_file_key_and_line(tmp_path, change, words):
         (("0.3, 0", "0, 0.3"), "its width lies along its middle line", "draw its width across its middle line"),
     ],
 )
-def test_lines_that_make_no_plank_are_told_with_their_place(tmp_path, capsys, change, what, do):
+def test_lines_that_make_no_plank_are_reported_with_their_place(tmp_path, capsys, change, what, do):
     path = write_bench(tmp_path, BENCH.replace(DRAWN, DRAWN.replace(*change)))
     line = path.read_text().split("\n").index("[planks.left]") + 1
     assert main(["check", str(path)]) == 2

@@ -36,9 +36,9 @@ def test_the_page_has_the_tables_that_are_printed(capsys) -> None:
     for what, cells in rows:
         assert [float(cell) for cell in page[what]] == pytest.approx([float(cell) for cell in cells], rel=0.01), what
     # What words report the rest.
-    told, rest = " ".join(PAGE), " ".join(others)
+    reported, rest = " ".join(PAGE), " ".join(others)
     for number in ("12,300", "27,800", "823 N/mm", "243 nm for each N", "0.105", "0.165"):
-        assert number in told and number in rest, number
+        assert number in reported and number in rest, number
 
 
 def test_rows_are_written_for_programs(tmp_path) -> None:

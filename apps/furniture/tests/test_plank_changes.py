@@ -79,7 +79,7 @@ def test_a_plank_that_goes_tells_what_goes_with_it(play):
     assert play({"do": "delete", "on": "left"})[-1].note == ""
 
 
-def test_what_a_deletion_leaves_apart_is_told(play):
+def test_what_a_deletion_leaves_apart_is_reported(play):
     result = play({"do": "delete", "on": "top"})[-1].design.furniture.test()
     assert result.flaws == APART and result.words == ("in two parts: left, right",)
 
@@ -100,7 +100,7 @@ def test_scenes_with_a_load_beside_its_plank_are_refused(tmp_path, table):
         load_scene(write_bench(tmp_path, text.replace(mark, mark + "at = [0, -0.51, 0]\n")))
 
 
-def test_a_weight_without_gravity_is_told_to_weigh_nothing(play):
+def test_a_weight_without_gravity_is_reported_to_weigh_nothing(play):
     silent = BENCH.replace("[effects.gravity]\ng = [0, 0, -10]\n", "")
     put = {"do": "weight", "name": "vase", "on": "top", "mass": 3}
     assert "vase weighs nothing" in play(put, text=silent)[-1].note
@@ -192,7 +192,7 @@ def test_keys_of_what_was_deleted_are_refused(play):
     assert "the weight box was deleted" in frames[-1].refused
 
 
-def test_what_is_near_is_told_of_a_drawn_plank(play):
+def test_what_is_near_a_drawn_plank_is_reported(play):
     assert play(SHELF)[-1].note == "joined: shelf on left, shelf on right"
     leg = {"do": "plank", "name": "leg", "from": [0, 0, 0.012], "to": [0, 0, 0.495], "width": [0, 0.2, 0]}
     frames = play(leg)
@@ -218,7 +218,7 @@ def test_lines_of_text_say_all_that_events_may_of_a_plank(tmp_path):
     assert (second["do"], second["fastener"]) == ("connect", "nail")
 
 
-def test_what_cannot_be_deleted_is_told_with_what_can(play):
+def test_what_cannot_be_deleted_is_reported_with_what_can(play):
     (push, nothing) = play({"do": "delete", "on": "wind"}, {"do": "delete", "on": "hatt"}, text=BENCH + PUSH)[1:]
     assert "'wind' is a push" in push.refused and "pushes.wind.force" in push.refused
     assert "no plank or weight 'hatt'" in nothing.refused

@@ -39,8 +39,8 @@ def test_a_weak_joint_is_named_with_its_use():
 def test_two_weak_joints_are_both_named_worst_first():
     piece = scales()
     loads = [replace(load, force=(0.0, 0.0, -G * (1.6 + 0.2 * k))) for k, load in enumerate(piece.weights)]
-    (told,) = words(replace(piece, weights=tuple(loads)))
-    assert told.startswith("weak: joint right on post at ") and ", left on post at " in told
+    (printed,) = words(replace(piece, weights=tuple(loads)))
+    assert printed.startswith("weak: joint right on post at ") and ", left on post at " in printed
 
 
 def test_a_push_is_named_where_it_alone_breaks_or_topples():
@@ -56,8 +56,8 @@ def test_a_push_that_changes_nothing_is_not_named(share: float) -> None:
     # A force down beside the load, in parts of it: a moment, and so a use, that is larger by about as much.
     piece = cantilever(arm=0.19, kilograms=1.8)
     nudge = Load("nudge", 2, piece.weights[0].place, (0.0, 0.0, -share * 1.8 * G))
-    (told,) = words(replace(piece, pushes=(nudge,)))
-    assert told.endswith(" of its strength")
+    (printed,) = words(replace(piece, pushes=(nudge,)))
+    assert printed.endswith(" of its strength")
 
 
 @pytest.mark.parametrize("share", [1e-4, 0.2])
@@ -67,8 +67,8 @@ def test_a_push_that_makes_a_weak_joint_worse_is_named(share: float) -> None:
     nudge = Load("nudge", 2, piece.weights[0].place, (0.0, 0.0, -share * kilograms * G))
     own = 700.0 * 0.06 * 0.012 * arm * G
     use = ((1 + share) * kilograms * G * arm + own * arm / 2) / (0.02 * 5.2e3 * 0.006 * 3)
-    (told,) = words(replace(piece, pushes=(nudge,)))
-    assert told == f"weak: joint beam on post at {ceil(100 * use) / 100:.2f} of its strength under push nudge"
+    (printed,) = words(replace(piece, pushes=(nudge,)))
+    assert printed == f"weak: joint beam on post at {ceil(100 * use) / 100:.2f} of its strength under push nudge"
 
 
 def test_what_falls_by_itself_falls_under_its_weights():
@@ -79,8 +79,8 @@ def test_a_part_that_falls_is_named():
     piece = shelf_1()
     bracket = piece.index("bracket-1")
     cut = replace(piece, joints=tuple(joint for joint in piece.joints if joint.i != bracket))
-    told = words(cut)
-    assert told[:2] == ("in two parts: upright-1 with 7 more, bracket-1", "falls under its weights: bracket-1")
+    printed = words(cut)
+    assert printed[:2] == ("in two parts: upright-1 with 7 more, bracket-1", "falls under its weights: bracket-1")
 
 
 def test_all_joints_that_are_lost_are_named():
@@ -99,8 +99,8 @@ def test_planks_in_each_other_are_named_and_many_are_counted():
     joints = [replace(piece.joints[0], i=5 + k) for k in range(3)]
     feet = [replace(piece.feet[0], plank=5 + k) for k in range(3)]
     crowd = replace(piece, planks=(*piece.planks, *twins), joints=(*piece.joints, *joints), feet=(*piece.feet, *feet))
-    told = next(one for one in words(crowd) if one.startswith("overlapping"))
-    assert told == "overlapping: leg-1 and twin-0, leg-1 and twin-1, leg-1 and twin-2 and 3 more"
+    printed = next(one for one in words(crowd) if one.startswith("overlapping"))
+    assert printed == "overlapping: leg-1 and twin-0, leg-1 and twin-1, leg-1 and twin-2 and 3 more"
 
 
 @pytest.mark.parametrize(("use", "shown"), [(1.281, "1.29"), (np.inf, "inf"), (1234.0, "1.23e+03")])
@@ -126,7 +126,7 @@ def bracket(start, end, width=(0, 0.1, 0), reach=0.015, joints=()):
 
 
 @pytest.mark.parametrize(
-    ("start", "reach", "told"),
+    ("start", "reach", "printed"),
     [
         ((0.03, 0, 1.5), 0.015, " (arm -x is 20 mm from post, beyond the reach of 15 mm of joints)"),
         ((0.03, 0, 1.5), 0.0199996, " (arm -x is 20 mm from post, beyond the reach of 19.9996 mm of joints)"),
@@ -138,11 +138,11 @@ def bracket(start, end, width=(0, 0.1, 0), reach=0.015, joints=()):
         ((1.01, 0, 1.5), 0.015, " (arm -x is 1000 mm from post, beyond the reach of 15 mm of joints)"),
     ],
 )
-def test_parts_that_joints_do_not_reach_tell_their_gap(start, reach, told):
+def test_parts_that_joints_do_not_reach_tell_their_gap(start, reach, printed):
     end = (2.0, start[1], start[2])
-    assert words(bracket(start, end, reach=reach))[0] == f"in two parts: post, arm{told}"
+    assert words(bracket(start, end, reach=reach))[0] == f"in two parts: post, arm{printed}"
     # Its other end looks away.
-    assert words(bracket(end, start, reach=reach))[0] == f"in two parts: post, arm{told.replace('-x', '+x')}"
+    assert words(bracket(end, start, reach=reach))[0] == f"in two parts: post, arm{printed.replace('-x', '+x')}"
 
 
 def test_planks_that_no_end_of_looks_at_a_face_tell_no_gap():
@@ -170,7 +170,7 @@ def test_gaps_are_those_of_dense_sampling():
 
 
 @pytest.mark.parametrize(
-    ("start", "end", "told"),
+    ("start", "end", "printed"),
     [
         # At right angles to the post's normal, 300 mm before its face and 400 mm above it.
         ((0.31, 0, 2.0), (0.31, 0, 2.5), "arm does not point at post, 500 mm from it"),
@@ -182,7 +182,7 @@ def test_gaps_are_those_of_dense_sampling():
         ((-0.11, 0.0, 1.5), (-0.31, 0.0, 1.5), "arm comes to post from behind, 100 mm from it"),
     ],
 )
-def test_joints_of_planks_farther_apart_than_reach_tell_how_far(start, end, told):
+def test_joints_of_planks_farther_apart_than_reach_tell_how_far(start, end, printed):
     piece = bracket(start, end, (0, 0.1, 0), joints=(Joint(1, 0, 0, 4),))
     closed = Furniture(piece).moved()
-    assert words(closed)[0] == f"lost: {told}"
+    assert words(closed)[0] == f"lost: {printed}"

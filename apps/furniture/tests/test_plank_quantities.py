@@ -111,11 +111,11 @@ def test_quantities_follow_edits_into_tables_and_stay_with_what_is_there(tmp_pat
     with (tmp_path / "run.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["q_long"]) for row in rows] == pytest.approx([1.2, 1.32, 1.32])
-    told = json.loads((tmp_path / "run.json").read_text())["quantities"]
+    reported = json.loads((tmp_path / "run.json").read_text())["quantities"]
     # What is gone has no number.
-    assert told["leg"][2] is None and told["leg"][0] > 100.0 and rows[2]["q_leg"] == ""
+    assert reported["leg"][2] is None and reported["leg"][0] > 100.0 and rows[2]["q_leg"] == ""
     plank = wood("pine").density * 0.5 * 0.3 * 0.02
-    assert told["wood"][1] - told["wood"][2] == pytest.approx(plank, rel=1e-9)
+    assert reported["wood"][1] - reported["wood"][2] == pytest.approx(plank, rel=1e-9)
     assert main(["report", str(out), "--animation", "none", "--json", str(tmp_path / "report.json")]) == 0
     units = {row["quantity"]: row["unit"] for row in json.loads((tmp_path / "report.json").read_text())["quantities"]}
     assert units == {"leg": "N", "long": "m", "wood": "kg"}
@@ -139,10 +139,10 @@ def test_what_has_no_meaning_is_refused(tmp_path, line, place, do):
 
 
 @pytest.mark.parametrize("line", ['a = { utilisation = "pull", at = "left -x" }', 'a = { reaction = "z", at = "top" }'])
-def test_a_joint_or_foot_that_is_not_there_is_told(tmp_path, line, capsys):
+def test_a_joint_or_foot_that_is_not_there_is_reported(tmp_path, line, capsys):
     assert main(["replay", str(write_bench(tmp_path, f"{BENCH}[quantities]\n{line}\n"))]) == 2
-    told = capsys.readouterr().err
-    assert "quantities.a.at (line" in told and ("left +x" in told if "use" in line else "left -x" in told)
+    reported = capsys.readouterr().err
+    assert "quantities.a.at (line" in reported and ("left +x" in reported if "use" in line else "left -x" in reported)
 
 
 @pytest.mark.parametrize(

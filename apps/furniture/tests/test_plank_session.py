@@ -189,12 +189,12 @@ def test_each_edit_is_undone_and_done_again(play):
     ]
     frames, _ = play(*edits, *[{"do": "undo"}] * 5, *[{"do": "redo"}] * 5)
 
-    def told(frame):
+    def reported(frame):
         piece = frame.design.furniture.moved(frame.gamma)
         lean = round(float(piece.planks[1].axes[0, 0]), 9)
         return len(piece.planks), len(piece.weights), piece.planes[0].mu, lean
 
-    ends = [told(frames[k]) for k in (0, 1, 2, 5, 6, 7)]
+    ends = [reported(frames[k]) for k in (0, 1, 2, 5, 6, 7)]
     assert ends == [
         (3, 1, 0.5, 0.0),
         (4, 1, 0.5, 0.0),
@@ -203,8 +203,8 @@ def test_each_edit_is_undone_and_done_again(play):
         (4, 2, 0.2, pytest.approx(np.sin(0.2), abs=1e-6)),
         (3, 2, 0.2, pytest.approx(np.sin(0.2), abs=1e-6)),
     ]
-    assert [told(frame) for frame in frames[8:13]] == ends[4::-1]
-    assert [told(frame) for frame in frames[13:18]] == ends[1:]
+    assert [reported(frame) for frame in frames[8:13]] == ends[4::-1]
+    assert [reported(frame) for frame in frames[13:18]] == ends[1:]
     assert frames[-1].scene is frames[7].scene
 
 
@@ -277,7 +277,7 @@ def test_more_is_known_the_more_guidance_there_is():
     assert hands == [4, 2, 1]
 
 
-def test_a_fastener_that_is_too_short_is_told_with_its_place(tmp_path):
+def test_a_fastener_that_is_too_short_is_reported_with_its_place(tmp_path):
     scene = load_scene(write_bench(tmp_path), ["wood.thickness=50 mm"])
     with pytest.raises(UserError, match=r"bench.toml: fastener.name \(line 11\): screw of 40 mm does not reach"):
         PlankSession(scene, load_script(write_edits(tmp_path), scene))

@@ -39,7 +39,7 @@ def spans(*pairs):
         (spans((2, 3)), NONE, 1.0, 0),
     ],
 )
-def test_what_is_wrongly_told_is_where_intervals_differ(found, truth, length, missed):
+def test_wrong_answers_are_where_intervals_differ(found, truth, length, missed):
     assert wrong(found, truth) == pytest.approx(length)
     assert unseen(found, truth) == missed
 

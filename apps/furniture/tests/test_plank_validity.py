@@ -159,7 +159,7 @@ def test_a_leg_that_ends_near_the_floor_stands_on_it(short: float) -> None:
         assert Furniture(piece).moved().planks[1].end(0)[2] == pytest.approx(0.0, abs=1e-12)
 
 
-def test_a_leg_that_does_not_stand_flat_is_told() -> None:
+def test_a_leg_that_does_not_stand_flat_is_reported() -> None:
     planks = [*table().planks]
     turn = Rotation.from_euler("x", 1.0, degrees=True).as_matrix()
     planks[1] = replace(planks[1], axes=turn @ planks[1].axes, size=planks[1].size - np.array([0.004, 0.0, 0.0]))

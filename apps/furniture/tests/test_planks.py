@@ -36,7 +36,7 @@ def test_a_plank_is_drawn_by_two_lines() -> None:
         ((0, 0, 0), (0, 0, 0), "its middle line has no length: it ends where it begins", "to another one"),
     ],
 )
-def test_lines_that_make_no_plank_are_told_apart(end, width, what, do) -> None:
+def test_lines_that_make_no_plank_are_distinguished(end, width, what, do) -> None:
     with pytest.raises(UserError) as caught:
         Plank.between("p", (0, 0, 0), end, width, 0.01)
     assert (caught.value.what, caught.value.where) == (what, "p") and do in caught.value.do

@@ -61,7 +61,7 @@ def test_two_changes_bring_back_what_none_does_alone() -> None:
             assert all(furniture.kernel.scan(alone, reach, LOST)[0])
 
 
-def test_what_is_too_far_away_is_told() -> None:
+def test_what_is_too_far_away_is_reported() -> None:
     furniture = lost(("leg-1", "move y", -3.0))
     search = reconnect(furniture)
     assert search.found == ()

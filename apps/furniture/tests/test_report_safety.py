@@ -34,5 +34,5 @@ def test_a_report_reads_no_file_that_its_header_names(tmp_path, capsys, key):
     put_header(path, {**header_of(path), "scene": "../../x.toml", "scene_values": values})
     capsys.readouterr()
     assert main(["report", str(path)]) == 2
-    told = capsys.readouterr().err
-    assert f"{key}.file" in told and "no file but the recording is read" in told
+    reported = capsys.readouterr().err
+    assert f"{key}.file" in reported and "no file but the recording is read" in reported

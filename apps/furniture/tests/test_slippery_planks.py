@@ -49,16 +49,16 @@ def near_the_limit(newtons: float) -> Piece:
     return replace(table(), pushes=(Load("shove", 0, (0.3, -0.4, 0.5), (newtons, 0.0, 0.0)),))
 
 
-def test_what_springs_decide_is_told(tmp_path) -> None:
+def test_what_springs_decide_is_reported(tmp_path) -> None:
     # The push is 98 % of what friction bears in all; it is the springs of no contact law that this is left to.
     furniture = Furniture(near_the_limit(200.0))
     furniture.test()
     assert furniture.forces(1).unbalanced < 1e-7 and not furniture.forces(1).one_sided
     script = write_edits(tmp_path, {"do": "idle"})
     overrides = ["pushes.push.at=[0.3, -0.4, 0.5]", "effects.push={}"]
-    told = {}
+    printed = {}
     for force in (200.0, 100.0):
         rows = rows_of(make_replay(SCENES / "table.toml", script, overrides=[*overrides, f"parameters.push={force}"]))
-        told[force] = [row["note"] for row in rows]
+        printed[force] = [row["note"] for row in rows]
     words = "forces under push push are of feet that springs hold: with feet that only push no equilibrium was found"
-    assert told == {200.0: [words, words], 100.0: ["", ""]}
+    assert printed == {200.0: [words, words], 100.0: ["", ""]}

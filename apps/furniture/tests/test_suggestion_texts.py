@@ -99,7 +99,7 @@ def done(before: Plank, after: Plank, said: re.Match) -> float:
 
 
 @pytest.mark.parametrize("make", [table, shelf_1, scales], ids=lambda make: make.__name__)
-def test_the_range_that_is_shown_while_sliding_is_the_one_that_was_told(make) -> None:
+def test_the_range_that_is_shown_while_sliding_is_the_one_that_was_reported(make) -> None:
     design = Design(make())
     for suggestion in design.suggestion_list.found:
         if suggestion.piece is not None:

@@ -18,15 +18,15 @@ SAME = [{"do": "idle"}, {"do": "delete", "on": "nothing"}, {"do": "undo"}, {"do"
 def test_idle_refused_and_undone_frames_tell_nothing_anew(tmp_path, capsys):
     words = ["replay", str(write_bench(tmp_path)), "--edits", str(write_edits(tmp_path, *LET_GO, *SAME))]
     assert main([*words, "--json", str(tmp_path / "run.json")]) == 0
-    told = json.loads((tmp_path / "run.json").read_text())["guidance"]["suggestions"]
+    shown_text = json.loads((tmp_path / "run.json").read_text())["guidance"]["suggestions"]
     # Frame 12 is that of the undo, where the piece holds.
-    assert [(one["frame"], one["frames"]) for one in told] == [(9, [9, 10, 13])]
+    assert [(one["frame"], one["frames"]) for one in shown_text] == [(9, [9, 10, 13])]
     printed = capsys.readouterr().out
     assert printed.count("suggestions in frame") == 1
     assert "suggestions in frame 9, line 4 (and in 10, 13): falls" in printed
 
 
-def test_other_flaws_and_other_suggestions_are_told_apart():
+def test_other_flaws_and_other_suggestions_are_distinguished():
     rows = [
         {"index": 0, "suggestions": "", "no_suggestions": "", "violated_constraints": ""},
         {"index": 1, "suggestions": "[1]", "no_suggestions": "", "violated_constraints": "falls"},

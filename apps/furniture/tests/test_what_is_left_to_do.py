@@ -33,14 +33,14 @@ def test_a_suggestion_that_mends_all_tells_of_nothing_more() -> None:
     )
 
 
-def test_a_piece_that_nothing_stands_under_is_told_so() -> None:
+def test_a_piece_that_nothing_stands_under_is_reported_so() -> None:
     design = Design(replace(scales(), feet=()))
     assert design.furniture.test().flaws & UNSTABLE
     assert design.suggestion_list.found == ()
     assert design.suggestion_list.why.startswith("nothing stands on the floor")
 
 
-def test_a_weak_piece_without_a_suggestion_is_told_what_else_helps() -> None:
+def test_a_weak_piece_without_a_suggestion_is_answered_by_what_else_helps() -> None:
     suggestion_list = Design(scales(kilograms=400.0), Guidance(freedoms=1)).suggestion_list
     assert not suggestion_list.found
     for remedy in ("[fastener] spacing", "stronger", "lighter load"):
@@ -52,16 +52,16 @@ def test_a_weak_piece_without_a_suggestion_is_told_what_else_helps() -> None:
 @pytest.mark.parametrize("make", [table, scales])
 def test_a_fixed_parameter_tells_what_is_free_instead(make) -> None:
     design = Design(make())
-    told = [
+    reported = [
         (plank, number, design.why_fixed(plank, number))
         for plank in range(len(design.piece.planks))
         for number in range(8)
         if (plank, number) not in design.freedoms
     ]
-    assert told
-    for plank, _, why in told:
+    assert reported
+    for plank, _, why in reported:
         assert why.startswith(f"{design.piece.planks[plank].name} cannot ")
         free = why.rpartition("; free: ")[2].split(", ")
         named = [(plank, FREEDOMS.index(name)) for name in free if name in FREEDOMS]
         assert named == sorted(one for one in design.freedoms if one[0] == plank)
-    assert any("(lost: " in why for _, _, why in told)
+    assert any("(lost: " in why for _, _, why in reported)

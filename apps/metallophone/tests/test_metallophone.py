@@ -29,8 +29,8 @@ def test_recording_holds_frequencies_tones_and_modes(command, tmp_path):
     assert np.all(np.diff(np.column_stack([table[f"f_{k}"] for k in (1, 2, 3)]), axis=1) > 0.0)
     first = recording.field(0, "mode_1")
     assert first.shape[1] == 3 and np.abs(first).max() == pytest.approx(1.0)
-    told = json.loads((tmp_path / "bar.json").read_text())["quantities"]["pitch"]
-    assert told[0] == pytest.approx(table["f_1"][0])
+    reported = json.loads((tmp_path / "bar.json").read_text())["quantities"]["pitch"]
+    assert reported[0] == pytest.approx(table["f_1"][0])
     # 2090 Hz lies 3 cents below C7 (2093.0 Hz).
     assert table["tone"][0] in (b"C7", "C7") and table["cents"][0] == pytest.approx(-2, abs=3)
 
@@ -133,14 +133,14 @@ def test_new_scene_and_check(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    "scene, override, told",
+    "scene, override, reported",
     [
         ("solid/scenes/plate.toml", "mesh.layers=2", "layers"),
         ("solid/scenes/plate.toml", 'supports.wall.fix=["z"]', "no direction 'z'"),
         ("solid/scenes/plate.toml", "material.steel.thickness='0.01 + 0*x'", "one thickness"),
     ],
 )
-def test_plane_applications_refuse_what_has_a_thickness(capsys, scene, override, told):
+def test_plane_applications_refuse_what_has_a_thickness(capsys, scene, override, reported):
     folder = SCENES.parents[1]
     assert main(["check", str(folder / scene), "--set", override]) == 2
-    assert told in capsys.readouterr().err
+    assert reported in capsys.readouterr().err

@@ -91,9 +91,9 @@ def test_command_tells_numbers_and_the_outline(tmp_path, capsys):
     settings = [word for override in PLATE for word in ("--set", override)]
     assert derivative.main([scene, *settings, "--outline", "--json", str(out)]) == 0
     assert "0.1 mm off edge" in capsys.readouterr().out
-    told = json.loads(out.read_text())
-    assert set(told["by"]) == {f"material.aluminium.{key}" for key in ("E", "nu", "rho", "thickness")}
-    first = told["outline"][0]
+    reported = json.loads(out.read_text())
+    assert set(reported["by"]) == {f"material.aluminium.{key}" for key in ("E", "nu", "rho", "thickness")}
+    first = reported["outline"][0]
     assert set(first["edges"]) == {"bottom", "right", "top", "left"}
     ends = sum(np.dot(first["edges"][k]["density"], first["edges"][k]["length"]) for k in ("left", "right"))
     # f ~ 1/L^2, and both ends move.

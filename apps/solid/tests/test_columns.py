@@ -65,7 +65,7 @@ def test_a_column_dragged_up_to_its_limit_is_shown(tmp_path, predict):
     assert sum(row["pc_rebuilt"] for row in rows) >= (4 if predict == "none" else 2)
 
 
-def test_a_column_beyond_its_limit_is_told_where_its_state_was_given(tmp_path):
+def test_a_column_beyond_its_limit_is_reported_where_its_state_was_given(tmp_path):
     # As between predicted frames: what was accepted, and not solved for, lets nobody believe in the next equilibrium.
     path = across((DEPTH / 2, 1.0), (DEPTH / 2, 1.4), 5)
     script = write_script(tmp_path, drag("top", (DEPTH / 2, 1.0), path))

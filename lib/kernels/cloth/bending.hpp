@@ -1,6 +1,6 @@
 // Bending that is quadratic in the positions, as isometric deformations allow: their Hessians depend on X alone.
 //
-// Source: docs/theory.md, section "Cloth"; Bergou, Wardetzky, Harmon, Zorin and Grinspun, Symp. Geometry Processing
+// Source: docs/theory/cloth.md; Bergou, Wardetzky, Harmon, Zorin and Grinspun, Symp. Geometry Processing
 // (2006) 227; Morley, Aeronautical Quarterly 19 (1968) 149.
 #pragma once
 

@@ -1,6 +1,6 @@
 // Contact of points with bodies in closed form: signed distances, a penalty with a smooth onset, friction by anchors.
 //
-// Source: docs/theory.md, section "Cloth".
+// Source: docs/theory/cloth.md.
 #pragma once
 
 #include <algorithm>

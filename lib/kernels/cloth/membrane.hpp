@@ -89,7 +89,7 @@ struct MembraneParts {
 
 // St. Venant-Kirchhoff. The stabilised tangent takes for the tension what is left of it without its negative
 // eigenvalues, which makes it positive semidefinite; the residual, and so the equilibria, are the same.
-// Source: docs/theory.md, section "Cloth"; Teran, Sifakis, Irving and Fedkiw, Symp. Computer Animation (2005) 181.
+// Source: docs/theory/cloth.md; Teran, Sifakis, Irving and Fedkiw, Symp. Computer Animation (2005) 181.
 template <bool Stabilised>
 struct MembraneElement : MembraneParts {
     template <class SX, class Sx, class R>

@@ -1,5 +1,5 @@
 // Geometric stiffness of a solid under the stress of a small displacement u: energy 1/2 int sigma(u) : H^T H for the
-// displacement gradient H of x: what sigma does when parts of the body turn (docs/theory.md, "Buckling").
+// displacement gradient H of x: what sigma does when parts of the body turn (docs/theory/buckling.md).
 #pragma once
 
 #include <string>

@@ -32,7 +32,7 @@ R distortion_energy(const R (&E)[D][D], double mu) {
     return square * mu;
 }
 
-// Small strains: sigma = lambda tr(eps) I + 2 mu eps (docs/theory.md, section 2).
+// Small strains: sigma = lambda tr(eps) I + 2 mu eps (docs/theory/solids.md).
 template <int D>
 struct LinearElastic {
     template <class R>
@@ -56,7 +56,7 @@ struct LinearElastic {
     }
 };
 
-// St. Venant-Kirchhoff: S = lambda tr(E) I + 2 mu E, E = (F^T F - I)/2, P = F S (docs/theory.md, section 2).
+// St. Venant-Kirchhoff: S = lambda tr(E) I + 2 mu E, E = (F^T F - I)/2, P = F S (docs/theory/solids.md).
 template <int D>
 struct StVenantKirchhoff {
     template <class R>

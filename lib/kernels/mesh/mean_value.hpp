@@ -9,7 +9,7 @@
 
 namespace restshape {
 
-// Interpolates boundary values into points strictly inside (Lipman et al. 2007; docs/theory.md, section 3).
+// Interpolates boundary values into points strictly inside (Lipman et al. 2007; docs/theory/moving-the-mesh.md).
 //
 // The directions around a point are cut at every boundary vertex. Between two cuts one segment (a, b) is nearest. With
 // unit directions u, v of the cuts and alpha the angle between them, its share is tan(alpha/2) (f(u) + f(v)), where f

@@ -13,7 +13,7 @@ struct CellQuality {
     int distorted = 0;
 };
 
-// Checks triangles against the two thresholds of a criterion (docs/theory.md, section 1). The quality is inscribed
+// Checks triangles against the two thresholds of a criterion (docs/theory/levels-of-reuse.md). The quality is inscribed
 // radius over longest edge, scaled to 1 for the equilateral triangle and signed like the area; the author's ratio
 // longest edge x half perimeter / area is 2 sqrt(3) over it, so that one number serves both criteria.
 inline CellQuality check_cells(const double* X, const std::int32_t* cells, std::ptrdiff_t count, double area_floor,
@@ -51,7 +51,7 @@ inline CellQuality check_cells(const double* X, const std::int32_t* cells, std::
     return found;
 }
 
-// X = X_reference + c0 Psi[0] + c1 Psi[1] (docs/theory.md, section 3).
+// X = X_reference + c0 Psi[0] + c1 Psi[1] (docs/theory/moving-the-mesh.md).
 inline void move_nodes(const double* X_reference, const double* Psi, double c0, double c1, double* X,
                        std::ptrdiff_t size) {
     for (std::ptrdiff_t i = 0; i < size; ++i) {

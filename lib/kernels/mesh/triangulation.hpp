@@ -86,7 +86,7 @@ class Triangulation {
         sides[sides[0] == from ? 0 : 1] = to;
     }
 
-    // Inscribed radius over longest edge, 1 for equilateral (docs/theory.md, section 1).
+    // Inscribed radius over longest edge, 1 for equilateral (docs/theory/levels-of-reuse.md).
     static double quality(const double* X, const std::int32_t* cell) {
         const double *a = X + 2 * cell[0], *b = X + 2 * cell[1], *c = X + 2 * cell[2];
         const double twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);

@@ -35,7 +35,7 @@ class BucklingSolver:
     Attributes:
         reach: the tolerance, or what rounding leaves of it.
 
-    Source: docs/theory.md, section 8.
+    Source: docs/theory/buckling.md.
     """
 
     def __init__(self, warm: bool, kept: bool, tolerance: float, calibration: Calibration, stages: Stages) -> None:

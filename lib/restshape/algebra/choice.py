@@ -207,7 +207,7 @@ class Choice:
         calibration: seconds a unit of counted work.
         memory: bytes that a complete factor may take; a larger one is never chosen.
 
-    Source: docs/theory.md, section 1.
+    Source: docs/theory/levels-of-reuse.md.
     """
 
     def __init__(self, calibration: Calibration, memory: float = MEMORY) -> None:

@@ -124,7 +124,7 @@ def davidson(
         limit: most iterations.
 
     Source: E. R. Davidson, J. Comput. Phys. 17 (1975) 87; G. L. G. Sleijpen and H. A. van der Vorst, SIAM J. Matrix
-        Anal. Appl. 17 (1996) 401; docs/theory.md, section 7.
+        Anal. Appl. 17 (1996) 401; docs/theory/free-vibrations.md.
     """
     space.begin(deflation)
     for block in starts:

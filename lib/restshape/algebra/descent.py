@@ -87,7 +87,7 @@ class Descent:
         steps: of the last run; norm: of the residual after it.
         on_step: called with positions (n, f) and the norm of the residual at each iterate; a true answer ends the run.
 
-    Source: docs/theory.md, section "Cloth".
+    Source: docs/theory/cloth.md.
     """
 
     def __init__(

@@ -97,7 +97,7 @@ class EigenSolver:
         stages: takes the time of factorisations and of iterations.
         warm: later frames start from the modes of the last ones; else each is solved by Krylov-Schur from nothing.
 
-    Source: docs/theory.md, section 7.
+    Source: docs/theory/free-vibrations.md.
     """
 
     def __init__(

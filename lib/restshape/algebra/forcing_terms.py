@@ -14,7 +14,7 @@ SHARE = 0.5
 class ModelError:
     """An estimate c |r|^2 of the residual after an exact step from the residual r, c from the steps before.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
 
     def __init__(self) -> None:
@@ -54,7 +54,7 @@ class ForcingTerms:
         fused: the next residual is best evaluated together with its tangent.
         target: norm of the residual that the last linear solve could leave.
 
-    Source: docs/theory.md, section 2; Eisenstat and Walker, SIAM J. Sci. Comput. 17 (1996) 16.
+    Source: docs/theory/solids.md; Eisenstat and Walker, SIAM J. Sci. Comput. 17 (1996) 16.
     """
 
     def __init__(self) -> None:

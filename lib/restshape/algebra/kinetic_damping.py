@@ -107,7 +107,7 @@ class KineticDamping:
         on_step: called with positions (n, f) and the norm of the residual before each step; a true answer ends it.
         on_move: called with positions (n, f) after each step; returns whether it changed the equations.
 
-    Source: docs/theory.md, section "Cloth"; Baraff and Witkin, SIGGRAPH 1998, 43; Barnes 1999.
+    Source: docs/theory/cloth.md; Baraff and Witkin, SIGGRAPH 1998, 43; Barnes 1999.
     """
 
     def __init__(

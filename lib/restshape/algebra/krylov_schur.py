@@ -45,7 +45,7 @@ def krylov_schur(
     Raises:
         ReplayProblem: not all of them converge.
 
-    Source: V. Hernandez, J. E. Roman, V. Vidal, ACM Trans. Math. Softw. 31 (2005) 351; docs/theory.md, section 7.
+    Source: V. Hernandez, J. E. Roman, V. Vidal, ACM Trans. Math. Softw. 31 (2005) 351; docs/theory/free-vibrations.md.
     """
     # SLEPc finds PETSc's arguments already taken in; imported here, so that PETSc comes first.
     from slepc4py import SLEPc

@@ -32,7 +32,7 @@ RESTART = 100
 INCOMPLETE = 0.25
 """An incomplete preconditioner leaves smooth errors, whose energy the residual reports too small (by up to 2.2 on the
 plate): its solves end at this share of the tolerance, so that solutions agree within it in the energy norm."""
-NO_FACTOR = "the stiffness matrix has no factor: part of the body is not held, or has no stiffness"
+NO_FACTOR = "the stiffness matrix has no factor: part of the body is not constrained, or has no stiffness"
 Reason = PETSc.KSP.ConvergedReason
 REASONS = {value: name for name, value in vars(Reason).items() if isinstance(value, int)}
 
@@ -64,7 +64,7 @@ class LinearSolver:
     symmetric matrices that are not definite is of the whole matrix: their blocks may have none.
     An idle frame solves nothing and refreshes nothing, for a frame with nothing to do does nothing.
 
-    Source: docs/theory.md, section 1 (rent or buy).
+    Source: docs/theory/levels-of-reuse.md (rent or buy).
     """
 
     def __init__(

@@ -47,7 +47,7 @@ def load_modes(pencil: LoadPencil, start: np.ndarray, count: int, tolerance: flo
     Raises:
         ReplayProblem: not all of them converge.
 
-    Source: V. Hernandez, J. E. Roman, V. Vidal, ACM Trans. Math. Softw. 31 (2005) 351; docs/theory.md, section 8.
+    Source: V. Hernandez, J. E. Roman, V. Vidal, ACM Trans. Math. Softw. 31 (2005) 351; docs/theory/buckling.md.
     """
     # SLEPc finds PETSc's arguments already taken in; imported here, so that PETSc comes first.
     from slepc4py import SLEPc

@@ -36,7 +36,7 @@ class Newton:
         shape: (n, f) of the unknowns.
         rows: this rank's, of n f.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
 
     def __init__(

@@ -194,7 +194,7 @@ class Deflation:
         rigid: (r, n) a basis of them at the places of the nodes now; r may be 0.
         pencil: of the frame.
 
-    Source: docs/theory.md, section 7.
+    Source: docs/theory/free-vibrations.md.
     """
 
     def __init__(self, rigid: np.ndarray, pencil: Pencil) -> None:

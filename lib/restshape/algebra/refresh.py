@@ -18,7 +18,7 @@ class RefreshCriterion:
         uses: solves since it was made, -1 before the first.
         patched: the pattern of the matrix is not that of the frame before: then nothing is made ahead of the iteration.
 
-    Source: docs/theory.md, section 1.
+    Source: docs/theory/levels-of-reuse.md.
     """
 
     def __init__(self, most: int) -> None:

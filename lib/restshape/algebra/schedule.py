@@ -12,7 +12,7 @@ def best_schedule(refresh_costs: np.ndarray, frame_costs: np.ndarray) -> tuple[f
         refresh_costs: (n,) of a refresh at frame j, or (n, n) where it depends on the refresh i before it (row i).
         frame_costs: (n, n) of frame j with the preconditioner of frame i <= j (row i); inf where it is not to be used.
 
-    Source: docs/theory.md, section 1.
+    Source: docs/theory/levels-of-reuse.md.
     """
     n = len(frame_costs)
     refresh = np.broadcast_to(refresh_costs, (n, n))

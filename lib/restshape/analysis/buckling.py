@@ -59,7 +59,7 @@ class BucklingAnalysis:
         modes_shown: load factors in the recording, which has the columns that it began with.
         interrupted: the last solve has failed.
 
-    Source: docs/theory.md, section 8.
+    Source: docs/theory/buckling.md.
     """
 
     estimated_quantity = "load factors"

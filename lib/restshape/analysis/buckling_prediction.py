@@ -34,7 +34,7 @@ class BucklingPrediction:
     Args:
         analysis: whose state it reads and replaces.
 
-    Source: docs/theory.md, section 8.
+    Source: docs/theory/buckling.md.
     """
 
     def __init__(self, analysis: Buckling) -> None:

@@ -51,8 +51,8 @@ def conjugate_steps(
         residual: (n,) right side.
         known: squared energy of what the solution is added to, of which what is left is a share too.
 
-    Source: docs/theory.md, section 9; Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952) 409; Strakos and Tichy,
-    Electron. Trans. Numer. Anal. 13 (2002) 56.
+    Source: docs/theory/error-estimates.md; Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952) 409; Strakos and
+    Tichy, Electron. Trans. Numer. Anal. 13 (2002) 56.
     """
     found, gains = np.zeros_like(residual), []
     step = precondition(residual)

@@ -18,15 +18,15 @@ class StepWeights:
         scheme: of the step.
         alpha, beta: of the damping C = alpha M + beta K.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
 
     def __init__(self, scheme: Scheme, alpha: float, beta: float) -> None:
-        lag = scheme.a4 - scheme.a3
+        gap = scheme.a4 - scheme.a3
         self.of_stiffness, self.of_mass = 1.0 + scheme.a1 * beta, scheme.a0 + scheme.a1 * alpha
         self.load = 1.0 + scheme.a3
-        self.stiff_y, self.stiff_v, self.stiff_a = self.of_stiffness - self.load, lag * beta, scheme.a5 * beta
-        self.inert_y, self.inert_v, self.inert_a = self.of_mass, scheme.a2 + lag * alpha, scheme.a5 * alpha
+        self.stiff_y, self.stiff_v, self.stiff_a = self.of_stiffness - self.load, gap * beta, scheme.a5 * beta
+        self.inert_y, self.inert_v, self.inert_a = self.of_mass, scheme.a2 + gap * alpha, scheme.a5 * alpha
 
     def apply(self, state: TimeState, stiff: np.ndarray, inert: np.ndarray) -> None:
         """Set `stiff` and `inert` (n, f) to what K and M are applied to."""
@@ -56,7 +56,7 @@ class EffectiveSystem:
     Attributes:
         mass: an operator with the same pattern, for other matrices.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
 
     def __init__(self, comm: PETSc.Comm, body: SemiDiscrete, scheme: Scheme, backend: str | None) -> None:
@@ -167,7 +167,7 @@ class StepProducts:
         self._mass.multAdd(self._inert, b, b)
 
     def uniform(self, body: SemiDiscrete) -> np.ndarray:
-        """The inertia (n, f) of a body that moves as a whole: only a shaking base asks for it."""
+        """The inertia (n, f) of a body that moves as a whole: only base excitation asks for it."""
         if self._uniform is None:
             self._uniform = body.mass.apply(np.ones_like(body.static))
             self._uniform[body.constrained] = 0.0

@@ -55,7 +55,7 @@ class EquilibriumSearch:
         scale: what residuals are measured against.
         tested: a factor of the tangent has shown whether the solution is stable.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
 
     def __init__(

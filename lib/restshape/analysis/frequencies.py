@@ -16,7 +16,7 @@ def lowest_modes(stiffness: sp.spmatrix, mass: sp.spmatrix, count: int) -> tuple
         stiffness, mass: (n, n) of the free unknowns, symmetric positive definite.
         count: how many.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
     # SLEPc finds PETSc's arguments already taken in; imported here, so that PETSc comes first.
     from slepc4py import SLEPc

@@ -49,7 +49,7 @@ class ModalAnalysis:
         solver: of the eigenproblem; verified: the shape whose eigenvalues an inertia count has checked last.
         interrupted: the last solve has failed, so that what it has moved belongs to no solution.
 
-    Source: docs/theory.md, section 7.
+    Source: docs/theory/free-vibrations.md.
     """
 
     estimated_quantity = "frequencies"

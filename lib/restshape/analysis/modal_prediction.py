@@ -26,7 +26,7 @@ class ModalPrediction:
     Args:
         analysis: whose state it reads and replaces.
 
-    Source: docs/theory.md, section 7.
+    Source: docs/theory/free-vibrations.md.
     """
 
     def __init__(self, analysis: SolvedModes) -> None:

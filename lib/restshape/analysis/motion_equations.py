@@ -31,7 +31,7 @@ class MotionEquations(ResidualEquations):
         force_norm, load_norm: of the forces of inertia before the step, and of the load.
         before: (n, f) unknowns before the step.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
 
     def __init__(self, body: SemiDiscrete, scheme: Scheme, operator: Operator, stages: Stages) -> None:

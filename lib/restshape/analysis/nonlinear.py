@@ -86,7 +86,7 @@ class NonlinearState(SteadyState[Problem]):
 class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
     """The solution of a nonlinear problem, frame after frame, by `EquilibriumSearch`; arguments as `SteadyAnalysis`.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
 
     state: NonlinearState

@@ -74,7 +74,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
     Newmark's method keeps the energy of linear motions only: where a step is too long for a large one, the energy
     grows without end. So it is watched, on a base that stands still under dead loads.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
 
     state: NonlinearTransientState

@@ -24,7 +24,7 @@ class ResidualEquations:
     Attributes:
         dead: (n, f) dead loads; free: (n, f) 1 at free unknowns, 0 at prescribed ones; rest: (n, f) zeros.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
 
     def __init__(self, problem: Problem, operator: Operator, stages: Stages) -> None:

@@ -123,7 +123,7 @@ class SteadyAnalysis(Generic[P]):
     Attributes:
         interrupted: the last frame has failed: what was set up for it must be set up again.
 
-    Source: docs/theory.md, sections 1 and 2.
+    Source: docs/theory/levels-of-reuse.md and solids.md.
     """
 
     why_not = ""

@@ -28,8 +28,8 @@ def local_error(
         accelerations: the base's accelerations (f,) at both.
         precondition: the kept preconditioner of the step's matrix K + a0 M + a1 C.
 
-    Source: docs/theory.md, section 9; Zienkiewicz and Xie, Earthquake Engng Struct. Dyn. 20 (1991) 871; Shampine and
-    Baca, J. Comput. Appl. Math. 11 (1984) 197.
+    Source: docs/theory/error-estimates.md; Zienkiewicz and Xie, Earthquake Engng Struct. Dyn. 20 (1991) 871; Shampine
+    and Baca, J. Comput. Appl. Math. 11 (1984) 197.
     """
     before, now = states
     assert scheme.error_factor is not None, "the scheme has no known error"

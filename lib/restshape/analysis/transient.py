@@ -53,7 +53,7 @@ class TransientAnalysis:
         context: what all parts of the replay share.
         make: the class of the problem, made of scene, plan and space.
 
-    Source: docs/theory.md, sections 1 and 2.
+    Source: docs/theory/levels-of-reuse.md and solids.md.
     """
 
     predictor = quantity_errors = None
@@ -421,7 +421,7 @@ class TransientAnalysis:
         entries = matrix_difference(matrix, repeated.tangent(state.now.y))
         if state.start is state.now:
             return Comparison(entries, None)
-        jump = 0.0 if state.carried is None else repeated.distance(state.start, state.carried)
+        jump = 0.0 if state.last_end is None else repeated.distance(state.start, state.last_end)
         distance = repeated.distance(state.now, repeated(state.start))
         return Comparison(entries, max(jump, distance / state.integration.steps))
 

@@ -67,7 +67,7 @@ class TransientState:
         unsolved: no step has been taken yet.
         age: frames since the preconditioner was made.
         start: before the first step of the last frame, on its mesh.
-        carried: the end of the frame before, where the start has the same nodes; None: it has others.
+        last_end: the end of the frame before, where the start has the same nodes; None: it has others.
     """
 
     plan: Plan
@@ -83,18 +83,18 @@ class TransientState:
     unsolved: bool = True
     age: int = 0
     start: TimeState = NOTHING
-    carried: TimeState | None = None
+    last_end: TimeState | None = None
 
     def started(self, before: "TransientState | None") -> Self:
         """The motion before the first step of a frame; `before` is that of the frame before, on the same nodes."""
-        carried = None if before is None or before.bound is None else before.now
-        return replace(self, start=self.now, carried=carried)
+        last_end = None if before is None or before.bound is None else before.now
+        return replace(self, start=self.now, last_end=last_end)
 
     def after(self, now: TimeState) -> "TransientState":
         """The motion after a step to `now`: what `dataclasses.replace` makes, in a quarter of its time."""
         whole = self.plan, self.scene, self.in_time, self.bound
         known = self.account, self.topology, self.geometry, self.factored
-        return TransientState(*whole, now, self.now, *known, False, self.age, self.start, self.carried)
+        return TransientState(*whole, now, self.now, *known, False, self.age, self.start, self.last_end)
 
     @property
     def integration(self) -> TimeIntegration:

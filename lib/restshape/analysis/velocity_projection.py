@@ -23,7 +23,7 @@ def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndar
         old, new: on the mesh before and on the new one.
         v: (n_old, 2) velocities [m/s].
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
     mesh = new.space
     load = _quadratic_load(old, new, v) if mesh.cells.shape[1] == 6 else _linear_load(old, new, v)

@@ -35,16 +35,16 @@ def node_weights(space: PlaneSpace, at: str | None, nodes: np.ndarray | slice) -
         at: an entity: a region or all (None) counts by area, edges by length, vertices one like the other.
         nodes: of the values, in their order; each of them on the entity.
     """
-    weigh: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    weights_of: Callable[[np.ndarray, np.ndarray], np.ndarray]
     if at is None:
-        places, weigh = space.cells, cell_weights
+        places, weights_of = space.cells, cell_weights
     elif len(cells := space.cells_of(at)):
-        places, weigh = space.cells[cells], cell_weights
+        places, weights_of = space.cells[cells], cell_weights
     elif len(facets := space.facets_of(at)):
-        places, weigh = space.facets[facets], facet_weights
+        places, weights_of = space.facets[facets], facet_weights
     else:
         return None
-    return lambda: np.bincount(places.ravel(), weigh(space.X, places).ravel(), len(space.X))[nodes]
+    return lambda: np.bincount(places.ravel(), weights_of(space.X, places).ravel(), len(space.X))[nodes]
 
 
 def plain_mean(values: np.ndarray) -> float:

@@ -63,7 +63,7 @@ class RecoveryEstimate:
         stiffest: as of the problem.
         shared: who computes and recovers the same flux, up to columns that do not count; None: the estimate itself.
 
-    Source: docs/theory.md, section 9; Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337.
+    Source: docs/theory/error-estimates.md; Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337.
     """
 
     def __init__(

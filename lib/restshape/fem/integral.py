@@ -66,8 +66,8 @@ class Integral:
             x: (n, f) unknowns; dx: (n, f) their rates, None where they are constant.
             dX: (n, d) rates of the material coordinates.
         """
-        carried = None if self.coefficient_rate is None else np.ascontiguousarray(self.coefficient_rate(dX))
-        self._add_rates(x, dX, out, dx, carried)
+        rates = None if self.coefficient_rate is None else np.ascontiguousarray(self.coefficient_rate(dX))
+        self._add_rates(x, dX, out, dx, rates)
         changes = None if self.rate is None else self.rate(dX)
         if changes is not None:
             replace(self, parameters=changes).add_residual(x, out)

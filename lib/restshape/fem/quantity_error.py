@@ -73,7 +73,7 @@ def quantity_error(
         solve: gives the dual.
         curved: of the unknowns; None where the space is of second order.
 
-    Source: docs/theory.md, section 9; Becker and Rannacher, Acta Numerica 10 (2001) 1; Oden and Prudhomme, Comput.
+    Source: docs/theory/error-estimates.md; Becker and Rannacher, Acta Numerica 10 (2001) 1; Oden and Prudhomme, Comput.
     Math. Appl. 41 (2001) 735.
     """
     dual = dual_solution(problem, derivative, solve)

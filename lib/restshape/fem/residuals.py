@@ -84,7 +84,7 @@ def design_rates(problem: Problem, x: np.ndarray, dX: np.ndarray) -> tuple[np.nd
     Raises:
         ReplayProblem: a value of the scene has no derivative somewhere.
 
-    Source: docs/theory.md, "The design derivative": f_i of the thesis's (5.11).
+    Source: docs/theory/design-derivative.md: f_i of the thesis's (5.11).
     """
     space = problem.space
     prescribed = problem.boundary.rate(space.dof_X, space.at_dofs(dX))

@@ -78,7 +78,7 @@ class SemiDiscrete:
             y, v: (n, f) as in a `TimeState`; a is the acceleration that equilibrium asks for.
             base: (f,) acceleration of the base.
 
-        Source: docs/theory.md, section 2, "Reactions and strain energy".
+        Source: docs/theory/solids.md, "Reactions and strain energy".
         """
         return self.mass.apply(self.acceleration(y, v, base) + base) + self.damping(v)
 

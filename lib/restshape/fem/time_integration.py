@@ -69,7 +69,7 @@ class Newmark:
         beta, gamma: 1/4 and 1/2 are the average acceleration: unconditionally stable, no damping of its own.
         dt: step [s].
 
-    Source: docs/theory.md, section 2; N. M. Newmark, A method of computation for structural dynamics, 1959.
+    Source: docs/theory/solids.md; N. M. Newmark, A method of computation for structural dynamics, 1959.
     """
 
     beta: float

@@ -85,6 +85,6 @@ def _fields_on(mesh: Mesh, like: Mesh | LagrangeSpace | None) -> Mesh | Lagrange
         return mesh
     space = LagrangeSpace(mesh)
     if like.mesh.outline is mesh.outline:
-        # A space that is made anew leaves sides straight that it has bent when triangles were better.
+        # A space that is rebuilt leaves sides straight that it has bent when triangles were better.
         space.X[space.facets[:, 2]] = like.X[like.facets[:, 2]]
     return space if _kernels.curved_jacobian_bound(space.X, space.cells).min() > 0.0 else None

@@ -80,7 +80,7 @@ class MovingMesh:
         imported: a mesh of the first shape, used instead of generating one.
         order_of: the order of a scene's elements, asked once a scene; by default what its `mesh.order` says.
 
-    Source: docs/theory.md, section 1.
+    Source: docs/theory/levels-of-reuse.md.
     """
 
     def __init__(
@@ -183,7 +183,7 @@ class MovingMesh:
     def Psi(self) -> np.ndarray:
         """Displacements (2, n, d) of the nodes of `mesh` a unit of the gesture's coefficients; made on demand.
 
-        Source: docs/theory.md, section 3.
+        Source: docs/theory/moving-the-mesh.md.
         """
         known = made(self.state.map)
         if known.Psi is not None:

@@ -99,7 +99,7 @@ class MeanValueExtension:
         mesh: the mesh.
         nodes: (nb,) boundary nodes.
 
-    Source: docs/theory.md, section 3; Lipman et al. 2007.
+    Source: docs/theory/moving-the-mesh.md; Lipman et al. 2007.
     """
 
     def __init__(self, mesh: Mesh, nodes: np.ndarray) -> None:
@@ -159,7 +159,7 @@ def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str) -> np.ndarray:
         boundary_basis: (2, nb, d) displacements of the boundary nodes, in the order of ``Boundary(mesh).nodes``.
         kind: "harmonic", "mvc" or "laplacian" (boundary nodes alone).
 
-    Source: docs/theory.md, section 3.
+    Source: docs/theory/moving-the-mesh.md.
     """
     extend = extension(mesh, BoundaryNodes(mesh).nodes, kind)
     values = np.concatenate(list(boundary_basis), axis=1)

@@ -35,7 +35,7 @@ class PredictedFrames:
     Raises:
         UserError: the analysis has no predictor, or the policy makes a new mesh in each frame.
 
-    Source: docs/theory.md, "The design derivative".
+    Source: docs/theory/design-derivative.md.
     """
 
     def __init__(self, analysis: Analysis, moving: MovingMesh, session: Session, policy: Policy) -> None:

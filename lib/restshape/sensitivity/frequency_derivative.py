@@ -61,7 +61,7 @@ def frequency_derivatives(analysis: SolvedModes, velocity: np.ndarray, width: fl
         width: share below which eigenvalues coincide, beyond those that the solve does not distinguish: with `CLUSTER`
             a pair that the mesh parts has the rates of one that it does not.
 
-    Source: docs/theory.md, section 7.
+    Source: docs/theory/free-vibrations.md.
     """
     known = known_modes(analysis)
     vectors = analysis.state.modes.vectors[known]
@@ -96,7 +96,7 @@ def parted(values: np.ndarray, rates: np.ndarray, tolerance: float, width: float
         values, rates: of the known modes.
         tolerance: eps of the modes; width: g, where it is more.
 
-    Source: docs/theory.md, section 7.
+    Source: docs/theory/free-vibrations.md.
     """
     found = np.empty(len(values))
     for group in clusters(values, max(COINCIDE * tolerance**2, ROUNDING, width)):
@@ -134,7 +134,7 @@ def modal_derivative(analysis: SolvedModes, plane_motion: np.ndarray, tolerance:
     Raises:
         ReplayProblem: a solve does not converge.
 
-    Source: docs/theory.md, section 7; (D.7), (D.9) of the thesis, mended.
+    Source: docs/theory/free-vibrations.md; (D.7), (D.9) of the thesis, mended.
     """
     known, state = known_modes(analysis), analysis.state
     count, n = state.modes.vectors.shape

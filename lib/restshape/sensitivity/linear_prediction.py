@@ -14,7 +14,7 @@ class Prediction:
         x: (n, 2) displacement x0 [m] there.
         s: (2, n, 2) its derivatives with respect to c.
 
-    Source: docs/theory.md, "The design derivative"; (5.16) of the thesis.
+    Source: docs/theory/design-derivative.md; (5.16) of the thesis.
     """
 
     def __init__(self, gesture: Gesture, c: tuple[float, float], x: np.ndarray, s: np.ndarray) -> None:

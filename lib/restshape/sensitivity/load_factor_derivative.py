@@ -36,7 +36,7 @@ def load_factor_rates(state: BucklingState, dX: np.ndarray, s: np.ndarray) -> np
         state: solved on the mesh as it lies.
         dX: rates of the nodes' places; s: those of the displacement, prescribed unknowns included.
 
-    Source: docs/theory.md, section 8.
+    Source: docs/theory/buckling.md.
     """
     problem, modes, factors = state.prebuckling.problem, state.modes.vectors, state.modes.load_factors
     stiffness = Assembled(problem.integrals(STIFFNESS))

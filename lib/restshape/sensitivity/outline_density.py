@@ -55,7 +55,7 @@ def plane_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
 def outline_density(analysis: SolvedModes, mode: int) -> OutlineDensity:
     """The density of a frequency's derivative along the outline; arguments as in `plane_gradient`.
 
-    Source: docs/theory.md, section 7.
+    Source: docs/theory/free-vibrations.md.
     """
     mesh = analysis.state.space.mesh
     nodes = BoundaryNodes(mesh).nodes

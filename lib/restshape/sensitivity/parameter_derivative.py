@@ -44,7 +44,7 @@ def parameter_derivatives(analysis: SolvedModes, key: str) -> np.ndarray:
         UserError: no such number, or one that moves the mesh.
         UserError, ReplayProblem: the scene makes no sense a step aside, however short.
 
-    Source: docs/theory.md, section 7.
+    Source: docs/theory/free-vibrations.md.
     """
     value = number_at(analysis, key)
     best, error, refusal = None, np.inf, None

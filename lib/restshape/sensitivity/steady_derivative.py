@@ -40,7 +40,7 @@ def design_derivative(analysis: SolvedSteady, Psi: np.ndarray, tolerance: float)
     Raises:
         ReplayProblem: the tangent is singular, or so nearly that rounding decides, or a value has no derivative.
 
-    Source: docs/theory.md, "The design derivative"; (5.10) to (5.15) of the thesis.
+    Source: docs/theory/design-derivative.md; (5.10) to (5.15) of the thesis.
     """
     s = np.zeros((len(Psi), *analysis.x.shape))
     for direction, motion in zip(s, Psi):

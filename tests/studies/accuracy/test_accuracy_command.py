@@ -29,10 +29,10 @@ def small(tmp_path) -> tuple[Path, Path]:
 @pytest.mark.slow
 def test_a_pick_is_written_run_again_and_holds(command, small, tmp_path):
     scene, edits = small
-    told = command(
+    reported = command(
         "accuracy", scene, "--edits", edits, *QUICK, "--out", "found", "--json", "found.json", "--error", "50%"
     )
-    assert told.returncode == 0, told.stdout + told.stderr
+    assert reported.returncode == 0, reported.stdout + reported.stderr
     records = json.loads((tmp_path / "found.json").read_text())
     assert [record["size_factor"] for record in records] == [2.0, 1.0] and any(record["pareto"] for record in records)
     fastest = min((r for r in records if r["error"] < 0.5), key=lambda r: r["frame_ms"])
@@ -41,7 +41,7 @@ def test_a_pick_is_written_run_again_and_holds(command, small, tmp_path):
     held = tomllib.loads(written)
     assert held["mesh"] == {"size": fastest["size"], "edges_per_circle": 8, "order": 1}
     assert held["solve"]["policy"] == "auto"
-    assert "holds: " in told.stdout and "reuse below the tolerance: at 2 of 2 points" in told.stdout
+    assert "holds: " in reported.stdout and "reuse below the tolerance: at 2 of 2 points" in reported.stdout
     page = (tmp_path / "found" / "scene.md").read_text()
     for words in (
         "| mesh size |",
@@ -68,8 +68,15 @@ def chosen_of(tmp_path, monkeypatch, capsys, whole: dict, within, error) -> tupl
     def rerun(study, picked, path, within, error, on_run):
         ms, far = whole[picked["name"]]
         holds = (within is None or ms <= within) and (error is None or far < error)
-        told = {"name": picked["name"], "frame_ms": ms, "error": far, "uncertainty": 0.0, "frames": 90, "sampled": [0]}
-        return told | {"within": within, "below": error, "holds": holds, "problem": ""}
+        reported = {
+            "name": picked["name"],
+            "frame_ms": ms,
+            "error": far,
+            "uncertainty": 0.0,
+            "frames": 90,
+            "sampled": [0],
+        }
+        return reported | {"within": within, "below": error, "holds": holds, "problem": ""}
 
     monkeypatch.setattr(chosen, "rerun", rerun)
     monkeypatch.setattr(chosen, "write_scene", lambda case, picked, path: None)
@@ -89,7 +96,7 @@ def test_a_pick_that_does_not_hold_gives_way_to_the_next_of_the_front(tmp_path, 
     assert found["name"] == "fine" and found["holds"]
 
 
-def test_a_wish_that_no_pick_meets_is_told(tmp_path, monkeypatch, capsys):
+def test_a_wish_that_no_pick_meets_is_reported(tmp_path, monkeypatch, capsys):
     whole = {"coarse": (1.1, 0.03), "fine": (2.1, 0.025), "finest": (4.1, 0.022)}
     found, out = chosen_of(tmp_path, monkeypatch, capsys, whole, None, 0.02)
     assert not found["holds"] and found["name"] == "finest" and len(found["before"]) == 2
@@ -109,7 +116,7 @@ def test_a_quantity_at_a_singular_place_never_holds(monkeypatch, rates, converge
     assert (why == "") == converges
     if not converges:
         assert "peak does not converge: its error falls as h^0.10 (order 1), h^0.30 (order 2)" in why
-        told = {
+        reported = {
             "within": 5.0,
             "below": None,
             "frame_ms": 1.0,
@@ -118,8 +125,8 @@ def test_a_quantity_at_a_singular_place_never_holds(monkeypatch, rates, converge
             "frames": 9,
             "sampled": [0],
         }
-        told |= {"holds": False, "diverges": why}
-        assert "DOES NOT HOLD: peak does not converge" in chosen.chosen_line(told) and chosen.hopeless(told)
+        reported |= {"holds": False, "diverges": why}
+        assert "DOES NOT HOLD: peak does not converge" in chosen.chosen_line(reported) and chosen.hopeless(reported)
 
 
 def test_ranks_of_mpi_are_refused(small, tmp_path, monkeypatch, capsys):
@@ -145,7 +152,7 @@ def test_what_a_scene_says_stays_where_a_setting_is_written(small, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("--within", "16"), "'16' has no unit"),
         (("--within", "16 kg"), "is a mass, but a time is wanted"),
@@ -159,11 +166,11 @@ def test_what_a_scene_says_stays_where_a_setting_is_written(small, tmp_path):
         (("--write", "x.toml"), "nothing is picked"),
     ],
 )
-def test_bad_wishes_are_refused_before_any_work(small, tmp_path, capsys, words, told):
+def test_bad_wishes_are_refused_before_any_work(small, tmp_path, capsys, words, reported):
     scene, edits = small
     assert main(["accuracy", str(scene), "--edits", str(edits), "--out", str(tmp_path / "found"), *words]) == 2
     message = capsys.readouterr().err
-    assert told in message and "try: " in message
+    assert reported in message and "try: " in message
 
 
 def test_scenes_of_no_use_for_a_study_are_refused(small, tmp_path, capsys):
@@ -225,13 +232,13 @@ stretch = { displacement = "x", at = "b", reference = "2*P/3e9" }
 def test_a_static_scene_without_a_script_is_studied_on_its_first_shape(command, tmp_path):
     """A bar that is pulled: its elongation P L / E is known, and every mesh has it."""
     scene = write_scene(tmp_path, HEAD + STRIP, "bar.toml")
-    told = command("accuracy", scene, *QUICK, "--of", "stretch", "--out", "found", "--json", "found.json")
-    assert told.returncode == 0, told.stdout + told.stderr
+    reported = command("accuracy", scene, *QUICK, "--of", "stretch", "--out", "found", "--json", "found.json")
+    assert reported.returncode == 0, reported.stdout + reported.stderr
     records = json.loads((tmp_path / "found.json").read_text())
     assert all(record["error"] < 1e-6 and record["frame_ms"] > 0 for record in records) and len(records) >= 2
     page = (tmp_path / "found" / "bar.md").read_text()
     assert (
         "none: the first shape" in page
         and "stretch, closed form" in page
-        and "1 frames, errors at frames 0" in told.stdout
+        and "1 frames, errors at frames 0" in reported.stdout
     )

@@ -130,9 +130,9 @@ def test_a_reference_that_is_not_finished_asks_for_what_differs(tmp_path, monkey
     afford(monkeypatch, affordable)
 
     def refused(problem):
-        with pytest.raises(UserError) as told:
+        with pytest.raises(UserError) as reported:
             study(case, asked, lambda words: None, lambda job, seconds: Outcome([], problem))
-        return told.value
+        return reported.value
 
     late = refused("stopped after 20 s")
     assert late.what == "the reference was not finished after 20 s (--reference-seconds)"

@@ -76,10 +76,10 @@ def test_an_error_that_the_reference_cannot_tell_is_no_reason_to_pick():
         (5.0, 0.01, "0.03 in 4.0"),
     ],
 )
-def test_where_nothing_fits_the_nearest_is_told(within, error, words):
-    with pytest.raises(UserError) as told:
+def test_where_nothing_fits_the_nearest_is_reported(within, error, words):
+    with pytest.raises(UserError) as reported:
         picks(POINTS, within, error)
-    assert words in told.value.what and told.value.do
+    assert words in reported.value.what and reported.value.do
 
 
 def test_nothing_can_be_picked_from_nothing():

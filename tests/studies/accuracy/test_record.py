@@ -21,11 +21,11 @@ def frame(index: int, error: float, reuse: float, sag: float, estimate: float | 
     """A sampled frame as a process reports it."""
     parts = {"discretisation": error, "reuse": reuse, "algebraic": 0.0}
     own = {"discretisation": 0.1, "reuse": -0.02, "algebraic": 0.01}
-    told = {"index": index, "errors": {"energy": error}, "parts": {"energy": parts}, "quantities": {"sag": sag}}
-    return told | {"quantity_parts": {"sag": own}, "estimate": estimate}
+    printed = {"index": index, "errors": {"energy": error}, "parts": {"energy": parts}, "quantities": {"sag": sag}}
+    return printed | {"quantity_parts": {"sag": own}, "estimate": estimate}
 
 
-def told(*frames: dict, **other: object) -> Outcome:
+def printed(*frames: dict, **other: object) -> Outcome:
     """What a process reported of its point."""
     found = {"frames": list(frames), "refused": {}, "lost": {}, "tight_tolerance": 1e-9}
     found |= {"frame_ms": 3.0, "total_s": 0.1, "unknowns": 10, "elements": 9, "timed_frames": 4, "replayed": 8}
@@ -38,7 +38,7 @@ def made(outcome: Outcome, of: str = "field") -> dict:
 
 
 def test_the_worst_frame_counts_and_closed_forms_come_first():
-    found = made(told(frame(0, 0.02, 1e-8, 2.4), frame(7, 0.04, 1e-7, -4.2)))
+    found = made(printed(frame(0, 0.02, 1e-8, 2.4), frame(7, 0.04, 1e-7, -4.2)))
     assert (found["error"], found["error_median"]) == (0.04, pytest.approx(0.03))
     assert found["size"] == 0.025 and found["measure"] == "energy" and not found["below_reference"]
     assert found["parts"] == {"discretisation": 0.04, "algebraic": 0.0, "reuse": 1e-7} and found["reuse_holds"]
@@ -49,7 +49,7 @@ def test_the_worst_frame_counts_and_closed_forms_come_first():
 
 
 def test_a_quantity_may_be_what_counts():
-    found = made(told(frame(0, 0.02, 0.0, 2.5), frame(7, 0.04, 0.0, -4.01)), "sag")
+    found = made(printed(frame(0, 0.02, 0.0, 2.5), frame(7, 0.04, 0.0, -4.01)), "sag")
     assert found["measure"] == "q_sag" and found["error"] == pytest.approx(0.0025) and found["below_reference"]
     assert found["parts"] == {
         name: pytest.approx(v / 4) for name, v in (("discretisation", 0.1), ("algebraic", 0.01), ("reuse", 0.02))
@@ -57,7 +57,7 @@ def test_a_quantity_may_be_what_counts():
 
 
 def test_reuse_beyond_the_tolerance_is_a_failure():
-    good, bad = (made(told(frame(0, 0.02, reuse, 2.4))) for reuse in (1e-6, 2e-6))
+    good, bad = (made(printed(frame(0, 0.02, reuse, 2.4))) for reuse in (1e-6, 2e-6))
     assert good["reuse_holds"] is True and bad["reuse_holds"] is False
     assert reuse_holds(SimpleNamespace(records=[good])) and not reuse_holds(SimpleNamespace(records=[good, bad]))
     assert "FAILURE" in reuse_fact(SimpleNamespace(records=[good, bad]))
@@ -67,15 +67,15 @@ def test_reuse_that_is_known_nowhere_does_not_hold():
     unknown = SimpleNamespace(records=[made(Outcome([], "stopped"))])
     assert not reuse_holds(unknown) and "not known at any point" in reuse_fact(unknown)
     assert "not known at any point" in solver_fact(unknown)
-    unknown.records.append(made(told(frame(0, 0.02, 1e-6, 2.4))))
+    unknown.records.append(made(printed(frame(0, 0.02, 1e-6, 2.4))))
     assert reuse_holds(unknown) and "at 1 of 2 points" in reuse_fact(unknown)
 
 
-def test_what_failed_is_told_with_its_reason_and_without_folders():
+def test_what_failed_is_reported_with_its_reason_and_without_folders():
     stopped = made(Outcome([], "ended with code 1: /somewhere/deep/inside/loop.py broke"))
     assert stopped["error"] is None and stopped["parts"] is None and stopped["problem"].endswith(": loop.py broke")
     lost = made(
-        told(frame(0, 0.02, 0.0, 2.4), {"index": 7, "problem": "refused: too thin"}, refused={"3": "thin\n  try: x"})
+        printed(frame(0, 0.02, 0.0, 2.4), {"index": 7, "problem": "refused: too thin"}, refused={"3": "thin\n  try: x"})
     )
     assert lost["problem"] == "frame 7: refused: too thin; 1 frames have no solution, the first one is 3: thin"
     mark_pareto([stopped, lost])

@@ -33,8 +33,8 @@ KEYS = ["size", "order", "policy", "tolerance", "error", "parts", "frame_ms", "t
 
 def play(job: Job, seconds: float) -> Outcome:
     """What a job reports, run here."""
-    told = json.loads(json.dumps(measure(request(job), **job.details)))
-    return Outcome([], found=told)
+    reported = json.loads(json.dumps(measure(request(job), **job.details)))
+    return Outcome([], found=reported)
 
 
 def energy() -> float:

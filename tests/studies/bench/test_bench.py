@@ -47,12 +47,12 @@ def timed_run(fps, p50):
 
 def run_here(job):
     """What a job tells, run in this process."""
-    told = {"row": [], "regret": [None]}
+    reported = {"row": [], "hindsight": [None]}
     earlier = EventCounts().since_last() if job.count else {}
-    (hindsight_cost if job.hindsight_cost else play)(job, lambda kind, content: told[kind].append(content))
+    (hindsight_cost if job.hindsight_cost else play)(job, lambda kind, content: reported[kind].append(content))
     for name, number in earlier.items():
-        told["row"][0]["events"][name] -= number
-    return Outcome(told["row"], hindsight_cost=told["regret"][-1])
+        reported["row"][0]["events"][name] -= number
+    return Outcome(reported["row"], hindsight_cost=reported["hindsight"][-1])
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +135,7 @@ def test_ratios_compare_runs_of_one_turn():
     assert ratios(auto, [timed_run(0, 0)] * 3)["fps"] is None
 
 
-def test_policies_take_turns_and_the_median_is_told(tmp_path):
+def test_policies_take_turns_and_the_median_is_reported(tmp_path):
     played, speed = [], {"rebuild": iter((8.0, 30.0, 10.0)), "auto": iter((1.0, 2.0, 4.0))}
 
     def play(job):
@@ -154,7 +154,7 @@ def test_policies_take_turns_and_the_median_is_told(tmp_path):
     assert found["auto"]["events"] == {"KSPSolve": 4} and len(found["auto"]["runs"]) == 3
 
 
-def test_regret_is_a_ratio_of_costs_and_never_below_one(tmp_path):
+def test_the_cost_in_hindsight_is_a_ratio_of_costs_and_never_below_one(tmp_path):
     scene = write_scene(tmp_path, plate(0.3))
     script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 6)))
     found = reuse.hindsight(Job(str(scene), str(script), "auto"), run_here)
@@ -162,15 +162,15 @@ def test_regret_is_a_ratio_of_costs_and_never_below_one(tmp_path):
     assert f"{found['ratio']:.3f} times" in hindsight_line(found)
 
 
-def test_regret_that_cannot_be_measured_loses_nothing(tmp_path):
+def test_a_cost_in_hindsight_that_cannot_be_measured_loses_nothing(tmp_path):
     def play(job):
         if job.hindsight_cost:
             raise UserError("a frame has several solves")
         return Outcome([row(3), row(1)])
 
     found = compare(Case("a", tmp_path, tmp_path), Plan(("auto",), 1, hindsight_cost=True), lambda words: None, play)
-    assert found["auto"]["regret"] == {"problem": "a frame has several solves"} and found["auto"]["fps"] > 0
-    assert "several solves" in hindsight_line(found["auto"]["regret"])
+    assert found["auto"]["hindsight"] == {"problem": "a frame has several solves"} and found["auto"]["fps"] > 0
+    assert "several solves" in hindsight_line(found["auto"]["hindsight"])
 
 
 def test_a_replay_that_ends_early_is_no_result(tmp_path):
@@ -213,7 +213,7 @@ def test_a_process_that_takes_too_long_is_ended(tmp_path):
     assert all(set(row) >= {"level", "ms"} for row in outcome.rows)
 
 
-def test_a_bad_script_is_told_as_in_a_replay(tmp_path):
+def test_a_bad_script_is_reported_as_in_a_replay(tmp_path):
     scene, script = write_scene(tmp_path, plate(0.3)), write_script(tmp_path, [{"do": "fly"}])
     with pytest.raises(UserError, match="line 2"):
         run(Job(str(scene), str(script), "auto"))
@@ -256,7 +256,7 @@ def test_exponents_are_those_of_the_upper_half():
     assert fits["2"] is None and fits["3"] is None
 
 
-def test_a_size_that_runs_out_of_time_or_memory_is_told(tmp_path):
+def test_a_size_that_runs_out_of_time_or_memory_is_reported(tmp_path):
     outcomes = iter([Outcome([row(3, 9.0)], "stopped after 3 s"), Outcome([], "killed by the system")])
     small, large = measure(tmp_path, [1e3, 1e6], tmp_path, 60.0, play=lambda job, seconds: next(outcomes))
     assert small["problem"] == "stopped after 3 s" and small["first_frame_ms"] == 9.0

@@ -63,7 +63,7 @@ def test_size_for_programs_and_people(tmp_path, command):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("reuse", "--policies", "auto,fast"), ("fast", "rebuild")),
         (("reuse", "nowhere.toml"), ("nowhere.toml",)),
@@ -79,11 +79,11 @@ def test_size_for_programs_and_people(tmp_path, command):
         (("size", "--to", 2e3, "--out", "small.toml"), ("--out", "cannot be written")),
     ],
 )
-def test_bad_input(command, scene, words, told):
+def test_bad_input(command, scene, words, reported):
     done = command("bench", *words)
     assert done.returncode == 2 and done.stdout == "" and "Traceback" not in done.stderr
     assert " try: " in done.stderr
-    for word in told:
+    for word in reported:
         assert word in done.stderr
 
 
@@ -94,5 +94,5 @@ def test_a_scene_without_a_script(tmp_path, command, scene):
 
 
 def test_the_help_names_both_studies(command):
-    told = command("bench", "--help").stdout
-    assert "reuse" in told and "size" in told
+    reported = command("bench", "--help").stdout
+    assert "reuse" in reported and "size" in reported

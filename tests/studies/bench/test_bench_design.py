@@ -68,7 +68,7 @@ def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("predict", "small.toml", "--repeat", 0), ("--repeat",)),
         (("predict", SCENES / "pins.toml"), ("cloth is not predicted yet",)),
@@ -80,11 +80,11 @@ def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
         (("derivative", "nowhere.toml"), ("nowhere.toml",)),
     ],
 )
-def test_what_cannot_be_measured(tmp_path, command, scene, words, told):
+def test_what_cannot_be_measured(tmp_path, command, scene, words, reported):
     write_script(tmp_path, [{"do": "idle"}], "still.jsonl")
     done = command("bench", *words)
     assert done.returncode == 2, done.stderr
-    assert all(word in done.stderr for word in told), done.stderr
+    assert all(word in done.stderr for word in reported), done.stderr
 
 
 @pytest.mark.slow

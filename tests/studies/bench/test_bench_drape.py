@@ -50,7 +50,7 @@ def test_a_run_that_takes_too_long_is_given_up(tmp_path, command):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("sphere.toml", "--ways", "auto,fast"), ("fast", "--ways", "kinetic")),
         (("sphere.toml", "--bending", "cubic"), ("cubic", "morley")),
@@ -58,7 +58,7 @@ def test_a_run_that_takes_too_long_is_given_up(tmp_path, command):
         (("plate.toml", "--bending", "", "--ways", "auto"), ("effects.drape",)),
     ],
 )
-def test_bad_input(command, words, told):
+def test_bad_input(command, words, reported):
     done = command("bench", "drape", SCENES / words[0], *words[1:])
     assert done.returncode == 2 and "Traceback" not in done.stderr
-    assert all(word in done.stderr for word in told)
+    assert all(word in done.stderr for word in reported)

@@ -106,7 +106,7 @@ def test_an_effect_that_swaps_a_kernel_for_another_has_the_elements_of_its_own(t
 
 
 @pytest.mark.slow
-def test_cloth_on_a_ball_is_told_what_can_be_told_of_it(tmp_path):
+def test_of_cloth_on_a_ball_all_that_is_known_is_reported(tmp_path):
     scene = Path(__file__).parents[2] / "scenes" / "sphere.toml"
     words = ["explain", str(scene), "--set", "mesh.size=0.1", "--frames", "2", "--seconds", "0"]
     assert main([*words, "--json", str(tmp_path / "found.json")]) == 0
@@ -131,16 +131,16 @@ def test_cloth_on_a_ball_is_told_what_can_be_told_of_it(tmp_path):
 def test_several_ranks_are_refused(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "0")
     assert main(["explain", str(write_scene(tmp_path, plate(0.3)))]) == 2
-    told = capsys.readouterr().err
-    assert "on one rank" in told and "without mpiexec" in told
+    reported = capsys.readouterr().err
+    assert "on one rank" in reported and "without mpiexec" in reported
 
 
 @pytest.mark.slow
 def test_a_scene_without_edits_is_priced_by_its_first_frame(tmp_path, capsys):
     scene = write_scene(tmp_path, plate(0.3))
     assert main(["explain", str(scene), "--seconds", "0"]) == 0
-    told = capsys.readouterr().out
-    assert "the first frame, for there is no script" in told and "nothing calls for it" in told
+    reported = capsys.readouterr().out
+    assert "the first frame, for there is no script" in reported and "nothing calls for it" in reported
 
 
 @pytest.mark.slow
@@ -156,5 +156,5 @@ def test_a_scene_without_edits_is_priced_by_its_first_frame(tmp_path, capsys):
 def test_bad_input_is_refused(tmp_path, capsys, words, message):
     scene = write_scene(tmp_path, plate(0.3))
     assert main(["explain", str(scene), *words]) == 2
-    told = capsys.readouterr().err
-    assert message in told and "Traceback" not in told
+    reported = capsys.readouterr().err
+    assert message in reported and "Traceback" not in reported

@@ -63,7 +63,7 @@ main()
         ("time.sleep(60)", "hang", "reported nothing for 4 s"),
     ],
 )
-def test_what_breaks_is_told_and_kept(tmp_path, monkeypatch, then, kind, words):
+def test_what_breaks_is_reported_and_kept(tmp_path, monkeypatch, then, kind, words):
     (tmp_path / "broken_process.py").write_text(BROKEN.format(when='app = \\"plane\\"', then=then))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path) + os.pathsep + os.environ.get("PYTHONPATH", ""))
     monkeypatch.setattr("restshape_studies.stability.fuzz.PROCESS", "broken_process")
@@ -84,8 +84,8 @@ def test_what_breaks_is_told_and_kept(tmp_path, monkeypatch, then, kind, words):
 @pytest.mark.slow
 def test_command(tmp_path, capsys):
     assert main(["stability", "--fuzz", "5", "--seed", "1", "--json", str(tmp_path / "a.json")]) == 0
-    told = json.loads((tmp_path / "a.json").read_text())
-    assert told["examples"] >= 5 and told["faults"] == [] and told["seed"] == 1 and "messages" in told
+    printed = json.loads((tmp_path / "a.json").read_text())
+    assert printed["examples"] >= 5 and printed["faults"] == [] and printed["seed"] == 1 and "messages" in printed
     assert "fuzz of seed 1" in capsys.readouterr().out
     assert main(["stability", "--fuzz", "5", "--policy", "auto"]) == 2
 

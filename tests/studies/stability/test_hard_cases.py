@@ -43,7 +43,7 @@ def test_wrong_numbers_fail():
     assert not next(iter(sound(rows, 1))).holds
 
 
-def told(monkeypatch, **made):
+def shown_text(monkeypatch, **made):
     """The rows of cases made up here, by name."""
     monkeypatch.setattr(verification, "HARD", {name: Case(run) for name, run in made.items()})
     return cases()
@@ -62,7 +62,7 @@ def test_a_case_that_fails_ends_with_1(monkeypatch, tmp_path):
         """Refused."""
         raise UserError("no", "there", "that")
 
-    known = told(monkeypatch, good=good, bad=bad, refused=refused)
+    known = shown_text(monkeypatch, good=good, bad=bad, refused=refused)
     rows = {n: run_case(n, known[f"plane.{n}"], Trial(tmp_path)) for n in ("good", "bad", "refused")}
     assert [row["holds"] for row in rows.values()] == [True, False, False]
     assert rows["bad"]["must"] == "second at most 1" and rows["bad"]["value"] == 2.0

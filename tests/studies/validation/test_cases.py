@@ -67,5 +67,7 @@ def test_a_case_of_an_application_that_is_not_installed(monkeypatch, capsys):
 
 def test_the_list_names_all_cases(capsys):
     assert main(["validate", "--list"]) == 0
-    told = capsys.readouterr().out.splitlines()
-    assert [line.partition(":")[0] for line in told] == list(CASES) and all(line.partition(": ")[2] for line in told)
+    reported = capsys.readouterr().out.splitlines()
+    assert [line.partition(":")[0] for line in reported] == list(CASES) and all(
+        line.partition(": ")[2] for line in reported
+    )

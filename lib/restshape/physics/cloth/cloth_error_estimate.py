@@ -58,7 +58,7 @@ class ClothEstimate:
     Args:
         problem: the cloth; its mesh is kept by reference: nodes may move, after `update`.
 
-    Source: docs/theory.md, section "Error estimates"; Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337.
+    Source: docs/theory/error-estimates.md; Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337.
     """
 
     def __init__(self, problem: EstimatedCloth) -> None:

@@ -48,7 +48,7 @@ class ClothProblem(Problem):
         boundary: prescribed unknowns; lumped: areas and masses of the nodes.
         softness: part of the membrane's stiffness that there is.
 
-    Source: docs/theory.md, section "Cloth".
+    Source: docs/theory/cloth.md.
     """
 
     name = "drape"

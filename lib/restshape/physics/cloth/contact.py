@@ -65,7 +65,7 @@ class Contact:
     Attributes:
         history: of friction; it changes in `update_friction` only.
 
-    Source: docs/theory.md, section "Cloth".
+    Source: docs/theory/cloth.md.
     """
 
     def __init__(

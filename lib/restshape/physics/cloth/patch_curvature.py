@@ -22,7 +22,7 @@ class PatchCurvature:
         X: (n, 2) material coordinates [m].
         cells: (ne, 3) nodes of triangles.
 
-    Source: docs/theory.md, section "Error estimates".
+    Source: docs/theory/error-estimates.md.
     """
 
     def __init__(self, X: np.ndarray, cells: np.ndarray) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 Condition = tuple[tuple[float, float], ...]
-"""Directions (x, y), of length 1, in which a side of a corner is held: none is free, two are clamped."""
+"""Directions (x, y), of length 1, in which a side of a corner is constrained: none is free, two are clamped."""
 FREE: Condition = ()
 CLAMPED: Condition = ((1.0, 0.0), (0.0, 1.0))
 
@@ -30,8 +30,8 @@ def exponent(angle: float, first: Condition, last: Condition, kappa: float) -> c
 
     Args:
         angle: of the body at the corner [rad], counter-clockwise from the first side to the last one.
-        first, last: directions in which the sides are held, in axes of which x points along the first side.
-        kappa: Kolosov's constant, where a side is held.
+        first, last: directions in which the sides are constrained, in axes of which x points along the first side.
+        kappa: Kolosov's constant, where a side is constrained.
 
     Returns:
         None where stress stays finite: no exponent has a real part below 0.999.
@@ -82,15 +82,15 @@ def _determinant(lam: np.ndarray, angle: float, first: Condition, last: Conditio
     return np.linalg.det(np.moveaxis(np.array(rows), -1, 0))
 
 
-def _conditions(lam: np.ndarray, theta: float, held: Condition, kappa: float) -> list[list[np.ndarray]]:
+def _conditions(lam: np.ndarray, theta: float, constrained: Condition, kappa: float) -> list[list[np.ndarray]]:
     """Two rows of four columns (n,): the terms of the stress function in the conditions of a side."""
     displacement, stress = _fields(lam, theta, kappa)
     radial, around = (np.cos(theta), np.sin(theta)), (-np.sin(theta), np.cos(theta))
-    if len(held) == 2:
+    if len(constrained) == 2:
         return [displacement[0], displacement[1]]
-    if not held:
+    if not constrained:
         return [stress[0], stress[1]]
-    along = held[0]
+    along = constrained[0]
     across = (-along[1], along[0])
 
     def part(pair: list[list[np.ndarray]], d: tuple[float, float]) -> list[np.ndarray]:

@@ -44,7 +44,7 @@ class RecoveryModeEstimate(ABC):
     Args:
         body: what vibrates; kept by reference.
 
-    Source: docs/theory.md, section 9.
+    Source: docs/theory/error-estimates.md.
     """
 
     def __init__(self, body: EstimatedBody) -> None:

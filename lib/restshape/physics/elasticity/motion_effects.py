@@ -1,4 +1,4 @@
-"""Effects of elastic solids that move: keys of ``[effects]`` for motion in time, shaking ground and damping."""
+"""Effects of elastic solids that move: keys of ``[effects]`` for motion in time, ground acceleration and damping."""
 
 from dataclasses import replace
 from typing import Annotated, Literal, Self

@@ -68,7 +68,7 @@ class PlaneSolid(TransientProblem):
     Raises:
         UserError: the supports leave the body free to move, or a part of it has no material.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
 
     name, name_in_time, time_step_key = "solid", "motion", "effects.dynamics.time_step"

@@ -18,7 +18,7 @@ class PrestressedSolid(PlaneSolid):
 
     Arguments as in `PlaneSolid`.
 
-    Source: docs/theory.md, section 8.
+    Source: docs/theory/buckling.md.
     """
 
     def geometric_stiffness(self, u: np.ndarray, factor: float = 1.0) -> Integral:

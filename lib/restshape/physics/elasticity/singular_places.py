@@ -41,9 +41,9 @@ def singular_places(scene: Scene, outline: Outline) -> list[SingularPlace]:
 
     Between materials corners count as those of one body, and the load between vertices as smooth.
     """
-    held, points = _supports(scene, outline), _points(scene, outline)
+    constrained, points = _supports(scene, outline), _points(scene, outline)
     found = [SingularPlace(v, outline.vertex_names[v], cause, 0.0) for v, cause in points.items()]
-    corners = (_place(scene, outline, held, corner) for corner in _corners(outline))
+    corners = (_place(scene, outline, constrained, corner) for corner in _corners(outline))
     return found + [place for place in corners if place is not None and place.vertex not in points]
 
 
@@ -116,18 +116,18 @@ def _direction(outline: Outline, edge: int, s: float) -> np.ndarray:
 
 
 def _supports(scene: Scene, outline: Outline) -> dict[int, set[str]]:
-    """The axes in which each held edge is held."""
-    held: dict[int, set[str]] = {}
+    """The axes in which each constrained edge is constrained."""
+    constrained: dict[int, set[str]] = {}
     for support in scene.supports.values():
         for entity in map(outline.entity, support.on):
             loops = [edge for loop in entity.loops for edge, _ in outline.loops[loop].edges]
             for edge in (*entity.edges, *loops):
-                held.setdefault(edge, set()).update(set("xy").intersection(support.fix))
-    return held
+                constrained.setdefault(edge, set()).update(set("xy").intersection(support.fix))
+    return constrained
 
 
 def _points(scene: Scene, outline: Outline) -> dict[int, str]:
-    """Vertices that are loaded or held as points, with the cause."""
+    """Vertices that are loaded or constrained as points, with the cause."""
     found = {}
     on_edges = {v for edge in _supports(scene, outline) for v in (outline.edges[edge].start, outline.edges[edge].end)}
     for support in scene.supports.values():
@@ -141,9 +141,9 @@ def _points(scene: Scene, outline: Outline) -> dict[int, str]:
     return found
 
 
-def _place(scene: Scene, outline: Outline, held: dict[int, set[str]], corner: _Corner) -> SingularPlace | None:
+def _place(scene: Scene, outline: Outline, constrained: dict[int, set[str]], corner: _Corner) -> SingularPlace | None:
     """What a corner is; None where stress is bounded."""
-    axes = [held.get(corner.after, set()), held.get(corner.before, set())]
+    axes = [constrained.get(corner.after, set()), constrained.get(corner.before, set())]
     same = axes[0] == axes[1] and len(axes[0]) != 1
     if same and corner.angle < np.pi * (1.0 + SMALL):
         return None
@@ -159,7 +159,7 @@ def _place(scene: Scene, outline: Outline, held: dict[int, set[str]], corner: _C
 
 
 def _condition(axes: set[str], turned: dict[str, tuple[float, float]]) -> Condition:
-    """The held directions of a side in axes of which x points along the corner's first side."""
+    """The constrained directions of a side in axes of which x points along the corner's first side."""
     return ((1.0, 0.0), (0.0, 1.0)) if len(axes) == 2 else tuple(turned[axis] for axis in axes)
 
 

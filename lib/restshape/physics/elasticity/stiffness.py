@@ -23,7 +23,7 @@ def isotropic(E: float, nu: float) -> np.ndarray:
 
 
 def lame(material: Material, stress: bool) -> tuple[float, float]:
-    """Lame coefficients (lambda, mu) [Pa]; plane stress takes lambda* (docs/theory.md, section 2)."""
+    """Lame coefficients (lambda, mu) [Pa]; plane stress takes lambda* (docs/theory/solids.md)."""
     E, nu = material.E, material.nu
     return (E * nu / (1 - nu**2) if stress else E * nu / ((1 + nu) * (1 - 2 * nu))), E / (2 * (1 + nu))
 

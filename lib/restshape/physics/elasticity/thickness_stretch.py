@@ -24,7 +24,7 @@ def thickness_stretch(
     Returns:
         (ne, m), or (ne,) at centroids.
 
-    Source: docs/theory.md, section 2.
+    Source: docs/theory/solids.md.
     """
     ratios = np.full(len(cells), ratio) if np.ndim(ratio) == 0 else ratio
     found = _kernels.thickness_stretch(X, x, cells, ratios, CENTRE if points is None else points)

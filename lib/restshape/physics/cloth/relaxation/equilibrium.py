@@ -54,7 +54,7 @@ class EquilibriumSolver:
     Attributes:
         on_iterate: called with this solver, positions (n, 3) and residual over load at each iterate of any method.
 
-    Source: docs/theory.md, section "Cloth".
+    Source: docs/theory/cloth.md.
     """
 
     def __init__(

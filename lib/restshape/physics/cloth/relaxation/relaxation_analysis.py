@@ -49,7 +49,7 @@ class RelaxationAnalysis:
         age: frames in which nothing was solved since the solver was made.
         watch: called with the solver, positions (n, 3) and residual over load at each iterate.
 
-    Source: docs/theory.md, section "Cloth".
+    Source: docs/theory/cloth.md.
     """
 
     estimated_quantity = "strain of the cloth in the energy norm"

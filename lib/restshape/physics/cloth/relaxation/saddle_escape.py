@@ -21,7 +21,7 @@ class SaddleEscape:
     Args:
         solver: of the equilibria.
 
-    Source: docs/theory.md, section "Cloth".
+    Source: docs/theory/cloth.md.
     """
 
     def __init__(self, solver: EquilibriumSolver) -> None:
