@@ -1,9 +1,9 @@
-"""Writes the types of the extension modules, as pybind11 states them, into a stub `_kernels.pyi` beside each.
+"""Writes stubs: the types of extension modules, as pybind11 states them, and the names of the compiled elements.
 
 python scripts/stubs.py            write them
 python scripts/stubs.py --check    compare; exit code 1 where one differs from the module that is built
 
-Stubs hold no docstrings: those stand where the functions are bound, and in the modules.
+Each stub stands beside its module, without docstrings: those stand where the functions are bound, and in the modules.
 """
 
 import argparse
@@ -11,6 +11,8 @@ import ast
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -18,6 +20,7 @@ MODULES = {
     "restshape._kernels": ROOT / "lib/restshape/_kernels.pyi",
     "restshape_apps.furniture._kernels": ROOT / "apps/furniture/_kernels.pyi",
 }
+ELEMENTS = ROOT / "lib/restshape/fem/elements.pyi"
 
 
 def main() -> int:
@@ -25,8 +28,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Writes the stubs of the extension modules.")
     parser.add_argument("--check", action="store_true", help="compare them with the modules that are built")
     check, differ = parser.parse_args().check, False
-    for module, path in MODULES.items():
-        found = stub(module)
+    for path, write in stubs().items():
+        found = write()
         if check and (not path.exists() or not same(found, path.read_text(encoding="utf-8"))):
             print(f"{path.relative_to(ROOT)} is not that of the module that is built: run python scripts/stubs.py")
             differ = True
@@ -35,6 +38,19 @@ def main() -> int:
             subprocess.run([sys.executable, "-m", "ruff", "format", "--quiet", str(path)], check=True)
             print(f"wrote {path.relative_to(ROOT)}")
     return int(differ)
+
+
+def stubs() -> Mapping[Path, Callable[[], str]]:
+    """What writes the text of each stub."""
+    return {path: partial(stub, module) for module, path in MODULES.items()} | {ELEMENTS: elements_stub}
+
+
+def elements_stub() -> str:
+    """The stub of `restshape.fem.elements`: a symbol for each family that is compiled, and no other."""
+    from restshape.fem.elements import families
+
+    lines = ["from restshape.fem.family import Family as Family", "", "def families() -> dict[str, Family]: ...", ""]
+    return "\n".join([*lines, *(f"{symbol}: Family" for symbol in sorted(families())), ""])
 
 
 def stub(module: str) -> str:

@@ -1,4 +1,4 @@
-"""The stubs of the extension modules say what the modules that are built take and give."""
+"""The stubs say what the modules that are built take and give, and which elements are compiled."""
 
 import subprocess
 import sys

@@ -1,40 +1,13 @@
 """Elements as names of this module: a family such as LINEAR_ELASTIC, from which its shape is taken: FAMILY["tri6"].
 
 The names are those of the compiled elements' families in capitals, so a family that does not exist is an ImportError.
+The type checker reads them in `elements.pyi`, which `scripts/stubs.py` writes.
 """
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
-
 from restshape import _kernels
+from restshape.fem.family import Family
 
-
-class Family(Mapping[str, _kernels.Element]):
-    """The elements of one law or effect, by the shape of their cells.
-
-    Args:
-        name: of the family, as the compiled elements say it.
-        members: an element a shape.
-    """
-
-    def __init__(self, name: str, members: dict[str, _kernels.Element]) -> None:
-        self.name = name
-        self._members = members
-
-    def __getitem__(self, shape: str) -> _kernels.Element:
-        try:
-            return self._members[shape]
-        except KeyError:
-            raise KeyError(f"no {self.name} on {shape}: it is on {', '.join(self._members)}") from None
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._members)
-
-    def __len__(self) -> int:
-        return len(self._members)
-
-    def __repr__(self) -> str:
-        return f"Family({self.name!r}: {', '.join(self._members)})"
+__all__ = ["Family", "families"]
 
 
 def families() -> dict[str, Family]:
@@ -45,9 +18,4 @@ def families() -> dict[str, Family]:
     return {name.upper(): Family(name, members) for name, members in found.items()}
 
 
-if TYPE_CHECKING:
-
-    def __getattr__(name: str) -> Family: ...
-
-else:
-    globals().update(families())
+globals().update(families())

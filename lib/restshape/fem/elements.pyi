@@ -1,0 +1,32 @@
+from restshape.fem.family import Family as Family
+
+def families() -> dict[str, Family]: ...
+
+ANISOTROPIC: Family
+CONDUCTION: Family
+GEOMETRIC: Family
+GEOMETRIC_DILATATION: Family
+HEAT_CAPACITY: Family
+HINGE: Family
+HINGE_MIRRORED: Family
+HINGE_NONLINEAR: Family
+HINGE_NONLINEAR_MIRRORED: Family
+LINEAR_ELASTIC: Family
+LINEAR_ELASTIC_DILATATION: Family
+LUMPED_HEAT_CAPACITY: Family
+LUMPED_MASS: Family
+MASS: Family
+MASS_PLATE: Family
+MEMBRANE: Family
+MEMBRANE_COROTATED: Family
+MEMBRANE_STABILISED: Family
+MORLEY: Family
+OSEEN: Family
+PLATE: Family
+POTENTIAL: Family
+PRESSURE: Family
+STOKES: Family
+STVK: Family
+STVK_DILATATION: Family
+SURFACE_HEAT: Family
+TRACTION: Family
