@@ -341,17 +341,24 @@ def test_nothing_is_an_idle_frame():
     assert MeshUpdate.nothing().level == 0 and not len(MeshUpdate.nothing().changed_cells)
 
 
+def test_its_dimension_is_that_of_the_mesh_it_has():
+    mesh = MovingMesh(plate(), MeshSpec(size=0.3))
+    with pytest.raises(RuntimeError):
+        _ = mesh.dim
+    mesh.state = SimpleNamespace(generated=SimpleNamespace(mesh=SimpleNamespace(dim=3)))
+    assert mesh.dim == 3
+
+
 @pytest.mark.parametrize("kind", ["harmonic", "mvc", "laplacian"])
 @pytest.mark.parametrize("spec", [{}, {"order": 2}, {"levels": 2}])
 def test_its_motion_has_the_dimension_of_the_mesh(kind, spec):
     outline = plate()
     mesh = MovingMesh(outline, MeshSpec(size=0.3, relocation=kind, **spec), order_of=lambda scene: spec.get("order", 1))
-    known = mesh.dim
     hand, gesture = Hand(outline, mesh.spec), gestures.drag(outline, outline.entity("window"))
     mesh.update(hand.frame("start", "start"))
     mesh.update(hand.frame("press", "none", gesture))
     nodes = mesh.field_mesh
-    assert known == mesh.dim == nodes.dim == nodes.X.shape[1]
+    assert mesh.dim == nodes.dim == nodes.X.shape[1]
     assert mesh.field_motion.shape == (2, len(nodes.X), mesh.dim)
     # A unit of the hand's second coefficient takes the nodes of the hole along the second axis.
     np.testing.assert_allclose(

@@ -151,8 +151,12 @@ class MovingMesh:
 
     @property
     def dim(self) -> int:
-        """Coordinates d of a node, as of the meshes of all outlines; before the first frame too."""
-        return Mesh.dim
+        """Dimension of the cells of the mesh.
+
+        Raises:
+            RuntimeError: there is none before the first frame.
+        """
+        return self.mesh.dim
 
     @property
     def field_mesh(self) -> Mesh | LagrangeSpace:
