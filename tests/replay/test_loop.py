@@ -120,6 +120,34 @@ def test_a_refused_value_is_taken_back(tmp_path):
     assert rows[5]["q_stretch"] == pytest.approx(rows[0]["q_stretch"], rel=1e-5)
 
 
+MOTION = "[effects.dynamics]\ntime_step = 1e-4\n"
+EFFECTS = (
+    ("plane", ""),
+    ("plane", "[effects.large_deformation]\n"),
+    ("plane", "[effects.buckling]\n"),
+    ("vibration", MOTION),
+    ("vibration", MOTION + "[effects.large_deformation]\n"),
+)
+
+
+@pytest.mark.parametrize(("app", "effects"), EFFECTS)
+def test_a_frame_without_a_solution_is_taken_back_by_one_assignment(tmp_path, app, effects):
+    path = [(2.02, 0.5), (2.06, 0.5), (2.01, 0.5)]
+    scene = write_scene(tmp_path, FORMULA.replace('"plane"', f'"{app}"') + effects)
+    made = make_replay(scene, write_script(tmp_path, drag("right", (2.0, 0.5), path)))
+    known, refused = {}, []
+    for row in made.frames():
+        present = dict(vars(made.analysis))
+        if row["refused"]:
+            refused.append(row["index"])
+            assert {name for name, value in present.items() if value is not known[name]} == {"state"}
+            before, state = vars(known["state"]), vars(present["state"])
+            assert {name for name, value in state.items() if value is not before[name]} == {"interrupted"}
+        assert made.analysis.state.interrupted == bool(row["refused"])
+        known = present
+    assert refused == [3]
+
+
 def test_taking_the_supports_away_is_refused(tmp_path):
     events = [
         {"do": "set", "key": "supports.wall.fix", "value": ["x"]},

@@ -93,7 +93,8 @@ class Analysis(Protocol):
     """Computes the answer of each frame of an edit, from that of the frame before.
 
     Attributes:
-        state: frozen; `solve` replaces it, and a failed `solve` leaves it. Versions in it decide what is stale.
+        state: frozen; `solve` replaces it, and one that fails assigns that of before, marked as interrupted. Versions
+            in it decide what is stale.
         space: of the last solution; None before the first.
         estimated_quantity: what the estimates of `errors` are of.
         why_not: why frames cannot be predicted where there is no predictor, and what to do.

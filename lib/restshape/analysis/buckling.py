@@ -57,7 +57,6 @@ class BucklingAnalysis:
         state: the load factors of its state.
         solver: of the eigenproblem; verified: the shape whose load factors an inertia count has checked last.
         modes_shown: load factors in the recording, which has the columns that it began with.
-        interrupted: the last solve has failed.
 
     Source: docs/theory/buckling.md.
     """
@@ -74,7 +73,6 @@ class BucklingAnalysis:
         self.verified = VerifiedShape()
         self.state = BucklingState(self.prebuckling.state)
         self.modes_shown = buckling_settings(plan).modes
-        self.interrupted = False
 
     @property
     def predictor(self) -> BucklingPrediction:
@@ -124,9 +122,8 @@ class BucklingAnalysis:
                 report = self._verify(report)
         except (ReplayProblem, UserError):
             self.prebuckling.rollback(before.prebuckling)
-            self.state, self.interrupted = before, True
+            self.state = replace(before, interrupted=True)
             raise
-        self.interrupted = False
         return report
 
     def observe(self) -> dict[str, float]:
@@ -198,7 +195,7 @@ class BucklingAnalysis:
         """Solve for the load factors of the new equilibrium, whose solve is reported."""
         before, prebuckling, stages = self.state, self.prebuckling.state, self.context.stages
         new_mesh = prebuckling.space is not before.prebuckling.space
-        new_system = new_mesh or self.interrupted or prebuckling.scene is not before.prebuckling.scene
+        new_system = new_mesh or before.interrupted or prebuckling.scene is not before.prebuckling.scene
         state = bound(before, prebuckling, self.solver, frame, self.context) if new_system else before
         if not new_mesh and prebuckling.topology != before.prebuckling.topology:
             state = flipped(state, self.solver, frame, self.context)
@@ -232,7 +229,7 @@ class BucklingAnalysis:
             modes = self._with_ids(state, found)
         if report.inertia_checked:
             self.verified.update(state.prebuckling.problem.space)
-        return replace(state, modes=modes, predicted=False, report=report)
+        return replace(state, modes=modes, predicted=False, report=report, interrupted=False)
 
     def _with_ids(self, state: BucklingState, found: Found) -> BucklingModes:
         """The modes with ids as those before that they look like; those of the first frame in their order."""

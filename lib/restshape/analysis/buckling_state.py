@@ -54,6 +54,7 @@ class BucklingState:
         most: the load factor beyond which there is none.
         predicted: the load factors are a prediction.
         report: of the last solve for them.
+        interrupted: the last solve has failed.
     """
 
     prebuckling: SteadyState[PrestressedProblem]
@@ -62,6 +63,7 @@ class BucklingState:
     most: float = np.inf
     predicted: bool = False
     report: EigenReport = field(default_factory=lambda: EigenReport(0, False, 0, ""))
+    interrupted: bool = False
 
     @property
     def sign(self) -> float:

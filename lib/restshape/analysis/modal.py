@@ -47,7 +47,6 @@ class ModalAnalysis:
     Attributes:
         state: the modes, and what they are of.
         solver: of the eigenproblem; verified: the shape whose eigenvalues an inertia count has checked last.
-        interrupted: the last solve has failed, so that what it has moved belongs to no solution.
 
     Source: docs/theory/free-vibrations.md.
     """
@@ -61,7 +60,6 @@ class ModalAnalysis:
         self.solver = EigenSolver(policy.solver, tolerance, context.calibration, context.stages, policy.warm)
         self.verified = VerifiedShape()
         self.state = ModalState(plan, scene)
-        self.interrupted = False
         self._estimate = FrequencyEstimate()
 
     @property
@@ -102,17 +100,16 @@ class ModalAnalysis:
             UserError: the scene makes no sense for a vibrating body. In both cases the state is that of before.
         """
         before, mesh = self.state, frame.mesh
-        rebind = self.interrupted or mesh is not before.space or frame.scene is not before.scene
+        rebind = before.interrupted or mesh is not before.space or frame.scene is not before.scene
         versions = (mesh.topology, mesh.geometry)
         if not (rebind or before.predicted or versions != (before.topology, before.geometry)):
             return self._unchanged(frame)
         try:
             self.state = self._solve(frame, rebind)
         except (ReplayProblem, UserError):
-            self.state, self.interrupted = before, True
+            self.state = replace(before, interrupted=True)
             self.solver.restart(before.modes.vectors if len(before.modes.values) else None)
             raise
-        self.interrupted = False
         if self.state.report.inertia_checked:
             self.verified.update(mesh)
         return self._report()
@@ -145,7 +142,7 @@ class ModalAnalysis:
 
         Not a number after a frame without a solution: the body has moved with it, its modes have not.
         """
-        if self.interrupted:
+        if self.state.interrupted:
             return float("nan")
         if self.state.predicted:
             self.state.body.follow(np.empty(0, dtype=np.int32))
@@ -197,7 +194,7 @@ class ModalAnalysis:
             ids = search.ids(found, state.modes.ids, previous, sizes)
         mesh = frame.mesh
         state = replace(state, scene=frame.scene, space=mesh, topology=mesh.topology, geometry=mesh.geometry)
-        return state.solved_for(found, ids)
+        return replace(state.solved_for(found, ids), interrupted=False)
 
     def _verify(self) -> ModalState:
         """The state whose modes have been counted, now that the hand rests, with those that were missing."""

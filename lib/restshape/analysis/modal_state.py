@@ -78,6 +78,7 @@ class ModalState:
         modes: shown now; solved: those of the last solution, the same unless these are predicted.
         count: of the lowest modes that are solved for.
         report: of the last solve.
+        interrupted: the last solve has failed, so that what it has moved belongs to no solution.
     """
 
     plan: Plan
@@ -90,6 +91,7 @@ class ModalState:
     solved: Modes | None = None
     count: int = 0
     report: EigenReport = field(default_factory=lambda: EigenReport(0, False, 0, ""))
+    interrupted: bool = False
 
     @property
     def body(self) -> Eigenproblem:

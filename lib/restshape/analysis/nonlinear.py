@@ -177,9 +177,9 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
             search = self._search(equations)
         # The solver may have met the mesh of a frame that failed, which is gone.
         patched = not new_mesh and frame.mesh.topology != state.topology
-        system.newton.begin(new_mesh or self.interrupted, patched, self._rigid_places)
+        system.newton.begin(new_mesh or state.interrupted, patched, self._rigid_places)
         # A drag goes on from a stable equilibrium in small steps; other edits may leap over a limit.
-        dragged = not (new_mesh or state.predicted or self.interrupted) and frame.scene is state.scene
+        dragged = not (new_mesh or state.predicted or state.interrupted) and frame.scene is state.scene
         guess = self.guess(state.x, frame.hand)
         outcome, x = search.find(guess, state.x, dragged and state.believed + 1 < MOST_BELIEVED)
         refreshed = outcome.refreshed or (search.tested and self._tests_factor)
@@ -196,6 +196,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
             believed=0 if search.tested else 1 if refreshed else state.believed + 1,
             age=0 if refreshed else state.age + 1,
             predicted=False,
+            interrupted=False,
         )
         return LinearReport(outcome.iterations, refreshed, self.state.age, self.solver.name, outcome.newton)
 

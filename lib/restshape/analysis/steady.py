@@ -72,6 +72,7 @@ class SteadyState(Generic[P]):
         topology, geometry: versions of the space that they were found at; -1: on none.
         scale: what residuals are measured against; None: the right side.
         predicted: the unknowns are a prediction.
+        interrupted: the last frame has failed: what was set up for it must be set up again.
     """
 
     plan: Plan
@@ -82,6 +83,7 @@ class SteadyState(Generic[P]):
     geometry: int = -1
     scale: float | None = None
     predicted: bool = False
+    interrupted: bool = False
 
     @property
     def problem(self) -> P:
@@ -120,9 +122,6 @@ class SteadyAnalysis(Generic[P]):
         context: what all parts of the replay share.
         make: the class of the problem, made of scene, plan and space.
 
-    Attributes:
-        interrupted: the last frame has failed: what was set up for it must be set up again.
-
     Source: docs/theory/levels-of-reuse.md and solids.md.
     """
 
@@ -131,7 +130,6 @@ class SteadyAnalysis(Generic[P]):
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[P]) -> None:
         self.context, self.make = context, make
         self.state: SteadyState[P] = SteadyState(plan, scene)
-        self.interrupted = False
         self.guess = Guess(context.policy.extrapolate, context.policy.warm)
         self.solver = self._make_solver(scene)
         self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
@@ -180,7 +178,7 @@ class SteadyAnalysis(Generic[P]):
             UserError: the scene makes no sense for the problem any more. In both cases the state is that of before.
         """
         mesh, before = frame.mesh, self.state
-        new_mesh, new_scene = mesh is not before.mesh, self.interrupted or frame.scene is not before.scene
+        new_mesh, new_scene = mesh is not before.mesh, before.interrupted or frame.scene is not before.scene
         if not (new_mesh or new_scene or mesh.topology != before.topology or mesh.geometry != before.geometry):
             self.solver.age += 1
             return LinearReport(0, False, self.solver.age, self.solver.name)
@@ -190,16 +188,14 @@ class SteadyAnalysis(Generic[P]):
             if not new_mesh and mesh.topology != before.topology:
                 with self.context.stages("pattern"):
                     self._flip(frame)
-            report = self._solve(frame, new_mesh)
+            return self._solve(frame, new_mesh)
         except (ReplayProblem, UserError):
-            self.state, self.interrupted = before, True
+            self.state = replace(before, interrupted=True)
             raise
-        self.interrupted = False
-        return report
 
     def rollback(self, state: SteadyState[P]) -> None:
         """Take back a frame that was solved, but of which others could make nothing: `state` is that of before."""
-        self.state, self.interrupted = state, True
+        self.state = replace(state, interrupted=True)
         # What was solved for may be of a mesh that is gone.
         self.guess.restart()
 
@@ -389,7 +385,7 @@ class SteadyAnalysis(Generic[P]):
         system.solution.stateIncrease()
         # The solver may have met the mesh of a frame that failed, which is gone.
         patched = not new_mesh and frame.mesh.topology != state.topology
-        report, x, scale = self._converge(new_mesh or self.interrupted, patched)
+        report, x, scale = self._converge(new_mesh or state.interrupted, patched)
         self.guess.keep(x, frame.hand)
         mesh = frame.mesh
         self.state = SteadyState(state.plan, frame.scene, state.bound, x, mesh.topology, mesh.geometry, scale)

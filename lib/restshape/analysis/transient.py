@@ -62,7 +62,6 @@ class TransientAnalysis:
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[TransientProblem]) -> None:
         self.context, self.make = context, make
         self.state = TransientState(plan, scene)
-        self.interrupted = False
         self.solver = self._make_solver(scene)
         self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         # The largest unknowns that errors of time steps have been related to.
@@ -102,12 +101,12 @@ class TransientAnalysis:
             self.state = self.state.started(None if new_mesh or frame.interpolations else before)
             # The solver may have met the mesh of a frame that failed, which is gone.
             steps = 0 if before.bound is None else self.state.integration.steps
-            report = self._run(stale, new_mesh or self.interrupted, steps)
+            report = self._run(stale, new_mesh or before.interrupted, steps)
         except (ReplayProblem, UserError):
-            self.state, self.interrupted = before, True
+            self.state = replace(before, interrupted=True)
             raise
-        self.interrupted = False
-        self.state = replace(self.state, scene=frame.scene, topology=mesh.topology, geometry=mesh.geometry)
+        found = replace(self.state, topology=mesh.topology, geometry=mesh.geometry)
+        self.state = replace(found, scene=frame.scene, interrupted=False)
         return report
 
     def begin(self, x: np.ndarray, v: np.ndarray, time: float = 0.0) -> None:
@@ -233,7 +232,7 @@ class TransientAnalysis:
         """Take up the frame's mesh and scene; returns whether the matrix is stale, and the mesh another one."""
         mesh, before = frame.mesh, self.state
         new_mesh = mesh is not before.space
-        new_scene = self.interrupted or before.bound is None or frame.scene is not before.scene
+        new_scene = before.interrupted or before.bound is None or frame.scene is not before.scene
         flipped = mesh.topology != before.topology
         if not (new_mesh or new_scene or flipped or mesh.geometry != before.geometry):
             return False, False

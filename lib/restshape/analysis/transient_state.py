@@ -68,6 +68,7 @@ class TransientState:
         age: frames since the preconditioner was made.
         start: before the first step of the last frame, on its mesh.
         last_end: the end of the frame before, where the start has the same nodes; None: it has others.
+        interrupted: the last frame has failed: what was set up for it must be set up again.
     """
 
     plan: Plan
@@ -84,6 +85,7 @@ class TransientState:
     age: int = 0
     start: TimeState = NOTHING
     last_end: TimeState | None = None
+    interrupted: bool = False
 
     def started(self, before: "TransientState | None") -> Self:
         """The motion before the first step of a frame; `before` is that of the frame before, on the same nodes."""
@@ -94,7 +96,9 @@ class TransientState:
         """The motion after a step to `now`: what `dataclasses.replace` makes, in a quarter of its time."""
         whole = self.plan, self.scene, self.in_time, self.bound
         known = self.account, self.topology, self.geometry, self.factored
-        return TransientState(*whole, now, self.now, *known, False, self.age, self.start, self.last_end)
+        return TransientState(
+            *whole, now, self.now, *known, False, self.age, self.start, self.last_end, self.interrupted
+        )
 
     @property
     def integration(self) -> TimeIntegration:

@@ -45,7 +45,6 @@ class RelaxationAnalysis:
 
     Attributes:
         bound: the state that the last relaxation has started from.
-        interrupted: the last frame has failed: what was set up for it must be set up again.
         age: frames in which nothing was solved since the solver was made.
         watch: called with the solver, positions (n, 3) and residual over load at each iterate.
 
@@ -59,7 +58,7 @@ class RelaxationAnalysis:
     def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:
         self.context, self.state = context, RelaxationState(plan)
         self.bound: RelaxationState | None = None
-        self.interrupted, self.age = False, 0
+        self.age = 0
         self.watch: Watch = lambda *_: None
         self._row = Row(scene.bodies)
         self._origin: RelaxationState | None = None
@@ -75,7 +74,7 @@ class RelaxationAnalysis:
         """
         mesh, before = frame.mesh, self.state
         new_mesh = mesh is not before.mesh or mesh.topology != before.topology
-        new_values = self.interrupted or frame.scene is not before.scene
+        new_values = before.interrupted or frame.scene is not before.scene
         if not (new_mesh or new_values or mesh.geometry != before.geometry):
             self.age += 1
             return LinearReport(0, False, self.age, self._preconditioner)
@@ -86,13 +85,14 @@ class RelaxationAnalysis:
             self.bound = bound
             found = relax(bound, cold, options)
         except (ReplayProblem, UserError):
-            self.interrupted = True
+            self.state = replace(before, interrupted=True)
             if before.problem:
                 self._restore(before)
             raise
-        self.interrupted, self._origin = False, None
+        self._origin = None
         self.age = self.age if found.problem is before.problem else 0
-        self.state = replace(found, scene=frame.scene, topology=mesh.topology, geometry=mesh.geometry)
+        found = replace(found, scene=frame.scene, interrupted=False)
+        self.state = replace(found, topology=mesh.topology, geometry=mesh.geometry)
         report = found.report
         return LinearReport(report.iterations, report.factors > 0, self.age, self._preconditioner, report.newton)
 

@@ -34,6 +34,7 @@ class RelaxationState:
         report: how the last relaxation ended.
         topology, geometry: versions of the mesh that it was found at; -1: on none.
         notes: what a cold start had to say of where it began.
+        interrupted: the last frame has failed: what was set up for it must be set up again.
     """
 
     plan: Plan
@@ -49,6 +50,7 @@ class RelaxationState:
     topology: int = -1
     geometry: int = -1
     notes: tuple[str, ...] = ()
+    interrupted: bool = False
 
     @property
     def mesh(self) -> Mesh | None:
