@@ -1,6 +1,8 @@
 """Load stepping: the whole load or none of it, against paths and bent strips that are known."""
 
+import logging
 import pathlib
+import re
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from restshape.errors import UserError
 from restshape.replay.first_frame import first_frame
 
 ELASTICA = pathlib.Path(__file__).parents[1] / "scenes" / "elastica.toml"
+CUT = re.compile(r"Load step cut to (\S+) of the load, at (\S+): (.+)")
 DONE = Outcome(True, 0, 0, False, True)
 
 
@@ -24,14 +27,15 @@ class Path:
 
     def __init__(self, radius, end=1.0, searched_radius=0.0):
         self.radius, self.end, self.searched_radius = radius, end, searched_radius
-        self.parts, self.searches, self.newton = [], 0, 0
+        self.parts, self.found, self.searches, self.newton = [], [], 0, 0
 
     def attempt(self, x, added, searched):
         part = 1.0 if added is None else 1.0 - added[0, 0]
         self.parts.append(part)
         self.searches += searched
         near = abs(x[0, 0] - part**2) <= (self.searched_radius if searched else self.radius)
-        if not near or part > self.end:
+        self.found.append(near and part <= self.end)
+        if not self.found[-1]:
             x[:] = np.nan
             self.newton += 15
             return Outcome(False, 15, 0, False, False), "too far"
@@ -63,6 +67,29 @@ def test_the_whole_load_or_none_of_it():
         # What it holds is the equilibrium that it says.
         assert found.x[0, 0] == found.reached**2
     assert Path(0.07).follow(enough).reached == 1.0
+
+
+def test_each_step_that_is_cut_is_logged_with_its_reason(caplog):
+    caplog.set_level(logging.INFO, "restshape.analysis")
+    path = Path(0.07)
+    path.follow()
+    cuts = [CUT.fullmatch(record.getMessage()) for record in caplog.records]
+    # A guess that is too far off is a step that is cut: to half the way from the last equilibrium to where it was.
+    failed = [k for k, part in enumerate(path.parts) if not path.found[k]]
+    assert len(cuts) == len(failed) > 2 and {cut[3] for cut in cuts} == {"too far"}
+    for k, cut in zip(failed, cuts):
+        step, reached = float(cut[1]), float(cut[2])
+        assert reached == max([0.0, *(part for part, found in zip(path.parts[:k], path.found) if found)])
+        assert path.parts[k + 1] == pytest.approx(reached + step)
+
+
+def test_cut_steps_of_a_bent_strip_are_logged(caplog):
+    caplog.set_level(logging.INFO, "restshape.analysis")
+    first_frame(ELASTICA, ["effects.large_deformation.load_steps=12"], PETSc.COMM_WORLD)
+    cuts = [CUT.fullmatch(record.getMessage()) for record in caplog.records if "cut" in record.getMessage()]
+    # The whole load at once fails first, which is half a step from nothing, and each cut halves what is left of it.
+    assert cuts and all(cuts) and (float(cuts[0][1]), float(cuts[0][2])) == (0.5, 0.0)
+    assert all(cut[3] for cut in cuts)
 
 
 def test_a_limit_is_met_within_the_shortest_step():

@@ -118,10 +118,15 @@ class BucklingSolver:
         with self.stages("krylov"):
             modes = load_modes(pencil, start, min(count + SPARE, there), self.tolerance)
         self.history = []
-        return self._converge([modes], min(count, there))
+        return self._converge([modes], min(count, there), "Krylov-Schur, no modes to start from")
 
-    def _converge(self, starts: list[np.ndarray], count: int) -> Found:
+    def _converge(self, starts: list[np.ndarray], count: int, why: str) -> Found:
         """Iterate with a new factor, at a load factor behind the wanted ones, which counts those before it.
+
+        Args:
+            starts: blocks of modes (k, n) to start from, the last ones first.
+            count: wanted.
+            why: there is a new factor, for the log.
 
         Raises:
             ReplayProblem: some are missing even so, or do not converge.
@@ -135,7 +140,7 @@ class BucklingSolver:
             shift, _ = gap(values, count)
             inertia_count = self.pencil.factor(shift)
             self.unchecked = 0
-            self.life.begin()
+            self.life.begin(f"{missing} load factors are missing" if missing else why)
             self._see_rounding(starts[0][:count])
             if missing:
                 starts = [*starts, self.pencil.solve(self._random(min(missing, MOST_SOUGHT) + SPARE, turn))]
@@ -166,23 +171,25 @@ class BucklingSolver:
         """Davidson's iteration with an old factor; where that is too dear, with a new one; None where that fails."""
         self.life.age, self.unchecked = self.life.age + 1, self.unchecked + 1
         price = self.life.price()
-        if new_system or not self.pencil.ready or self.life.extra_iterations >= price:
-            return self._verified(self.history[:HISTORY], count)
+        why = self.life.stale(new_system, price)
+        if why:
+            return self._verified(self.history[:HISTORY], count, why)
         found = self._iterate(self.history, count, max(LEAST, math.ceil(price / count)))
         if not found.converged:
-            return self._verified([found.modes, *self.history[: HISTORY - 1]], count)
+            why = f"no convergence in {found.iterations} iterations with the old one"
+            return self._verified([found.modes, *self.history[: HISTORY - 1]], count, why)
         self.life.spend(found.iterations, count)
         if verify or self.unchecked >= COUNT_EVERY:
-            verified = self._verified([found.modes], count)
+            verified = self._verified([found.modes], count, "load factors before it are counted by its inertia")
             if verified is not None:
                 self.report.missed_modes = max(self.report.missed_modes, fallen(found, verified, count, self.reach))
             return verified
         return found
 
-    def _verified(self, starts: list[np.ndarray], count: int) -> Found | None:
+    def _verified(self, starts: list[np.ndarray], count: int, why: str) -> Found | None:
         """The iteration with a new factor from known modes; None where that fails."""
         try:
-            return self._converge(starts, count)
+            return self._converge(starts, count, why)
         except ReplayProblem:
             # What has failed as a start is none for the solve from nothing.
             self.history = []

@@ -2,6 +2,7 @@
 
 import logging
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -220,12 +221,18 @@ class Choice:
     def __call__(self, size: Size) -> Candidate:
         """The candidate of which a solve is expected to cost least; ties go to the first of the list."""
         self.systems += 1.0
-        costs = [(candidate, self.cost(candidate, size)) for candidate in self.open(size)]
+        found = self.open(size)
+        costs = [(candidate, self.cost(candidate, size)) for candidate in found]
         chosen = min(costs, key=lambda priced: priced[1])[0]
         if log.isEnabledFor(logging.INFO):
             prices = ", ".join(f"{candidate.name} {cost:.3g} s" for candidate, cost in costs)
+            left_out = self._left_out(size, found)
             log.info(
-                "PC %s chosen for %d unknowns; a solve is expected to cost: %s", chosen.name, size.unknowns, prices
+                "PC %s chosen for %d unknowns; a solve is expected to cost: %s%s",
+                chosen.name,
+                size.unknowns,
+                prices,
+                left_out,
             )
         return chosen
 
@@ -238,6 +245,17 @@ class Choice:
         """The candidates that fit in memory and have not failed; GAMG where there is no other."""
         known = candidates(Traits(dimension=size.dimension))
         return [c for c in known if c.name not in self.excluded and self.fits(c, size)] or [GAMG]
+
+    def _left_out(self, size: Size, found: Sequence[Candidate]) -> str:
+        """The candidates that are not priced, and why, for the log."""
+        reasons = []
+        for candidate in candidates(Traits(dimension=size.dimension)):
+            if candidate.name in self.excluded:
+                reasons.append(f"{candidate.name} has failed")
+            elif candidate not in found:
+                factor = FACTOR_BYTES * self.filled(candidate, size)
+                reasons.append(f"{candidate.name} needs {factor:.3g} bytes of {self.memory:.3g}")
+        return "; left out: " + ", ".join(reasons) if reasons else ""
 
     def fits(self, candidate: Candidate, size: Size) -> bool:
         """Whether a complete factor is small enough; others always are."""

@@ -157,7 +157,7 @@ class EigenSolver:
         verify = verify or self.doubtful
         if not (self.warm and self.history):
             self.history = []
-            found, report = self._cold_solve(count, verify)
+            found, report = self._cold_solve(count, "no modes to start from", verify)
         elif self.method == "ilu":
             found, report = self._thesis(count)
         else:
@@ -170,8 +170,8 @@ class EigenSolver:
 
     # --- from nothing -------------------------------------------------------------------------------------------------
 
-    def _cold_solve(self, count: int, verify: bool = True) -> tuple[Found, EigenReport]:
-        """Krylov-Schur about 0 with a new factor; from nothing no better shift is known."""
+    def _cold_solve(self, count: int, why: str, verify: bool = True) -> tuple[Found, EigenReport]:
+        """Krylov-Schur about 0 with a new factor; from nothing no better shift is known; `why` is for the log."""
         if count > self._elastic:
             raise ReplayProblem(f"{count} modes are asked for, and the mesh has {self._elastic} only")
         shift = self._start_shift()
@@ -181,7 +181,7 @@ class EigenSolver:
         with self.stages("krylov"):
             found = krylov_schur(self.pencil, self.deflation, start, wanted, self.tolerance)
         self.krylov_cost = found.iterations / wanted
-        self.life.begin()
+        self.life.begin(f"Krylov-Schur, {why}")
         report = EigenReport(0, True, 0, "krylov-schur")
         if self.method in ("auto", "stale") or (verify and self.method == "direct"):
             self.history = []
@@ -234,7 +234,7 @@ class EigenSolver:
         """Inverse iteration on K + eps M, factored in each frame."""
         starts = self.history[0][:count]
         if len(starts) < count:
-            return self._cold_solve(count)
+            return self._cold_solve(count, "more modes than before")
         guess = _rayleigh(self.pencil, starts[:1])
         self.pencil.factor(-EPSILON * guess)
         with self.stages("krylov"):
@@ -250,26 +250,27 @@ class EigenSolver:
         report = EigenReport(0, False, self.life.age, "davidson")
         price = self.life.price()
         if new_system and self.krylov_cost * (count + SPARE) < self.davidson_cost * count:
-            return self._cold_solve(count)
-        if new_system or not self.pencil.ready or self.life.extra_iterations >= price:
-            self._refresh(count)
+            return self._cold_solve(count, "another system, on which Davidson's iteration is expected to cost more")
+        why = self.life.stale(new_system, price)
+        if why:
+            self._refresh(count, why)
         fresh = self.life.age == 0
         found = self._iterate(count, self._limit(count, price, fresh))
         if not found.converged and not fresh:
             self.history = [found.modes, *self.history]
-            self._refresh(count)
+            self._refresh(count, f"no convergence in {found.iterations} iterations with the old one")
             found = self._iterate(count, self._limit(count, price, True))
         if not found.converged:
             self.history = [found.modes]
-            return self._cold_solve(count)
+            return self._cold_solve(count, f"no convergence in {found.iterations} of Davidson's iterations")
         if new_system:
             self.davidson_cost = found.iterations
         self.life.spend(found.iterations, count)
         try:
             found = self._checked(found, count, verify, report)
-        except ReplayProblem:
+        except ReplayProblem as problem:
             self.history = []
-            again, cold = self._cold_solve(count)
+            again, cold = self._cold_solve(count, str(problem))
             cold.missed_modes += report.missed_modes
             return again, cold
         report.age = self.life.age
@@ -289,13 +290,13 @@ class EigenSolver:
         most = self.krylov_cost * (count + SPARE) + price
         return max(4, math.ceil(most / count) + (2 if fresh else 0))
 
-    def _refresh(self, count: int) -> None:
+    def _refresh(self, count: int, why: str) -> None:
         """A new factor, at a shift between the eigenvalues that are wanted and the next as the last modes estimate
-        them."""
+        them; `why` is for the log."""
         values = ritz_values(self.pencil, self.deflation, self.history[0])
         shift, _ = gap(values, count)
         self.fresh_below = self.pencil.factor(shift)
-        self.life.begin()
+        self.life.begin(why)
 
     # --- counting -----------------------------------------------------------------------------------------------------
 
@@ -323,7 +324,7 @@ class EigenSolver:
         for turn in range(ROUNDS):
             shift, _ = gap(found.values, count)
             self.fresh_below = self.pencil.factor(shift)
-            self.life.begin()
+            self.life.begin("eigenvalues below it are counted by its inertia")
             missing = self._missing(found)
             if missing <= 0 and turn == ROUNDS - 1:
                 self.floor = self._rounding(found, count)

@@ -1,7 +1,11 @@
 """How long the factor of a pencil serves: until the substitutions that its age has cost would have paid for another."""
 
+import logging
+
 from restshape.algebra.pencil import Pencil
 from restshape.calibration import Calibration
+
+log = logging.getLogger("restshape.algebra")
 
 
 class FactorLife:
@@ -21,9 +25,26 @@ class FactorLife:
         self.pencil, self.calibration, self.kept = pencil, calibration, kept
         self.age, self.extra_iterations = 0, 0.0
 
-    def begin(self) -> None:
-        """Note that the factor is new."""
+    def begin(self, why: str) -> None:
+        """Note that the factor is new; `why` is for the log."""
         self.age, self.extra_iterations = 0, 0.0
+        log.info("ST factor rebuilt at shift %.3e: %s", self.pencil.shift, why)
+
+    def stale(self, new_system: bool, price: float) -> str:
+        """Why the factor no longer serves, for the log; empty where it does.
+
+        Args:
+            new_system: the unknowns are others than in the last solve.
+            price: see `price`.
+        """
+        if new_system or not self.pencil.ready:
+            return "another system"
+        if not self.kept:
+            return "another matrix"
+        if self.extra_iterations < price:
+            return ""
+        extra = f"{self.extra_iterations:g} extra substitutions"
+        return f"refactorisation criterion: {extra}, a factor is worth {price:.3g}"
 
     def spend(self, iterations: int, count: int) -> None:
         """Note a solve for `count` modes: with a new factor it would have taken one iteration."""

@@ -1,5 +1,7 @@
 """A preconditioner that outlives the matrix that it was made from."""
 
+import logging
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -7,6 +9,8 @@ from restshape.algebra.choice import ILU, Candidate, Choice, Prices, Size, price
 from restshape.algebra.pivots import factors_of, negative_pivots, zero_pivots
 from restshape.algebra.preconditioner import COMPLETE, kind_of, nonzeros, set_preconditioner, set_rigid_motions
 from restshape.algebra.traits import Traits
+
+log = logging.getLogger("restshape.algebra")
 
 
 class KeptPreconditioner:
@@ -30,6 +34,7 @@ class KeptPreconditioner:
 
     def __init__(self, ksp: PETSc.KSP, choice: Choice, traits: Traits, named: str | None, method: str) -> None:
         self.ksp, self.choice, self.traits, self.ranks = ksp, choice, traits, ksp.getComm().size
+        self._named, self._method = named is not None, method
         self.kind = named or ("ilu" if method == "ilu" else traits.factor)
         self.chooses = method == "auto" and named is None and bool(choice.candidates(traits))
         self.candidate: Candidate | None = ILU if method == "ilu" and named is None else None
@@ -70,6 +75,20 @@ class KeptPreconditioner:
             chosen = self.choice(self.size)
             if chosen is not self.candidate:
                 self._take(chosen)
+        else:
+            log.info("KSP %s PC %s, without a choice: %s", self.ksp.getOptionsPrefix(), self.name, self._why_fixed())
+
+    def _why_fixed(self) -> str:
+        """Why there is no choice of a preconditioner, for the log."""
+        if self._named:
+            return "PETSc's options name it"
+        if self._method == "ilu":
+            return f"the policy solves by {self._method}"
+        if not self.traits.symmetric:
+            return "the matrices are not symmetric, so that a complete factor is LU"
+        if self.traits.pivots:
+            return "the matrices are symmetric and not definite, so that a complete factor exchanges rows (MUMPS)"
+        return f"the policy solves by {self._method}, with a complete factor"
 
     def make(self, mat: PETSc.Mat, places: np.ndarray | None, rebuild: bool = False) -> None:
         """Make it from a matrix, then keep it.

@@ -54,6 +54,14 @@ REASONS = {
 }
 """Why there is a new mesh after a change of that kind, for the log."""
 
+IDLE = {
+    "refused": "the edit is refused",
+    "none": "the shape stays as it is",
+    "values": "values change, and the shape stays as it is",
+    "move": "the hand is where it was",
+}
+"""Why a frame with that kind of change leaves the mesh as it is, for the log."""
+
 # Versions after flips count downwards, so that they never meet those of generated meshes.
 _reconnections = itertools.count(-2, -1)
 """Topologies of reconnected meshes; -1 stands for none."""
@@ -272,9 +280,13 @@ class MovingMesh:
         if frame.scene is not self.state.scene:
             self.state = replace(self.state, scene=frame.scene, order=self._order_of(frame.scene))
         if frame.refused is not None or (frame.change in ("none", "values") and self.order == order):
+            log.debug(
+                "%4d Mesh level 0: %s", frame.index, IDLE["refused" if frame.refused is not None else frame.change]
+            )
             return self._rest(frame)
         if frame.change == "move":
             if frame.gesture is self.gesture and frame.gesture.linear and frame.c == self.state.c:
+                log.debug("%4d Mesh level 0: %s", frame.index, IDLE["move"])
                 return MeshUpdate.nothing(self.min_quality)
             if not self.regenerate:
                 return self._follow(frame)
@@ -318,6 +330,9 @@ class MovingMesh:
             log.info(
                 "%4d Mesh level 2: %d edges flipped; %s; least quality %.3g", frame.index, flips, why, placement[0]
             )
+        else:
+            reason = "no invalid, no low-quality triangles"
+            log.debug("%4d Mesh level 1: nodes relocated; %s; least quality %.3g", frame.index, reason, placement[0])
         self.state = self.state.placed(frame.c, placement[0])
         if not self.nested:
             return MeshUpdate(2 if flips else 1, flips, changed, placement[0], None, stages)
