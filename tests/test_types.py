@@ -6,10 +6,79 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.cli
+pytestmark = [pytest.mark.cli, pytest.mark.slow]
+
+ROOT = Path(__file__).parents[1]
+ANALYSES = """
+from restshape.analysis.analysis import Analysis, State
+from restshape.analysis.buckling import BucklingAnalysis
+from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
+from restshape.analysis.nonlinear_transient import NonlinearTransientAnalysis
+from restshape.analysis.steady import SteadyAnalysis
+from restshape.analysis.transient import TransientAnalysis
+from restshape.fem.eigenproblem import Eigenproblem
+from restshape.fem.problem import PrestressedProblem, Problem, TransientProblem
+from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
+from restshape.physics.heat.conduction import HeatConduction
+
+heat: SteadyAnalysis[HeatConduction]
+modes: ModalAnalysis
+buckling: BucklingAnalysis
+steady: NonlinearSteadyAnalysis
+motion: TransientAnalysis
+large_motion: NonlinearTransientAnalysis
+cloth: RelaxationAnalysis
+"""
+EACH_IS_AN_ANALYSIS = """
+of_heat: Analysis[HeatConduction] = heat
+of_modes: Analysis[Eigenproblem] = modes
+of_buckling: Analysis[PrestressedProblem] = buckling
+of_solids: Analysis[Problem] = steady
+of_motion: Analysis[TransientProblem] = motion
+of_large_motion: Analysis[TransientProblem] = large_motion
+of_cloth: Analysis[ClothProblem] = cloth
+solved: HeatConduction | None = of_heat.state.problem
+"""
+WRONG = (
+    ("from restshape.fem.elements import LINEAR_ELASTICK", 'has no attribute "LINEAR_ELASTICK"'),
+    ("from restshape.fem import elements; elements.STVKK", 'has no attribute "STVKK"'),
+    ("of_cloth: Analysis[ClothProblem] = heat", "Incompatible types in assignment"),
+    ("heat.state.interrupted = True", 'Property "interrupted" defined in "SteadyState" is read-only'),
+    ("state: State[Problem] = steady.state; state.interrupted = True", 'Property "interrupted" defined in "State"'),
+    ("answer: Analysis[int]", 'must be a subtype of "Problem | Eigenproblem"'),
+)
 
 
-def test_types_agree(tmp_path):
-    command = [sys.executable, "-m", "mypy", "--cache-dir", str(tmp_path)]
-    found = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
+@pytest.fixture(scope="module")
+def check(tmp_path_factory):
+    """Runs the type checker on what is given, on what it has already read in this module."""
+    command = [sys.executable, "-m", "mypy", "--cache-dir", str(tmp_path_factory.mktemp("mypy"))]
+
+    def run(*words: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([*command, *words], cwd=ROOT, capture_output=True, text=True, check=False)
+
+    return run
+
+
+def test_types_agree(check):
+    found = check()
     assert found.returncode == 0, found.stdout + found.stderr
+
+
+def test_each_analysis_is_one_of_its_problem(check, tmp_path):
+    program = tmp_path / "analyses.py"
+    program.write_text(ANALYSES + EACH_IS_AN_ANALYSIS)
+    found = check(str(program))
+    assert found.returncode == 0, found.stdout + found.stderr
+
+
+def test_the_type_checker_finds_what_is_wrong(check, tmp_path):
+    program, first = tmp_path / "wrong.py", len(ANALYSES.splitlines()) + 1
+    program.write_text(ANALYSES + "\n".join(line for line, _ in WRONG) + "\n")
+    found = check(str(program))
+    errors = [line for line in found.stdout.splitlines() if ": error: " in line]
+    assert found.returncode == 1 and len(errors) == len(WRONG), found.stdout
+    for number, (error, (_, words)) in enumerate(zip(errors, WRONG), start=first):
+        assert f":{number}: error: " in error and words in error

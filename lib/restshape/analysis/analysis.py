@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from petsc4py import PETSc
@@ -12,7 +12,8 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.frame import Frame
 from restshape.analysis.solution import Solution
 from restshape.calibration import Calibration
-from restshape.fem.problem import Fields
+from restshape.fem.eigenproblem import Eigenproblem
+from restshape.fem.problem import Fields, Problem
 from restshape.fem.space import Space
 from restshape.policy import Policy
 
@@ -89,20 +90,42 @@ class QuantityErrors(Protocol):
         """The estimated size of the error of each, in its unit; not a number where there is no estimate."""
 
 
-class Analysis(Protocol):
+Solvable = Problem | Eigenproblem
+"""What analyses are of."""
+
+P_co = TypeVar("P_co", bound=Solvable, covariant=True)
+
+
+class State(Protocol[P_co]):
+    """What an analysis knows after a frame: frozen, so that an analysis goes back to it by an assignment.
+
+    Attributes:
+        problem: that was solved last, once there is one.
+        interrupted: the last frame has failed: what was set up for it must be set up again.
+    """
+
+    @property
+    def problem(self) -> P_co | None: ...
+    @property
+    def interrupted(self) -> bool: ...
+
+
+class Analysis(Protocol[P_co]):
     """Computes the answer of each frame of an edit, from that of the frame before.
 
     Attributes:
-        state: frozen; `solve` replaces it, and one that fails assigns that of before, marked as interrupted. Versions
-            in it decide what is stale.
+        state: `solve` replaces it, and one that fails assigns that of before, marked as interrupted. Versions in it
+            decide what is stale.
         space: of the last solution; None before the first.
         estimated_quantity: what the estimates of `errors` are of.
         why_not: why frames cannot be predicted where there is no predictor, and what to do.
     """
 
-    state: Any
     estimated_quantity: str
     why_not: str
+
+    @property
+    def state(self) -> State[P_co]: ...
 
     @property
     def predictor(self) -> Predictor | None:

@@ -66,6 +66,11 @@ class BucklingState:
     interrupted: bool = False
 
     @property
+    def problem(self) -> PrestressedProblem:
+        """The problem of the equilibrium."""
+        return self.prebuckling.problem
+
+    @property
     def sign(self) -> float:
         """Of the load that is meant, -1 where it is turned round."""
         return SIGNS[buckling_settings(self.prebuckling.plan).load]

@@ -99,6 +99,11 @@ class ModalState:
         return made(self.bound).body
 
     @property
+    def problem(self) -> Eigenproblem:
+        """The eigenproblem of the body, which the body itself is."""
+        return self.body
+
+    @property
     def matrices(self) -> ModalMatrices:
         """Of the body."""
         return made(self.bound).matrices

@@ -8,6 +8,7 @@ import numpy as np
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.increment_subspace import IncrementProjection
 from restshape.fem.observer import Observer
+from restshape.fem.problem import TransientProblem
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.space import Space
 from restshape.fem.time_integration import Motion, TimeIntegration, TimeState
@@ -109,6 +110,11 @@ class TransientState:
     def body(self) -> SemiDiscrete:
         """The scene's problem on its space."""
         return made(self.bound).body
+
+    @property
+    def problem(self) -> TransientProblem:
+        """The scene's problem, before it is discretised in time."""
+        return self.body.problem
 
     @property
     def system(self) -> EffectiveSystem:

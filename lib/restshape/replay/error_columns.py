@@ -14,7 +14,7 @@ from restshape.replay.columns import error_column, estimated_quantities
 from restshape.replay.constraints import HOLDS, UNCERTAIN, formatted_uncertainty, limits_of, uncertain_constraints
 
 if TYPE_CHECKING:
-    from restshape.analysis.analysis import Analysis, RowValues
+    from restshape.analysis.analysis import Analysis, RowValues, Solvable
     from restshape.application import Application
     from restshape.scene.model import Scene
     from restshape.shape.protocol import Session
@@ -48,7 +48,7 @@ class QuantityErrorColumns:
     """
 
     def __init__(
-        self, scene: Scene, application: Application, analysis: Analysis, singular: Mapping[str, float]
+        self, scene: Scene, application: Application, analysis: Analysis[Solvable], singular: Mapping[str, float]
     ) -> None:
         self.analysis, self.limits = analysis, limits_of(scene.quantities)
         self.names = estimated_quantities(scene, application)

@@ -12,7 +12,7 @@ from petsc4py import PETSc
 from restshape.algebra.gathering import clean_up
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import NAMES, Stages
-from restshape.analysis.analysis import Analysis, Context, RowValues
+from restshape.analysis.analysis import Analysis, Context, RowValues, Solvable
 from restshape.analysis.frame import Frame
 from restshape.application import Application
 from restshape.calibration import Calibration
@@ -91,7 +91,7 @@ class Replay:
             tuple[Session, Follower], application.editing.start(scene, script, application, policy, comm)
         )
         context = Context(comm, policy, calibration, self.stages)
-        self.analysis: Analysis = application.make_analysis()(scene, plan(scene, application), context)
+        self.analysis: Analysis[Solvable] = application.make_analysis()(scene, plan(scene, application), context)
         ahead = predict == "linear"
         if ahead and script.header.analysis != "every frame":
             raise UserError("frames that are not analysed cannot be predicted", "--predict", "--predict none")

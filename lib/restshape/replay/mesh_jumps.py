@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from restshape.algebra.stages import Stages
-from restshape.analysis.analysis import Analysis, Context
+from restshape.analysis.analysis import Analysis, Context, Solvable
 from restshape.analysis.frame import Frame
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.columns import jump_column
@@ -39,7 +39,7 @@ class MeshJumps:
         UserError: the scene asks for jumps, and its answers depend on more than the shape.
     """
 
-    def __init__(self, scene: Scene, application: Application, analysis: Analysis, context: Context) -> None:
+    def __init__(self, scene: Scene, application: Application, analysis: Analysis[Solvable], context: Context) -> None:
         self.application, self.context = application, context
         self.wanted = scene.solve.jumps
         if self.wanted and analysis.predictor is None:
@@ -70,7 +70,9 @@ class MeshJumps:
         context = Context(self.context.comm, self.context.policy, self.context.calibration, Stages())
         cells = np.arange(len(other.mesh.cells), dtype=np.int32)
         try:
-            analysis = cast(Analysis, self.application.make_analysis()(scene, plan(scene, self.application), context))
+            analysis = cast(
+                Analysis[Solvable], self.application.make_analysis()(scene, plan(scene, self.application), context)
+            )
             analysis.solve(Frame(other.mesh, cells, None, scene, (None, (0.0, 0.0))))
         except (ReplayProblem, UserError):
             return {}

@@ -4,7 +4,7 @@ import logging
 
 import numpy as np
 
-from restshape.analysis.analysis import Analysis, Predictor
+from restshape.analysis.analysis import Analysis, Predictor, Solvable
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.advance import MeshUpdate
 from restshape.mesh.moving import MovingMesh
@@ -38,7 +38,7 @@ class PredictedFrames:
     Source: docs/theory/design-derivative.md.
     """
 
-    def __init__(self, analysis: Analysis, moving: MovingMesh, session: Session, policy: Policy) -> None:
+    def __init__(self, analysis: Analysis[Solvable], moving: MovingMesh, session: Session, policy: Policy) -> None:
         if analysis.predictor is None:
             raise UserError(analysis.why_not, "--predict linear", "leave it out")
         if policy.regenerate:

@@ -114,7 +114,7 @@ def film_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
     return SolverPlan("linear", (System("height", DEFINITE, "cg", "cholesky", "Laplace's equation"),), "small slopes")
 
 
-def film_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis:
+def film_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis[Film]:
     """The film in equilibrium; arguments as of any `Analysis`."""
     return SteadyAnalysis(scene, plan, context, Film)
 

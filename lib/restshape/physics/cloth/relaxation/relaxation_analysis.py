@@ -18,6 +18,7 @@ from restshape.analysis.frame import Frame
 from restshape.analysis.solution import Solution
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Fields
+from restshape.fem.space import Space
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
 from restshape.physics.cloth.cloth_problem import ClothProblem
@@ -189,7 +190,7 @@ class RelaxationAnalysis:
         """Displacement [m] of the nodes from the flat pattern, larger principal tension [N/m] of the cells."""
         return self.state.problem.fields(self.state.x)
 
-    def blank_fields(self, space: Mesh) -> Fields:
+    def blank_fields(self, space: Space) -> Fields:
         """The same fields, all NaN, on a mesh that has not been solved on."""
         return ClothProblem.blank_fields(space)
 
