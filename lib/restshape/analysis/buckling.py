@@ -177,7 +177,8 @@ class BucklingAnalysis:
     def _quantity_errors(self, names: Sequence[str]) -> dict[str, float]:
         """The estimated error of each quantity; not a number where there is no such load factor, and of predictions."""
         state, quantities = self.state, self.state.prebuckling.scene.quantities
-        ranks = {name: quantities[name].load_factor for name in names if quantities[name].load_factor is not None}
+        asked = {name: quantities[name].number("load_factor") for name in names}
+        ranks = {name: rank for name, rank in asked.items() if rank is not None}
         found = made(self.prebuckling.quantity_errors)([name for name in names if name not in ranks])
         for name, rank in ranks.items():
             known = not state.predicted and rank <= len(state.modes.vectors)

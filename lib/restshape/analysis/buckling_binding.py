@@ -82,9 +82,10 @@ def _on_new_mesh(state: BucklingState, frame: Frame) -> np.ndarray:
 def _require_computed(scene: Scene, modes: int) -> None:
     """Refuse load factors that are not computed."""
     for name, quantity in scene.quantities.items():
-        if quantity.load_factor is not None and quantity.load_factor > modes:
+        rank = quantity.number("load_factor")
+        if rank is not None and rank > modes:
             raise UserError(
                 f"only {modes} load factors are computed",
                 f"quantities.{name}.load_factor",
-                f"set effects.buckling.modes to {quantity.load_factor} or more",
+                f"set effects.buckling.modes to {rank} or more",
             )

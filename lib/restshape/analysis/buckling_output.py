@@ -14,7 +14,8 @@ from restshape.scene.model import Quantity
 
 def observer(quantities: Mapping[str, Quantity]) -> Observer:
     """What evaluates the quantities that are load factors, of a state; infinite where there is no such factor."""
-    return Observer({name: _factor(q.load_factor) for name, q in quantities.items() if q.load_factor is not None})
+    ranks = {name: quantity.number("load_factor") for name, quantity in quantities.items()}
+    return Observer({name: _factor(rank) for name, rank in ranks.items() if rank is not None})
 
 
 def _factor(number: int) -> Function:

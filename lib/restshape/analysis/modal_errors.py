@@ -45,7 +45,7 @@ class FrequencyEstimate:
         errors, quantities = self(state) * state.frequencies, state.scene.quantities
         found = {}
         for name in names:
-            rank, mode = quantities[name].frequency, quantities[name].mode
+            rank, mode = quantities[name].number("frequency"), quantities[name].number("mode")
             known = errors[rank - 1 : rank] if rank is not None else errors[state.ids == mode]
             found[name] = float(next(iter(known), np.nan))
         return found

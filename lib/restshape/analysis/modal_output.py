@@ -54,17 +54,18 @@ def _function(name: str, quantity: Quantity, space: Space, modes: int) -> Functi
     """The function of frequencies and ids that a quantity is; not a number of a mode that is not among those found."""
     if quantity.area:
         return area_at(space, name, quantity)
-    if quantity.frequency is not None:
-        if quantity.frequency > modes:
+    frequency, mode = quantity.number("frequency"), quantity.number("mode")
+    if frequency is not None:
+        if frequency > modes:
             raise UserError(
                 f"only {modes} modes are computed",
                 f"quantities.{name}.frequency",
-                f"set effects.modal.modes to {quantity.frequency} or more",
+                f"set effects.modal.modes to {frequency} or more",
             )
-        rank = quantity.frequency - 1
+        rank = frequency - 1
         return lambda frequencies, ids: frequencies[rank] if rank < len(frequencies) else np.nan
-    if quantity.mode is not None:
-        return lambda frequencies, ids: next(iter(frequencies[ids == quantity.mode]), np.nan)
+    if mode is not None:
+        return lambda frequencies, ids: next(iter(frequencies[ids == mode]), np.nan)
     raise UserError(
         f"modes have no {quantity.kind}: their size means nothing",
         f"quantities.{name}.{quantity.kind}",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self, TypeVar
+from typing import Annotated, ClassVar, Self, TypeVar
 
 from pydantic import BaseModel, Field, model_validator
 
@@ -148,18 +148,19 @@ def _number_of(value: Value | tuple[Value, ...], parameters: dict[str, float]) -
     return number(value, parameters)
 
 
-def _refuse_flat(kind: str, form: Any) -> None:
-    """Refuses a body without a size or a direction."""
-    if kind == "plane":
+def _refuse_flat(kind: str, form: Sphere | Plane | Box | Capsule) -> None:
+    """Refuses a body of numbers without a size or a direction."""
+    if isinstance(form, Plane):
         if not any(form.normal):
             raise UnitError("the normal of a plane has no direction: one of its three numbers must not be 0")
         return
-    sizes = form.half if kind == "box" else (form.radius,)
+    sizes = [number(size, {}) for size in (form.half if isinstance(form, Box) else (form.radius,))]
     if min(sizes) <= 0.0:
         raise UnitError(f"a size of the {kind} is {min(sizes):g} m: it must be greater than 0")
-    if kind == "box" and not 0.0 <= form.radius <= min(form.half):
-        most = f"at least 0 and at most the smallest half size, {min(form.half):g} m"
-        raise UnitError(f"the radius of the box's edges is {form.radius:g} m: it must be {most}")
+    radius = number(form.radius, {})
+    if isinstance(form, Box) and not 0.0 <= radius <= min(sizes):
+        most = f"at least 0 and at most the smallest half size, {min(sizes):g} m"
+        raise UnitError(f"the radius of the box's edges is {radius:g} m: it must be {most}")
 
 
 def body_words(body: Body) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
-from typing import Any
 
 from restshape.scene.materials import MATERIALS
 from restshape.scene.model import Load, Material, Scene, Support
@@ -12,7 +11,7 @@ from restshape.scene.physics import Physics
 from restshape.scene.quantity import CORE, Quantity
 from restshape.scene.values import Strict, annotation_of, dimension_of
 
-Meanings = Mapping[str, Any]
+Meanings = Mapping[str, object]
 """What each key of a table means: two of one meaning go together."""
 
 
@@ -56,7 +55,7 @@ def names_of(physics: Iterable[Physics], what: str) -> list[str]:
     return list(dict.fromkeys(key for one in physics for key in declared_keys(one)[what]))
 
 
-def written_keys(raw: Mapping[str, Any]) -> Iterator[tuple[str, str, tuple[str, ...]]]:
+def written_keys(raw: Mapping[str, object]) -> Iterator[tuple[str, str, tuple[str, ...]]]:
     """Of plain tables of a scene all keys that may be those of physics: what they are, the key, and its place."""
     yield from (("table", key, (key,)) for key in raw)
     for table, what in (
@@ -73,7 +72,7 @@ def written_keys(raw: Mapping[str, Any]) -> Iterator[tuple[str, str, tuple[str, 
             yield from (("direction", key, ("supports", name, "fix")) for key in fix if isinstance(key, str))
 
 
-def _tables(named: object) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def _tables(named: object) -> Iterator[tuple[str, Mapping[str, object]]]:
     """The tables of a table of names."""
     entries = named.items() if isinstance(named, dict) else ()
     yield from ((name, keys) for name, keys in entries if isinstance(keys, dict))

@@ -1,12 +1,11 @@
 """Parts of the physics that follow from a scene without being named among its effects."""
 
 from collections.abc import Callable
-from typing import Any
 
 from restshape.scene.effect import DerivedEffect
 from restshape.scene.model import Scene
+from restshape.scene.plain_values import Table, table_in, tables_in
 
-Tables = dict[str, Any]
 On = frozenset[str]
 
 
@@ -20,9 +19,9 @@ def loads_of(scene: Scene, kinds: tuple[str, ...]) -> str:
     return listed("loads", [name for name, load in scene.loads.items() if load.kind in kinds])
 
 
-def without_loads(raw: Tables, kinds: tuple[str, ...]) -> Tables:
+def without_loads(raw: Table, kinds: tuple[str, ...]) -> Table:
     """The plain tables of a scene without its loads of some kinds."""
-    loads = {name: load for name, load in raw.get("loads", {}).items() if not set(kinds) & set(load)}
+    loads = {name: load for name, load in tables_in(raw, "loads").items() if not set(kinds) & set(load)}
     return {**raw, "loads": loads}
 
 
@@ -31,10 +30,10 @@ def _moved(scene: Scene) -> list[str]:
     return [name for name, support in scene.supports.items() if any(value != 0 for value in support.fix.values())]
 
 
-def _held_still(raw: Tables, _: On) -> Tables:
+def _held_still(raw: Table, _: On) -> Table:
     supports = {
-        name: {**support, "fix": dict.fromkeys(support["fix"], 0.0)} if "fix" in support else support
-        for name, support in raw["supports"].items()
+        name: {**support, "fix": dict.fromkeys(table_in(support, "fix"), 0.0)} if "fix" in support else support
+        for name, support in tables_in(raw, "supports").items()
     }
     return {**raw, "supports": supports}
 
@@ -44,9 +43,9 @@ def _regions(scene: Scene, _: On) -> str:
     return f"{listed('material', names)} fill regions: each cell has its own material" if names else ""
 
 
-def _one_material(raw: Tables, _: On) -> Tables:
+def _one_material(raw: Table, _: On) -> Table:
     """The material outside of regions everywhere; where there is none, the first one."""
-    materials = raw["material"]
+    materials = tables_in(raw, "material")
     rest = next((name for name, material in materials.items() if "region" not in material), next(iter(materials)))
     alone = {key: value for key, value in materials[rest].items() if key != "region"}
     return {**raw, "material": {rest: alone}}

@@ -1,7 +1,6 @@
 """What a scene holds, in words."""
 
 from collections.abc import Mapping
-from typing import Any
 
 from pydantic import BaseModel
 
@@ -10,7 +9,7 @@ from restshape.scene.units import SYMBOLS, in_si
 from restshape.scene.values import annotation_of, dimension_of
 
 
-def listing(value: Any) -> str:
+def listing(value: object) -> str:
     """A number, the text of a formula, or several of them in parentheses."""
     if isinstance(value, tuple | list):
         return f"({', '.join(map(listing, value))})"
@@ -19,7 +18,7 @@ def listing(value: Any) -> str:
     return str(value) if isinstance(value, bool | str) else f"{value:.6g}"
 
 
-def with_symbol(value: Any, dimension: Any) -> str:
+def with_symbol(value: object, dimension: object) -> str:
     """A value, as in `listing`, with the SI unit of its dimension; a formula that has units of its own without."""
     symbol = SYMBOLS.get(dimension, "") if isinstance(dimension, str) else ""
     parts = value if isinstance(value, tuple | list) else (value,)

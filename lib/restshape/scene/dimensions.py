@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from typing import Any
 
 from pydantic import BaseModel
 
@@ -31,7 +30,7 @@ Known = Powers | None
 """Powers of a value; None where nothing gives them, and any will do."""
 
 
-def check_units(scene: BaseModel, written: Mapping[str, Any], source: Source) -> None:
+def check_units(scene: BaseModel, written: Mapping[str, object], source: Source) -> None:
     """Refuses formulas that give another dimension than is wanted of them, by the units of the parameters in them.
 
     A parameter without a unit, x, y and a decimal number may stand for anything; whole numbers and pi have no

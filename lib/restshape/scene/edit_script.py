@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn, Self, get_args
+from typing import Annotated, Literal, NoReturn, Self, get_args
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -15,7 +15,7 @@ from restshape.scene.bodies import POINTS, Body, bodies_of
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
 from restshape.scene.permits import outside
-from restshape.scene.plain_values import excess
+from restshape.scene.plain_values import Table, excess
 from restshape.scene.source import Source, read_text, split_key, suggestion
 from restshape.scene.units import article, length_unit
 from restshape.scene.validation_errors import user_error
@@ -89,7 +89,7 @@ class Set(EventLine):
 
     do: Literal["set"]
     key: Annotated[str, Field(min_length=1)]
-    value: Any
+    value: object
     frames: Frames = 1
 
 
@@ -343,7 +343,7 @@ class _Reader:
         """Raises the error that names file and line."""
         raise UserError(what, f"{self.path.name}: line {number}", do)
 
-    def table(self, number: int, line: str) -> dict[str, Any]:
+    def table(self, number: int, line: str) -> Table:
         """The JSON object of a line."""
         try:
             found = json.loads(line, parse_constant=_refuse_constant)
@@ -407,7 +407,7 @@ class _Reader:
         """The error that names file, line and key."""
         return user_error(error, Source(Path(f"{self.path.name}: line {number}")), model)
 
-    def lifts(self, table: dict[str, Any], error: ValidationError) -> str:
+    def lifts(self, table: Table, error: ValidationError) -> str:
         """What to do where an event would take a body to a place in space; empty where it is not that."""
         name = str(table.get("on", self.grabbed))
         body = self.bodies.get(name)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 from pydantic import BaseModel
 
 from restshape.scene.model import Scene
+from restshape.scene.plain_values import Table
 
 
 @dataclass(frozen=True)
@@ -97,6 +98,6 @@ class DerivedEffect:
     summary: str
     cause: Callable[[Scene, frozenset[str]], str]
     idle: str
-    without: Callable[[dict[str, Any], frozenset[str]], dict[str, Any]] | None = None
+    without: Callable[[Table, frozenset[str]], Table] | None = None
     drives: bool = False
     needs: str = ""

@@ -1,15 +1,14 @@
 """Keys of a scene that belong to the physics of other applications than its own."""
 
-from typing import Any
-
 from restshape.application import Application
 from restshape.errors import UserError
 from restshape.scene.declared_keys import declared_keys, known_keys, names_of, written_keys
+from restshape.scene.plain_values import Table, table_in
 from restshape.scene.registered import checked_applications
 from restshape.scene.source import Source
 
 
-def refuse_foreign(raw: dict[str, Any], application: Application, source: Source) -> None:
+def refuse_foreign(raw: Table, application: Application, source: Source) -> None:
     """Refuses keys that only other applications have.
 
     Args:
@@ -27,7 +26,7 @@ def refuse_foreign(raw: dict[str, Any], application: Application, source: Source
         for other in checked_applications().values():
             owner = next((one for one in other.physics if key in declared_keys(one)[what]), None)
             if owner is not None:
-                first = next(iter(raw[key]), None) if what == "table" and owner.sections[key].named else None
+                first = next(iter(table_in(raw, key)), None) if what == "table" and owner.sections[key].named else None
                 raise _error(what, key, (*place, first) if first else place, application, other, source)
 
 

@@ -3,9 +3,7 @@
 import re
 import tomllib
 from collections.abc import Sequence
-from copy import copy
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -16,7 +14,7 @@ from restshape.scene.checks import check_scene
 from restshape.scene.dimensions import check_units
 from restshape.scene.foreign import refuse_foreign
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
-from restshape.scene.plain_values import excess
+from restshape.scene.plain_values import Table, excess, table_in
 from restshape.scene.plan import plan
 from restshape.scene.registered import checked_applications, installed_physics
 from restshape.scene.renamed import other_name
@@ -57,7 +55,7 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     return _scene(raw, Source(path, text, tuple(keys), tuple(named)))
 
 
-def recorded_scene(raw: dict[str, Any], path: Path) -> Scene:
+def recorded_scene(raw: Table, path: Path) -> Scene:
     """The scene of plain tables that a recording holds.
 
     Args:
@@ -72,7 +70,7 @@ def recorded_scene(raw: dict[str, Any], path: Path) -> Scene:
     return _scene(raw, Source(path, recorded=True))
 
 
-def _tables(text: str, path: Path) -> dict[str, Any]:
+def _tables(text: str, path: Path) -> Table:
     """The plain tables of a text.
 
     Raises:
@@ -92,7 +90,7 @@ def _tables(text: str, path: Path) -> dict[str, Any]:
         raise UserError("a whole number has more than 4000 digits", path.name + line, "write a smaller one") from error
 
 
-def _refuse_excess(raw: dict[str, Any], source: Source) -> None:
+def _refuse_excess(raw: Table, source: Source) -> None:
     """Refuses tables with a value beyond a bound of all values.
 
     Raises:
@@ -103,7 +101,7 @@ def _refuse_excess(raw: dict[str, Any], source: Source) -> None:
         raise source.error([part[:40] for part in key[:4]], what, do)
 
 
-def revise(scene: Scene, key: str, value: Any) -> Scene:
+def revise(scene: Scene, key: str, value: object) -> Scene:
     """The scene with one key changed, validated again; it shares all other tables with the one given.
 
     Args:
@@ -127,7 +125,7 @@ def revise(scene: Scene, key: str, value: Any) -> Scene:
     return revised.model_copy(update=shared)
 
 
-def remade(scene: Scene, raw: dict[str, Any]) -> Scene:
+def remade(scene: Scene, raw: Table) -> Scene:
     """The scene of other plain tables in place of its own, validated again.
 
     Raises:
@@ -136,21 +134,30 @@ def remade(scene: Scene, raw: dict[str, Any]) -> Scene:
     return _scene(raw, scene._source)
 
 
-def _branched(raw: dict[str, Any], key: tuple[str, ...]) -> dict[str, Any]:
+def _branched(raw: Table, key: tuple[str, ...]) -> Table:
     """A copy of plain tables that shares with them all that does not lie on the way to the key."""
-    top: dict[str, Any] = dict(raw)
-    here: Any = top
-    for part in key[:-1]:
-        place = int(part) if isinstance(here, list) and part.isdigit() else part
-        known = place in here if isinstance(here, dict) else isinstance(place, int) and place < len(here)
-        if not known or not isinstance(here[place], (dict, list)):
-            break
-        here[place] = copy(here[place])
-        here = here[place]
-    return top
+    if len(key) < 2:
+        return dict(raw)
+    inner, rest = raw.get(key[0]), key[1:]
+    if isinstance(inner, dict):
+        return {**raw, key[0]: _branched(inner, rest)}
+    return {**raw, key[0]: _branched_list(inner, rest)} if isinstance(inner, list) else dict(raw)
 
 
-def parse_override(text: str) -> tuple[tuple[str, ...], Any]:
+def _branched_list(entries: list[object], key: tuple[str, ...]) -> list[object]:
+    """A copy of a list of plain values, likewise."""
+    found = list(entries)
+    place = int(key[0]) if key[0].isdigit() else len(entries)
+    if len(key) > 1 and place < len(entries):
+        inner = entries[place]
+        if isinstance(inner, dict):
+            found[place] = _branched(inner, key[1:])
+        elif isinstance(inner, list):
+            found[place] = _branched_list(inner, key[1:])
+    return found
+
+
+def parse_override(text: str) -> tuple[tuple[str, ...], object]:
     """The key and the value of ``key=value``; a value that is not TOML is taken as text.
 
     Raises:
@@ -167,7 +174,7 @@ def parse_override(text: str) -> tuple[tuple[str, ...], Any]:
         return parts, value.strip()
 
 
-def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str, adds: bool = False) -> None:
+def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool = False) -> None:
     """Sets one dotted key in plain tables, in place; a whole number as a part is the place in a list.
 
     Args:
@@ -181,30 +188,32 @@ def put(raw: dict[str, Any], key: tuple[str, ...], value: Any, where: str, adds:
     """
     if not key:
         raise UserError("there is no key", where, "write a dotted key such as material.steel.E")
-    here: Any = raw
+    here: object = raw
     tables = _named_tables()
     for depth, part in enumerate(key):
         last = depth == len(key) - 1
-        place: str | int = part
         if isinstance(here, list):
             if not part.isdigit() or int(part) >= len(here):
                 places = f"a list of {len(here)} entries"
                 raise UserError(
                     f"{'.'.join(key[:depth])} is {places}, so {part!r} is no place in it", where, "count from 0"
                 )
-            place = int(part)
         elif not isinstance(here, dict):
             raise UserError(
                 f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
             )
         elif key[:depth] in tables and part not in here and not (adds and last):
             raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, suggestion(part, sorted(here)))
-        if last:
-            if (other := other_name(key)) and isinstance(here, dict):
+        if isinstance(here, list):
+            if last:
+                here[int(part)] = value
+            here = here[int(part)]
+        elif last:
+            if other := other_name(key):
                 here.pop(other[-1], None)
-            here[place] = value
+            here[part] = value
         else:
-            here = here[int(part)] if isinstance(here, list) else here.setdefault(part, {})
+            here = here.setdefault(part, {})
 
 
 def _named_tables() -> set[tuple[str, ...]]:
@@ -225,7 +234,7 @@ def _syntax_error(error: tomllib.TOMLDecodeError, path: Path) -> UserError:
     return UserError(f"this is not TOML: {what[0].lower()}{what[1:]}", where, "see https://toml.io for the syntax")
 
 
-def _check_format(raw: dict[str, Any], path: Path) -> None:
+def _check_format(raw: Table, path: Path) -> None:
     """Refuses a file that says it is something else, or of another version."""
     if raw.get("format") != FORMAT:
         found = f"its format is {raw['format']!r}" if "format" in raw else "it has no format"
@@ -235,7 +244,7 @@ def _check_format(raw: dict[str, Any], path: Path) -> None:
         raise UserError(f"the scene has {found}", f"{path.name}: version", f"this program reads version = {VERSION}")
 
 
-def _scene(raw: dict[str, Any], source: Source) -> Scene:
+def _scene(raw: Table, source: Source) -> Scene:
     """The validated scene of plain tables."""
     # Which tables there may be is known from the application, where the scene names one.
     named = raw.get("app")
@@ -261,7 +270,7 @@ def _scene(raw: dict[str, Any], source: Source) -> Scene:
             raise user_error(error, source, model, ("effects", name)) from error
     scene = scene.model_copy(update={"effects": effects})
     check_scene(scene, app, source)
-    check_units(scene, raw.get("parameters", {}), source)
+    check_units(scene, table_in(raw, "parameters"), source)
     scene._source, scene._raw = source, raw
     return _decided(scene, app)
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from restshape.scene.values import dimension_of
 
@@ -33,7 +32,7 @@ class LoadKind:
         summary: what it is, for people.
     """
 
-    value: Any
+    value: object
     on: tuple[str, ...]
     summary: str = ""
 

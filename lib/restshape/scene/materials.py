@@ -3,13 +3,12 @@
 import tomllib
 from collections.abc import Collection, Mapping
 from importlib.resources import files
-from typing import Any
 
-MATERIALS: dict[str, dict[str, Any]] = tomllib.loads((files(__package__) / "materials.toml").read_text("utf-8"))
+MATERIALS: dict[str, dict[str, object]] = tomllib.loads((files(__package__) / "materials.toml").read_text("utf-8"))
 """Keys of a material by its name, as a scene would hold them, and the source of their values."""
 
 
-def named(raw: object, known: Mapping[str, Mapping[str, Any]], keys: Collection[str]) -> Any:
+def named(raw: object, known: Mapping[str, Mapping[str, object]], keys: Collection[str]) -> object:
     """The tables of a material with the values of the material that they name; values of their own come first.
 
     Args:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import (
     BaseModel,
@@ -17,8 +17,10 @@ from pydantic import (
 
 from restshape.bounds import BULGE, POLYLINE_POINTS, SPLINE_POINTS
 from restshape.errors import UserError
+from restshape.scene.expressions import Value
 from restshape.scene.load_kind import LoadKind
 from restshape.scene.materials import MATERIALS, named
+from restshape.scene.plain_values import Table
 from restshape.scene.quantity import Quantity
 from restshape.scene.source import Source, split_key
 from restshape.scene.units import UnitError, quantity
@@ -29,8 +31,11 @@ VERSION = 1
 # A type checker cannot read the names from the file.
 if TYPE_CHECKING:
     KnownName = str
+    Fix = dict[str, Value]
 else:
     KnownName = Literal[tuple(MATERIALS)]
+    # Which components there are, and of which dimension, is known of the supports of physics alone.
+    Fix = dict[str, object]
 
 
 def _tag_by_key(keys: tuple[str, ...]) -> Discriminator:
@@ -42,7 +47,7 @@ def _tag_by_key(keys: tuple[str, ...]) -> Discriminator:
         return f"<{present[0]}>" if present else None
 
     wanted = f"one of {', '.join(keys)} is wanted here"
-    context: dict[str, Any] = {"keys": keys}
+    context: dict[str, int | str | float] = {"keys": ", ".join(keys)}
     return Discriminator(tag, custom_error_type="kind", custom_error_message=wanted, custom_error_context=context)
 
 
@@ -173,7 +178,7 @@ class Material(Strict):
     ``name`` takes the values of a material that is known; what is given besides comes before that.
     """
 
-    known: ClassVar[Mapping[str, Mapping[str, Any]]] = MATERIALS
+    known: ClassVar[Mapping[str, Mapping[str, object]]] = MATERIALS
 
     name: KnownName | None = None
     region: Entities | None = None
@@ -184,7 +189,7 @@ class Material(Strict):
         return named(raw, cls.known, cls.model_fields)
 
 
-def read_fix(raw: object) -> dict[str, Any]:
+def read_fix(raw: object) -> Table:
     """What is constrained, as a table of values."""
     if isinstance(raw, list) and raw and all(isinstance(component, str) for component in raw):
         return dict.fromkeys(raw, 0.0)
@@ -199,7 +204,7 @@ class Support(Strict):
     boundary: ClassVar[Mapping[str, str]] = {}
 
     on: Entities
-    fix: Annotated[dict[str, Any], BeforeValidator(read_fix)] = {}
+    fix: Annotated[Fix, BeforeValidator(read_fix)] = {}
 
     @model_validator(mode="after")
     def _says_something(self) -> Self:
@@ -285,7 +290,7 @@ class Scene(Strict):
     parameters: dict[Name, AnyNumber] = {}
     shape: ShapeSpec = ShapeSpec()
     material: Annotated[dict[Name, Material], Field(min_length=1)] = {}
-    effects: dict[str, dict[str, Any]] = {}
+    effects: dict[str, Table] = {}
     supports: dict[Name, Support] = {}
     loads: dict[Name, Load] = {}
     mesh: MeshSpec = MeshSpec()
@@ -293,7 +298,7 @@ class Scene(Strict):
     quantities: dict[Name, Quantity] = {}
 
     _source: Source = PrivateAttr(default_factory=lambda: Source(Path("scene.toml")))
-    _raw: dict[str, Any] = PrivateAttr(default_factory=dict)
+    _raw: Table = PrivateAttr(default_factory=dict)
 
     @property
     def path(self) -> Path:
@@ -301,12 +306,12 @@ class Scene(Strict):
         return self._source.path
 
     @property
-    def raw(self) -> dict[str, Any]:
+    def raw(self) -> Table:
         """The plain tables that the scene was built from, overrides included."""
         return self._raw
 
     @property
-    def sections(self) -> dict[str, Any]:
+    def sections(self) -> Table:
         """The tables that the scene's physics add, by key, with defaults filled in."""
         return {key: getattr(self, key) for key in type(self).model_fields if key not in Scene.model_fields}
 

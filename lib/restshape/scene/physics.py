@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from types import GenericAlias
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, Field
 
+from restshape.scene.annotations import Definition, optional
 from restshape.scene.event_line import EventLine
 from restshape.scene.load_kind import LoadKind
 from restshape.scene.quantity import QuantityKind
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
     from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.model import Material, Scene, Support
+    from restshape.scene.plan import Plan
     from restshape.scene.solver import SolverPlan
     from restshape.scene.source import Source
 
@@ -57,17 +59,17 @@ class Section:
     named: bool = False
     required: bool = False
     optional: bool = False
-    words: Callable[[Any], str] | None = None
+    words: Callable[..., str] | None = None
     curve: str = ""
 
     @property
-    def field(self) -> tuple[Any, Any]:
+    def field(self) -> Definition:
         """Its annotation and its default, for pydantic."""
-        kind: Any = GenericAlias(dict, (Name, self.model)) if self.named else self.model
+        kind: object = GenericAlias(dict, (Name, self.model)) if self.named else self.model
         if self.required:
             return kind, Field(description=self.summary)
         if self.optional:
-            return kind | None, Field(None, description=self.summary)
+            return optional(kind), Field(None, description=self.summary)
         return kind, Field(default_factory=dict if self.named else self.model, description=self.summary)
 
     def curve_of(self, table: BaseModel) -> np.ndarray:
@@ -86,7 +88,7 @@ class Invariant:
         do: what to do about it.
     """
 
-    of: Callable[[Scene, frozenset[str]], Any]
+    of: Callable[[Scene, frozenset[str]], object]
     what: str
     do: str
 
@@ -102,7 +104,7 @@ class Inspection:
         singular: quantities without a limit under refinement, with the exponent lambda of stress r^(lambda - 1).
     """
 
-    data: dict[str, Any] = field(default_factory=dict)
+    data: dict[str, object] = field(default_factory=dict)
     rows: Rows = field(default_factory=list)
     warnings: tuple[str, ...] = ()
     singular: dict[str, float] = field(default_factory=dict)
@@ -190,9 +192,9 @@ class Physics:
 
     name: str
     summary: str
-    solver: Callable[[Scene, frozenset[str], Mapping[str, Any]], SolverPlan]
+    solver: Callable[[Scene, frozenset[str], Mapping[str, object]], SolverPlan]
     material: type[Material] | None = None
-    materials: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    materials: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
     boundary: Mapping[str, str] = field(default_factory=dict)
     support: type[Support] | None = None
     loads: Mapping[str, LoadKind] = field(default_factory=dict)
@@ -211,8 +213,8 @@ class Physics:
     check: Callable[[Scene, Source], None] | None = None
     check_shape: str = ""
     inspect_shape: str = ""
-    columns: Callable[[Scene], dict[str, Any]] | None = None
-    summed: Callable[[Scene, Any, float], tuple[dict[str, Any], Rows]] | None = None
+    columns: Callable[[Scene], dict[str, object]] | None = None
+    summed: Callable[[Scene, Plan, float], tuple[dict[str, object], Rows]] | None = None
     instead: Mapping[str, str] = field(default_factory=dict)
 
     def checked_shape(self, scene: Scene, outline: object) -> None:

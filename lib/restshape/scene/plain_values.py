@@ -1,16 +1,28 @@
 """Plain tables from files, before they are validated: nothing in them is too deep, too long or too large."""
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping
 
 from restshape import bounds
 
 Key = tuple[str, ...]
+Table = dict[str, object]
+"""A plain table: texts, numbers, dates, lists and tables by key. Who reads a value sees what it is by `isinstance`."""
 
 
-def excess(table: dict[str, Any]) -> tuple[Key, str, str] | None:
+def table_in(raw: object, key: str) -> Table:
+    """The table under a key of a plain table; empty where there is none."""
+    found = raw.get(key) if isinstance(raw, Mapping) else None
+    return found if isinstance(found, dict) else {}
+
+
+def tables_in(raw: object, key: str) -> dict[str, Table]:
+    """The tables by name in the table under a key, such as those of ``[loads.NAME]``."""
+    return {name: table for name, table in table_in(raw, key).items() if isinstance(table, dict)}
+
+
+def excess(table: Table) -> tuple[Key, str, str] | None:
     """The first place in plain tables that is beyond a bound: its key, what is wrong, what to do; None without one."""
-    waiting: list[tuple[Key, Any]] = [((), table)]
+    waiting: list[tuple[Key, object]] = [((), table)]
     while waiting:
         key, value = waiting.pop()
         found = _excess_of(key, value)
@@ -21,7 +33,7 @@ def excess(table: dict[str, Any]) -> tuple[Key, str, str] | None:
     return None
 
 
-def _entries(value: dict[str, Any] | list[Any]) -> Iterator[tuple[str, Any]]:
+def _entries(value: Table | list[object]) -> Iterator[tuple[str, object]]:
     """What a table or a list holds that can be beyond a bound, with its key or place."""
     pairs = value.items() if isinstance(value, dict) else ((str(place), one) for place, one in enumerate(value))
     for name, one in pairs:

@@ -8,6 +8,7 @@ from restshape.application import Application
 from restshape.errors import UserError
 from restshape.scene.effect import DerivedEffect, ResolvedSettings, SettingsResolver
 from restshape.scene.model import Scene
+from restshape.scene.plain_values import table_in
 from restshape.scene.solver import SolverPlan, joint
 
 
@@ -96,7 +97,7 @@ def plan(scene: Scene, application: Application) -> Plan:
 
 def as_written(scene: Scene) -> Scene:
     """The scene with the element order that its user has written, None where they left it to the plan."""
-    order = scene.raw.get("mesh", {}).get("order")
+    order = table_in(scene.raw, "mesh").get("order")
     return scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"order": order})})
 
 
@@ -119,8 +120,8 @@ def refuse_switched(old: Scene, new: Scene, application: Application) -> None:
             do = f"make it two scenes, one with [effects.{name}] and one without"
             raise UserError(f"the effect {name!r} cannot be switched {way} during an edit", do=do)
         for key in effect.start_keys:
-            before, after = (scene.effects.get(name, {}) for scene in (old, new))
-            if before and after and before[key] != after[key]:
+            was, now = (scene.effects.get(name, {}) for scene in (old, new))
+            if was and now and was[key] != now[key]:
                 what = f"effects.{name}.{key} matters at the start alone, and the edit comes later"
                 raise UserError(what, do="change it in the scene, or use --set")
     for invariant in (one for physics in application.physics for one in physics.invariants):

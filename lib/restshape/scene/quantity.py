@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
-from pydantic import Field, ValidationInfo, WithJsonSchema, create_model, field_validator, model_validator
+from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
+from restshape.scene.annotations import Definition, extended, optional
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import SYMBOLS, UnitError, article, quantity, reads_as_quantity
@@ -30,7 +31,7 @@ class QuantityKind:
         on: kinds of entities of which one must be named; empty: any may be, or none.
     """
 
-    value: Any
+    value: object
     dimension: str
     reduce: str
     whole: bool = False
@@ -86,7 +87,7 @@ class Quantity(Strict):
 
     if TYPE_CHECKING:
 
-        def __getattr__(self, key: str) -> Any:
+        def __getattr__(self, key: str) -> object:
             """Of a kind that a physics has declared: its value, or None."""
 
     @field_validator("max", "min", mode="before")
@@ -118,6 +119,11 @@ class Quantity(Strict):
     def unit(self) -> str:
         """The SI unit of its value; empty for pure numbers."""
         return self.kinds[self.kind].unit
+
+    def number(self, kind: str) -> int | None:
+        """The number that a kind which counts has, such as ``mode = 3``; None where it is of another kind."""
+        found = getattr(self, kind, None)
+        return found if isinstance(found, int) and not isinstance(found, bool) else None
 
     @property
     def wants_error(self) -> bool:
@@ -151,11 +157,10 @@ def quantity_type(kinds: Mapping[str, QuantityKind]) -> type[Quantity]:
     """The model of quantities that may be of these kinds, and of those that all scenes have."""
     kinds = {**kinds, **CORE}
     # Fields of the last base come first: a limit is read by the kind that has been read before it.
-    fields: dict[str, Any] = {
-        key: (kind.value | None, Field(None, description=kind.summary or None)) for key, kind in kinds.items()
+    fields: dict[str, Definition] = {
+        key: (optional(kind.value), Field(None, description=kind.summary or None)) for key, kind in kinds.items()
     }
-    keys = create_model("Keys", __base__=Strict, **fields)
-    made = cast(type[Quantity], create_model("Quantity", __base__=(Quantity, keys), __doc__=Quantity.__doc__))
+    made = extended(Quantity, {}, extended(Strict, fields, name="Keys"))
     made.kinds = kinds
     made.renamed = {**Quantity.renamed, **{key: kind.renamed for key, kind in kinds.items() if kind.renamed}}
     OLD_NAMES.update(made.renamed)

@@ -1,15 +1,15 @@
 """Keys that had another name in version 0.1: both are read, and a note reports the name of today."""
 
 from collections.abc import Mapping
-from typing import Any
 
+from restshape.scene.plain_values import tables_in
 from restshape.scene.units import UnitError
 
 OLD_NAMES: dict[str, str] = {}
 """Every renamed key by its name today: what version 0.1 called it."""
 
 
-def by_todays_names(raw: object, renamed: Mapping[str, str]) -> Any:
+def by_todays_names(raw: object, renamed: Mapping[str, str]) -> object:
     """Plain tables with their keys under the names of today, in their order.
 
     Args:
@@ -40,12 +40,11 @@ def other_name(key: tuple[str, ...]) -> tuple[str, ...] | None:
     return (*key[:2], names[key[2]]) if key[2] in names else None
 
 
-def notes(raw: Mapping[str, Any]) -> list[str]:
+def notes(raw: Mapping[str, object]) -> list[str]:
     """What plain tables of a scene hold under old names, and the new ones, for people."""
     today = {old: new for new, old in OLD_NAMES.items()}
     found = []
     for table in ("quantities", "effects"):
-        for name, keys in raw.get(table, {}).items():
-            if isinstance(keys, dict):
-                found += [f"{table}.{name}.{key} is called {today[key]} now" for key in keys if key in today]
+        for name, keys in tables_in(raw, table).items():
+            found += [f"{table}.{name}.{key} is called {today[key]} now" for key in keys if key in today]
     return found

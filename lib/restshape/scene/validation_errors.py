@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
@@ -51,15 +51,20 @@ def _reported(details: ErrorDetails, source: Source, root: type[BaseModel], pref
             known = known_keys(root, location[:-1])
             do = f"write [shape.{key[0]}]" if tuple(key) in IN_SHAPE else suggestion(str(key[-1]), known)
             return source.error(key, f"there is no key {str(key[-1])!r} here", do)
-        case "kind" if isinstance(details["input"], list) and "loop" in details["ctx"]["keys"]:
+        case "kind" if isinstance(details["input"], list) and "loop" in _keys(details):
             return source.error(key, what, f"write {{ loop = {json.dumps(details['input'], default=str)} }}")
         case "kind" if isinstance(details["input"], dict) and details["input"]:
             unknown = next(iter(details["input"]))
-            return source.error(key, what, suggestion(str(unknown), details["ctx"]["keys"]))
+            return source.error(key, what, suggestion(str(unknown), _keys(details)))
         case "literal_error" if isinstance(details["input"], str):
             expected = details["ctx"]["expected"].replace(" or ", ", ").replace("'", "").split(", ")
             return source.error(key, what, suggestion(details["input"], expected))
     return source.error(key, what, do)
+
+
+def _keys(details: ErrorDetails) -> list[str]:
+    """The keys of which one says what kind of table is meant."""
+    return str(details["ctx"]["keys"]).split(", ")
 
 
 IN_SHAPE = [(key,) for key in ("outline", "vertices", "edges", "holes", "regions", "points", "groups")]
@@ -154,7 +159,7 @@ def _shown(given: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def known_keys(root: Any, location: Sequence[str | int]) -> list[str]:
+def known_keys(root: object, location: Sequence[str | int]) -> list[str]:
     """The keys of the model at a place, found by walking the annotations; empty where there is no model."""
     kind = root
     for part in location:
@@ -166,13 +171,13 @@ def known_keys(root: Any, location: Sequence[str | int]) -> list[str]:
     return [field.alias or name for model in _models(kind) for name, field in model.model_fields.items()]
 
 
-def _components(kind: Any) -> Mapping[str, Any]:
+def _components(kind: object) -> Mapping[str, object]:
     """The annotations of a table that is no model, by key."""
     inner = get_args(kind)[0] if get_origin(kind) is Annotated else kind
     return inner.__annotations__ if is_typeddict(inner) else {}
 
 
-def _step(kind: Any, part: str | int) -> Any:
+def _step(kind: object, part: str | int) -> object:
     """The annotation one key further in, or None."""
     origin, arguments = get_origin(kind), get_args(kind)
     if components := _components(kind):
@@ -191,7 +196,7 @@ def _step(kind: Any, part: str | int) -> Any:
     return _step(models[0], part) if models else None
 
 
-def _models(kind: Any) -> list[type[BaseModel]]:
+def _models(kind: object) -> list[type[BaseModel]]:
     """The models that an annotation may be."""
     origin = get_origin(kind)
     if origin is Annotated:

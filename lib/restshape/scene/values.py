@@ -4,7 +4,7 @@ import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import UnionType
-from typing import Annotated, Any, ClassVar, Union, get_args, get_origin
+from typing import Annotated, ClassVar, Union, get_args, get_origin
 
 from pydantic import (
     BaseModel,
@@ -19,6 +19,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
 from restshape.bounds import NAME_CHARACTERS
+from restshape.scene.annotations import annotated
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
@@ -94,7 +95,7 @@ class InSI(Measured):
         written = core_schema.plain_serializer_function_ser_schema(written_value) if self.formula else None
         return core_schema.no_info_before_validator_function(self.read, handler(source), serialization=written)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, object]:
         example = EXAMPLES[self.dimension].strip('"') if self.dimension else "12 mm"
         text = f"a number in SI units or text such as {example}"
         if self.formula:
@@ -107,7 +108,7 @@ def written_value(value: Value) -> float | str:
     return value.text if isinstance(value, Expression) else value
 
 
-def dimension_of(annotation: Any) -> Any:
+def dimension_of(annotation: object) -> object:
     """The dimension of what an annotation may hold; the annotation without its options where it is no number."""
     if get_origin(annotation) is Annotated:
         inner, *said = get_args(annotation)
@@ -121,17 +122,17 @@ def dimension_of(annotation: Any) -> Any:
     return annotation
 
 
-def annotation_of(field: FieldInfo) -> Any:
+def annotation_of(field: FieldInfo) -> object:
     """The annotation of a key of a model, with all that it says besides its type."""
-    return Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
+    return annotated(field.annotation, *field.metadata)
 
 
-def number_of(dimension: str | None) -> Any:
+def number_of(dimension: str | None) -> object:
     """The type of a number with a unit of that dimension, in SI after validation."""
     return Annotated[float, InSI(dimension)]
 
 
-def value_of(dimension: str) -> Any:
+def value_of(dimension: str) -> object:
     """The type of a number with a unit of that dimension, or of a formula that gives one in SI units."""
     return Annotated[float | Expression, InSI(dimension, formula=True)]
 

@@ -1,9 +1,10 @@
 """Parts of cloth that follow from a scene without being named among its effects."""
 
 from restshape.physics.elasticity.elasticity_derived_effects import GRAIN
-from restshape.scene.derived_effects import MOVING_SUPPORTS, REGIONS, On, Tables, cause_of, listed
+from restshape.scene.derived_effects import MOVING_SUPPORTS, REGIONS, On, cause_of, listed
 from restshape.scene.effect import DerivedEffect
 from restshape.scene.model import Scene
+from restshape.scene.plain_values import Table, tables_in
 
 
 def _rough(scene: Scene) -> list[str]:
@@ -11,8 +12,8 @@ def _rough(scene: Scene) -> list[str]:
     return [name for name, body in scene.bodies.items() if body.friction != 0]
 
 
-def _smooth_bodies(raw: Tables, _: On) -> Tables:
-    return {**raw, "bodies": {name: {**body, "friction": 0.0} for name, body in raw.get("bodies", {}).items()}}
+def _smooth_bodies(raw: Table, _: On) -> Table:
+    return {**raw, "bodies": {name: {**body, "friction": 0.0} for name, body in tables_in(raw, "bodies").items()}}
 
 
 def _mirrors(scene: Scene) -> str:

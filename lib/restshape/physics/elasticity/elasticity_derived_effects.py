@@ -4,7 +4,6 @@ from restshape.scene.derived_effects import (
     MOVING_SUPPORTS,
     REGIONS,
     On,
-    Tables,
     cause_of,
     listed,
     loads_of,
@@ -12,6 +11,7 @@ from restshape.scene.derived_effects import (
 )
 from restshape.scene.effect import DerivedEffect
 from restshape.scene.model import Scene
+from restshape.scene.plain_values import Table, tables_in
 
 LARGE = "large_deformation"
 
@@ -29,8 +29,8 @@ def _stresses(scene: Scene) -> str:
     return listed("quantities", [name for name, quantity in scene.quantities.items() if quantity.stress])
 
 
-def _without_stresses(raw: Tables, _: On) -> Tables:
-    kept = {name: quantity for name, quantity in raw.get("quantities", {}).items() if "stress" not in quantity}
+def _without_stresses(raw: Table, _: On) -> Table:
+    kept = {name: quantity for name, quantity in tables_in(raw, "quantities").items() if "stress" not in quantity}
     return {**raw, "quantities": kept}
 
 

@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field
 from restshape.errors import UserError
 from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene
+from restshape.scene.plain_values import Table, table_in, tables_in
 from restshape.scene.values import Strict, number_of
 
 
@@ -68,10 +69,10 @@ def _in_plane(scene: Scene, _: frozenset[str]) -> str:
     return "effects.modal.in_plane: modes in the plane count too" if modal.model == "solid" and modal.in_plane else ""
 
 
-def _only_normal(raw: dict[str, Any], _: frozenset[str]) -> dict[str, Any]:
+def _only_normal(raw: Table, _: frozenset[str]) -> Table:
     """The tables of a scene in which modes in the plane do not count."""
-    modal = {**raw.get("effects", {}).get("modal", {}), "in_plane": False}
-    return {**raw, "effects": {**raw.get("effects", {}), "modal": modal}}
+    modal = {**tables_in(raw, "effects").get("modal", {}), "in_plane": False}
+    return {**raw, "effects": {**table_in(raw, "effects"), "modal": modal}}
 
 
 MODAL = Effect(ModalKeys, "free vibrations", required=True)
