@@ -1,6 +1,8 @@
 """Eigenpairs from nothing: SLEPc's Krylov-Schur method with shift-and-invert on a factor that the caller keeps."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from petsc4py import PETSc
@@ -8,6 +10,9 @@ from petsc4py import PETSc
 from restshape.algebra.davidson import Found
 from restshape.algebra.pencil import Deflation, Pencil
 from restshape.errors import ReplayProblem
+
+if TYPE_CHECKING:
+    from slepc4py import SLEPc
 
 ROOM = 12
 """Vectors of the basis beyond the wanted ones, at least, from nothing."""
@@ -78,7 +83,7 @@ def krylov_schur(
     return refine_ritz(pencil, deflation, modes, count, tolerance, pencil.substitutions - before)
 
 
-def solved_modes(eps: Any, pencil: Pencil, count: int, problem: str) -> np.ndarray:
+def solved_modes(eps: SLEPc.EPS, pencil: Pencil, count: int, problem: str) -> np.ndarray:
     """The first modes (count, n) that SLEPc finds; more may converge.
 
     Args:

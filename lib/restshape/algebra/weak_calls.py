@@ -4,11 +4,14 @@ Python's collector does not see through PETSc: such a circle stays for the life 
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import ParamSpec, TypeVar
 from weakref import ref
 
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
-def weak_call(method: Callable) -> Callable:
+
+def weak_call(method: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
     """A function that calls a bound method and does not keep its object alive.
 
     Raises:
@@ -16,10 +19,11 @@ def weak_call(method: Callable) -> Callable:
     """
     owner, function = ref(method.__self__), method.__func__  # type: ignore[attr-defined]
 
-    def call(*arguments: Any) -> Any:
+    def call(*arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
         found = owner()
         if found is None:
             raise ReferenceError(f"the owner of a callback is gone: {function.__qualname__}")
-        return function(found, *arguments)
+        result: Result = function(found, *arguments, **named)
+        return result
 
     return call

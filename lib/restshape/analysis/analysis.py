@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 from petsc4py import PETSc
@@ -10,6 +10,7 @@ from petsc4py import PETSc
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import Stages
 from restshape.analysis.frame import Frame
+from restshape.analysis.row_values import RowValues
 from restshape.analysis.solution import Solution
 from restshape.calibration import Calibration
 from restshape.fem.eigenproblem import Eigenproblem
@@ -46,10 +47,6 @@ class Comparison:
 
     entries: float
     solution: float | None
-
-
-RowValues = dict[str, Any]
-"""Numbers and texts of a frame by column."""
 
 
 class Predictor(Protocol):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
@@ -76,9 +76,9 @@ class SteadyQuantityErrors:
 
     def __init__(self, analysis: Estimated) -> None:
         self.analysis = analysis
-        self._known: tuple[Any, dict[str, float]] = (None, {})
-        self._duals: dict[str, tuple[Any, np.ndarray]] = {}
-        self._second: tuple[Any, Problem | None] = (None, None)
+        self._known: tuple[LinearState | None, dict[str, float]] = (None, {})
+        self._duals: dict[str, tuple[LinearSystem, np.ndarray]] = {}
+        self._second: tuple[tuple[Mesh, int, Scene] | None, Problem | None] = (None, None)
 
     def __call__(self, names: Iterable[str]) -> dict[str, float]:
         """The estimated size of the error of each quantity.

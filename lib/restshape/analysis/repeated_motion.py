@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from restshape.algebra.gathering import gather_matrix
 from restshape.algebra.operator import Operator
@@ -160,7 +159,7 @@ class _Newton:
 
     def __init__(self, linear: bool) -> None:
         self.linear = linear
-        self._factor: Any = None
+        self._factor: SuperLU | None = None
 
     def __call__(
         self,

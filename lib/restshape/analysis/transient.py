@@ -3,7 +3,7 @@
 # More than 15 modules: here time steps, solver, projections and energies of a frame meet, a module each.
 import logging
 from dataclasses import replace
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 import scipy.sparse as sp
@@ -27,7 +27,7 @@ from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.problem import MASS, STIFFNESS, Fields, TransientProblem
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.space import Space
-from restshape.fem.time_integration import TimeIntegration, TimeState
+from restshape.fem.time_integration import IntegrationChanges, TimeIntegration, TimeState
 from restshape.first_use import made
 from restshape.mesh.transfer import transfer
 from restshape.scene.model import Scene
@@ -118,7 +118,7 @@ class TransientAnalysis:
         account = self.state.account
         self.state = replace(self.state, account=replace(account, last=self.energy() if account.known else 0.0))
 
-    def set_integration(self, **changes: Any) -> None:
+    def set_integration(self, **changes: Unpack[IntegrationChanges]) -> None:
         """Let the next steps be others: changes of the `TimeIntegration`, until the scene's settings are read again."""
         self.state = replace(self.state, in_time=replace(self.state.integration, **changes))
 

@@ -1,6 +1,6 @@
 """What a finite-element space offers: nodes and cells that unknowns live on, over a mesh that moves."""
 
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -92,7 +92,7 @@ class Space(Protocol):
     def at_dofs(self, field: np.ndarray) -> np.ndarray:
         """A field (n, k) of the nodes X as one (m, k) of the rows of unknowns, which lie at `dof_X`."""
 
-    def project(self, old: Any, field: np.ndarray) -> np.ndarray:
+    def project(self, old: Self, field: np.ndarray) -> np.ndarray:
         """Unknowns (m, f) of this space from those of another one of the same kind, on nearly the same shape.
 
         Args:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypedDict
 
 import numpy as np
 
@@ -220,6 +220,15 @@ class TimeIntegration:
     def base_acceleration(self, t: float, fields: int) -> np.ndarray:
         """The base's acceleration (f,) at the time t [s]."""
         return np.zeros(fields) if self.excitation is None else self.excitation.acceleration(t)
+
+
+class IntegrationChanges(TypedDict, total=False):
+    """Changes of a `TimeIntegration`, each by the name of its argument."""
+
+    scheme: Scheme
+    steps: int
+    damping: Rayleigh
+    excitation: Excitation | None
 
 
 @dataclass(frozen=True, eq=False)

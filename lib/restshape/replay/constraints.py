@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from restshape.analysis.row_values import findings_in, text
 from restshape.findings import Finding
 from restshape.scene.model import Quantity
 from restshape.scene.quantity import in_unit
@@ -130,10 +131,10 @@ def joined(row: RowValues, own: RowValues) -> RowValues:
     """The columns of an application, with its constraint status, findings and notes before those that a row has."""
     if not own:
         return own
-    known = [one["constraint_status"] for one in (own, row) if one.get("constraint_status")]
+    known = [status for one in (own, row) if (status := text(one, "constraint_status"))]
     worst = next((status for status in (FAILS, UNCERTAIN) if status in known), "".join(known[:1]))
     both: RowValues = {"constraint_status": worst}
     for name in ("violated_constraints", "note"):
-        both[name] = "; ".join(filter(None, (one.get(name, "") for one in (own, row))))
-    both["findings"] = (*own.get("findings", ()), *row.get("findings", ()))
+        both[name] = "; ".join(filter(None, (text(one, name) for one in (own, row))))
+    both["findings"] = (*findings_in(own), *findings_in(row))
     return {**own, **both}

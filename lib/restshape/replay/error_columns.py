@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from restshape.analysis.quantity_errors import LEAVE_OUT, NONE_HERE
+from restshape.analysis.row_values import number, text
 from restshape.errors import ReplayProblem, UserError
 from restshape.findings import decode_findings, encode_findings
 from restshape.replay.columns import error_column, estimated_quantities
@@ -73,10 +74,10 @@ class QuantityErrorColumns:
 
     def _status(self, row: RowValues, errors: dict[str, float]) -> RowValues:
         """The columns that change where a limit is nearer than the error of what it limits."""
-        values = {name: row[f"q_{name}"] for name in self.limits}
+        values = {name: number(row, f"q_{name}") for name in self.limits}
         uncertain = uncertain_constraints(self.limits, values, errors)
         if not uncertain:
             return {}
-        note = "; ".join(filter(None, (row["note"], *map(formatted_uncertainty, uncertain))))
-        findings = (*decode_findings(row["findings"]), *uncertain)
+        note = "; ".join(filter(None, (text(row, "note"), *map(formatted_uncertainty, uncertain))))
+        findings = (*decode_findings(text(row, "findings")), *uncertain)
         return {"constraint_status": UNCERTAIN, "note": note, "findings": encode_findings(findings)}

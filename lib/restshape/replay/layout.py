@@ -1,12 +1,12 @@
 """Whether an HDF5 file can be a recording, found out before any of its arrays is read."""
 
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 
 from restshape.errors import UserError, printable
+from restshape.scene.plain_values import Table
 
 MOST_HEADER = 64 << 20
 """Bytes of a header."""
@@ -51,14 +51,12 @@ def _look_at_array(array: h5py.Dataset, size: int, path: Path) -> None:
         raise bad(path, f"{array.name} claims {array.nbytes} bytes, and the file has {size}")
 
 
-def refuse_bad_header(header: Any, path: Path) -> None:
-    """Makes sure that the header is a table whose entries are of the kinds that readers rely on.
+def refuse_bad_header(header: Table, path: Path) -> None:
+    """Makes sure that the entries of the header are of the kinds that readers rely on.
 
     Raises:
         UserError: naming the first that is not.
     """
-    if not isinstance(header, dict):
-        raise bad(path, "its header is no table")
     for kind, names in ((str, TEXTS), (dict, TABLES)):
         for name in names:
             if not isinstance(header.get(name, kind()), kind):

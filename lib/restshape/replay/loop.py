@@ -14,6 +14,7 @@ from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import NAMES, Stages
 from restshape.analysis.analysis import Analysis, Context, RowValues, Solvable
 from restshape.analysis.frame import Frame
+from restshape.analysis.row_values import findings_in, text, whole
 from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
@@ -180,7 +181,7 @@ class Replay:
         if self.known:
             own = self.analysis.row()
             self.row.update(joined(self.row, without_values(own) if refused else own))
-        self.row["findings"] = encode_findings(self.row["findings"])
+        self.row["findings"] = encode_findings(findings_in(self.row))
         level = logging.INFO if report.refreshed or mesh_update.level > 1 else logging.DEBUG
         if log.isEnabledFor(level):
             done = "predicted" if predicted else f"{report.newton} Newton steps, {report.iterations} Krylov iterations"
@@ -252,16 +253,16 @@ class Replay:
 
     def _no_report(self) -> LinearReport:
         """The report of a frame that is not solved."""
-        return LinearReport(0, False, self.row["pc_age"], self.row["preconditioner"])
+        return LinearReport(0, False, whole(self.row, "pc_age"), text(self.row, "preconditioner"))
 
     def _times(self, row: RowValues, start: float, edited: float, end: float) -> None:
         """Add the milliseconds of the frame; `ms_python` is what no compiled stage took."""
         seconds = self.stages.seconds
-        row["ms"] = (end - start) * 1e3
+        row["ms"] = whole_ms = (end - start) * 1e3
         row["ms_edit"] = (edited - start) * 1e3
         for name, column in STAGE_COLUMNS:
             row[column] = seconds[name] * 1e3
-        row["ms_python"] = row["ms"] - sum(map(seconds.__getitem__, NATIVE)) * 1e3
+        row["ms_python"] = whole_ms - sum(map(seconds.__getitem__, NATIVE)) * 1e3
 
     def _record(self, edit: EditFrame, row: RowValues, end: float) -> None:
         """Hand the frame to the recorder; residual and error are measured here, off the frame's time."""
@@ -281,7 +282,7 @@ class Replay:
             fields = self.analysis.fields() if self.known else self.analysis.blank_fields(mesh)
             self.recorder.frame(edit.t, mesh.X, *fields, row)
         row["ms_record"] = (perf_counter() - end) * 1e3
-        if row["level"] > 1 or edit.change not in ("none", "move"):
+        if whole(row, "level") > 1 or edit.change not in ("none", "move"):
             clean_up(self.comm)
 
     def _estimates(self, row: RowValues) -> dict[str, float]:

@@ -9,6 +9,7 @@ import numpy as np
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Analysis, Context, Solvable
 from restshape.analysis.frame import Frame
+from restshape.analysis.row_values import number
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.columns import jump_column
 from restshape.scene.plan import plan
@@ -56,7 +57,7 @@ class MeshJumps:
         """The columns of a frame that was solved; not numbers where the mesh stayed, or cannot be compared."""
         if not self.wanted:
             return {}
-        values = {name: row[f"q_{name}"] for name in edit.scene.quantities}
+        values = {name: number(row, f"q_{name}") for name in edit.scene.quantities}
         found = dict.fromkeys(values, np.nan)
         for other in self._others:
             before = self._last[1] if self._last[0] is edit.scene else {}

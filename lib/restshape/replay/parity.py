@@ -1,9 +1,9 @@
 """Reuse verification: each frame against a cold solve on the mesh that it was computed on."""
 
 from collections import Counter
-from typing import Any
 
 from restshape.algebra.gathering import clean_up
+from restshape.analysis.row_values import whole
 from restshape.errors import ReplayProblem
 from restshape.replay.loop import Replay
 
@@ -56,7 +56,7 @@ class Parity:
             self.left_out[UNREACHED] += 1
             return {}
         clean_up(self.replay.comm)
-        kind = COMPARED[row["level"]]
+        kind = COMPARED[whole(row, "level")]
         self.entries = max(self.entries, found.entries)
         if found.solution is None:
             self.left_out["without a step or a load"] += 1
@@ -82,7 +82,7 @@ class Parity:
         self.prediction = max(self.prediction or 0.0, distance)
         return {"parity_prediction": distance}
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, object]:
         """The largest differences, whether they are small enough in all frames that were compared, and which these are.
 
         What compared nothing does not hold.

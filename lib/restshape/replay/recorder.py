@@ -14,7 +14,7 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -34,6 +34,14 @@ _CELL_TYPES = {2: 3, 3: 5, 6: 22, 4: 10, 8: 12, 10: 24}
 _CHECK_EVERY = 64
 
 
+class FrameShape(NamedTuple):
+    """Names of the fields of nodes and of cells, and the shapes of the positions and of all these fields."""
+
+    points: tuple[str, ...]
+    cells: tuple[str, ...]
+    shapes: tuple[tuple[int, ...], ...]
+
+
 # More than 15 attributes: the process, its pipes, the ring in shared memory, and the layout of the next frame.
 class Recorder:
     """A recording that is being written; made by `Recorder.start`, closed by `close` or at the end of a ``with`` block.
@@ -50,14 +58,14 @@ class Recorder:
         self.path = path
         self.frames = self.stalls = 0
         self.stalled_s = 0.0
-        self.result: dict[str, Any] = {}
+        self.result: dict[str, object] = {}
         self.process_id = process.pid
         self._ring, self._process = ring, process
         self._commands, self._control, self._answers = pipes
         self._packer = RowPacker(np.dtype([]))
         self._inbox = b""
         self._state = "starting"
-        self._shape: tuple[Any, ...] = ()
+        self._shape: FrameShape | None = None
         self._cells = -1
 
     @classmethod
@@ -141,7 +149,7 @@ class Recorder:
         self._send(rings.TOPOLOGY, cells.data, cells.shape[1], kind)
         if len(cells) != self._cells:
             self._cells = len(cells)
-            self._shape = ()
+            self._shape = None
 
     def frame(
         self,
@@ -164,7 +172,7 @@ class Recorder:
             UserError: the file can no longer be written; says how many frames are safe.
         """
         arrays = [X, *point_data.values(), *cell_data.values()]
-        shape = (tuple(point_data), tuple(cell_data), *[array.shape for array in arrays])
+        shape = FrameShape(tuple(point_data), tuple(cell_data), tuple(array.shape for array in arrays))
         if shape != self._shape:
             self._new_shape(shape)
         at = self._begin(rings.FRAME, self._frame_bytes, t, time.monotonic())
@@ -184,14 +192,14 @@ class Recorder:
         if self._ring.counters[rings.FAILED] or self.frames % _CHECK_EVERY == 0:
             self._check_alive()
 
-    def _new_shape(self, shape: tuple[Any, ...]) -> None:
+    def _new_shape(self, shape: FrameShape) -> None:
         """Reports the process how the frames that follow are laid out.
 
         Raises:
             ValueError: arrays do not fit the mesh.
         """
         self.ready()
-        points, cells, positions, *fields = shape
+        points, cells, (positions, *fields) = shape
         if self._cells < 0:
             raise ValueError("a frame needs a topology first")
         for name, field in zip((*points, *cells), fields):
@@ -250,7 +258,7 @@ class Recorder:
         if self._ring.counters[rings.FAILED] or self._process.poll() is not None:
             self._answer("closed")
 
-    def _answer(self, expected: str) -> Any:
+    def _answer(self, expected: str) -> object:
         """What the process says under this name.
 
         Raises:
@@ -263,7 +271,7 @@ class Recorder:
                     self._fail("the recorder process was ended from outside", "run the replay again")
                 self._inbox += data
             line, _, self._inbox = self._inbox.partition(b"\n")
-            message = json.loads(line)
+            message: dict[str, dict[str, str]] = json.loads(line)
             if expected in message:
                 return message[expected]
             if "error" in message:
@@ -288,7 +296,7 @@ class Recorder:
         os.close(self._answers)
         os.close(self._ring.fd)
 
-    def close(self, status: str = "done") -> dict[str, Any]:
+    def close(self, status: str = "done") -> dict[str, object]:
         """What the recording holds and what writing it cost; the file is closed with this status.
 
         Raises:
@@ -300,6 +308,7 @@ class Recorder:
         self._send(rings.CLOSE, status.encode())
         self._wake()
         closed = self._answer("closed")
+        assert isinstance(closed, dict), "the process says what writing cost"
         self.result = {**closed, "stalls": self.stalls, "stalled_s": self.stalled_s}
         self._end("closed")
         return self.result

@@ -14,7 +14,7 @@ import sys
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -30,6 +30,22 @@ LIMITS = {b"t": "frame limit", b"m": "memory limit"}
 _NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
+class Opening(TypedDict):
+    """What the solver says first: path and header of the recording, names and types of its columns."""
+
+    path: str
+    header: dict[str, object]
+    columns: list[tuple[str, str]]
+
+
+class FrameLayout(TypedDict):
+    """How the frames that follow are laid out: names of fields, shapes of positions and of these fields."""
+
+    point_data: list[str]
+    cell_data: list[str]
+    shapes: list[list[int]]
+
+
 class Writing:
     """The recorder process's state: reads records, writes batches, answers."""
 
@@ -39,7 +55,7 @@ class Writing:
         self.status: str | None = None
         self.lag = 0.0
         self.batches = 0
-        self._layout: dict[str, Any] = {}
+        self._layout: FrameLayout | None = None
         self._row_bytes = 0
         self._oldest: float | None = None
 
@@ -83,20 +99,20 @@ class Writing:
         elif record.kind == rings.CLOSE:
             self.status = bytes(record.payload).decode()
 
-    def _open(self, start: dict[str, Any]) -> None:
+    def _open(self, start: Opening) -> None:
         dtype = row_dtype(dict(start["columns"]))
         self._row_bytes = dtype.itemsize
         self.writer = VtkHdfWriter(Path(start["path"]), start["header"], dtype)
         self.answer(ready=os.getpid())
 
     def _frame(self, record: rings.Record) -> RecordedFrame:
-        at = (self._row_bytes + 7) & ~7
-        arrays = []
-        for shape in self._layout["shapes"]:
+        at, layout, arrays = (self._row_bytes + 7) & ~7, self._layout, []
+        assert layout is not None, "the layout of frames comes before them"
+        for shape in layout["shapes"]:
             count = int(np.prod(shape))
             arrays.append(np.frombuffer(record.payload, "f8", count, at).reshape(shape))
             at += 8 * count
-        points, cells = self._layout["point_data"], self._layout["cell_data"]
+        points, cells = layout["point_data"], layout["cell_data"]
         fields = arrays[1:]
         row = bytes(record.payload[: self._row_bytes])
         return RecordedFrame(

@@ -5,7 +5,7 @@ import time
 import zlib
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -13,8 +13,9 @@ import numpy as np
 from restshape.errors import UserError, printable
 from restshape.replay.columns import ALIASES, SIMULATED, renamed
 from restshape.replay.containment import refuse_other_files
-from restshape.replay.layout import WIDTHS, refuse_bad_arrays, refuse_bad_header, refuse_bad_places
+from restshape.replay.layout import WIDTHS, bad, refuse_bad_arrays, refuse_bad_header, refuse_bad_places
 from restshape.replay.vtkhdf import FORMAT, PARTS, checksum
+from restshape.scene.plain_values import Table
 
 _ATTEMPTS, _PAUSE = 20, 0.05
 
@@ -97,7 +98,10 @@ class Recording:
         data = bytes(own["header"][()])
         if "header_checksum" in own.attrs and int(own.attrs["header_checksum"]) != zlib.crc32(data):
             raise ValueError("its header does not match its checksum")
-        self.header: dict[str, Any] = cleaned(json.loads(data))
+        header = cleaned(json.loads(data))
+        if not isinstance(header, dict):
+            raise bad(self.path, "its header is no table")
+        self.header: Table = header
         self.dimension = int(own.attrs["dimension"])
         status = printable(own["status"][()].decode().strip())
         self.status = "killed" if status == "recording" else status
@@ -279,7 +283,7 @@ def _column(values: np.ndarray) -> np.ndarray:
     return np.array([printable(value.decode(errors="replace")) for value in values], dtype=object)
 
 
-def cleaned(value: Any) -> Any:
+def cleaned(value: object) -> object:
     """JSON without control characters in its texts."""
     if isinstance(value, str):
         return printable(value)

@@ -2,20 +2,18 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.request import Request
 from restshape.replay.run import run_replay
+from restshape.replay.tally import Summary
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
 
-def replay_files(
-    scene: Path, edits: Path, name: str, overrides: Sequence[str] = (), predict: str = "none"
-) -> dict[str, Any]:
+def replay_files(scene: Path, edits: Path, name: str, overrides: Sequence[str] = (), predict: str = "none") -> Summary:
     """The summary of a replay of files under the policy `name`, for studies; nothing is recorded.
 
     Args:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,7 @@ from restshape.replay.columns import SIMULATED
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
+    from restshape.analysis.row_values import RowValue
 
 
 TEXT_BYTES = 480
@@ -52,9 +53,9 @@ def without_values(own: RowValues) -> RowValues:
     return {name: value if name == SIMULATED else _no_value(value) for name, value in own.items()}
 
 
-def _no_value(value: Any) -> Any:
+def _no_value(value: RowValue) -> RowValue:
     if isinstance(value, str | tuple):
-        return type(value)()
+        return "" if isinstance(value, str) else ()
     return -1 if isinstance(value, int | np.integer) else float("nan")
 
 
@@ -89,10 +90,12 @@ class RowPacker:
         if not row.keys() <= self._names:
             raise ValueError(f"no column is named {', '.join(sorted(row.keys() - self._names))}")
         get = row.get
-        values: list[Any] = [default if (value := get(name)) is None else value for name, default in self._defaults]
+        values: list[object] = [default if (value := get(name)) is None else value for name, default in self._defaults]
         for i, size in self._texts:
-            value = values[i]
-            values[i] = encode_text(value, size) if len(value) * 4 > size else value.encode()
+            text = values[i]
+            if not isinstance(text, str):
+                raise ValueError(f"a row value does not fit its column: {text!r} is no text")
+            values[i] = encode_text(text, size) if len(text) * 4 > size else text.encode()
         try:
             self._struct.pack_into(buffer, offset, *values)
         except struct.error as error:

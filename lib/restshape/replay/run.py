@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 from petsc4py import PETSc
 
@@ -14,7 +13,7 @@ from restshape.replay.petsc_options import refusal
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.row_table import table_of_rows
-from restshape.replay.tally import Tally
+from restshape.replay.tally import Summary, Tally
 from restshape.surroundings import petsc_options
 
 
@@ -29,7 +28,7 @@ def run_replay(
     csv: Path | None = None,
     on_frame: Callable[[], None] = lambda: None,
     keep_rows: bool = True,
-) -> dict[str, Any]:
+) -> Summary:
     """The summary of a replay on all ranks of PETSc's world, as `replay --json` writes it, with all `rows`.
 
     Args:
@@ -89,7 +88,7 @@ def _replay(request: Request, recorder: Recorder | None) -> Replay:
         raise refusal(error, request.petsc) from error
 
 
-def _surroundings(comm: PETSc.Comm) -> dict[str, Any]:
+def _surroundings(comm: PETSc.Comm) -> dict[str, object]:
     """What a header says of ranks and PETSc."""
     version = list(PETSc.Sys.getVersion())
     return {"ranks": comm.size, "petsc": version, "petsc_in_effect": petsc_options()}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.replay.tally import Tally
+from restshape.replay.tally import Summary, Tally
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -18,7 +18,7 @@ def percentiles(ms: np.ndarray) -> dict[str, float]:
     return dict(zip(("p50", "p95", "p99"), map(float, values)))
 
 
-def summarise(rows: list[RowValues], policy: str, ranks: int, estimated_quantity: str = "") -> dict[str, Any]:
+def summarise(rows: list[RowValues], policy: str, ranks: int, estimated_quantity: str = "") -> Summary:
     """Counts, times and quantities of a replay from its rows, and the `rows`.
 
     Args:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter, defaultdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
+from restshape.analysis.row_values import number, text, whole
 from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.reservoir import Reservoir
@@ -20,6 +21,16 @@ REASONS = ("refused", "note")
 """Columns of texts of which each is kept once, with its first frame."""
 MOST_REASONS = 1000
 SINGULAR = "singular"
+Summary = dict[str, object]
+"""What `replay --json` writes, by key."""
+
+
+class Jump(TypedDict):
+    """The largest jump of a quantity, its share of the value (None of 0), and its frame."""
+
+    largest: float
+    share: float | None
+    frame: int
 
 
 class Tally:
@@ -42,7 +53,7 @@ class Tally:
         self._samples: defaultdict[str, Reservoir] = defaultdict(Reservoir)
         self._series: dict[str, array[float]] = {}
         self._errors: dict[str, array[float]] = {}
-        self._jumps: dict[str, dict[str, Any]] = {}
+        self._jumps: dict[str, Jump] = {}
         self._stale = bytearray()
         self._status: tuple[str, str] = ("", "")
         self._rest_residual = -np.inf
@@ -66,64 +77,66 @@ class Tally:
         self._stale.append(bool(row["refused"]))
         counts["refused"] += bool(row["refused"])
         for name in ("iterations", "newton", "pc_rebuilt"):
-            counts[name] += int(row[name])
+            counts[name] += whole(row, name)
         for name in STAGES:
-            self._stages[name] += float(row[f"ms_{name}"])
+            self._stages[name] += number(row, f"ms_{name}")
         if row["level"]:
-            self._preconditioners[row["preconditioner"]] += 1
-        self._size = (row["unknowns"], row["elements"])
+            self._preconditioners[text(row, "preconditioner")] += 1
+        self._size = (whole(row, "unknowns"), whole(row, "elements"))
         for key, values in self._series.items():
-            values.append(row[key])
+            values.append(number(row, key))
         for name, values in self._errors.items():
-            values.append(row.get(error_column(name), np.nan))
+            values.append(number(row, error_column(name)))
         self._add_jumps(row)
         self._add_errors(row)
         self._add_texts(row)
 
     def _add_times(self, row: RowValues) -> None:
-        level, ms = int(row["level"]), row["ms"]
+        level, ms = whole(row, "level"), number(row, "ms")
         self._counts[f"level {level}"] += 1
         self._counts["predicted"] += bool(row["predicted"])
         if level > 0:
             for name in ("all", str(level)):
                 self._samples[f"ms {name}"].add(ms)
-                self._samples[f"python {name}"].add(row["ms_python"])
+                self._samples[f"python {name}"].add(number(row, "ms_python"))
             if row["predicted"]:
                 self._samples["ms predicted"].add(ms)
-        elif row["iterations"] > 0:
+        elif whole(row, "iterations") > 0:
             self._samples["ms still"].add(ms)
 
     def _add_jumps(self, row: RowValues) -> None:
         """Keeps the largest jump of each quantity, its share of the value, and its frame."""
         for key in self._series:
-            size = abs(row.get(jump_column(key[2:]), np.nan))
-            if size > self._jumps.get(key[2:], {}).get("largest", -1.0):
-                share = size / abs(row[key]) if row[key] else None
-                self._jumps[key[2:]] = {"largest": float(size), "share": share, "frame": row["index"]}
+            size, known = abs(number(row, jump_column(key[2:]))), self._jumps.get(key[2:])
+            if size > (known["largest"] if known else -1.0):
+                value = abs(number(row, key))
+                share = size / value if value else None
+                self._jumps[key[2:]] = {"largest": float(size), "share": share, "frame": whole(row, "index")}
 
     def _add_errors(self, row: RowValues) -> None:
         predicted = bool(row["predicted"])
         for column in ("estimate", "estimate_time", "prediction_error"):
-            value = row.get(column, np.nan)
+            value = number(row, column)
             if np.isfinite(value):
                 self._samples[f"{column} {predicted}"].add(value)
-        if row.get("residual", -1.0) >= 0.0 and not row["refused"]:
-            self.largest_residual = max(self.largest_residual, row["residual"])
-        if row.get("converged", -1) >= 0 and not row["refused"]:
+        residual, converged = number(row, "residual", -1.0), number(row, "converged", -1)
+        if residual >= 0.0 and not row["refused"]:
+            self.largest_residual = max(self.largest_residual, residual)
+        if converged >= 0 and not row["refused"]:
             self._counts["judged"] += 1
-            self._rest_residual = max(self._rest_residual, row["residual"])
-            if row["converged"]:
+            self._rest_residual = max(self._rest_residual, residual)
+            if converged:
                 self._counts["converged"] += 1
                 self._counts["stable"] += row["tangent_positive_definite"] == 1
 
     def _add_texts(self, row: RowValues) -> None:
         for column, known in self.reasons.items():
-            text = row.get(column, "")
-            if text and text not in known and len(known) < MOST_REASONS:
-                known[text] = (row["line"], row["index"])
-        if row["constraint_status"]:
-            self._counts[row["constraint_status"]] += 1
-            self._status = (row["constraint_status"], row["violated_constraints"])
+            reason = text(row, column)
+            if reason and reason not in known and len(known) < MOST_REASONS:
+                known[reason] = (whole(row, "line"), whole(row, "index"))
+        if status := text(row, "constraint_status"):
+            self._counts[status] += 1
+            self._status = (status, text(row, "violated_constraints"))
 
     def _percentiles(self, name: str) -> dict[str, float]:
         values = self._samples[name].quantiles(PERCENTS)
@@ -135,7 +148,7 @@ class Tally:
             {"p50": sample.quantiles((50.0,))[0], "max": sample.largest} if sample.count else dict(p50=None, max=None)
         )
 
-    def _rest(self) -> dict[str, Any]:
+    def _rest(self) -> Summary:
         counts = self._counts
         if not counts["judged"]:
             return {}
@@ -147,7 +160,7 @@ class Tally:
         }
         return {"rest": found}
 
-    def summary(self, policy: str, ranks: int, estimated_quantity: str = "") -> dict[str, Any]:
+    def summary(self, policy: str, ranks: int, estimated_quantity: str = "") -> Summary:
         """The summary of all frames so far.
 
         Args:
