@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from types import GenericAlias
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from pydantic import BaseModel, Field
 
@@ -32,10 +32,10 @@ Rows = list[tuple[str, str]]
 """What is printed for people: what it is, and what it says."""
 
 
-def imported(path: str) -> Callable[..., Any]:
+def imported(path: str) -> Callable[..., object]:
     """The function that a path ``module:attribute`` names, imported now."""
     module, attribute = path.split(":")
-    found: Callable[..., Any] = getattr(import_module(module), attribute)
+    found: Callable[..., object] = getattr(import_module(module), attribute)
     return found
 
 
@@ -74,8 +74,7 @@ class Section:
 
     def curve_of(self, table: BaseModel) -> np.ndarray:
         """Points (m, 2) [m] of the curve that a table of this model stands for."""
-        found: np.ndarray = imported(self.curve)(table)
-        return found
+        return cast("np.ndarray", imported(self.curve)(table))
 
 
 @dataclass(frozen=True)
@@ -230,5 +229,4 @@ class Physics:
         """What it sees in a scene with an outline; nothing where it does not look."""
         if not self.inspect_shape:
             return Inspection()
-        found: Inspection = imported(self.inspect_shape)(scene, outline)
-        return found
+        return cast(Inspection, imported(self.inspect_shape)(scene, outline))
