@@ -153,6 +153,23 @@ def test_anchors_go_with_their_body(tmp_path):
     np.testing.assert_allclose(way[touching].mean(axis=0), [0.05, 0.0, 0.0], atol=2e-3)
 
 
+@pytest.mark.parametrize("radius", [0.24, 0.26])
+def test_cloth_stays_on_a_ball_that_shrinks_or_grows(tmp_path, radius):
+    """The guess takes each touching node along with the surface, so that it goes on touching and friction remembers."""
+    scene = cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.15", "effects.cloth.bending=hinge"))
+    found = solved(scene)
+    contact, before = found.problem.contact, found.problem.corners(found.x).copy()
+    limits = contact.history.limits[0].copy()
+    found.solve(Frame(found.space, NONE, None, revise(scene, "bodies.ball.sphere.radius", radius), (None, (0.0, 0.0))))
+    guess = found.problem.corners(found.bound.x)
+    touching = limits > 0.0
+    distance = [np.linalg.norm(x[touching] - [0.5, 0.5, -0.3], axis=1) for x in (before, guess)]
+    np.testing.assert_allclose(distance[1] / distance[0], radius / 0.25, rtol=1e-12)
+    force, _ = contact.bodies[0].pressing(guess, contact.area, contact.stiffness, contact.thickness)
+    assert (force[touching] > 0.0).all()
+    assert found.state.report.converged
+
+
 @pytest.mark.parametrize("bending", ["morley", "hinge"])
 def test_what_sticks_does_so_whatever_its_mesh(tmp_path, bending):
     """A patch below the angle of friction stays while its nodes move, edges flip, and the mesh is another."""

@@ -140,11 +140,25 @@ def move_with_bodies(state: RelaxationState, before: tuple[Body, ...]) -> np.nda
     if len(pressed) != 1 or len(problem.boundary.constrained):
         return state.x
     old, new = before[pressed[0]], state.bodies[pressed[0]]
-    if old.kind != new.kind:
+    if old.kind != new.kind or old.form == new.form:
         return state.x
     x = state.x.copy()
-    x[problem.corner_number] += body_axes(new)[0] - body_axes(old)[0]
+    x[problem.corner_number] += surface_motion(old, new, problem.corners(x), contact.history, pressed[0])
     return x
+
+
+def surface_motion(old: Body, new: Body, corners: np.ndarray, history: FrictionHistory, number: int) -> np.ndarray:
+    """How far (n, 3) [m] cloth at corners (n, 3) [m] goes with the only body that presses it.
+
+    All of it goes with the body's centre. Where the body also grows, shrinks or turns, what touches follows the
+    surface along its normal, and the rest the mean of this: cloth that a shrinking body leaves for one step would land
+    again without the friction that held it, and slide off little by little.
+    """
+    centre = body_axes(new)[0] - body_axes(old)[0]
+    touching, normals = history.limits[number] > 0.0, history.normals[number]
+    own = moved_with(old, new, corners) - corners - centre
+    normal = np.einsum("na,na->n", own, normals)[:, None] * normals
+    return centre + np.where(touching[:, None], normal, normal[touching].mean(axis=0))
 
 
 def friction_of(problem: ClothProblem) -> FrictionHistory | None:
