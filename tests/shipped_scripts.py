@@ -1,0 +1,94 @@
+"""Every shipped edit script, replayed whole on its scene, and how its frames end.
+
+python tests/shipped_scripts.py             replay all, compare with apps/*/tests/statuses.json; exit code 1 at a difference
+python tests/shipped_scripts.py --write     replay all, write these files
+"""
+
+import csv
+import json
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from restshape.application import applications
+
+ROOT = Path(__file__).parents[1]
+TABLE = "tests/statuses.json"
+"""Of an application: counts by the name of the script."""
+Counts = dict[str, int]
+
+
+def shipped_scripts() -> list[Path]:
+    """The edit scripts of all installed applications."""
+    scripts = sorted((ROOT / "apps").glob("*/edits/*.jsonl"))
+    return [path for path in scripts if application_folder(path).name in applications()]
+
+
+def application_folder(script: Path) -> Path:
+    """The folder of the application that a script belongs to."""
+    return script.parents[1]
+
+
+def scene_of(script: Path) -> Path:
+    """The scene that a script's header names."""
+    with script.open(encoding="utf-8") as lines:
+        return application_folder(script) / "scenes" / json.loads(next(lines))["scene"]
+
+
+def status(row: Mapping[str, str]) -> str:
+    """How a frame ends: refused, not converged, or solved; with limits also what they report."""
+    if row["refused"]:
+        return "refused"
+    if row.get("converged") == "0":
+        return "not converged"
+    return f"solved, {row['constraint_status']}" if row.get("constraint_status") else "solved"
+
+
+def counted(script: Path, folder: Path, run: Callable[..., int]) -> Counts:
+    """How many frames of a script, replayed whole under the policy auto, end how.
+
+    Args:
+        script: one of `shipped_scripts`.
+        folder: for the table of its frames.
+        run: runs a `restshape` command and gives its exit code.
+
+    Raises:
+        AssertionError: the command fails.
+    """
+    table = folder / f"{script.stem}.csv"
+    code = run("replay", scene_of(script), "--edits", script, "--policy", "auto", "--csv", table)
+    assert code == 0, f"restshape replay of {script.name} ends with {code}"
+    with table.open(newline="", encoding="utf-8") as lines:
+        return dict(sorted(Counter(map(status, csv.DictReader(lines))).items()))
+
+
+def expected(script: Path) -> Counts:
+    """The counts that are committed; none for a script that has no entry."""
+    path = application_folder(script) / TABLE
+    return json.loads(path.read_text(encoding="utf-8")).get(script.stem, {}) if path.is_file() else {}
+
+
+def main(words: list[str]) -> int:
+    """Replay all; 1 where a count differs from the committed one and nothing is to be written."""
+    from restshape.cli.main import main as restshape
+
+    found: dict[Path, dict[str, Counts]] = {}
+    differing = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for script in shipped_scripts():
+            counts = counted(script, Path(folder), lambda *command: restshape([*map(str, command)]))
+            found.setdefault(application_folder(script) / TABLE, {})[script.stem] = counts
+            if counts != expected(script):
+                differing += 1
+                print(f"{script.relative_to(ROOT)}: {counts}, committed {expected(script)}")
+    if "--write" in words:
+        for path, table in found.items():
+            path.write_text(json.dumps(table, indent=2) + "\n", encoding="utf-8")
+        return 0
+    return 1 if differing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
