@@ -1,7 +1,7 @@
 """Every shipped edit script, replayed whole on its scene, and how its frames end.
 
-python tests/shipped_scripts.py             replay all, compare with apps/*/tests/statuses.json; exit code 1 at a difference
-python tests/shipped_scripts.py --write     replay all, write these files
+python tests/shipped_scripts.py           replay all, compare with apps/*/tests/statuses.json; 1 at a difference
+python tests/shipped_scripts.py --write   replay all, write these files
 """
 
 import csv

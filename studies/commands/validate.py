@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     if comm.rank == 0:
         print_table(
             f"validation on {comm.size} rank(s)",
-            ("case", "quantity", "value", "reference", "error", "tolerance", "", "source"),
+            ("case", "quantity", "value", "reference", "error", "tolerance", "", "kind", "source"),
             [
                 (
                     row["case"],
@@ -48,6 +48,7 @@ def run(args: argparse.Namespace) -> int:
                     f"{row['error']:.1e}",
                     f"{row['tolerance']:.0e}",
                     "passed" if row["passed"] else "FAILED",
+                    row["kind"],
                     row["source"],
                 )
                 for row in rows

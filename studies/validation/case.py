@@ -2,9 +2,22 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 from petsc4py import PETSc
+
+Kind = Literal["closed form", "published", "independent program", "identity", "own"]
+
+CLOSED_FORM: Kind = "closed form"
+PUBLISHED: Kind = "published"
+PROGRAM: Kind = "independent program"
+IDENTITY: Kind = "identity"
+OWN: Kind = "own"
+REFERENCES = (CLOSED_FORM, PUBLISHED, PROGRAM, IDENTITY)
+"""Kinds of references that restshape did not compute: the only ones of `restshape validate`. docs/validation.md."""
+
+ROUNDING = 1e-12
+"""The tolerance of what is exact but for rounding."""
 
 
 @dataclass(frozen=True)
@@ -17,6 +30,7 @@ class Check:
         reference: what it should be.
         tolerance: largest error that passes: relative to the reference, absolute where the reference is 0.
         source: where the reference comes from.
+        kind: what it is: a formula, a printed number, another program's number, what must be equal, or restshape's own.
     """
 
     quantity: str
@@ -24,6 +38,7 @@ class Check:
     reference: float
     tolerance: float
     source: str
+    kind: Kind
 
     @property
     def error(self) -> float:

@@ -3,7 +3,6 @@
 from restshape_studies.verification import Verification
 
 verification = Verification(
-    validation="restshape_verification.bridge.validation:CASES",
     hard_cases="restshape_verification.bridge.stability:CASES",
     thesis="restshape_verification.bridge.thesis:rows",
     random_scenes="restshape_verification.bridge.random_scenes:SCENES",

@@ -3,7 +3,6 @@
 from restshape_studies.verification import Verification
 
 verification = Verification(
-    validation="restshape_verification.cantilever.validation:CASES",
     hard_cases="restshape_verification.cantilever.stability:CASES",
     thesis="restshape_verification.cantilever.thesis:rows",
     random_scenes="restshape_verification.cantilever.random_scenes:SCENES",

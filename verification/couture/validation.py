@@ -1,13 +1,12 @@
-"""Validation cases of cloth in equilibrium: what hangs, bends, buckles, sticks and slips, and the solution
-strategies."""
+"""Validation cases of cloth in equilibrium: what hangs, bends, buckles, sticks and slips."""
 
 from restshape_studies.validation.case import Case
 from restshape_verification.couture.validation_buckling import blade
 from restshape_verification.couture.validation_cantilever import cantilever, hinged_cantilever, wide_cantilever
 from restshape_verification.couture.validation_friction import capstan, incline
 from restshape_verification.couture.validation_hanging import catenary, hanging
+from restshape_verification.couture.validation_meshes import meshes
 from restshape_verification.couture.validation_plates import plates
-from restshape_verification.couture.validation_strategies import meshes, repeated, resets
 
 CASES: dict[str, Case] = {
     "catenary": catenary,
@@ -19,7 +18,5 @@ CASES: dict[str, Case] = {
     "blade": blade,
     "incline": incline,
     "capstan": capstan,
-    "resets": resets,
-    "repeated": repeated,
     "meshes": meshes,
 }

@@ -1,8 +1,8 @@
-"""Validation cases of furniture: statics and deflection by hand, redundant joints, derivatives, ranges, suggestions."""
+"""Validation cases of furniture: statics and deflection by hand, redundant joints, derivatives, a range."""
 
 from restshape_studies.validation.case import Case
 from restshape_verification.furniture.validation_bending import lifted_foot, max_deflection
-from restshape_verification.furniture.validation_guidance import enumerated, missed, range_ends, taylor
+from restshape_verification.furniture.validation_guidance import range_ends, taylor
 from restshape_verification.furniture.validation_loops import compliance, indeterminate
 from restshape_verification.furniture.validation_statics import (
     cantilever_moment,
@@ -28,6 +28,4 @@ CASES: dict[str, Case] = {
     "compliance": compliance,
     "taylor": taylor,
     "range_ends": range_ends,
-    "enumerated": enumerated,
-    "missed": missed,
 }

@@ -9,9 +9,11 @@ from restshape_apps.furniture.physics.furniture import UNSTABLE, WEAK, Complianc
 from restshape_apps.furniture.pieces import cantilever
 from restshape_apps.furniture.shape.planks import Load, Piece
 from restshape_apps.furniture.small_pieces import bench, block, ladder, stool
-from restshape_studies.validation.case import Check
+from restshape_studies.validation.case import CLOSED_FORM, PUBLISHED, ROUNDING, Check, Kind
 
 G = 9.80665
+LEAST = 2e-6
+"""Tolerance of what gives way or stands on points: feet and joints overlap by a millionth of a metre at least."""
 FINE = Compliance(least_overlap=1e-6)
 """For legs that stand on lines and points."""
 
@@ -48,7 +50,7 @@ def two_supports(comm: PETSc.Comm) -> list[Check]:
     found = reactions(furniture)
     source = "R = W (L - x) / L and W x / L, and half of the board's weight"
     return [
-        Check(f"reaction of {name} [N]", float(value), float(expected), 1e-3, source)
+        Check(f"reaction of {name} [N]", float(value), float(expected), LEAST, source, CLOSED_FORM)
         for name, value, expected in zip(("the left leg", "the right leg"), found, wanted)
     ]
 
@@ -59,10 +61,11 @@ def cantilever_moment(comm: PETSc.Comm) -> list[Check]:
     furniture = in_equilibrium(cantilever(arm=arm, kilograms=kilograms))
     own = float(furniture.geometry().mass[2]) * G
     forces = furniture.forces()
+    wanted = kilograms * G * arm + own * arm / 2
     moment, shear = abs(float(forces.bending[1])), float(np.hypot(*forces.shear[1]))
     return [
-        Check("bending moment [N m]", moment, kilograms * G * arm + own * arm / 2, 1e-6, "W l + w l^2 / 2"),
-        Check("shear force [N]", shear, kilograms * G + own, 1e-6, "W + w l"),
+        Check("bending moment [N m]", moment, wanted, ROUNDING, "W l + w l^2 / 2", CLOSED_FORM),
+        Check("shear force [N]", shear, kilograms * G + own, ROUNDING, "W + w l", CLOSED_FORM),
     ]
 
 
@@ -71,9 +74,10 @@ def tripod(comm: PETSc.Comm) -> list[Check]:
     feet, at, load = [(-0.4, -0.3), (0.45, -0.2), (0.0, 0.4)], (0.1, 0.05), 30.0 * G
     furniture = in_equilibrium(stool(feet, at, 30.0, mu=0.0), FINE)
     corners, own = np.vstack([np.array(feet).T, np.ones(3)]), furniture.geometry().mass * G
+    source = "barycentric coordinates, 3 x 3 system"
     wanted = load * np.linalg.solve(corners, [*at, 1.0]) + own[0] * np.linalg.solve(corners, [0, 0, 1.0]) + own[1:]
     return [
-        Check(f"reaction of leg {k} [N]", float(value), float(expected), 2e-3, "barycentric coordinates, 3 x 3 system")
+        Check(f"reaction of leg {k} [N]", float(value), float(expected), LEAST, source, CLOSED_FORM)
         for k, (value, expected) in enumerate(zip(reactions(furniture), wanted), 1)
     ]
 
@@ -85,8 +89,9 @@ def leaning(comm: PETSc.Comm) -> list[Check]:
             f"least angle with mu = {mu} [rad]",
             gives_way(lambda angle, mu=mu: ladder(angle, mu), 1.5, 0.1, UNSTABLE),
             float(np.arctan(1.0 / (2.0 * mu))),
-            1e-5,
+            LEAST,
             "tan = 1 / (2 mu) for a uniform ladder",
+            CLOSED_FORM,
         )
         for mu in (0.3, 0.5, 0.8)
     ]
@@ -107,8 +112,9 @@ def tipping(comm: PETSc.Comm) -> list[Check]:
             f"push at {height} m that it bears [N]",
             gives_way(pushed(height), 0.0, 2.0 * own, UNSTABLE),
             min(mu * own, own * 0.5 * base / height),
-            1e-5,
+            LEAST,
             "the lesser of mu W and W b / (2 h)",
+            CLOSED_FORM,
         )
         for height in (0.05, 0.25, 0.5)
     ]
@@ -121,8 +127,9 @@ def incline(comm: PETSc.Comm) -> list[Check]:
             f"angle at which a block of {base} x {high} m {verb}, mu = {mu} [rad]",
             gives_way(lambda angle, b=base, h=high, m=mu: block(b, h, m, angle), 0.0, 0.9, UNSTABLE),
             float(np.arctan(min(mu, base / high))),
-            1e-5,
+            LEAST,
             "tan = the lesser of mu and b / h",
+            CLOSED_FORM,
         )
         for base, high, mu, verb in ((0.1, 0.5, 0.5, "tips"), (0.3, 0.5, 0.3, "slides"), (0.2, 1.0, 0.15, "slides"))
     ]
@@ -131,10 +138,12 @@ def incline(comm: PETSc.Comm) -> list[Check]:
 def nail_cantilever(comm: PETSc.Comm) -> list[Check]:
     """The nail cantilever of section 6.6.1 of the thesis, loaded until its joint of three nails breaks."""
     checks = []
-    for name, moment, tolerance, source in (
-        ("nail-thesis", 12.6, 1e-5, "20 mm x 35 kN/m x 6 mm x 3 nails"),
-        ("nail-experiment", 1.86, 0.01, "the thesis's prediction, which its experiment bore out at about 1 kg"),
-    ):
+    fitted = "the thesis's 1.86 N m, which the strength of nail-experiment was fitted to: only the statics are tested"
+    rows: tuple[tuple[str, float, float, str, Kind], ...] = (
+        ("nail-thesis", 12.6, ROUNDING, "20 mm x 35 kN/m x 6 mm x 3 nails", CLOSED_FORM),
+        ("nail-experiment", 1.86, 0.01, fitted, PUBLISHED),
+    )
+    for name, moment, tolerance, source, kind in rows:
 
         def loaded(kilograms: float, name: str = name) -> Piece:
             return cantilever(kilograms=kilograms, fastener=name)
@@ -144,13 +153,14 @@ def nail_cantilever(comm: PETSc.Comm) -> list[Check]:
         bears = abs(float(furniture.forces().bending[1]))
         own = float(furniture.geometry().mass[2]) * G * 0.095
         checks += [
-            Check(f"moment at which {name} breaks [N m]", bears, moment, tolerance, source),
+            Check(f"moment at which {name} breaks [N m]", bears, moment, tolerance, source, kind),
             Check(
                 f"mass at its tip then, {name} [kg]",
                 most,
                 (moment - own) / 0.19 / G,
                 tolerance,
-                "that moment less the board's own, over 0.19 m",
+                "that moment less the board's own, over 0.19 m" + ("; fitted" if kind == PUBLISHED else ""),
+                kind,
             ),
         ]
     return checks

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.validation.case import Check
+from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, ROUNDING, Check
 from restshape_studies.validation.shear_waves import mindlin
 from restshape_verification.metallophone.reference import EDITS, SCENES, solved
 
@@ -34,7 +34,14 @@ def discrete(_comm: PETSc.Comm) -> list[Check]:
             found, _ = solver.solve(K, M, np.ones((1, CELLS + 1)), 4, True)
             source = "linear elements, closed form of the discrete problem"
             checks += [
-                Check(f"bar, {mass} mass, {method}, eigenvalue {k + 1}", float(value), float(ref), 1e-12, source)
+                Check(
+                    f"bar, {mass} mass, {method}, eigenvalue {k + 1}",
+                    float(value),
+                    float(ref),
+                    ROUNDING,
+                    source,
+                    CLOSED_FORM,
+                )
                 for k, (value, ref) in enumerate(zip(found.values, values))
             ]
     return checks
@@ -70,11 +77,11 @@ def rates(comm: PETSc.Comm) -> list[Check]:
     for order, sizes in ((1, (0.05, 0.0125)), (2, (0.1, 0.025))):
         found = [solved("slender.toml", comm, [*pushed, f"mesh.order={order}", f"mesh.size={s}"]) for s in sizes]
         words = f"free strip along itself, elements of order {order}: order of convergence"
-        checks.append(Check(words, slope(found, exact), 2.0 * order, 0.1, "f = sqrt(E / rho) / 2 L"))
+        checks.append(Check(words, slope(found, exact), 2.0 * order, 0.1, "f = sqrt(E / rho) / 2 L", CLOSED_FORM))
     thick, sizes = ["material.steel.thickness=1", "effects.modal.modes=1", "solve.tolerance=1e-8"], (0.8, 0.2)
     found = [solved("supported.toml", comm, [*thick, f"mesh.size={s}"]) for s in sizes]
     words = "supported plate, thickness 1/10: order of convergence"
-    return [*checks, Check(words, slope(found, mindlin(found[0], 10.0, 1, 1)), 2.0, 0.1, "Mindlin")]
+    return [*checks, Check(words, slope(found, mindlin(found[0], 10.0, 1, 1)), 2.0, 0.1, "Mindlin", CLOSED_FORM)]
 
 
 def slope(found: Sequence[ModalAnalysis], exact: float) -> float:
@@ -97,12 +104,12 @@ def norms(comm: PETSc.Comm) -> list[Check]:
         modes = analysis.state.modes.vectors
         mass_products = products(analysis.state.body, modes)[1]
         gram = float(np.abs(modes @ mass_products.T - np.eye(len(modes))).max())
-        checks.append(Check(f"{what}: largest entry of phi M phi - 1", gram, 0.0, 1e-10, "definition"))
+        checks.append(Check(f"{what}: largest entry of phi M phi - 1", gram, 0.0, ROUNDING, "definition", IDENTITY))
         rigid = analysis.state.body.free_rigid_motions()
         if len(rigid):
             mixed = np.abs(mass_products @ rigid.T) / np.linalg.norm(rigid, axis=1)
             share = float((mixed / np.linalg.norm(mass_products, axis=1)[:, None]).max())
-            checks.append(Check(f"{what}: largest rigid share of a mode", share, 0.0, 1e-10, "definition"))
+            checks.append(Check(f"{what}: largest rigid share of a mode", share, 0.0, ROUNDING, "definition", IDENTITY))
     return checks
 
 
@@ -121,5 +128,7 @@ def remainders(_comm: PETSc.Comm) -> list[Check]:
         )
         left = [abs(a["f_1"] - b["f_1"]) for a, b in zip(solved_rows, ahead)]
         order = float(np.log2(left[1] / left[0]))
-        checks.append(Check(f"{what}: order of the remainder of f_1", order, 2.0, 0.03, "Taylor, full solves"))
+        checks.append(
+            Check(f"{what}: order of the remainder of f_1", order, 2.0, 0.03, "Taylor, full solves", IDENTITY)
+        )
     return checks

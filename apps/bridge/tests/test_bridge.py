@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 from restshape_studies.pictures.score import draw_score
+from restshape_verification.bridge.comparisons import designs, solved
 from restshape_verification.bridge.study import WAYS, followed, study
-from restshape_verification.bridge.validation import designs, solved
 
 from restshape.application import application
 from restshape.scene.edit_script import load_script

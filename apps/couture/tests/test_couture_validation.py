@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from restshape_studies.verification import verification
+from restshape_verification.couture.comparisons import Counted
 from restshape_verification.couture.validation import CASES
 from restshape_verification.couture.validation_buckling import DENSITY, NU, SLENDER, D, lightest
 from restshape_verification.couture.validation_cantilever import ELASTICA, equilateral
 from restshape_verification.couture.validation_friction import Hung
 from restshape_verification.couture.validation_hanging import chain, stretched
+from restshape_verification.couture.validation_meshes import slope
 from restshape_verification.couture.validation_plates import SIDES
-from restshape_verification.couture.validation_strategies import Counted, slope
 from scipy.integrate import quad, solve_bvp, solve_ivp
 from scipy.optimize import brentq
 from scipy.special import jv
