@@ -9,17 +9,20 @@ from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.event_line import EventLine
     from restshape.scene.model import Scene
     from restshape.scene.physics import Physics
+    from restshape.scene.source import Source
 
-Rows = Sequence[Mapping[str, Any]]
+Rows = Sequence[Mapping[str, object]]
 """Of the frames of a replay, each with its columns by name."""
 
 
@@ -46,9 +49,9 @@ class MeshReuse:
 
     levels: str
 
-    def draw_levels(self, recording: Any, path: Path) -> None:
+    def draw_levels(self, recording: object, path: Path) -> None:
         """Draws the level of reuse of each frame."""
-        _attribute(self.levels)(recording, path)
+        _function(self.levels)(recording, path)
 
 
 @dataclass(frozen=True)
@@ -73,29 +76,30 @@ class Editing:
     contents: str
     mesh: MeshReuse | None = None
 
-    def make_session(self, *scene_script_application: Any) -> Any:
+    def make_session(self, scene: Scene, *script_application: object) -> object:
         """The session, whose maker is imported now."""
-        return _attribute(self.session)(*scene_script_application)
+        return _function(self.session)(scene, *script_application)
 
-    def start(self, scene: Scene, script: Any, application: Application, policy: Any, comm: Any) -> tuple[Any, Any]:
+    def start(self, scene: Scene, *script_application_policy_communicator: object) -> object:
         """The session and what follows its frames."""
-        return _attribute(self.replayed)(scene, script, application, policy, comm)
+        return _function(self.replayed)(scene, *script_application_policy_communicator)
 
     def shared_events(self) -> Mapping[str, type[EventLine]]:
         """The events of its scripts by name, besides those that physics add."""
-        return _attribute(self.events)
+        return cast("Mapping[str, type[EventLine]]", _attribute(self.events))
 
-    def check_scene(self, scene: Scene, application: Application, source: Any) -> None:
+    def check_scene(self, scene: Scene, application: Application, source: Source) -> None:
         """Makes sure that a scene makes sense.
 
         Raises:
             UserError: it does not.
         """
-        _attribute(self.check)(scene, application, source)
+        _function(self.check)(scene, application, source)
 
-    def checked(self, scene: Scene, effects: Any) -> tuple[dict[str, Any], list[tuple[str, str]], Any]:
+    def checked(self, scene: Scene, effects: object) -> tuple[dict[str, object], list[tuple[str, str]], object]:
         """What a scene holds: for programs, as rows for people, and its outline; None without one."""
-        return _attribute(self.contents)(scene, effects)
+        found = _function(self.contents)(scene, effects)
+        return cast("tuple[dict[str, object], list[tuple[str, str]], object]", found)
 
 
 SHAPES = Editing(
@@ -129,28 +133,28 @@ class Reporting:
     arguments: str = ""
     check: str = ""
 
-    def summarised(self, rows: Rows) -> dict[str, Any]:
+    def summarised(self, rows: Rows) -> dict[str, object]:
         """The keys that a summary of these rows has besides."""
-        return _attribute(self.summary)(rows) if rows else {}
+        return cast("dict[str, object]", _function(self.summary)(rows)) if rows else {}
 
     def print_tables(self, rows: Rows) -> None:
         """Prints the tables of these rows."""
         if rows:
-            _attribute(self.tables)(rows)
+            _function(self.tables)(rows)
 
     def add_arguments(self, parser: ArgumentParser) -> None:
         """Adds options to `restshape report`."""
         if self.arguments:
-            _attribute(self.arguments)(parser)
+            _function(self.arguments)(parser)
 
     def check_arguments(self, options: Namespace) -> None:
         """Makes sure that the options make sense."""
         if self.check:
-            _attribute(self.check)(options)
+            _function(self.check)(options)
 
-    def draw(self, recording: Any, folder: Path, options: Namespace) -> list[Path]:
+    def draw(self, recording: object, folder: Path, options: Namespace) -> list[Path]:
         """Draws a recording; the paths of the pictures."""
-        return _attribute(self.pictures)(recording, folder, options)
+        return cast("list[Path]", _function(self.pictures)(recording, folder, options))
 
 
 @dataclass(frozen=True)
@@ -225,32 +229,42 @@ class Application:
         on = (effect for name, effect in self.effects.items() if effect.required or name in scene.effects)
         return any(effect.transient for effect in on)
 
-    def interpreter(self) -> Callable[..., Any]:
-        """The composer of its edit scripts, imported now."""
-        return _attribute(self.lines.interpreter)
+    def interpreter(self) -> Callable[..., object]:
+        """The composer of its edit scripts, imported now; it has `lines`."""
+        assert self.lines is not None, "an application without lines has those of shapes"
+        return _function(self.lines.interpreter)
 
     def frame_parts(self, usual: Mapping[str, str]) -> Mapping[str, str]:
         """What each part of a frame is, by its name."""
-        return _attribute(self.explain) if self.explain else usual
+        return cast("Mapping[str, str]", _attribute(self.explain)) if self.explain else usual
 
-    def make_analysis(self) -> Callable[..., Any]:
+    def make_analysis(self) -> Callable[..., object]:
         """The factory of this application's analysis, imported now."""
-        return _attribute(self.analysis)
+        return _function(self.analysis)
 
-    def own_columns(self, scene: Scene) -> dict[str, Any]:
+    def own_columns(self, scene: Scene) -> dict[str, npt.DTypeLike]:
         """Names and types of the columns that only this application has; simulated time [s] where a frame goes on."""
         declared = [one.columns(scene) for one in self.physics if one.columns]
         own = {name: of for columns in declared for name, of in columns.items()}
-        return own | ({"time": float} if self.transient(scene) else {})
+        if self.transient(scene):
+            own["time"] = float
+        return own
 
     def scenes(self) -> list[Path]:
         """The scene files that ship with this application, sorted by name."""
         return sorted((self.folder / "scenes").glob("*.toml"))
 
 
-def _attribute(path: str) -> Any:
+def _attribute(path: str) -> object:
+    """What a path ``module:attribute`` names, imported now."""
     module, attribute = path.split(":")
-    return getattr(import_module(module), attribute)
+    found: object = getattr(import_module(module), attribute)
+    return found
+
+
+def _function(path: str) -> Callable[..., object]:
+    """The function, or the class, that a path names."""
+    return cast("Callable[..., object]", _attribute(path))
 
 
 @cache

@@ -92,7 +92,8 @@ class Replay:
             tuple[Session, Follower], application.editing.start(scene, script, application, policy, comm)
         )
         context = Context(comm, policy, calibration, self.stages)
-        self.analysis: Analysis[Solvable] = application.make_analysis()(scene, plan(scene, application), context)
+        found = application.make_analysis()(scene, plan(scene, application), context)
+        self.analysis = cast(Analysis[Solvable], found)
         ahead = predict == "linear"
         if ahead and script.header.analysis != "every frame":
             raise UserError("frames that are not analysed cannot be predicted", "--predict", "--predict none")

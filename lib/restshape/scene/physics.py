@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     import numpy as np
+    import numpy.typing as npt
 
     from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.model import Material, Scene, Support
-    from restshape.scene.plan import Plan
     from restshape.scene.solver import SolverPlan
     from restshape.scene.source import Source
 
@@ -212,8 +212,8 @@ class Physics:
     check: Callable[[Scene, Source], None] | None = None
     check_shape: str = ""
     inspect_shape: str = ""
-    columns: Callable[[Scene], dict[str, object]] | None = None
-    summed: Callable[[Scene, Plan, float], tuple[dict[str, object], Rows]] | None = None
+    columns: Callable[[Scene], dict[str, npt.DTypeLike]] | None = None
+    summed: Callable[..., tuple[dict[str, object], Rows]] | None = None
     instead: Mapping[str, str] = field(default_factory=dict)
 
     def checked_shape(self, scene: Scene, outline: object) -> None:
