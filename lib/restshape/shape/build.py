@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 from pydantic import ValidationError
 
 from restshape.errors import UserError
+from restshape.scene.model import (
+    ArcSpec,
+    CircleLoop,
+    EdgeLoop,
+    LineSpec,
+    PolygonLoop,
+    PolylineSpec,
+    ShapeSpec,
+    SplineSpec,
+)
 from restshape.scene.permits import scripts_trusted
+from restshape.scene.plain_values import Table, table_in
 from restshape.scene.source import Source
 from restshape.scene.validation_errors import user_error
 from restshape.shape.curves import bulge_through
@@ -18,8 +30,11 @@ from restshape.shape.draft import Draft, DraftEdge, add_circle, add_loop, add_po
 from restshape.shape.outline import Outline
 from restshape.shape.validity import problem
 
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
-def outline_from_spec(spec: Any, scene_dir: Path | str = ".") -> Outline:
+
+def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
     """The outline that a ``ShapeSpec`` describes, in one piece and valid.
 
     Args:
@@ -63,7 +78,7 @@ def _place(outline: Outline, wrong: str) -> str:
     return "shape"
 
 
-def with_file(spec: Any, scene_dir: Path) -> Any:
+def with_file(spec: ShapeSpec, scene_dir: Path) -> ShapeSpec:
     """The shape with the outline of its ``file`` (.dxf or .geo) read in; what the scene adds itself comes on top."""
     if spec.file is None:
         return spec
@@ -72,7 +87,7 @@ def with_file(spec: Any, scene_dir: Path) -> Any:
 
     path = Path(spec.file) if Path(spec.file).is_absolute() else scene_dir / spec.file
     geo = partial(read_geo, trusted=scripts_trusted())
-    readers = {".dxf": read_dxf, ".geo": geo, ".geo_unrolled": geo}
+    readers: dict[str, Callable[[Path], Table]] = {".dxf": read_dxf, ".geo": geo, ".geo_unrolled": geo}
     if path.suffix.lower() not in readers:
         raise UserError(f"no outline can be read from {path.name}", "shape.file", "use a .dxf or .geo file")
     if not path.is_file():
@@ -81,22 +96,24 @@ def with_file(spec: Any, scene_dir: Path) -> Any:
     own = spec.model_dump(exclude_unset=True, exclude={"file"})
     merged = {**read, **own}
     for key in ("vertices", "edges", "holes", "regions", "groups"):
-        merged[key] = {**read.get(key, {}), **own.get(key, {})}
+        merged[key] = {**table_in(read, key), **table_in(own, key)}
     try:
         return type(spec).model_validate(merged)
     except ValidationError as error:
         raise user_error(error, Source(path), type(spec), ("shape",)) from error
 
 
-def _located(where: str, call, *args):
+def _located(
+    where: str, call: Callable[Arguments, Result], *arguments: Arguments.args, **named: Arguments.kwargs
+) -> Result:
     """The result of a call, whose errors get a place."""
     try:
-        return call(*args)
+        return call(*arguments, **named)
     except UserError as error:
         raise UserError(error.what, error.where or where, error.do) from None
 
 
-def _edge(draft: Draft, name: str, spec: Any) -> DraftEdge:
+def _edge(draft: Draft, name: str, spec: LineSpec | ArcSpec | SplineSpec | PolylineSpec) -> DraftEdge:
     kind = next(k for k in ("line", "arc", "spline", "polyline") if k in type(spec).model_fields)
     start, end = getattr(spec, kind)
     where = f"shape.edges.{name}"
@@ -106,9 +123,9 @@ def _edge(draft: Draft, name: str, spec: Any) -> DraftEdge:
     a, b = np.array(draft.vertices[start]), np.array(draft.vertices[end])
     if np.array_equal(a, b):
         raise UserError(f"the edge has zero length: {start!r} and {end!r} are the same point", where)
-    if kind == "line":
+    if isinstance(spec, LineSpec):
         return DraftEdge(name, kind, start, end)
-    if kind == "arc":
+    if isinstance(spec, ArcSpec):
         return DraftEdge(name, kind, start, end, bulge=_bulge(where, a, b, spec))
     inner = tuple((float(x), float(y)) for x, y in spec.through)
     chain = np.array([a, *inner, b])
@@ -117,8 +134,8 @@ def _edge(draft: Draft, name: str, spec: Any) -> DraftEdge:
     return DraftEdge(name, kind, start, end, inner=inner)
 
 
-def _bulge(where: str, a: np.ndarray, b: np.ndarray, spec: Any) -> float:
-    if spec.through is None:
+def _bulge(where: str, a: np.ndarray, b: np.ndarray, spec: ArcSpec) -> float:
+    if spec.bulge is not None:
         return float(spec.bulge)
     try:
         return bulge_through(a, np.array(spec.through), b)
@@ -128,10 +145,10 @@ def _bulge(where: str, a: np.ndarray, b: np.ndarray, spec: Any) -> float:
         ) from None
 
 
-def _add(draft: Draft, name: str, kind: str, loop: Any) -> None:
-    if "circle" in type(loop).model_fields:
+def _add(draft: Draft, name: str, kind: str, loop: CircleLoop | EdgeLoop | PolygonLoop) -> None:
+    if isinstance(loop, CircleLoop):
         add_circle(draft, name, kind, loop.circle.center, loop.circle.radius)
-    elif "polygon" in type(loop).model_fields:
+    elif isinstance(loop, PolygonLoop):
         add_polygon(draft, name, kind, loop.polygon)
     else:
         add_loop(draft, name, kind, list(loop.loop))

@@ -78,13 +78,13 @@ def _ordered(outline: Outline, edges: tuple[int, ...], name: str) -> list[tuple[
     here = free[0] if free else ends[edges[0]][0]
     left, found = list(edges), []
     while True:
-        e = next((e for e in left if here in ends[e]), None)
-        if e is None:
+        following = next((e for e in left if here in ends[e]), None)
+        if following is None:
             break
-        left.remove(e)
-        forward = ends[e][0] == here
-        found.append((e, forward))
-        here = ends[e][1] if forward else ends[e][0]
+        left.remove(following)
+        start, end = ends[following]
+        found.append((following, start == here))
+        here = end if start == here else start
     if left or any(len(touching) > 2 for touching in meeting.values()):
         raise UserError(f"the edges of {name} do not make one curve", do="name edges that join end to end")
     return found
@@ -120,8 +120,8 @@ def control_of(outline: Outline, chain: Chain, pin: str | tuple[float, float]) -
     """
     if isinstance(pin, str):
         vertex = outline.entity(pin).vertices
-        found = np.flatnonzero(np.isin(chain.controls, vertex)) if len(vertex) == 1 else ()
-        if not len(found):
+        found = np.flatnonzero(np.isin(chain.controls, vertex))
+        if len(vertex) != 1 or not len(found):
             raise UserError(f"{pin} is not a vertex of {chain.name}", do="name one of its vertices, or a place on it")
         return int(found[0])
     return int(np.hypot(*(outline.points[chain.controls] - pin).T).argmin())

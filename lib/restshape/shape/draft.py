@@ -171,16 +171,16 @@ def add_loop(draft: Draft, name: str, kind: str, edges: list[str]) -> None:
     at = first.start if first.end in (next_edge.start, next_edge.end) else first.end
     begin = at
     for edge_name in edges:
-        edge = draft.edges[edge_name]
-        if at not in (edge.start, edge.end):
+        here = draft.edges[edge_name]
+        if at not in (here.start, here.end):
             raise UserError(
-                f"loop {name!r} is open: edge {edge_name!r} goes from {edge.start!r} to {edge.end!r}, "
+                f"loop {name!r} is open: edge {edge_name!r} goes from {here.start!r} to {here.end!r}, "
                 f"but the edge before it ends at {at!r}",
                 do="list the edges in the order in which they are joined",
             )
-        forward = at == edge.start
+        forward = at == here.start
         chain.append((edge_name, forward))
-        at = edge.end if forward else edge.start
+        at = here.end if forward else here.start
     if at != begin:
         raise UserError(f"loop {name!r} is open: it begins at {begin!r} and ends at {at!r}", do="add the missing edge")
     draft.loops.append((name, kind, chain))

@@ -16,6 +16,7 @@ from ezdxf import units
 from restshape.bounds import BULGE, DRAWING_BYTES, LENGTH, NAME_CHARACTERS, READING_MEMORY, SPLINE_POINTS
 from restshape.errors import UserError, printable
 from restshape.memory import bounded_memory
+from restshape.scene.plain_values import Table
 from restshape.shape.unordered_curves import Curve, shape_data
 
 NO_NAME = ("0", "Defpoints")
@@ -24,7 +25,7 @@ POINTS_A_CONTROL_POINT = 8
 """Points that stand for a B-spline, for each of its control points."""
 
 
-def read_dxf(path: Path) -> dict[str, Any]:
+def read_dxf(path: Path) -> Table:
     """The plain tables of a ``[shape]`` from a DXF drawing, in metres by its ``$INSUNITS`` (none: millimetres).
 
     Closed loops of LINE, ARC, CIRCLE, LWPOLYLINE, POLYLINE and SPLINE in model space; the largest is the outline.
@@ -64,8 +65,8 @@ def _readable(path: Path) -> Iterator[None]:
 
 def _metres(drawing: Any) -> float:
     """Metres in one unit of a drawing."""
-    unit = int(drawing.header.get("$INSUNITS", 0))
-    return units.conversion_factor(unit, units.M) if unit else 1e-3
+    unit = units.InsertUnits(int(drawing.header.get("$INSUNITS", 0)))
+    return units.conversion_factor(unit, units.InsertUnits.Meters) if unit else 1e-3
 
 
 def _curves_of(entity: Any, scale: float, path: Path) -> list[Curve]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from restshape.errors import UserError
+from restshape.scene.plain_values import Table
 from restshape.shape.geo_model import curves_of, gmsh_model
 from restshape.shape.geo_process import curves_apart
 from restshape.shape.geo_script import draw
@@ -16,7 +16,7 @@ BOOLEAN = "Boolean"
 """How the names of statements begin that OpenCASCADE may take any time for."""
 
 
-def read_geo(path: Path, trusted: bool = False) -> dict[str, Any]:
+def read_geo(path: Path, trusted: bool = False) -> Table:
     """The plain tables of a ``[shape]`` from a Gmsh .geo file in metres, through the gmsh package.
 
     Curves that bound surfaces (all curves where there is no surface) make the loops; the largest is the outline. A loop

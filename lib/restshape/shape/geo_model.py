@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ SPLINE_POINTS = 33
 
 
 @contextmanager
-def gmsh_model(path: Path) -> Iterator[Any]:
+def gmsh_model(path: Path) -> Iterator[ModuleType]:
     """The gmsh package, quiet, with an empty model that is removed at the end."""
     gmsh = start_gmsh()
     quiet = gmsh.option.getNumber("General.Terminal")
@@ -33,7 +34,7 @@ def gmsh_model(path: Path) -> Iterator[Any]:
         gmsh.model.remove()
 
 
-def opened_by_gmsh(gmsh: Any, path: Path) -> list[Curve]:
+def opened_by_gmsh(gmsh: ModuleType, path: Path) -> list[Curve]:
     """The curves of a script that gmsh runs, whatever it says.
 
     Raises:

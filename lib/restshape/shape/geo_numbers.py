@@ -50,6 +50,9 @@ DYADIC: tuple[dict[str, Callable[[float, float], float]], ...] = (
 )
 """Operators of two numbers, those that bind least first."""
 
+Values = list[float]
+"""Numbers of a list of a .geo file."""
+
 
 class Numbers:
     """Reads numbers and lists, and keeps the variables.
@@ -62,7 +65,7 @@ class Numbers:
     def __init__(self, cursor: Cursor, fresh: Callable[[str], int | None]) -> None:
         self.cursor, self.fresh = cursor, fresh
         self.values: dict[str, float] = {}
-        self.lists: dict[str, list[float]] = {}
+        self.lists: dict[str, Values] = {}
 
     def number(self) -> float:
         """The value of the expression that follows.
@@ -101,13 +104,13 @@ class Numbers:
         line = self.cursor.peek().line
         return [self.whole(value, line) for value in self.list()]
 
-    def list(self) -> list[float]:
+    def list(self) -> Values:
         """The numbers in the braces that follow, or of the list or number there."""
         if not self.cursor.sees("{"):
             return self._item()
         self.cursor.enter()
         self.cursor.expect("{")
-        found: list[float] = []
+        found: Values = []
         while not self.cursor.sees("}"):
             found += self._item()
             self.refuse_long(len(found))
@@ -117,7 +120,7 @@ class Numbers:
         self.cursor.leave()
         return found
 
-    def _item(self) -> list[float]:
+    def _item(self) -> Values:
         """A number, a range ``a:b`` or ``a:b:c``, or a whole list, as a list."""
         negative = self.cursor.sees("-") and self._is_list(1)
         if negative:
@@ -133,7 +136,7 @@ class Numbers:
         first = self.number()
         return self.range(first) if self.cursor.takes(":") else [first]
 
-    def range(self, first: float) -> list[float]:
+    def range(self, first: float) -> Values:
         """The numbers from one to another, whose colon has been read."""
         last = self.number()
         step = self.number() if self.cursor.takes(":") else math.copysign(1.0, last - first)
@@ -157,7 +160,7 @@ class Numbers:
         name, first, last = (self.cursor.peek(ahead + i) for i in range(3))
         return name.kind == "name" and (first.text, last.text) in (("[", "]"), ("(", ")"))
 
-    def _named(self, name: str) -> list[float]:
+    def _named(self, name: str) -> Values:
         if name in self.lists:
             return self.lists[name]
         if name in self.values:
@@ -229,7 +232,7 @@ class Numbers:
             raise self.cursor.error(f"{name} is not read here", "write the number itself, or trust the file", line)
         raise self.cursor.error(f"there is no number {name!r}", "set it first", line)
 
-    def _arguments(self) -> list[float]:
+    def _arguments(self) -> Values:
         close = {"(": ")", "[": "]"}.get(self.cursor.next().text)
         if close is None:
             raise self.cursor.error("arguments in parentheses are wanted here")

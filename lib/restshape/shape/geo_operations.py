@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from types import ModuleType
+from typing import Any, Protocol, TypeVar
 
 from restshape.shape.geo_numbers import Numbers
 from restshape.shape.geo_tokens import Cursor
+
+Result = TypeVar("Result")
 
 Entities = list[tuple[int, int]]
 BOOLEANS = {
@@ -21,7 +24,7 @@ DIMENSIONS = {"Point": 0, "Curve": 1, "Line": 1, "Surface": 2}
 class GeoDrawing(Protocol):
     """What operations need of a file that is being read: see `geo_script.Script`."""
 
-    gmsh: Any
+    gmsh: ModuleType
     cursor: Cursor
     kernel: Any
     numbers: Numbers
@@ -29,7 +32,7 @@ class GeoDrawing(Protocol):
     def synchronize(self) -> None:
         """Puts what was drawn into gmsh's model."""
 
-    def made(self, line: int, make: Callable[..., Any], *arguments: Any) -> Any:
+    def made(self, line: int, make: Callable[..., Result], *arguments: object) -> Result:
         """What a call of gmsh gives."""
 
 

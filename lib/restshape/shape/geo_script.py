@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from types import ModuleType
+from typing import TypeVar
 
 from restshape.shape.geo_numbers import Numbers
 from restshape.shape.geo_operations import operation
@@ -26,15 +27,26 @@ TWO_WORDS = (
     "Background Field",
     "Characteristic Length",
 )
-OF_THE_MESH = ("Mesh", "MeshSize", "Characteristic Length", "Transfinite", "Recombine", "Smoother", "Field")
-OF_THE_MESH += ("Background Field", "Coherence")
+
+Result = TypeVar("Result")
+OF_THE_MESH = (
+    "Mesh",
+    "MeshSize",
+    "Characteristic Length",
+    "Transfinite",
+    "Recombine",
+    "Smoother",
+    "Field",
+    "Background Field",
+    "Coherence",
+)
 """Statements that say nothing about the outline, as those that embed entities do: passed over."""
 OPTIONS = ("Mesh", "General", "Geometry")
 """Options that say how gmsh meshes and shows: passed over."""
 TRUST = "draw with points, curves, loops and surfaces, or run the whole script, if you trust it: --trust-geo"
 
 
-def draw(gmsh: Any, text: str, where: str) -> None:
+def draw(gmsh: ModuleType, text: str, where: str) -> None:
     """Makes, in gmsh's current model, what a .geo file draws.
 
     Args:
@@ -56,7 +68,7 @@ class GeoScript:
         cursor: at the first word.
     """
 
-    def __init__(self, gmsh: Any, cursor: Cursor) -> None:
+    def __init__(self, gmsh: ModuleType, cursor: Cursor) -> None:
         self.gmsh, self.cursor = gmsh, cursor
         self.kernel = gmsh.model.geo
         self.numbers = Numbers(cursor, self._fresh)
@@ -77,7 +89,7 @@ class GeoScript:
         for kernel in (self.gmsh.model.geo, self.gmsh.model.occ):
             kernel.synchronize()
 
-    def made(self, line: int, make: Callable[..., Any], *arguments: Any) -> Any:
+    def made(self, line: int, make: Callable[..., Result], *arguments: object) -> Result:
         """What a call of gmsh gives.
 
         Raises:

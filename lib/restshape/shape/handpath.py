@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -81,10 +82,13 @@ def _tremor(t: np.ndarray, seconds: float, way: float, random: np.random.Generat
     return TREMOR * way * (16.0 * t**2 * (1.0 - t) ** 2)[:, None] * waves
 
 
-def resampled(start: Any, path: Any, frames: int) -> list[tuple[float, ...]]:
+Place = TypeVar("Place", bound=tuple[float, ...])
+
+
+def resampled(start: Place, path: Sequence[Place], frames: int) -> list[Place]:
     """As many cursor positions as frames, evenly along start and path by number, the last one exactly."""
     chain = np.array([start, *path], dtype=float)
     places = np.arange(1, frames + 1) * (len(path) / frames)
     columns = [np.interp(places, np.arange(len(chain)), column) for column in chain.T]
-    steps = list(zip(*(column.tolist() for column in columns)))
-    return [*steps[:-1], tuple(chain[-1].tolist())]
+    steps = cast(list[Place], list(zip(*(column.tolist() for column in columns))))
+    return [*steps[:-1], path[-1]]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Protocol
+from typing import Protocol
 
 from restshape.scene.model import Scene
 from restshape.shape.script_session import ScriptFrame
@@ -20,7 +20,7 @@ class Session(Protocol):
     scene: Scene
 
     @property
-    def grabbed(self) -> Any: ...
+    def grabbed(self) -> object: ...
 
     def frames(self) -> Iterator[ScriptFrame]:
         """The frames of all events, the first before any."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from restshape.errors import UserError
 from restshape.scene.bodies import POINTS, bodies_of, evaluated
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
+from restshape.scene.plain_values import table_in, tables_in
 
 if TYPE_CHECKING:
     from restshape.shape.gesture import Gesture
@@ -21,6 +23,8 @@ SIZES = {"sphere": ("radius",), "plane": (), "box": ("half", "radius"), "capsule
 
 STILL = (0.0, 0.0)
 Form = dict[str, np.ndarray]
+Change = Callable[[str, Form, float, "tuple[float, float] | None"], Form]
+"""Gives a form of a kind changed by an amount, about a point [m]."""
 
 
 def form_of(scene: Scene, name: str) -> tuple[str, Form]:
@@ -36,12 +40,12 @@ def with_form(scene: Scene, name: str, kind: str, form: Form) -> Scene:
     Raises:
         UserError: they make no body.
     """
-    written, (_, before) = scene.raw["bodies"][name][kind], form_of(scene, name)
+    written, (_, before) = table_in(tables_in(scene.raw, "bodies")[name], kind), form_of(scene, name)
     found = {key: _kept(written.get(key), before[key], value) for key, value in form.items()}
     return revise(scene, f"bodies.{name}.{kind}", found)
 
 
-def _kept(written: Any, before: np.ndarray, value: np.ndarray) -> Any:
+def _kept(written: object, before: np.ndarray, value: np.ndarray) -> object:
     """Numbers, and in place of each that is what it was before what is written for it."""
     if value.ndim == 0:
         return written if written is not None and value == before else value.item()
@@ -120,7 +124,7 @@ class RigidBodyDrag:
         """
         if self.name not in bodies_of(scene) or bodies_of(scene)[self.name].kind != self.kind:
             raise UserError(f"the body {self.name!r} is there no more")
-        points: dict[str, Any] = {key: self.form[key] + (*c, 0.0) for key in POINTS[self.kind]}
+        points: Form = {key: self.form[key] + (*c, 0.0) for key in POINTS[self.kind]}
         return with_form(scene, self.name, self.kind, form_of(scene, self.name)[1] | points)
 
 

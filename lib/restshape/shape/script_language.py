@@ -6,7 +6,6 @@ import json
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -15,6 +14,7 @@ from restshape.scene.bodies import bodies_of
 from restshape.scene.edit_script import EVENTS, FORMAT, VERSION, Script
 from restshape.scene.load import parse_override
 from restshape.scene.model import Scene
+from restshape.scene.plain_values import Table
 from restshape.scene.units import quantity
 from restshape.scene.validation_errors import plain, whole_lists
 from restshape.shape.handpath import cursor_path
@@ -85,7 +85,7 @@ class LineInterpreter:
         header = {"format": FORMAT, "version": VERSION, "scene": scene.path.name, "units": "m"}
         self.result = InterpretedLines([json.dumps(header)])
 
-    def _begin(self, scene: Scene, outline: Outline | None) -> Any:
+    def _begin(self, scene: Scene, outline: Outline | None) -> EditSession:
         """The session that carries events out."""
         return EditSession(scene, Script.empty(scene), outline=outline)
 
@@ -101,7 +101,7 @@ class LineInterpreter:
         """
         found = ((make, pattern.fullmatch(text.strip())) for pattern, make in self._rules())
         make, match = next((pair for pair in found if pair[1]), (None, None))
-        if match is None:
+        if make is None or match is None:
             raise UserError(
                 f"{text.strip()!r} is not understood", "line of the script", f"write one of\n{self.grammar}"
             )
@@ -112,11 +112,11 @@ class LineInterpreter:
         if wrong:
             self.result.refused.append((text.strip(), wrong, why))
 
-    def _perform(self, text: str, event: dict[str, Any]) -> list[str]:
+    def _perform(self, text: str, event: Table) -> list[str]:
         """Why frames of an event are refused; the event is written down in any case."""
         stamped = {"t": round(self.result.frames * FRAME_TIME, 6), **event}
         try:
-            found = self.events[event["do"]].model_validate(stamped)
+            found = self.events[str(event["do"])].model_validate(stamped)
         except ValidationError as error:
             first = whole_lists(error.errors())[0]
             key = ".".join(str(part) for part in first["loc"])
@@ -135,11 +135,11 @@ class LineInterpreter:
         x, y = outline.centroid(outline.entity(name)).tolist()
         return x, y
 
-    def _drag(self, match: re.Match) -> list[dict[str, Any]]:
+    def _drag(self, match: re.Match) -> list[Table]:
         start = self._place(match["on"])
         return self._moved({"do": "press", "on": match["on"], "at": list(start)}, start, match)
 
-    def _pull(self, match: re.Match) -> list[dict[str, Any]]:
+    def _pull(self, match: re.Match) -> list[Table]:
         outline, pins = self._session.outline, _pins(match)
         at = None if match["x"] is None else (length(match["x"]), length(match["y"]))
         # Where the curve itself is, so that it does not jump to the cursor.
@@ -148,7 +148,7 @@ class LineInterpreter:
         hold = {"do": "pull", "on": match["on"], "at": list(start)}
         return self._moved(hold | ({} if pins is None else {"pins": pins}), start, match)
 
-    def _moved(self, hold: dict[str, Any], start: tuple[float, float], match: re.Match) -> list[dict[str, Any]]:
+    def _moved(self, hold: Table, start: tuple[float, float], match: re.Match) -> list[Table]:
         """Taking hold, a drag and letting go."""
         frames = _frames(match)
         step = length(match["dx"]), length(match["dy"])
@@ -163,39 +163,39 @@ class LineInterpreter:
         self._seed += 1
         return [hold, {"do": "drag", "path": [list(p) for p in path]}, {"do": "release"}]
 
-    def _smooth(self, match: re.Match) -> list[dict[str, Any]]:
+    def _smooth(self, match: re.Match) -> list[Table]:
         pins = _pins(match)
         event = {"do": "smooth", "on": match["on"], "strength": float(match["strength"])}
         return [_turned(match, event | ({} if pins is None else {"pins": pins}))]
 
-    def _rotate(self, match: re.Match) -> list[dict[str, Any]]:
+    def _rotate(self, match: re.Match) -> list[Table]:
         return [_turned(match, {"do": "rotate", "on": match["on"], "by": quantity(match["by"], "angle")})]
 
-    def _scale(self, match: re.Match) -> list[dict[str, Any]]:
+    def _scale(self, match: re.Match) -> list[Table]:
         return [_turned(match, {"do": "scale", "on": match["on"], "factor": float(match["factor"])})]
 
-    def _arc(self, match: re.Match) -> list[dict[str, Any]]:
+    def _arc(self, match: re.Match) -> list[Table]:
         return [_turned(match, {"do": "arc", "on": match["on"], "bulge": float(match["bulge"])})]
 
-    def _insert(self, match: re.Match) -> list[dict[str, Any]]:
+    def _insert(self, match: re.Match) -> list[Table]:
         return [{"do": "insert", "on": match["on"], "name": match["name"], "s": float(match["s"])}]
 
-    def _hole(self, match: re.Match) -> list[dict[str, Any]]:
+    def _hole(self, match: re.Match) -> list[Table]:
         center = [length(match["x"]), length(match["y"])]
         return [{"do": "hole", "name": match["name"], "center": center, "radius": length(match["radius"])}]
 
-    def _delete(self, match: re.Match) -> list[dict[str, Any]]:
+    def _delete(self, match: re.Match) -> list[Table]:
         return [{"do": "delete", "on": match["on"]}]
 
-    def _set(self, match: re.Match) -> list[dict[str, Any]]:
+    def _set(self, match: re.Match) -> list[Table]:
         _, value = parse_override(f"{match['key']}={match['value']}")
         frames = _frames(match)
         return [{"do": "set", "key": match["key"], "value": value} | ({"frames": frames} if frames > 1 else {})]
 
-    def _idle(self, match: re.Match) -> list[dict[str, Any]]:
+    def _idle(self, match: re.Match) -> list[Table]:
         return [{"do": "idle", "frames": int(match["frames"])}]
 
-    def _plain(self, match: re.Match) -> list[dict[str, Any]]:
+    def _plain(self, match: re.Match) -> list[Table]:
         return [{"do": match["do"]}]
 
 
@@ -207,19 +207,19 @@ def length(text: str) -> float:
         return quantity(text, "length")
 
 
-def _turned(match: re.Match, event: dict[str, Any]) -> dict[str, Any]:
+def _turned(match: re.Match, event: Table) -> Table:
     """The event with centre and number of frames, where the text has them."""
     if match.groupdict().get("ax"):
         event["about"] = [length(match["ax"]), length(match["ay"])]
     return {**event, "frames": _frames(match)}
 
 
-def _pins(match: re.Match) -> list[str | list[float]] | None:
+def _pins(match: re.Match) -> list[str | tuple[float, float]] | None:
     """The pins of a text: names of vertices, and places [m]; None without any."""
     if not match["pins"]:
         return None
     found = re.finditer(PIN, match["pins"])
-    return [[length(pin["px"]), length(pin["py"])] if pin["px"] else pin["vertex"] for pin in found]
+    return [(length(pin["px"]), length(pin["py"])) if pin["px"] else pin["vertex"] for pin in found]
 
 
 def _frames(match: re.Match) -> int:
@@ -245,7 +245,7 @@ def _style(text: str) -> tuple[str, int]:
 
 
 STYLES = r"(?P<styles>(?:\s*,\s*(?:straight|hand-like|jerk|pause\s+\d+))*)"
-Rule = tuple[re.Pattern, Callable[[LineInterpreter, re.Match], list[dict[str, Any]]]]
+Rule = tuple[re.Pattern, Callable[[LineInterpreter, re.Match], list[Table]]]
 RULES: list[Rule] = [
     (re.compile(pattern), make)
     for pattern, make in (

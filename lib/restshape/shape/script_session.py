@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Generic, TypedDict, TypeVar
 
 import numpy as np
 
@@ -13,8 +13,10 @@ from restshape.application import Application
 from restshape.application import application as application_named
 from restshape.errors import UserError
 from restshape.scene.edit_script import Script
+from restshape.scene.event_line import Analyse, EventLine, Idle, Redo, Undo
 from restshape.scene.model import Scene
 from restshape.scene.source import split_key
+from restshape.shape.gesture import Gesture
 
 FRAME_TIME = 1.0 / 60.0
 """Edit time of a frame [s] where the script leaves room for it."""
@@ -26,7 +28,9 @@ FIXED = ("format", "version", "app", "shape", "quantities", "solve")
 """Tables and keys of a scene that hold for a whole session."""
 
 STILL = (0.0, 0.0)
-State = tuple[Any, Scene]
+Edited = TypeVar("Edited")
+State = tuple[Edited, Scene]
+"""What an undo brings back: what is edited, and the scene."""
 
 
 @dataclass(slots=True)
@@ -51,7 +55,7 @@ class ScriptFrame:
     line: int
     do: str
     change: str
-    gesture: Any
+    gesture: Gesture | None
     c: tuple[float, float]
     scene: Scene
     refused: str | None
@@ -64,11 +68,18 @@ class Step:
     change: str
     refused: str | None = None
     note: str = ""
-    gesture: Any = None
+    gesture: Gesture | None = None
     c: tuple[float, float] = STILL
 
 
-class ScriptSession(ABC):
+class Held(TypedDict, total=False):
+    """Gesture and coefficients of a `Step` in which nothing moves; empty where the hand holds none."""
+
+    gesture: Gesture
+    c: tuple[float, float]
+
+
+class ScriptSession(ABC, Generic[Edited]):
     """Replays a script's events: each kind of them is carried out by the method of its name.
 
     Args:
@@ -80,10 +91,10 @@ class ScriptSession(ABC):
     def __init__(self, scene: Scene, script: Script, application: Application | None) -> None:
         self.scene, self._script = scene, script
         self._application = application or application_named(scene.app)
-        self._past: tuple[State, ...] = ()
-        self._future: tuple[State, ...] = ()
+        self._past: tuple[State[Edited], ...] = ()
+        self._future: tuple[State[Edited], ...] = ()
 
-    def frames(self) -> Iterator[Any]:
+    def frames(self) -> Iterator[ScriptFrame]:
         """All frames, one after the other; the first shows what there is before any event."""
         yield self._frame((0, 0.0, 0, "start"), Step("start"), True, False)
         index, events = 1, self._script.events
@@ -97,7 +108,7 @@ class ScriptSession(ABC):
                 yield self._frame((index, event.t + i * pace, event.line, event.do), step, analysed, i == count - 1)
                 index += 1
 
-    def steps(self, event: Any) -> Iterator[Step]:
+    def steps(self, event: EventLine) -> Iterator[Step]:
         """What each frame of one event does; the session follows as the steps are taken."""
         steps = self._carried_out(event)
         while True:
@@ -107,8 +118,9 @@ class ScriptSession(ABC):
                 return
             yield step
 
-    def _carried_out(self, event: Any) -> Iterator[Step]:
-        return getattr(self, f"_do_{event.do}")(event)
+    def _carried_out(self, event: EventLine) -> Iterator[Step]:
+        found: Iterator[Step] = getattr(self, f"_do_{event.do}")(event)
+        return found
 
     @abstractmethod
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> ScriptFrame:
@@ -119,21 +131,21 @@ class ScriptSession(ABC):
         """Note the state that `rollback` restores."""
 
     @abstractmethod
-    def _state(self) -> State:
+    def _state(self) -> State[Edited]:
         """What an undo brings back."""
 
     @abstractmethod
-    def _go_to(self, then: State, kind: str) -> Step:
+    def _go_to(self, then: State[Edited], kind: str) -> Step:
         """Bring a state back, by "undo" or "redo"."""
 
-    def _do_idle(self, event: Any) -> Iterator[Step]:
+    def _do_idle(self, event: Idle) -> Iterator[Step]:
         for _ in range(event.frames):
             yield Step("none", **self._grabbed())
 
-    def _do_analyse(self, event: Any) -> Iterator[Step]:
+    def _do_analyse(self, event: Analyse) -> Iterator[Step]:
         yield Step("none", **self._grabbed())
 
-    def _do_undo(self, event: Any) -> Iterator[Step]:
+    def _do_undo(self, event: Undo) -> Iterator[Step]:
         if not self._past:
             yield Step("none", "there is nothing to undo")
             return
@@ -141,7 +153,7 @@ class ScriptSession(ABC):
         self._past, self._future = tuple(past), (*self._future, self._state())
         yield self._go_to(then, "undo")
 
-    def _do_redo(self, event: Any) -> Iterator[Step]:
+    def _do_redo(self, event: Redo) -> Iterator[Step]:
         if not self._future:
             yield Step("none", "there is nothing to redo")
             return
@@ -149,12 +161,12 @@ class ScriptSession(ABC):
         self._past, self._future = (*self._past, self._state()), tuple(future)
         yield self._go_to(then, "redo")
 
-    def _remember(self, before: State) -> None:
+    def _remember(self, before: State[Edited]) -> None:
         """End an edit step: it can be undone from now on, if it changed anything."""
         if any(old is not new for old, new in zip(before, self._state())):
             self._past, self._future = (*self._past, before)[-UNDO_STEPS:], ()
 
-    def _grabbed(self) -> dict[str, Any]:
+    def _grabbed(self) -> Held:
         """The gesture and coefficients of a frame in which nothing moves."""
         return {}
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +14,22 @@ from restshape.application import Application
 from restshape.bounds import REACH
 from restshape.errors import UserError
 from restshape.scene.bodies import bodies_of
-from restshape.scene.edit_script import Script
+from restshape.scene.edit_script import (
+    Arc,
+    Delete,
+    Drag,
+    Hole,
+    Insert,
+    Press,
+    Pull,
+    Release,
+    Rotate,
+    Scale,
+    Script,
+    Set,
+    Smooth,
+)
+from restshape.scene.event_line import EventLine
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
@@ -24,16 +39,20 @@ from restshape.shape.build import outline_from_spec
 from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
 from restshape.shape.handpath import resampled
-from restshape.shape.outline import Outline
+from restshape.shape.outline import Entity, Outline
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
 from restshape.shape.rigid_body_drag import RigidBodyDrag, begin_body_drag
-from restshape.shape.script_session import STILL, ScriptFrame, ScriptSession, State, Step
+from restshape.shape.script_session import STILL, Held, ScriptFrame, ScriptSession, State, Step
 from restshape.shape.sweep import sweep
 from restshape.shape.validity import MotionCheck, beyond_reach, problem
 
 OF_SHAPE = ("pull", "smooth", "arc", "insert", "delete")
 """Events on parts of the shape, never on bodies."""
+Turn = Callable[[Outline, Entity, np.ndarray], Gesture]
+"""Makes the gesture of an entity about a point (2,) [m]."""
+Coefficients = Callable[[float], tuple[float, float]]
+"""Coefficients of a gesture at the part of it that is done."""
 
 
 @dataclass(slots=True)
@@ -61,12 +80,12 @@ class Grab:
     check: MotionCheck
     origin: tuple[float, float]
     cursor: tuple[float, float]
-    before: State
+    before: State[Outline]
     c: tuple[float, float] = STILL
     name: str = ""
 
 
-class EditSession(ScriptSession):
+class EditSession(ScriptSession[Outline]):
     """Replays a script's events on a scene's shape.
 
     Args:
@@ -91,13 +110,28 @@ class EditSession(ScriptSession):
 
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> EditFrame:
         edit_ended = step.change == "none" or (self._grab is None and last)
-        contents = (step.change, step.gesture, step.c, self.scene, step.refused)
         hand = None if self._grab is None else (self._grab.name, self._grab.cursor)
-        return EditFrame(*when, *contents, self.outline, analysed, edit_ended, hand)
+        index, t, line, do = when
+        return EditFrame(
+            index,
+            t,
+            line,
+            do,
+            step.change,
+            step.gesture,
+            step.c,
+            self.scene,
+            step.refused,
+            self.outline,
+            analysed,
+            edit_ended,
+            hand,
+        )
 
-    def _carried_out(self, event: Any) -> Iterator[Step]:
-        if event.do in OF_SHAPE and event.on in bodies_of(self.scene):
-            what = f"{event.on} is a body, which {event.do!r} does not know"
+    def _carried_out(self, event: EventLine) -> Iterator[Step]:
+        on = getattr(event, "on", None)
+        if event.do in OF_SHAPE and on in bodies_of(self.scene):
+            what = f"{on} is a body, which {event.do!r} does not know"
             why = UserError(what, do="bodies can be pressed and dragged, rotated and scaled")
             return self._refused(event.frame_count, why)
         return super()._carried_out(event)
@@ -120,10 +154,10 @@ class EditSession(ScriptSession):
         c = STILL if self._grab is None else self._grab.c
         self._before = self.outline, self.scene, c, self._past, self._future
 
-    def _state(self) -> State:
+    def _state(self) -> State[Outline]:
         return self.outline, self.scene
 
-    def _do_press(self, event: Any) -> Iterator[Step]:
+    def _do_press(self, event: Press) -> Iterator[Step]:
         if event.on in bodies_of(self.scene):
             self._grab = begin_body_drag(self.outline, self.scene, event.on, event.at)
             yield Step("none")
@@ -137,7 +171,7 @@ class EditSession(ScriptSession):
         origin = event.at if event.at is not None else tuple(self.outline.centroid(entity).tolist())
         yield self._take(gesture, origin, event.on)
 
-    def _do_pull(self, event: Any) -> Iterator[Step]:
+    def _do_pull(self, event: Pull) -> Iterator[Step]:
         try:
             gesture, place = pull(self.outline, event.on, event.at, event.pins)
         except UserError as error:
@@ -151,8 +185,8 @@ class EditSession(ScriptSession):
         self._grab = Grab(gesture, check, origin, origin, before, name=name)
         return Step("none", gesture=gesture)
 
-    def _do_drag(self, event: Any) -> Iterator[Step]:
-        path = event.path if event.path is not None else (event.to,)
+    def _do_drag(self, event: Drag) -> Iterator[Step]:
+        path = event.path if event.path is not None else [event.to] if event.to is not None else []
         if self._grab is None:
             yield from self._refused(event.frame_count, "nothing is held")
             return
@@ -177,7 +211,7 @@ class EditSession(ScriptSession):
         self.outline = self.outline.moved(grab.gesture.points(c))
         return Step("move", gesture=grab.gesture, c=c)
 
-    def _do_release(self, event: Any) -> Iterator[Step]:
+    def _do_release(self, event: Release) -> Iterator[Step]:
         grab, self._grab = self._grab, None
         if grab is None:
             yield Step("none", "nothing is held")
@@ -185,7 +219,7 @@ class EditSession(ScriptSession):
         self._remember(grab.before)
         yield Step("none")
 
-    def _do_rotate(self, event: Any) -> Iterator[Step]:
+    def _do_rotate(self, event: Rotate) -> Iterator[Step]:
         if event.on in bodies_of(self.scene):
             yield from self._change_body(event, rigid_body_drag.turned, lambda part: part * event.by)
             return
@@ -196,19 +230,19 @@ class EditSession(ScriptSession):
 
         yield from self._turn(event, gestures.rotate, coefficients)
 
-    def _do_scale(self, event: Any) -> Iterator[Step]:
+    def _do_scale(self, event: Scale) -> Iterator[Step]:
         if event.on in bodies_of(self.scene):
             yield from self._change_body(event, rigid_body_drag.scaled, lambda part: 1.0 + part * (event.factor - 1.0))
             return
         yield from self._turn(event, gestures.scale, lambda part: (part * (event.factor - 1.0), 0.0))
 
-    def _do_smooth(self, event: Any) -> Iterator[Step]:
+    def _do_smooth(self, event: Smooth) -> Iterator[Step]:
         def make() -> Gesture:
             return smooth(self.outline, event.on, event.strength, event.pins)
 
         yield from self._sweep(event.frames, make, lambda part: (part, 0.0))
 
-    def _turn(self, event: Any, make: Any, coefficients: Any) -> Iterator[Step]:
+    def _turn(self, event: Rotate | Scale, make: Turn, coefficients: Coefficients) -> Iterator[Step]:
         def gesture() -> Gesture:
             entity = self.outline.entity(event.on, bodies_of(self.scene))
             about = np.array(event.about) if event.about is not None else self.outline.centroid(entity)
@@ -216,7 +250,7 @@ class EditSession(ScriptSession):
 
         yield from self._sweep(event.frames, gesture, coefficients)
 
-    def _sweep(self, frames: int, make: Any, coefficients: Any) -> Iterator[Step]:
+    def _sweep(self, frames: int, make: Callable[[], Gesture], coefficients: Coefficients) -> Iterator[Step]:
         """A gesture carried out in equal parts, without a hand: `coefficients` are its c at the part done so far."""
         before = self._state()
         try:
@@ -240,7 +274,7 @@ class EditSession(ScriptSession):
                 reached = c
         self._remember(before)
 
-    def _do_arc(self, event: Any) -> Iterator[Step]:
+    def _do_arc(self, event: Arc) -> Iterator[Step]:
         before = self._state()
         try:
             edge, goal = self._arc_goal(event)
@@ -260,20 +294,18 @@ class EditSession(ScriptSession):
             yield Step(change, wrong, gesture=gesture if change == "move" else None)
         self._remember(before)
 
-    def _arc_goal(self, event: Any) -> tuple[int, float]:
+    def _arc_goal(self, event: Arc) -> tuple[int, float]:
         edges = self.outline.entity(event.on)
         if len(edges.edges) != 1 or edges.vertices or edges.loops:
             raise UserError(f"{event.on} is not one edge")
         edge = edges.edges[0]
-        goal = (
-            event.bulge
-            if event.through is None
-            else topology_edits.bulge_of(self.outline, edge, np.array(event.through))
-        )
+        goal = event.bulge
+        if goal is None:
+            goal = topology_edits.bulge_of(self.outline, edge, np.array(event.through))
         topology_edits.as_arc(self.outline, edge, goal)
         return edge, goal
 
-    def _do_set(self, event: Any) -> Iterator[Step]:
+    def _do_set(self, event: Set) -> Iterator[Step]:
         fixed = self._why_fixed(event.key)
         if fixed:
             yield from self._refused(event.frames, fixed)
@@ -288,7 +320,9 @@ class EditSession(ScriptSession):
             return
         yield from self._revise_evenly(event.frames, lambda part: part_of(self.scene, part))
 
-    def _change_body(self, event: Any, change: Any, amount: Callable[[float], float]) -> Iterator[Step]:
+    def _change_body(
+        self, event: Rotate | Scale, change: rigid_body_drag.Change, amount: Callable[[float], float]
+    ) -> Iterator[Step]:
         """A body whose form is that at first, turned or scaled by the amount of the part of the event that is done."""
         kind, form = rigid_body_drag.form_of(self.scene, event.on)
 
@@ -301,7 +335,7 @@ class EditSession(ScriptSession):
         """Scenes of the part of an event that is done, a frame each; all of them are undone at once."""
         before = self._state()
         for i in range(1, frames + 1):
-            yield self._revised(lambda part=i / frames: revised(part))
+            yield self._revised(partial(revised, i / frames))
         if self._grab is None:
             self._remember(before)
 
@@ -325,14 +359,14 @@ class EditSession(ScriptSession):
             what = f"the columns of a replay are those of its first frame, and {', '.join(new)} is not among them"
             raise UserError(what, do="ask for as many from the start")
 
-    def _do_insert(self, event: Any) -> Iterator[Step]:
+    def _do_insert(self, event: Insert) -> Iterator[Step]:
         at = None if event.at is None else np.array(event.at)
         yield self._cut(lambda: topology_edits.insert(self.outline, event.on, event.name, at, event.s))
 
-    def _do_delete(self, event: Any) -> Iterator[Step]:
+    def _do_delete(self, event: Delete) -> Iterator[Step]:
         yield self._cut(lambda: topology_edits.delete(self.outline, event.on))
 
-    def _do_hole(self, event: Any) -> Iterator[Step]:
+    def _do_hole(self, event: Hole) -> Iterator[Step]:
         if event.name in bodies_of(self.scene):
             yield self._refusal(UserError(f"a body has the name {event.name!r} already", do="choose another name"))
             return
@@ -340,7 +374,7 @@ class EditSession(ScriptSession):
             lambda: topology_edits.add_hole(self.outline, event.name, event.center, event.radius, event.polygon)
         )
 
-    def _cut(self, operation: Any) -> Step:
+    def _cut(self, operation: Callable[[], Outline]) -> Step:
         """One frame of an edit that gives another layout."""
         before = self._state()
         try:
@@ -356,7 +390,7 @@ class EditSession(ScriptSession):
         self._remember(before)
         return Step("shape")
 
-    def _go_to(self, then: State, kind: str) -> Step:
+    def _go_to(self, then: State[Outline], kind: str) -> Step:
         now = self._state()
         self.outline, self.scene = then
         if now[1] is not then[1] and now[0] is not then[0]:
@@ -374,9 +408,9 @@ class EditSession(ScriptSession):
         effects = [{e.name for e in plan(scene, self._application).effects if e.on} for scene in (old, new)]
         return "values" if old.mesh == new.mesh and effects[0] == effects[1] else "mesh"
 
-    def _grabbed(self) -> dict[str, Any]:
-        gesture = self.grabbed
-        return {} if gesture is None else {"gesture": gesture, "c": self._grab.c}
+    def _grabbed(self) -> Held:
+        grab = self._grab
+        return {} if grab is None or grab.gesture is None else {"gesture": grab.gesture, "c": grab.c}
 
 
 def _too_far(outline: Outline, way: tuple[float, float]) -> str | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -13,9 +12,9 @@ from restshape.scene.model import Scene
 from restshape.scene.source import split_key
 
 
-def value_at(scene: Scene, key: str) -> Any:
+def value_at(scene: Scene, key: str) -> object:
     """What a scene holds at a dotted key, in SI units; None where it holds nothing there."""
-    here: Any = scene
+    here: object = scene
     for part in split_key(key):
         if isinstance(here, dict):
             here = here.get(part)
@@ -27,7 +26,7 @@ def value_at(scene: Scene, key: str) -> Any:
     return here
 
 
-def sweep(scene: Scene, key: str, value: Any) -> Callable[[Scene, float], Scene]:
+def sweep(scene: Scene, key: str, value: object) -> Callable[[Scene, float], Scene]:
     """What gives a scene with a part, 0 to 1, of the way of a number, or of a list of numbers, at a dotted key.
 
     The whole of the way ends at the value as it was given.
@@ -45,7 +44,7 @@ def sweep(scene: Scene, key: str, value: Any) -> Callable[[Scene, float], Scene]
     return part_of
 
 
-def _numbers(value: Any, key: str) -> np.ndarray:
+def _numbers(value: object, key: str) -> np.ndarray:
     """A number or a list of numbers as an array."""
     values = value if isinstance(value, (list, tuple)) else (value,)
     if not all(isinstance(one, float) for one in values):

@@ -138,7 +138,7 @@ def nearest(outline: Outline, edges: Entity, at: np.ndarray) -> tuple[int, float
 def _refined(outline: Outline, edge: int, at: np.ndarray, lower: float, upper: float) -> float:
     """The nearest parameter between two, by golden section, then exactly where the edge is straight."""
     if outline.edges[edge].kind == "line":
-        a, b = outline.point(edge, [0.0, 1.0])
+        a, b = outline.point(edge, np.array([0.0, 1.0]))
         return float(np.clip((at - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0))
     ratio = (np.sqrt(5.0) - 1.0) / 2.0
     while upper - lower > 1e-10:
@@ -224,7 +224,7 @@ def add_hole(
     draft = draft_of(outline)
     if polygon is not None:
         add_polygon(draft, name, "hole", polygon)
-    else:
+    elif center is not None and radius is not None:
         add_circle(draft, name, "hole", center, radius)
     return draft.outline()
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.scene.plain_values import Table
 from restshape.shape import curves
 
 JOIN = 1e-6
@@ -42,7 +42,7 @@ class ClosedCurve:
     labels: set[str] = field(default_factory=set)
 
 
-def shape_data(loose_curves: list[Curve], where: str) -> dict[str, Any]:
+def shape_data(loose_curves: list[Curve], where: str) -> Table:
     """Loose curves as the plain tables of a ``[shape]``: the largest loop is the outline, others holes or regions.
 
     An edge alone on its layer has the layer's name; several get ``LAYER-1``, ``LAYER-2`` ... and a group LAYER. A loop
@@ -68,23 +68,30 @@ def shape_data(loose_curves: list[Curve], where: str) -> dict[str, Any]:
     vertex = [f"p{i + 1}" for i in range(len(corners))]
     while set(vertex) & {*names, *loops, *groups}:
         vertex = [f"p{name}" for name in vertex]
-    data: dict[str, Any] = {"vertices": {v: _pair(p) for v, p in zip(vertex, corners)}, "edges": {}}
-    for i, curve in enumerate(loose_curves):
-        data["edges"][names[i]] = _edge_data(curve, vertex[ends[i][0]], vertex[ends[i][1]])
-    data["outline"] = [names[i] for i, _ in rings[0].chain]
-    data["holes"], data["regions"], data["groups"] = {}, {}, groups
+    edges = {
+        names[i]: _edge_data(curve, vertex[ends[i][0]], vertex[ends[i][1]]) for i, curve in enumerate(loose_curves)
+    }
+    holes: Table = {}
+    regions: Table = {}
     for name, ring in zip(loops[1:], rings[1:]):
-        key = "regions" if any(loose_curves[i].region is not None for i, _ in ring.chain) else "holes"
-        data[key][name] = {"loop": [names[i] for i, _ in ring.chain]}
-    return data
+        filled = any(loose_curves[i].region is not None for i, _ in ring.chain)
+        (regions if filled else holes)[name] = {"loop": [names[i] for i, _ in ring.chain]}
+    return {
+        "vertices": {v: _pair(p) for v, p in zip(vertex, corners)},
+        "edges": edges,
+        "outline": [names[i] for i, _ in rings[0].chain],
+        "holes": holes,
+        "regions": regions,
+        "groups": groups,
+    }
 
 
 def _pair(p: np.ndarray) -> list[float]:
     return [float(p[0]), float(p[1])]
 
 
-def _edge_data(curve: Curve, start: str, end: str) -> dict[str, Any]:
-    data: dict[str, Any] = {curve.kind: [start, end]}
+def _edge_data(curve: Curve, start: str, end: str) -> Table:
+    data: Table = {curve.kind: [start, end]}
     if curve.kind == "arc":
         data["bulge"] = float(curve.bulge)
     elif curve.kind != "line":

@@ -44,7 +44,7 @@ class MotionCheck:
         if found is None:
             return None
         if found[0] == "resample":
-            now = self.outline.moved(self.gesture.points(c))
+            now = self.outline if self.gesture is None else self.outline.moved(self.gesture.points(c))
             try:
                 self._check = self._kernel(now)
             except UserError as error:
@@ -64,14 +64,14 @@ class MotionCheck:
         embedded = np.array(outline.embedded, dtype=np.int32)
         rounds = [edge.kind in ("line", "arc") for edge in outline.edges]
         check = _kernels.OutlineCheck(first, ends, loops, CLEARANCE * size, SHARPEST, rounds)
-        reference, basis = outline.points, np.zeros((2, *outline.points.shape))
-        if gesture is not None:
-            reference, basis = gesture.reference, gesture.basis
-        fields = (reference, basis[0], basis[1])
-        chains = [self._chain(params, points) for points in fields]
-        spots = [np.ascontiguousarray(points[embedded]) for points in fields]
+        reference = outline.points if gesture is None else gesture.reference
+        basis = None if gesture is None else gesture.basis
+        along, across = np.zeros((2, *outline.points.shape)) if basis is None else basis
+        fields = (reference, along, across)
+        p0, p1, p2 = (self._chain(params, points) for points in fields)
+        e0, e1, e2 = (np.ascontiguousarray(points[embedded]) for points in fields)
         rigid = gesture is not None and gesture.kind in ("drag", "rotate")
-        check.set_motion(*chains, *spots, self._states(), rigid)
+        check.set_motion(p0, p1, p2, e0, e1, e2, self._states(), rigid)
         return check
 
     def _chain(self, params: list[np.ndarray], points: np.ndarray) -> np.ndarray:
@@ -80,7 +80,7 @@ class MotionCheck:
 
     def _states(self) -> np.ndarray:
         gesture, edges = self.gesture, self.outline.edges
-        if gesture is None:
+        if gesture is None or gesture.basis is None:
             return np.full(len(edges), BENDING, dtype=np.uint8)
         moves = gesture.basis.any(axis=(0, 2))
         states = np.zeros(len(edges), dtype=np.uint8)
