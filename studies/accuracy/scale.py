@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from restshape.application import Application
+from restshape.physics.elasticity.thickness_layers import layers_of
 from restshape.scene.model import Scene
 
 
@@ -44,6 +45,6 @@ def scale_of(scene: Scene, application: Application, order: int) -> StudyScale:
     """
     if application.layered:
         # Modes alone: their frequencies are right to the square of the tolerance.
-        per_node = 3.0 * (order * (scene.mesh.layers or 1) + 1)
+        per_node = 3.0 * (order * layers_of(scene) + 1)
         return StudyScale(1.2e4, 2.2e4, 4.0, (1e-7, 1e-6), 24, per_node, continues=application.transient(scene))
     return MOTION if application.transient(scene) else PLANE

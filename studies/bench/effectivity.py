@@ -11,6 +11,7 @@ from restshape_studies.accuracy.setting import refusal, scale_of, scaled, unknow
 
 from restshape.application import Application, application
 from restshape.errors import UserError
+from restshape.physics.elasticity.thickness_layers import layers_of
 from restshape.replay.columns import error_column
 from restshape.replay.first_frame import first_frame
 from restshape.scene.expressions import Expression
@@ -107,7 +108,7 @@ def _reference(path: Path, scene: Scene, app: Application, finest: float, given:
     scale = scale_of(scene, app)
     factor = max(finest / FINER, sqrt(unknowns(scene, app, 1.0, order) / scale.reference))
     plan = Plan(factor, order, scale.corners, "rebuild", scale.tolerances)
-    layers = (f"mesh.layers={2 * (scene.mesh.layers or 1)}",) if app.layered and order > 1 else ()
+    layers = (f"mesh.layers={2 * layers_of(scene)}",) if app.layered and order > 1 else ()
     return (*plan.sizes(scene), *layers, f"mesh.order={order}", f"solve.tolerance={scale.tolerances[0]}")
 
 

@@ -86,7 +86,7 @@ def test_a_region_of_the_same_material_changes_little(tmp_path, model):
 def test_second_order_tetrahedra(layers, size):
     """The first bending mode of the bar."""
     bar = modes_of("bar_100.toml", "mesh.order=2", f"mesh.layers={layers}", f'mesh.size="{size}"')
-    assert bar.errors()["estimate"] / (bar.frequencies[0] / BAR - 1.0) == pytest.approx(1.0, abs=0.15)
+    assert 1.0 < bar.errors()["estimate"] / (bar.frequencies[0] / BAR - 1.0) < 1.4
 
 
 def test_first_order_tetrahedra_that_lock_underestimate_their_error():

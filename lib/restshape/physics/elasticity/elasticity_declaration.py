@@ -148,6 +148,6 @@ FREE_VIBRATIONS = Physics(
     layered=True,
     check=check_goals,
     check_shape="restshape.physics.elasticity.outline_checks:check_thickness",
-    inspect_shape="restshape.physics.elasticity.inspection:inspect_body",
+    inspect_shape="restshape.physics.elasticity.inspection:inspect_vibrating",
     columns=modal_columns,
 )

@@ -11,7 +11,9 @@ from restshape.errors import UserError
 from restshape.mesh.entity_area import entity_area
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.thickness import Thickness
+from restshape.physics.elasticity.modal_effect import modal_keys
 from restshape.physics.elasticity.singular_places import singular_quantities, warning
+from restshape.physics.elasticity.thickness_layers import FLOOR, usual_layers
 from restshape.scene.model import Material, Scene
 from restshape.scene.physics import Inspection
 from restshape.shape.outline import Outline
@@ -47,6 +49,23 @@ def inspect_body(scene: Scene, outline: Outline) -> Inspection:
     if not mass:
         return Inspection(warnings=tuple(warnings))
     return Inspection({"mass": mass}, [("mass", f"{mass:.6g} kg")], tuple(warnings))
+
+
+def inspect_vibrating(scene: Scene, outline: Outline) -> Inspection:
+    """The mass of a body that vibrates, values that no material has, and its layers of tetrahedra."""
+    seen = inspect_body(scene, outline)
+    if modal_keys(scene).model != "solid":
+        return seen
+    usual, named = usual_layers(scene, outline), scene.mesh.layers
+    layers = named or usual.count
+    words = f"{layers}: {'mesh.layers says so' if named else usual.why}"
+    floor = usual.floor(layers)
+    stiff = (
+        f"mesh.layers: with {layers} layer{'s' * (layers > 1)} the highest modes come out up to {100.0 * floor:.2g} % "
+        f"too high, however fine the mesh, for {usual.why}: leave it out to have {usual.count}"
+    )
+    warnings = (*seen.warnings, stiff) if floor > FLOOR else seen.warnings
+    return Inspection(seen.data | {"layers": layers}, [*seen.rows, ("layers", words)], warnings)
 
 
 def _doubts(name: str, material: Material, outline: Outline) -> Iterator[str]:

@@ -48,9 +48,14 @@ class ModalKeys(Strict):
         )
 
 
+def modal_keys(scene: Scene) -> ModalKeys:
+    """The keys of a scene, with defaults filled in."""
+    return ModalKeys.model_validate(scene.effects.get("modal", {}))
+
+
 def modal_columns(scene: Scene) -> dict[str, Any]:
     """The columns that a replay of modes has besides: frequencies, the tone of the first, numbers of the modes."""
-    modes = ModalKeys.model_validate(scene.effects.get("modal", {})).modes
+    modes = modal_keys(scene).modes
     return {
         **{f"f_{k + 1}": np.float64 for k in range(modes)},
         "tone": "S8",
@@ -63,7 +68,7 @@ def modal_columns(scene: Scene) -> dict[str, Any]:
 
 def _in_plane(scene: Scene, _: frozenset[str]) -> str:
     """Why modes in the plane count; empty where they are passed over."""
-    modal = ModalKeys.model_validate(scene.effects.get("modal", {}))
+    modal = modal_keys(scene)
     if modal.model in ("plane_stress", "plane_strain"):
         return f'effects.modal.model = "{modal.model}": all modes are in the plane'
     return "effects.modal.in_plane: modes in the plane count too" if modal.model == "solid" and modal.in_plane else ""

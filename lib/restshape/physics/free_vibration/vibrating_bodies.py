@@ -4,14 +4,13 @@ from restshape.analysis.analysis import Context
 from restshape.analysis.modal import ModalAnalysis
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
+from restshape.physics.elasticity.thickness_layers import layers_of
 from restshape.physics.elasticity.vibrating_body import VibratingBody
 from restshape.physics.elasticity.vibrating_plane import VibratingPlane
 from restshape.physics.elasticity.vibrating_solid import VibratingSolid
 from restshape.physics.plates.vibrating_plate import VibratingPlate
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
-
-LAYERS = 1
 
 
 def modal_analysis(scene: Scene, plan: Plan, context: Context) -> ModalAnalysis:
@@ -30,7 +29,7 @@ def vibrating_body(scene: Scene, plan: Plan, plane: Mesh | LagrangeSpace, lumped
     """
     model = plan.settings("modal").model
     if model == "solid":
-        return VibratingSolid(scene, plane, scene.mesh.layers or LAYERS, lumped)
+        return VibratingSolid(scene, plane, layers_of(scene), lumped)
     if model == "plate":
         return VibratingPlate(scene, plane)
     return VibratingPlane(scene, plane, model == "plane_stress", lumped)
