@@ -105,6 +105,23 @@ class ClothProblem(Problem):
         return float(self.fabric.membrane.max())
 
     @property
+    def size(self) -> float:
+        """The longer side of the box around the flat cloth [m]."""
+        return float(np.ptp(self.X, axis=0).max())
+
+    @property
+    def swing_time(self) -> float:
+        """The time [s] that the cloth's motion is measured by.
+
+        That of a pendulum as long as the cloth, without 2 pi; without weight that of a wave along it, and 1 s without
+        mass too.
+        """
+        if self.g.any():
+            return float(np.sqrt(self.size / np.linalg.norm(self.g)))
+        density = float(np.max(self.fabric.density))
+        return self.size * float(np.sqrt(density / self.stiffest)) or 1.0
+
+    @property
     def loaded_inside(self) -> bool:
         """Whether it has weight, or bodies push: there are no other loads."""
         return bool(np.any(self.g)) or self.contact is not None

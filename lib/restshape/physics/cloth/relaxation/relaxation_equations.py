@@ -11,8 +11,9 @@ from restshape.physics.cloth.cloth_problem import ClothProblem
 SUPPORTING = 0.02
 """Inertia of the tangent of descents, over that of a pendulum as long as the cloth, g/L: without any, cloth that lies
 loosely has motions that nothing resists."""
-WEIGHTLESS = 1.0
-"""The same inertia [1/s^2] where there is no weight."""
+WEIGHTLESS = 1e-5
+"""The same inertia where there is no weight, over that with which a strip as long as the cloth would swing along itself
+by the membrane's stiffness."""
 
 
 class KeptOperator:
@@ -84,8 +85,10 @@ class ClothEquations:
     @property
     def supporting_inertia(self) -> float:
         """Inertia [1/s^2] that is small beside what moves the cloth."""
-        size = float(np.ptp(self.problem.X, axis=0).max())
-        return SUPPORTING * float(np.linalg.norm(self.problem.g)) / size or WEIGHTLESS
+        problem = self.problem
+        if problem.g.any():
+            return SUPPORTING * float(np.linalg.norm(problem.g)) / problem.size
+        return WEIGHTLESS / problem.swing_time**2
 
     @property
     def rows(self) -> slice:

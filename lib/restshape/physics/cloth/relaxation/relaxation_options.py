@@ -26,8 +26,9 @@ PASSED = 0.5
 """Part of the smallest size of a body that a node goes in one step: it must not come out on the other side."""
 SMALL = 600
 """Nodes up to which motion is solved for with complete factors."""
-FIRST_STEP = 1.0 / 60.0
-"""Time step [s] that motion begins with; the thesis's for all of it."""
+FIRST_STEP, LONGEST_STEP = 0.05, 3.0
+"""Time steps that motion begins with and may grow to, over `ClothProblem.swing_time`: 1/60 s, the thesis's for all of
+it, and 1 s of cloth that is a metre long."""
 
 Watch = Callable[[EquilibriumSolver, np.ndarray, float], None]
 
@@ -95,7 +96,8 @@ class RelaxationOptions:
         # A complete factor of a small matrix costs less than the iterations without one.
         small = settings.strategy == "auto" and problem.n_nodes <= SMALL
         preconditioner = "ilu" if context.policy.name == "thesis" else "cholesky" if small else "sor"
-        steps = Steps(FIRST_STEP, reach=self.reach, most=100, preconditioner=preconditioner)
+        time = problem.swing_time
+        steps = Steps(FIRST_STEP * time, LONGEST_STEP * time, reach=self.reach, most=100, preconditioner=preconditioner)
         backend = context.policy.backend
         solver = EquilibriumSolver(
             problem, context.comm, context.stages, linear, settings.tolerance, steps, backend, prefix

@@ -7,10 +7,11 @@ from restshape.algebra.gathering import gather_matrix
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import STIFFER, EquilibriumSolver
 
-MOST_INERTIA = 1e12
-"""Inertia [1/s^2] above which there is no use in more."""
+MOST_INERTIA = 1e13
+"""Inertia over that of descents above which there is no use in more."""
 INVERSE_STEPS, LEAP = 4, 1e-3
-"""Steps of the inverse iteration for the lowest mode of an unstable equilibrium; how far that is left along it [m]."""
+"""Steps of the inverse iteration for the lowest mode of an unstable equilibrium; how far that is left along it, over
+the size of the cloth."""
 FAINT = 1e-4
 """Inertia over that of descents below which an unstable motion is too slow to be one."""
 
@@ -48,9 +49,10 @@ class SaddleEscape:
         """Leave an unstable equilibrium x (n, 3), which is changed, along its lowest mode; False where it is stable."""
         solver, equations = self.solver, self.solver.equations
         inertia = least = FAINT * equations.supporting_inertia
+        most = MOST_INERTIA * equations.supporting_inertia
         while not solver.linear.definite(matrix := equations.true_tangent(x, inertia), solver.places, False):
             inertia *= STIFFER
-            if inertia > MOST_INERTIA:
+            if inertia > most:
                 # What has no mass is not supported by any.
                 return False
         if inertia == least:
@@ -77,7 +79,7 @@ class SaddleEscape:
                 mode = nodal.values(rows[1]).copy()
                 if not (size := np.abs(problem.corners(mode)).max()):
                     break
-                mode *= LEAP / size
+                mode *= LEAP * problem.size / size
         except ReplayProblem:
             mode = np.zeros_like(mode)
         finally:

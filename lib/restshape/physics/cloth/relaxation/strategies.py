@@ -14,10 +14,12 @@ from restshape.physics.cloth.relaxation.equilibrium import SLIPPING, Equilibrium
 from restshape.physics.cloth.relaxation.relaxation_report import FALLS, ConvergenceReport
 
 Strategy = Callable[[EquilibriumSolver, np.ndarray, int, ConvergenceReport], ConvergenceReport]
-FREELY = 1e-6
-"""Inertia [1/s^2] of plain and stabilised Newton's methods: enough for a factor where cloth lies loosely."""
-ALPHA, BETA = 4.0, 1e-3
-"""Rayleigh damping [1/s], [s]: about half of the critical one of a cloth that swings by half a metre."""
+FREELY = 1e-7
+"""Inertia of plain and stabilised Newton's methods, times the square of `ClothProblem.swing_time`: enough for a factor
+where cloth lies loosely."""
+ALPHA, BETA = 1.25, 3e-3
+"""Rayleigh damping, times and over `ClothProblem.swing_time`: about half of the critical one of a cloth that swings by
+half of its size."""
 LONG = 150
 """Steps of conjugate gradients between which friction follows: they restart with each run."""
 ROUNDS = 200
@@ -30,7 +32,8 @@ def moved(
     """Motion alone, with kinetic damping, until it converges."""
     if damping == "kinetic":
         return _in_rounds(solver, solver.moving, lambda: solver.moving.snes.getIterationNumber(), x, most, report)
-    steps = replace(solver.motion, damping="rayleigh", alpha=ALPHA, beta=BETA)
+    time = solver.problem.swing_time
+    steps = replace(solver.motion, damping="rayleigh", alpha=ALPHA / time, beta=BETA * time)
     equations = solver.equations
     moving = KineticDamping(solver.comm, "drape_rayleigh_", equations, equations.mass, x.shape, equations.rows, steps)
     moving.on_step, moving.on_move = solver.moving.on_step, solver.moving.on_move
@@ -50,7 +53,7 @@ def descended(
 ) -> ConvergenceReport:
     """One kind of SNES alone, until it converges."""
     equations = solver.equations
-    equations.stabilised, equations.inertia = stabilised, FREELY
+    equations.stabilised, equations.inertia = stabilised, FREELY / solver.problem.swing_time**2
     reach = solver.motion.reach
     descent = Descent(solver.comm, f"drape_{kind}_", equations, x.shape, equations.rows, kind, reach=reach)
     descent.on_step = solver.descent.on_step
