@@ -76,7 +76,7 @@ def test_thin_waves_are_those_of_kirchhoff():
     assert lamb(5.0, 1e-3) == pytest.approx(25.0 * np.sqrt(D / (RHO * 1e-3)) / (2 * np.pi), rel=1e-5)
 
 
-def test_one_layer_over_a_thick_plate_is_told_its_error(plate):
+def test_one_layer_over_a_thick_plate_is_reported_its_error(plate):
     """What one layer leaves is not a matter of the triangles: the estimate has it, and the usual layers do not."""
     exact = lamb(np.sqrt(2.0) * np.pi, THICK)
     one = first_frame(plate, ["mesh.layers=1"]).analysis

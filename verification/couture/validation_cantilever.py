@@ -44,7 +44,7 @@ NEAR = 0.01
 
 
 def near(gamma: float) -> float:
-    """Part of the length by which a tip may be off: mesh size squared over the radius L/Gamma^(1/3) of the bend."""
+    """Part of the length by which a tip may be off: as the square of mesh size over the bend's radius L/Gamma^(1/3)."""
     return min(NEAR, 1e-3 * gamma ** (2 / 3))
 
 

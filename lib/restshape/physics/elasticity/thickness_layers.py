@@ -81,7 +81,7 @@ def usual_layers(scene: Scene, outline: Outline | None = None) -> ThicknessLayer
     Raises:
         UserError: the shape cannot be read.
 
-    Source: docs/theory.md, section 7.
+    Source: docs/theory/free-vibrations.md.
     """
     outline = outline or _outline(scene)
     area, perimeter = _size(outline)

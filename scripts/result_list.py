@@ -1,0 +1,212 @@
+"""The committed results: which files, by which commands, of which code."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from stamps import ROOT
+
+RESULTS = ROOT / "results"
+OUTPUTS = (".png", ".wav", ".md", ".json")
+INPUTS = (".toml", ".jsonl")
+"""Endings of results, and of scenes and scripts."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """One or several files that commands write.
+
+    Args:
+        files: patterns below results/, of what is committed.
+        commands: after each other; the first word is `restshape`, or a module or file for Python.
+        code: modules that it depends on besides the applications whose scenes are named; `.*` for a whole package.
+        scenes: that commands read without naming them: patterns below apps/.
+        timed: holds times, which only an idle machine gives.
+    """
+
+    files: tuple[str, ...]
+    commands: tuple[str, ...]
+    code: tuple[str, ...]
+    scenes: tuple[str, ...] = ()
+    timed: bool = False
+
+    @property
+    def name(self) -> str:
+        """What tells it apart: its first file, without its ending."""
+        return re.sub(r"\.\*$|[-/]?\*|\.\w+$", "", self.files[0])
+
+    @property
+    def paths(self) -> list[Path]:
+        """Its files that there are."""
+        return sorted(path for pattern in self.files for path in RESULTS.glob(pattern) if path.suffix in OUTPUTS)
+
+    @property
+    def data(self) -> list[Path]:
+        """The scenes and scripts that it reads."""
+        named = re.findall(r"apps/\S+\.(?:toml|jsonl)", " ".join(self.commands))
+        found = [path for pattern in self.scenes for path in (ROOT / "apps").glob(pattern) if path.suffix in INPUTS]
+        return sorted({*(ROOT / name for name in named), *found})
+
+    @property
+    def entries(self) -> list[str]:
+        """The modules whose imports are followed."""
+        return [*self.code, *(f"restshape_apps.{path.relative_to(ROOT).parts[1]}" for path in self.data)]
+
+
+def reports(name: str, scene: str, edits: str = "") -> tuple[Result, Result]:
+    """The report of a replay: pictures of what was found, and of levels and the timeline, which hold times."""
+    commands = (recorded(name, scene, edits), f"restshape report results/{name}.vtkhdf --animation none")
+    found = (f"{name}-report/frames.png", f"{name}-report/quantities.png")
+    times = (f"{name}-report/timeline.png", f"{name}-report/levels.png")
+    return Result(found, commands, REPORT), Result(times, commands, REPORT, timed=True)
+
+
+def recorded(name: str, scene: str, edits: str = "") -> str:
+    """The command that records a replay."""
+    return f"restshape replay {scene}{f' --edits {edits}' if edits else ''} --out results/{name}.vtkhdf"
+
+
+def bench(kind: str, words: str, files: Sequence[str], *scenes: str) -> Result:
+    """A study of `restshape bench`."""
+    code = (f"restshape_studies.commands.bench_{kind}", "restshape_studies.bench.*", "restshape.replay.run")
+    return Result(tuple(files), (f"restshape bench {words}",), code, scenes, timed=True)
+
+
+REPLAY = ("restshape.cli.replay",)
+REPORT = (*REPLAY, "restshape.cli.report")
+ALL = ("*/scenes/*.toml", "*/edits/*.jsonl")
+SOLID, CANTILEVER, COUTURE = "apps/solid/scenes", "apps/cantilever/scenes", "apps/couture"
+PLATE, BEAM, FISH = f"{SOLID}/plate.toml", f"{CANTILEVER}/cantilever.toml", "apps/metallophone/scenes/fish.toml"
+BRIDGE, BUILDING = "apps/bridge/scenes/bridge.toml", "apps/vibration/scenes/building.toml"
+SPHERE, PINS, STRIP = (f"{COUTURE}/scenes/{name}.toml" for name in ("sphere", "pins", "strip"))
+BAR, TABLE = "apps/metallophone/scenes/bar_200.toml", "apps/furniture/scenes/table.toml"
+DRAPED = "restshape_apps.couture.picture"
+MAIN = (PLATE, BEAM, BRIDGE, BUILDING, FISH, STRIP, TABLE)
+
+
+def verifying(module: str) -> list[str]:
+    """The modules of this name of all that verifies applications."""
+    files = sorted((ROOT / "verification").glob(f"*/{module}.py"))
+    return [f"restshape_verification.{path.parent.name}.{module}" for path in files]
+
+
+def of_module(picture: str, command: str, *scenes: str) -> Result:
+    """What a module draws that is started with `python -m`."""
+    module = command.split()[0]
+    return Result((picture,), (command,), (module,), scenes)
+
+
+LIST = (
+    *reports("plate", PLATE, "apps/solid/edits/plate.jsonl"),
+    *reports("cantilever", BEAM, "apps/cantilever/edits/cantilever.jsonl"),
+    *reports("pipe", "apps/thermal/scenes/pipe.toml"),
+    *reports("couture", SPHERE, f"{COUTURE}/edits/sphere-drag.jsonl"),
+    Result(
+        ("couture-sphere.png",),
+        (
+            recorded("couture", SPHERE, f"{COUTURE}/edits/sphere-drag.jsonl"),
+            f"{DRAPED} results/couture.vtkhdf --frames 0 24 61 --out results/couture-sphere.png",
+        ),
+        (*REPLAY, DRAPED),
+    ),
+    Result(
+        ("couture-pins.png",),
+        (
+            recorded("couture-pins", PINS, f"{COUTURE}/edits/pins.jsonl"),
+            f"{DRAPED} results/couture-pins.vtkhdf --frames 0 17 26 --out results/couture-pins.png",
+        ),
+        (*REPLAY, DRAPED),
+    ),
+    of_module(
+        "bridge-study.png", "restshape_verification.bridge.study --picture results/bridge-study.png", "bridge/*/*"
+    ),
+    of_module(
+        "vibration-resonance.png",
+        "restshape_verification.vibration.resonance --picture results/vibration-resonance.png",
+        "vibration/*/building.*",
+    ),
+    Result(
+        ("metallophone-modes.png", "metallophone-rasp.png"),
+        (
+            f"restshape_apps.metallophone.picture {FISH} --out results/metallophone-modes.png"
+            " --rasp results/metallophone-rasp.png",
+        ),
+        ("restshape_apps.metallophone.picture",),
+    ),
+    of_module(
+        "metallophone-fish.wav",
+        f"restshape_apps.metallophone.sound {FISH} --out results/metallophone-fish.wav --seconds 1",
+    ),
+    Result(
+        ("metallophone-accuracy.png",),
+        ("restshape_verification.metallophone.accuracy --picture results/metallophone-accuracy.png",),
+        ("restshape_verification.metallophone.accuracy",),
+        ("metallophone/*/*",),
+        timed=True,
+    ),
+    of_module("column-modes.png", f"restshape_apps.solid.picture {SOLID}/column.toml --out results/column-modes.png"),
+    Result(
+        ("couture-bending.png",),
+        ("tests/physics/bending_kinds.py --picture results/couture-bending.png",),
+        ("tests.physics.bending_kinds",),
+    ),
+    of_module(
+        "couture-cycles.png",
+        "restshape_verification.couture.cycles --picture results/couture-cycles.png",
+        "couture/scenes/sphere.toml",
+    ),
+    Result(
+        ("furniture-*.png",),
+        ("restshape_apps.furniture.pictures --out results/furniture",),
+        ("restshape_apps.furniture.pictures",),
+        ("furniture/*/*",),
+    ),
+    bench("reuse", f"reuse {PLATE} {BEAM} --out results --json results/bench-reuse.json", ["bench-reuse.*"]),
+    bench("size", "size --out results --json results/bench-size.json", ["bench-size.*"], "solid/*/plate.*"),
+    bench("order", f"order {PLATE} --json results/bench-order.json", ["bench-order.json"]),
+    bench("design", f"predict {BEAM} --out results --json results/bench-predict.json", ["bench-predict.*"]),
+    bench(
+        "design",
+        f"derivative {BEAM} --out results --json results/bench-derivative.json",
+        ["bench-derivative.json", "sensitivity-epsilon.png"],
+    ),
+    bench("eigen", f"eigen {BAR} --set effects.modal.modes=5 --json results/bench-eigen.json", ["bench-eigen.json"]),
+    bench(
+        "drape",
+        f"drape {SPHERE} --set effects.cloth.bending=hinge --frames 20 --picture results/bench-drape.png",
+        ["bench-drape.png"],
+    ),
+    Result(
+        ("THESIS.md",),
+        ("restshape tables",),
+        ("restshape_studies.commands.tables", *verifying("thesis")),
+        ALL,
+        timed=True,
+    ),
+    Result(
+        ("accuracy/*",),
+        (f"restshape accuracy {' '.join(MAIN)} --out results/accuracy --json results/accuracy/accuracy.json",),
+        (
+            "restshape_studies.commands.accuracy",
+            "restshape_studies.accuracy.*",
+            *verifying("plank_study"),
+        ),
+        timed=True,
+    ),
+    Result(
+        ("stability.json",),
+        ("restshape stability --json results/stability.json",),
+        ("restshape_studies.commands.stability", "restshape_studies.stability.*", *verifying("stability")),
+        ALL,
+        timed=True,
+    ),
+    Result(
+        ("fuzz.json",),
+        ("restshape stability --fuzz 1000 --json results/fuzz.json",),
+        ("restshape_studies.commands.stability", "restshape_studies.stability.*", *verifying("random_scenes")),
+        timed=True,
+    ),
+)
