@@ -209,8 +209,9 @@ def write_stamp(path: Path, stamp: Stamp) -> None:
         case ".png":
             body = CHUNK + text
             own = struct.pack(">I", len(body) - 4) + body + struct.pack(">I", zlib.crc32(body))
-            end = next(whole for kind, whole in chunks(rest) if kind == b"IEND")
-            rest = rest.removesuffix(end) + own + end
+            # Behind the first chunk, so that readers have it before the pixels.
+            first = PNG + next(whole for _, whole in chunks(rest))
+            rest = first + own + rest.removeprefix(first)
         case ".wav":
             text += b"\0" * (len(text) % 2)
             own = b"INFOICMT" + struct.pack("<I", len(text)) + text

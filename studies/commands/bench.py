@@ -26,7 +26,7 @@ from restshape.cli.shipped import script_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
-from restshape.outputs.drawn import drawn_from, fingerprint
+from restshape.outputs.drawn import STAMP, drawn_from, fingerprint
 from restshape.outputs.kinds import PictureFile
 from restshape.outputs.whole import writable
 
@@ -101,6 +101,8 @@ def redraw(kind: Kind, args: argparse.Namespace) -> int:
         raise UserError(
             f"this is no JSON that can be read: {error}", f"--redraw {args.redraw}", "name another"
         ) from error
+    if isinstance(data, dict):
+        data.pop(STAMP, None)
     named = [path.stem for path in getattr(args, "scenes", ())]
     found = data if kind.scenes in MANY else {named[0] if named else kind.scenes: data}
     picture = _picture(args.out, kind.picture) if kind.picture else args.picture

@@ -21,15 +21,20 @@ if TYPE_CHECKING:
 MARKED_BY = {".png": "Software", ".svg": "Creator"}
 """Which of the metadata of a format says who drew it."""
 
+STAMP = "stamp"
+"""Key of a JSON file of results that says of which code it is."""
+
 SOURCE = "Source"
 """Key of a picture's metadata, in PNG and in SVG."""
 _source: ContextVar[str] = ContextVar("source", default="")
 
 
 def fingerprint(data: Any) -> str:
-    """The hash of what a JSON file holds, however it is laid out."""
+    """The hash of what a JSON file holds, however it is laid out, but for a stamp that says when it was made."""
     # Keys that are numbers become texts before they are sorted.
     plain = json.loads(json.dumps(data))
+    if isinstance(plain, dict):
+        plain.pop(STAMP, None)
     return f"sha256:{sha256(json.dumps(plain, sort_keys=True, separators=(',', ':')).encode()).hexdigest()}"
 
 
