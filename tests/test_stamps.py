@@ -91,14 +91,14 @@ def test_changed_contents_are_seen(tmp_path):
 def module(tmp_path, monkeypatch):
     """Writes a module of a project of its own, and gives the hash of what imports it."""
     monkeypatch.setattr(stamps, "ROOT", tmp_path)
-    (tmp_path / "apps").mkdir()
-    (tmp_path / "apps" / "first.py").write_text("def f():\n    from restshape_apps.second import g\n    return g()\n")
-    (tmp_path / "apps" / "third.py").write_text("X = 1\n")
+    (tmp_path / "studies").mkdir()
+    (tmp_path / "studies" / "first.py").write_text("def f():\n    from restshape_studies.second import g\n    return g()\n")
+    (tmp_path / "studies" / "third.py").write_text("X = 1\n")
 
     def write(text):
         parsed.cache_clear()
-        (tmp_path / "apps" / "second.py").write_text(text)
-        return code_hash(["restshape_apps.first"], [])
+        (tmp_path / "studies" / "second.py").write_text(text)
+        return code_hash(["restshape_studies.first"], [])
 
     yield write
     parsed.cache_clear()
@@ -108,13 +108,13 @@ def test_code_counts_and_words_about_it_do_not(module):
     known = module("def g():\n    return 1\n")
     assert module('"""What."""\n\n\ndef g():  # why\n    """How."""\n    return (1)\n') == known
     assert module("def g():\n    return 2\n") != known
-    assert module('LATER = "restshape_apps.third:X"\n\n\ndef g():\n    return 1\n') != known
+    assert module('LATER = "restshape_studies.third:X"\n\n\ndef g():\n    return 1\n') != known
 
 
 def test_what_is_named_to_be_imported_later_counts(module, tmp_path):
-    text = 'LATER = "restshape_apps.third:X"\n'
+    text = 'LATER = "restshape_studies.third:X"\n'
     known = module(text)
-    (tmp_path / "apps" / "third.py").write_text("X = 2\n")
+    (tmp_path / "studies" / "third.py").write_text("X = 2\n")
     assert module(text) != known
 
 
