@@ -86,24 +86,40 @@ def test_energies_at_resets_never_rise():
     assert np.all(np.diff([start, *way.resets]) <= 1e-12 * abs(start))
 
 
-def test_fixed_steps_are_those_of_implicit_euler():
-    """One mass on a spring: after k steps of h the amplitude of backward Euler, (1 + (w h)^2)^(-k/2)."""
+class Unloaded(Chain):
+    """The chain without its load."""
 
-    class One(Chain):
-        def __init__(self):
-            super().__init__()
-            self.load = np.zeros((N, 1))
+    def __init__(self):
+        super().__init__()
+        self.load = np.zeros((N, 1))
 
-    chain, h = One(), 0.01
-    x = np.zeros((N, 1))
+
+def lowest_mode(h, **keys):
+    """Angular frequency of the lowest mode, and its amplitude at each step of h from 1 without velocity."""
+    chain, x, states = Unloaded(), np.zeros((N, 1)), []
     K = chain.step_matrix(x, 0.0, False)[:, :][1:, 1:]
     values, modes = np.linalg.eigh(K)
     x[1:, 0] = modes[:, 0]
-    states = []
-    way = damping(chain, time_step=h, longest=h, damping="rayleigh", tolerance=1e-14, most=20)
+    way = damping(chain, time_step=h, longest=h, tolerance=1e-14, **keys)
     way.on_step = lambda x, norm: states.append(modes[:, 0] @ x[1:, 0])
     way.run(x, 0.0)
-    w = np.sqrt(values[0])
+    return np.sqrt(values[0]), np.array(states)
+
+
+def test_velocities_are_lost_where_the_kinetic_energy_has_its_peak():
+    """One mode passes its equilibrium after a quarter of the period, by two steps, and goes no farther."""
+    h = 0.01
+    w, states = lowest_mode(h, most=200)
+    quarter = round(np.pi / 2 / (w * h))
+    assert 10 < quarter < 100
+    assert np.all(np.diff(states[:quarter]) < 0)
+    assert np.abs(states[quarter + 2 :]).max() <= 3 * w * h
+
+
+def test_fixed_steps_are_those_of_implicit_euler():
+    """One mass on a spring: after k steps of h the amplitude of backward Euler, (1 + (w h)^2)^(-k/2)."""
+    h = 0.01
+    w, states = lowest_mode(h, damping="rayleigh", most=20)
 
     u, v, expected = 1.0, 0.0, []
     for _ in range(21):
