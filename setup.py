@@ -32,6 +32,8 @@ except ImportError:
 KERNELS = Path("lib/kernels")
 APPLICATIONS = Path("apps")
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize=vptr")
+CHECKED = (*SANITIZERS, "-Dflatten=unused", "--param", "asan-instrumentation-with-call-threshold=0")
+"""With checks in every line functions that take all they call into themselves compile for hours: they shall not."""
 BUILD = Path("build/kernels") / sysconfig.get_config_var("SOABI")
 
 
@@ -127,7 +129,7 @@ def compile_flags() -> list[str]:
     """Options of the compiler that decide what the code does and how fast."""
     portable = os.environ.get("RESTSHAPE_PORTABLE", "0") not in ("", "0")
     if sanitized():
-        return ["-O1", "-g1", "-Wall", "-fno-math-errno", "-fno-omit-frame-pointer", *SANITIZERS]
+        return ["-O1", "-g1", "-Wall", "-fno-math-errno", "-fno-omit-frame-pointer", *CHECKED]
     return ["-O3", "-g0", "-Wall", "-fno-math-errno", *([] if portable else ["-march=native"])]
 
 
