@@ -55,12 +55,12 @@ ANNULUS = (
 COOLING = (
     HEAD
     + SQUARE
-    + "[material.m]\nconductivity = 2\nrho = 100\nspecific_heat = 3\n"
+    + "[material.m]\nconductivity = 2\nthickness = 0.2\nrho = 100\nspecific_heat = 3\n"
     + '[supports.walls]\non = ["left", "right"]\nfix = { temperature = 0 }\n'
     + "[effects.storage]\ntime_step = 0.5\nsteps = 1\ninitial = 0\n"
     + "[solve]\ntolerance = 1e-11\n[mesh]\nsize = 0.05\norder = 2\n"
 )
-"""A plate between two cold walls, whose first mode sin(pi x) decays at the rate k pi^2/(rho c) [1/s]."""
+"""A plate between two cold walls: its first mode sin(pi x) decays at the rate k pi^2/(rho c) [1/s], thick or thin."""
 
 
 def steady(X: np.ndarray) -> np.ndarray:

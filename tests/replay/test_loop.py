@@ -161,29 +161,40 @@ def test_taking_the_supports_away_is_refused(tmp_path):
     assert parity["holds"]
 
 
-def test_flips_of_frames_without_solution_are_taken_back(tmp_path):
-    # The load on the hole has no number beyond x = 0.8, where edges flip or a new mesh is needed; then it comes back.
-    text = plate(0.08) + '[loads.blown]\non = "window"\npressure = "S*sqrt(0.8 - x)"\n[parameters]\nS = 1e6\n'
-    away = [(x, 0.5) for x in np.linspace(0.66, 1.0, 18)]
-    path = [(0.55, 0.5), (0.6, 0.5), (0.64, 0.5), *away, (0.64, 0.5), (0.62, 0.5), (0.4, 0.5)]
+@pytest.mark.parametrize(
+    ("size", "end", "good", "first"),
+    [(0.08, 0.8, [0.55, 0.6, 0.64], 0.66), (0.12, 0.78, [0.55, 0.6], 0.64)],
+    ids=["later", "at once"],
+)
+def test_flips_of_frames_without_solution_are_taken_back(tmp_path, size, end, good, first):
+    # The load on the hole has no number beyond x = end, where edges flip, in the first frame without a solution or in
+    # a later one, or a new mesh is needed; then it comes back.
+    text = plate(size) + f'[loads.blown]\non = "window"\npressure = "S*sqrt({end} - x)"\n[parameters]\nS = 1e6\n'
+    away = [(x, 0.5) for x in np.linspace(first, 1.0, 18)]
+    path = [*((x, 0.5) for x in good), *away, (good[-1], 0.5), (good[-1] - 0.02, 0.5), (0.4, 0.5)]
     scene, script = write_scene(tmp_path, text), write_script(tmp_path, drag("window", (0.5, 0.5), path))
-    seen, refused = [], []
+    seen, refused, levels = [], [], []
     made = make_replay(scene, script, "thesis")
-    check, rollback = Parity(made), made.moving.rollback
+    check, update, rollback = Parity(made), made.moving.update, made.moving.rollback
+
+    def noted(edit):
+        levels.append(update(edit))
+        return levels[-1]
 
     def watched():
         seen.append(made.moving.mesh.cells.tobytes())
         rollback()
 
-    made.moving.rollback = watched
+    made.moving.update, made.moving.rollback = noted, watched
     for row in made.frames():
         check()
         cells = made.moving.mesh.cells.tobytes()
         if row["refused"]:
-            refused.append(cells != seen[-1])
+            refused.append((cells != seen[-1], levels[-1].level))
             assert "loads.blown.pressure" in row["refused"]
             assert made.moving.mesh.X[:, 0].max() == 2.0 and made.analysis.space is made.moving.mesh
-    assert len(refused) == len(away) and any(refused)
+    assert len(refused) == len(away) and any(changed for changed, _ in refused)
+    assert (refused[0] == (True, 2)) == (first == 0.64)
     assert not row["refused"] and check.summary()["holds"]
     centre = made.session.outline.centroid(made.session.outline.entity("window"))
     np.testing.assert_allclose(centre, [0.4, 0.5], atol=1e-12)

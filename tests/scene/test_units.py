@@ -37,6 +37,8 @@ from restshape.scene.units import DIMENSIONS, EXAMPLES, UnitError, length_unit, 
         ("30 %", "number", 0.3),
         ("77 kN/m^3", "body force", 77e3),
         ("12 MPa", None, 12e6),
+        ("3 W/(cm K)", None, 300.0),
+        ("2 kJ/(g K)", None, 2e6),
     ],
 )
 def test_text_becomes_si(text, dimension, si):
