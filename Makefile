@@ -1,5 +1,5 @@
 # The everyday commands. Each of them makes what it needs first.
-.PHONY: setup demo test results lint format clean
+.PHONY: setup demo test weekly results lint format clean
 
 restshape := .venv/bin/restshape
 kernels := $(shell find lib/kernels apps/*/kernels -name '*.?pp')
@@ -26,6 +26,10 @@ demo: setup
 
 test: setup
 	.venv/bin/python -m pytest -n 2 --dist worksteal $(PYTEST_ARGS)
+
+# What takes too long for every day: planted faults, each of which its test must notice; writes results/mutants.md.
+weekly: setup
+	.venv/bin/python scripts/mutants.py
 
 # What is committed under results/, as far as it is of older code: docs/results.md.
 results: setup

@@ -1,4 +1,4 @@
-"""What all tests share: commands in this process and in others, and which tests are those of absent applications."""
+"""What all tests share: commands in this process and others; tests of absent applications, and those of a week."""
 
 import os
 import signal
@@ -52,8 +52,15 @@ def pytest_ignore_collect(collection_path: Path) -> bool | None:
     return True if parts[1] not in entry_points(group="restshape.applications").names else None
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark tests that start processes, which are those with a fixture of one, or of its environment."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark tests that start processes, which are those with a fixture of one, or of its environment.
+
+    Weekly tests are left out unless `-m` names their mark.
+    """
+    if "weekly" not in config.option.markexpr:
+        left_out = [item for item in items if item.get_closest_marker("weekly")]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if item not in left_out]
     for item in items:
         names = getattr(item, "fixturenames", ())
         if not PROCESSES.isdisjoint(names):

@@ -33,7 +33,7 @@ KERNELS = Path("lib/kernels")
 APPLICATIONS = Path("apps")
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize=vptr")
 CHECKED = (*SANITIZERS, "-Dflatten=unused", "--param", "asan-instrumentation-with-call-threshold=0")
-"""With checks in every line functions that take all they call into themselves compile for hours: they shall not."""
+"""With checks in every line, functions that take in all that they call compile for minutes: here they do not."""
 BUILD = Path("build/kernels") / sysconfig.get_config_var("SOABI")
 
 

@@ -92,7 +92,9 @@ def module(tmp_path, monkeypatch):
     """Writes a module of a project of its own, and gives the hash of what imports it."""
     monkeypatch.setattr(stamps, "ROOT", tmp_path)
     (tmp_path / "studies").mkdir()
-    (tmp_path / "studies" / "first.py").write_text("def f():\n    from restshape_studies.second import g\n    return g()\n")
+    (tmp_path / "studies" / "first.py").write_text(
+        "def f():\n    from restshape_studies.second import g\n    return g()\n"
+    )
     (tmp_path / "studies" / "third.py").write_text("X = 1\n")
 
     def write(text):

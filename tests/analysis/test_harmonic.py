@@ -12,7 +12,7 @@ K, M, C = 90.0, 0.4, 1.5
 
 @pytest.mark.parametrize("ratio", [0.2, 1.0, 3.0])
 def test_amplitude_and_phase_are_those_of_one_mass(ratio):
-    """Amplitude F/K / sqrt((1 - r^2)^2 + (2 z r)^2), behind the load by atan2(2 z r, 1 - r^2), z = C / (2 sqrt(K M))."""
+    """F/K / sqrt((1 - r^2)^2 + (2 z r)^2), behind the load by atan2(2 z r, 1 - r^2), z = C / (2 sqrt(K M))."""
     natural = np.sqrt(K / M)
     damping_ratio = C / (2 * np.sqrt(K * M))
     matrices = (sp.csc_matrix([[value]]) for value in (K, M, C))
