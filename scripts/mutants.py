@@ -1,8 +1,9 @@
 """Plants faults in a copy of the checkout, one after the other, and looks whether the test that each names notices it.
 
-python scripts/mutants.py                       all of them; writes results/mutants.md
-python scripts/mutants.py heat-source-sign ...  those alone, or those of a file such as kernels; writes nothing
-python scripts/mutants.py --list                names, files and tests
+python scripts/mutants.py                  all of them; writes results/mutants.md
+python scripts/mutants.py heat-source ...  those alone, or those of a file such as kernels; the other rows stay
+python scripts/mutants.py --check          writes nothing
+python scripts/mutants.py --list           names, files and tests
 
 A mutant is a fault: one exact text of one file, what takes its place, and the test that must fail with it. They are in
 scripts/mutants/*.toml. Tests run in the copy, first without any fault, where all must pass. Of the compiled modules
@@ -192,9 +193,9 @@ def chosen(names: list[str]) -> list[Mutant]:
     return [one for one in known if not names or one.name in names or one.group in names]
 
 
-def play(wanted: list[Mutant]) -> list[tuple[Mutant, str, str]]:
-    """Each mutant with its outcome, printed as it comes."""
-    rows = []
+def play(wanted: list[Mutant]) -> dict[str, str]:
+    """The outcome of each mutant by its name, with a remark in parentheses; printed as it comes."""
+    found: dict[str, str] = {}
     with tempfile.TemporaryDirectory(prefix="restshape-mutants-") as name:
         folder = Path(name)
         copy_checkout(folder)
@@ -205,29 +206,37 @@ def play(wanted: list[Mutant]) -> list[tuple[Mutant, str, str]]:
         if sound != 0:
             raise SystemExit("the tests fail without any fault, or cannot be run: see pytest in the checkout itself")
         for one in wanted:
-            found, remark = outcome(one, folder)
-            rows.append((one, found, remark))
-            print(f"{found:8}  {one.group}.{one.name}  {one.test}  {remark}".rstrip(), flush=True)
-    return rows
+            what, remark = outcome(one, folder)
+            found[one.name] = f"{what} ({remark})" if remark else what
+            print(f"{one.group}.{one.name}  {one.test}  {found[one.name]}", flush=True)
+    return found
 
 
-def table(rows: list[tuple[Mutant, str, str]]) -> str:
-    """The page of results/mutants.md."""
-    caught = sum(found == CAUGHT for _, found, _ in rows)
+def written() -> dict[str, str]:
+    """The outcomes in results/mutants.md, by the fault."""
+    lines = TABLE.read_text(encoding="utf-8").splitlines() if TABLE.is_file() else []
+    cells = [line.strip("| ").split(" | ") for line in lines if line.startswith("| ")]
+    return {row[0]: row[-1] for row in cells}
+
+
+def table(outcomes: dict[str, str]) -> str:
+    """The page of results/mutants.md; of mutants without an outcome by their name it says what it said."""
+    before = written()
+    rows = [(one, outcomes.get(one.name) or before.get(one.fault, "not run")) for one in mutants()]
+    caught = sum(found.startswith(CAUGHT) for _, found in rows)
     lines = [
         "# Planted faults",
         "",
         "Written by `scripts/mutants.py`: each fault was planted by itself, and the test that it names was run.",
         f"Of {len(rows)} faults {caught} were caught.",
     ]
-    for group in dict.fromkeys(one.group for one, _, _ in rows):
+    for group in dict.fromkeys(one.group for one, _ in rows):
         lines += ["", f"## {group.capitalize()}", "", "| fault | file | test | outcome |", "| --- | --- | --- | --- |"]
-        for one, found, remark in rows:
+        for one, found in rows:
             if one.group == group:
-                test = one.test.partition("::")[2].replace("::", " ")
-                place = Path(one.test.partition("::")[0]).name
-                words = f"{found} ({remark})" if remark else found
-                lines.append(f"| {one.fault} | `{one.file}` | `{place}`: `{test}` | {words} |")
+                path, _, test = one.test.partition("::")
+                words = f"`{Path(path).name}`: `{test.replace('::', ' ')}`"
+                lines.append(f"| {one.fault} | `{one.file}` | {words} | {found} |")
     return "\n".join([*lines, ""])
 
 
@@ -235,18 +244,19 @@ def main() -> int:
     """Plant the faults; the exit code."""
     parser = argparse.ArgumentParser(description="Plants faults in a copy, and looks whether tests notice them.")
     parser.add_argument("names", nargs="*", help="mutants or groups; default: all")
+    parser.add_argument("--check", action="store_true", help="write no table")
     parser.add_argument("--list", action="store_true", help="names, files and tests, and no run")
     args = parser.parse_args()
     wanted = chosen(args.names)
     if args.list:
         print("\n".join(f"{one.group}.{one.name}  {one.file}  {one.test}" for one in wanted))
         return 0
-    rows = play(wanted)
-    outcomes = [found for _, found, _ in rows]
-    if not args.names:
-        TABLE.write_text(table(rows), encoding="utf-8")
-    print(", ".join(f"{outcomes.count(kind)} {kind}" for kind in (CAUGHT, MISSED, OUTDATED)))
-    return 1 if MISSED in outcomes else 2 if OUTDATED in outcomes else 0
+    found = play(wanted)
+    if not args.check:
+        TABLE.write_text(table(found), encoding="utf-8")
+    counts = {kind: sum(word.startswith(kind) for word in found.values()) for kind in (CAUGHT, MISSED, OUTDATED)}
+    print(", ".join(f"{count} {kind}" for kind, count in counts.items()))
+    return 1 if counts[MISSED] else 2 if counts[OUTDATED] else 0
 
 
 if __name__ == "__main__":

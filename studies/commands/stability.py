@@ -7,6 +7,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from restshape_studies.stability.batch import KINDS
+
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.cli.ranks import first_rank, launched
 from restshape.cli.verbosity import add_verbose
@@ -37,6 +39,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--share", type=_share, default=1.0, help="of the frames and seeds of long cases (default: 1)")
     parser.add_argument("--fuzz", type=_count, metavar="N", help="play N random scenes and edits instead of the cases")
+    parser.add_argument(
+        "--kind",
+        action="append",
+        default=[],
+        choices=KINDS,
+        help="of the fuzz: examples of this kind alone (several times; default: all)",
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the fuzz: the same one gives the same examples")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep the files of what breaks in the fuzz there")
     parser.add_argument("--seconds", type=float, default=math.inf, metavar="LIMIT", help="begin nothing after so long")
@@ -60,6 +69,8 @@ def _count(text: str) -> int:
 
 def run(args: argparse.Namespace) -> int:
     """Run the cases or the fuzz; 0 when all holds, 1 when something does not."""
+    if args.kind and not args.fuzz:
+        raise UserError("cases have no kind", "--kind", "add --fuzz N, or leave it out")
     return _fuzz(args) if args.fuzz else _cases(args)
 
 
@@ -154,7 +165,7 @@ def _fuzz(args: argparse.Namespace) -> int:
         print(f"{tried.examples} examples, {len(tried.found)} faults, {tried.seconds:.0f} s", flush=True)
 
     apps = tuple(app for app, known in verifications().items() if known.random_scenes)
-    tried = fuzz(args.fuzz, args.seed, apps, args.keep, EACH, args.seconds, report=report)
+    tried = fuzz(args.fuzz, args.seed, apps, args.keep, EACH, args.seconds, kinds=args.kind, report=report)
     numbers = tried.as_dict()
     shown = ("examples", "valid", "refused", "too_large", "broken", "damaged", "written")
     shown += ("frames", "refused_frames", "largest")
@@ -167,5 +178,5 @@ def _fuzz(args: argparse.Namespace) -> int:
     for found in tried.found.values():
         print(f"BROKEN  seed {found.seed}, {found.seen} times: {found.what}")
         print(f"  {found.folder or 'not kept (see --keep)'}: {found.command}")
-    write_json(args, {"seed": args.seed, **numbers})
+    write_json(args, {"seed": args.seed, "kinds": args.kind or [*KINDS], **numbers})
     return 1 if tried.found else 0

@@ -112,6 +112,7 @@ def fuzz(
     each: float = 120.0,
     seconds: float = float("inf"),
     shrink: bool = True,
+    kinds: Sequence[str] = (),
     report: Callable[[Tried], None] = lambda tried: None,
 ) -> Tried:
     """What came of at least `count` random examples.
@@ -124,7 +125,8 @@ def fuzz(
         each: seconds after which an example counts as hung.
         seconds: no batch begins after so long.
         shrink: look for smaller examples of faults.
-        reported: called after each batch.
+        kinds: of the batches, which come in turn; none: all, in the shares of `CYCLE`.
+        report: called after each batch.
 
     Raises:
         UserError: hypothesis, which draws the examples, is not installed; no example could be played.
@@ -132,10 +134,11 @@ def fuzz(
     if find_spec("hypothesis") is None:
         raise UserError("hypothesis, which draws random scenes, is not installed", "--fuzz", "install restshape[test]")
     tried, start, number = Tried(), time.monotonic(), 0
+    cycle = tuple(dict.fromkeys(kinds)) or CYCLE
     while tried.examples < count and time.monotonic() - start < seconds:
         before = tried.examples
         wanted = min(BATCH, count - tried.examples)
-        kind = CYCLE[number % len(CYCLE)]
+        kind = cycle[number % len(cycle)]
         batch = Batch(seed + number, wanted, tuple(apps), kind, tuple(tried.found), shrink)
         _play(batch, tried, keep, each)
         number += 1

@@ -15,6 +15,7 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from restshape_studies.stability.batch import DRAWN, Batch
 from restshape_studies.stability.commanded import run_command
+from restshape_studies.stability.crafted_recordings import craft
 from restshape_studies.stability.example import RECORDED, RECORDING, Example
 from restshape_studies.stability.player import Fault, play
 from restshape_studies.stability.strategies import examples
@@ -191,6 +192,11 @@ def _header(dice: random.Random, path: Path) -> None:
         own.attrs.pop("header_checksum", None)
 
 
+def _crafted(dice: random.Random, path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        craft(dice, file)
+
+
 DAMAGE: dict[str, Callable[[random.Random, Path], None]] = {
     "bytes": _bytes,
     "cut": _cut,
@@ -200,5 +206,6 @@ DAMAGE: dict[str, Callable[[random.Random, Path], None]] = {
     "items gone": _gone,
     "other arrays": _other_arrays,
     "header": _header,
+    "crafted": _crafted,
 }
 """What may be done to a recording, by name."""

@@ -139,22 +139,49 @@ def test_energies_of_a_linear_field_are_exact():
     assert found == pytest.approx((7 * 3.0 / 12 * ((d**2).sum() + d.sum() ** 2), 7 * 3.0 * 4.0))
 
 
-@pytest.mark.parametrize(("nodes", "degree"), [(3, 2), (6, 4), (4, 2), (10, 5)])
-def test_rules_integrate_squares_of_what_is_interpolated(nodes, degree):
-    """The mean of the first coordinate's powers over the simplex: k! d! / (k + d)!."""
-    points = _kernels.estimate_points(nodes)
-    d = points.shape[1]
-    samples = np.zeros((1, len(points), 4 if d == 2 else 6))
+def unit_simplex(nodes):
+    """Places X and cells (1, nodes) of the triangle or tetrahedron between the origin and the unit vectors."""
+    d = 2 if nodes in (3, 6) else 3
     corners = np.vstack([np.zeros(d), np.eye(d)])
     sides = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)][: nodes - d - 1]
     X = np.vstack([corners, [0.5 * (corners[i] + corners[j]) for i, j in sides]]) if sides else corners
-    cells = np.arange(nodes, dtype=np.int32)[None]
-    C = np.zeros((1, samples.shape[2], samples.shape[2]))
+    return X, np.arange(nodes, dtype=np.int32)[None]
+
+
+def first_component(d):
+    """The compliance by which the energy is the square of the first component alone."""
+    C = np.zeros((1, 4, 4) if d == 2 else (1, 6, 6))
     C[0, 0, 0] = 1.0
-    volume = 0.5 if d == 2 else 1 / 6
-    k = degree // 2
+    return C
+
+
+def power_integral(d, power):
+    """The integral of a coordinate's power over the unit simplex: power!/(power + d)!."""
+    return 1 / np.prod(np.arange(power + 1, power + d + 1))
+
+
+@pytest.mark.parametrize(("nodes", "degree"), [(3, 2), (6, 4), (4, 2), (10, 5)])
+def test_rules_integrate_squares_of_what_is_interpolated(nodes, degree):
+    points, (X, cells) = _kernels.estimate_points(nodes), unit_simplex(nodes)
+    C, k = first_component(X.shape[1]), degree // 2
+    samples, nodal = np.zeros((1, len(points), C.shape[1])), np.zeros((nodes, C.shape[1]))
     samples[0, :, 0] = points[:, 0] ** k
-    nodal = np.zeros((nodes, samples.shape[2]))
     size = _kernels.recovery_energies(X, cells, cells, nodal, samples, C, np.empty(0, dtype=np.int32))[1]
-    exact = np.prod(np.arange(1, d + 1)) / np.prod(np.arange(2 * k + 1, 2 * k + d + 1))
-    assert size == pytest.approx(volume * exact, rel=1e-12)
+    assert size == pytest.approx(power_integral(X.shape[1], 2 * k), rel=1e-12)
+
+
+@pytest.mark.parametrize(("nodes", "a"), [(6, 1 / 6), (10, (5 - np.sqrt(5)) / 20)])
+def test_stresses_are_linear_between_samples_near_the_corners(nodes, a):
+    """A sample a corner, whose barycentric coordinates are a but for its own: x is x, in a cell and at its nodes."""
+    X, cells = unit_simplex(nodes)
+    d, C = X.shape[1], first_component(X.shape[1])
+    samples, nodal = np.zeros((1, d + 1, C.shape[1])), np.zeros((nodes, C.shape[1]))
+    samples[0, :, 0] = a
+    samples[0, 1, 0] = 1 - d * a
+    whole = power_integral(d, 2)
+    nothing = np.empty(0, dtype=np.int32)
+    found = _kernels.recovery_energies(X, cells, cells, nodal, samples, C, nothing)
+    assert found == pytest.approx((whole, whole), rel=1e-12)
+    nodal[:, 0] = X[:, 0]
+    found = _kernels.recovery_energies(X, cells, cells, nodal, samples, C, nothing)
+    assert found == pytest.approx((0.0, whole), rel=1e-12, abs=1e-15)

@@ -134,11 +134,14 @@ def craft(file: h5py.File, name: str) -> None:
         root.create_dataset("Points", data=np.zeros((4, 3)), compression="gzip")
     elif name == "none":
         del root["Points"]
+    elif name == "times":
+        del root["Steps/Values"]
+        root.create_group("Steps/Values")
 
 
 CRAFTED = (
     *("huge", "count", "steps", "negative", "circle", "deep", "list"),
-    *("title", "header", "objects", "packed", "none"),
+    *("title", "header", "objects", "packed", "none", "times"),
 )
 
 

@@ -115,7 +115,7 @@ class Recording:
         places = {name: item for name, item in steps.items() if isinstance(item, h5py.Dataset)}
         self._steps = {name: place[: self.n].reshape(-1) for name, place in places.items()}
         self._parts = {name: self._root[name][()] for name in PARTS}
-        if len(self._rows) < self.n or any(len(values) < self.n for values in self._steps.values()):
+        if "Values" not in self._steps or min(map(len, (self._rows, *self._steps.values()))) < self.n:
             raise ValueError("frames are missing")
         self.fields: dict[str, FieldInfo] = {}
         self._stored: dict[str, StoredField] = {}

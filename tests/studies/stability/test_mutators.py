@@ -5,14 +5,18 @@ import json
 import tomllib
 from pathlib import Path
 
+import h5py
 import meshio
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, find, given, settings
 from hypothesis import strategies as st
 from restshape_studies.stability.batch import DAMAGED, DRAWN, FILES, KINDS, RECORDINGS, Batch
+from restshape_studies.stability.crafted_recordings import CRAFTED as CRAFTED_RECORDINGS
+from restshape_studies.stability.crafted_recordings import datasets
 from restshape_studies.stability.example import EDITS, SCENE, Example
 from restshape_studies.stability.foreign_files import samples
-from restshape_studies.stability.fuzz import CYCLE, _new_folder
+from restshape_studies.stability.fuzz import CYCLE, _new_folder, fuzz
 from restshape_studies.stability.hostile_bytes import BYTES
 from restshape_studies.stability.hostile_files import naming
 from restshape_studies.stability.hostile_recordings import DAMAGE, damages, outcome
@@ -123,6 +127,37 @@ def test_damaged_recordings_end_in_a_report_or_a_message(tmp_path):
     assert len(found) == 12 and len({name for name, _ in found}) > 3
     assert {name.removeprefix("recording: ") for name, _ in found} <= set(DAMAGE)
     assert any(codes == "report 2, salvage 2" for _, codes in found)
+
+
+@pytest.mark.parametrize("what", CRAFTED_RECORDINGS)
+def test_crafted_structures_stand_in_the_place_of_an_array(tmp_path, what):
+    """A group with an array and its attribute, and a header; afterwards the file still opens, and is another one."""
+    path = tmp_path / "small.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("VTKHDF/Points", data=np.arange(6.0)).attrs["order"] = 1
+        file.create_dataset("restshape/header", data=np.frombuffer(b"{}", dtype="u1"))
+    before = path.read_bytes()
+    with h5py.File(path, "r+") as file:
+        assert datasets(file) == ["VTKHDF/Points", "restshape/header"]
+        CRAFTED_RECORDINGS[what](file, "VTKHDF/Points")
+    assert path.read_bytes() != before
+    with h5py.File(path) as file:
+        assert "restshape/header" in file
+
+
+def test_kinds_of_batches_are_chosen(tmp_path, monkeypatch):
+    played = []
+
+    def play(batch, tried, keep, each):
+        played.append(batch.kind)
+        tried.examples += batch.count
+
+    monkeypatch.setattr("restshape_studies.stability.fuzz._play", play)
+    fuzz(120, 3, ("plane",), kinds=[RECORDINGS, FILES])
+    assert played == [RECORDINGS, FILES, RECORDINGS, FILES, RECORDINGS]
+    played.clear()
+    fuzz(500, 3, ("plane",))
+    assert {kind: played.count(kind) for kind in KINDS} == {DRAWN: 8, DAMAGED: 8, FILES: 3, RECORDINGS: 1}
 
 
 def test_a_folder_of_faults_is_a_new_one(tmp_path):
