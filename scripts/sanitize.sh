@@ -1,8 +1,9 @@
 #!/bin/sh
 # Builds the kernels with address and undefined-behaviour sanitizers into a folder of their own, and fuzzes them there.
 #
-#   scripts/sanitize.sh [FOLDER [EXAMPLES [SEED]]]      default: build/sanitized 2000 0
+#   scripts/sanitize.sh [FOLDER [EXAMPLES [SEED [OPTION...]]]]      default: build/sanitized 2000 0
 #
+# Further options are those of `restshape stability --fuzz`, such as `--seconds 900` or `--kind files`.
 # The tree itself and its build stay as they are. Leaks are not looked for: Python and MPI keep memory until they end.
 # The exit code is that of `restshape stability --fuzz`; reports of the sanitizers are in FOLDER/reports.
 set -eu
@@ -10,6 +11,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 folder=$(mkdir -p "${1:-$root/build/sanitized}" && cd "${1:-$root/build/sanitized}" && pwd)
 examples=${2:-2000}
 seed=${3:-0}
+[ $# -le 3 ] && set -- || shift 3
 python=$root/.venv/bin/python
 
 mkdir -p "$folder/tree" "$folder/reports"
@@ -35,7 +37,7 @@ done
 
 status=0
 "$python" -m restshape.cli.main stability --fuzz "$examples" --seed "$seed" --keep "$folder/kept" \
-    --json "$folder/fuzz.json" || status=$?
+    --json "$folder/fuzz.json" "$@" || status=$?
 found=$(find "$folder/reports" -type f | wc -l)
 echo "$found reports of the sanitizers in $folder/reports"
 [ "$found" -eq 0 ] || status=1
