@@ -201,9 +201,16 @@ class Application:
 
     @property
     def orders(self) -> tuple[int, ...]:
-        """Element orders that all of its physics have, the usual one first."""
+        """Element orders that all of its physics have, the default first."""
         first, *others = (one.orders for one in self.physics)
         return tuple(order for order in first if all(order in orders for orders in others))
+
+    @property
+    def order_why(self) -> str:
+        """Why elements are of that order where nothing says so, for people."""
+        first = self.physics[0]
+        reason = f": {first.order_why}" if first.order_why and self.orders[0] == first.orders[0] else ""
+        return f"the default of {self.name}{reason}"
 
     @property
     def layered(self) -> bool:

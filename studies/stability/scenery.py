@@ -79,14 +79,15 @@ def block(width: float = 1.0, height: float = 1.0) -> str:
     return BLOCK.format(width=width, height=height)
 
 
-def meshed(size: float) -> str:
-    """The [mesh] of a constant size [m], with few triangles around holes."""
-    return f"\n[mesh]\nsize = {size}\nedges_per_circle = 8\n"
+def meshed(size: float, order: int | None = 1) -> str:
+    """The [mesh] of a constant size [m], with few triangles around holes; None leaves the order to the plan."""
+    named = f"order = {order}\n" if order else ""
+    return f"\n[mesh]\nsize = {size}\nedges_per_circle = 8\n{named}"
 
 
-def plate(app: str, size: float = 0.12) -> str:
+def plate(app: str, size: float = 0.12, order: int = 1) -> str:
     """A 2 m x 1 m plate of plane solids with a round hole, clamped at the left, pulled at the right."""
-    return head(app) + block(2.0, 1.0) + HOLE + STEEL + CLAMPED + PULLED + meshed(size) + QUANTITIES
+    return head(app) + block(2.0, 1.0) + HOLE + STEEL + CLAMPED + PULLED + meshed(size, order) + QUANTITIES
 
 
 def write_scene(folder: Path, text: str, name: str = "scene.toml") -> Path:

@@ -111,6 +111,7 @@ fix = ["x", "y"]
 
 [mesh]
 size = 0.5
+order = 1
 
 [solve]
 tolerance = 1e-3

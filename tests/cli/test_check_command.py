@@ -33,6 +33,14 @@ def test_check_tells_what_the_scene_holds(tmp_path, capsys):
     printed = capsys.readouterr().out
     for word in ("window", "steel", "plane", "wall", "pull", "stretch", "frames"):
         assert word in printed or word == "plane"
+    assert held["mesh"]["order"] == 2 and "the default of plane" in held["order_why"]
+    assert "second order, the default of plane: " in printed and "mesh.order = 1 asks for first order" in printed
+
+
+def test_check_says_no_default_where_the_scene_names_the_order(tmp_path, capsys):
+    assert check(DATA / "plate.toml", "--set", "mesh.order=1") == 0
+    printed = capsys.readouterr().out
+    assert "first order, the scene says so in mesh.order" in printed and "asks for" not in printed
 
 
 def test_overrides_reach_the_scene(tmp_path):

@@ -19,8 +19,8 @@ def stretched(near, order):
         + "[material.m]\nE = 1e6\nnu = 0.3\n"
         + solid()
         + '[supports.round]\non = ["outline", "window"]\nfix = { x = "0.01*x^2", y = 0 }\n'
-        + meshed(0.15)
-        + f"order = {order}\n[mesh.near]\nb = {near}\n"
+        + meshed(0.15, order)
+        + f"[mesh.near]\nb = {near}\n"
         + '[quantities]\nbottom = { displacement = "x", at = "bottom", reduce = "mean" }\n'
         + 'corner = { displacement = "x", at = "c", reduce = "mean" }\n'
         + 'whole = { displacement = "x", reduce = "mean" }\n'

@@ -46,7 +46,7 @@ LIMITED = plate().replace('stretch = { displacement = "x"', 'stretch = { MAX dis
 
 def solved(folder, size, order=1, text=BODY + ASKED):
     """The analysis of the body after its first frame."""
-    scene = write_scene(folder, text + meshed(size) + f"order = {order}\n")
+    scene = write_scene(folder, text + meshed(size, order))
     return first_frame(scene).analysis
 
 

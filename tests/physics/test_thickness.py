@@ -21,8 +21,7 @@ def pulled(stretch, order):
         + solid("plane_stress")
         + '[supports.l]\non = "left"\nfix = { x = 0 }\n[supports.a]\non = "a"\nfix = { y = 0 }\n'
         + f'[loads.p]\non = "right"\ntraction = [{load}, 0]\n[solve]\ntolerance = 1e-11\n'
-        + meshed(0.3)
-        + f"order = {order}\n"
+        + meshed(0.3, order)
         + '[quantities]\nu = { displacement = "x", at = "c" }\ns = { stress = "von_mises" }\n'
         + 'xx = { stress = "xx", reduce = "min" }\n'
     )

@@ -18,7 +18,7 @@ from restshape.report.tables import estimate_table
 
 SHORT = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.53), 8))
 LARGE = plate().replace("200e9", "4e9") + "[effects.large_deformation]\n"
-KINDS = {"linear": plate(), "large": LARGE, "second order": plate(0.2).replace("size = 0.2", "size = 0.2\norder = 2")}
+KINDS = {"linear": plate(), "large": LARGE, "second order": plate(0.2, 2)}
 REFUSED = [*drag("window", (0.5, 0.5), [[0.55, 0.5], [0.5, 5.0], [0.6, 0.5]]), {"do": "delete", "on": "left"}]
 
 

@@ -17,7 +17,7 @@ SHORT = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.53), 8))
 LONG = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.3, 0.55), 60))
 EXACT = ["solve.tolerance=1e-11"]
 LARGE = plate().replace("200e9", "4e9") + "[effects.large_deformation]\n"
-KINDS = {"linear": plate(), "large": LARGE, "second order": plate(0.2).replace("size = 0.2", "size = 0.2\norder = 2")}
+KINDS = {"linear": plate(), "large": LARGE, "second order": plate(0.2, 2)}
 
 
 def both(tmp_path, events, text=None, overrides=EXACT, policy="auto"):

@@ -35,7 +35,7 @@ def test_short_forms_are_filled_in(scene_file):
     assert scene.quantities["peak"].reduce == "max"
     assert scene.quantities["stretch"].reduce == "mean"
     assert scene.effects == {"solid": {"model": "plane_stress", "element": "auto"}}
-    assert scene.mesh.order == 1
+    assert scene.mesh.order == 2
 
 
 def test_formulas(scene_file):

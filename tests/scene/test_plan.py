@@ -8,8 +8,9 @@ import pytest
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
+from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene, revise
-from restshape.scene.plan import plan
+from restshape.scene.plan import as_written, plan
 
 
 def test_only_what_is_named_is_on(scene_file):
@@ -38,7 +39,7 @@ def test_what_the_application_cannot_do_without_is_on(scene_file):
     assert planned.effects[0].why == "plane always has it"
 
 
-SECOND_ORDER = application("plane")
+SECOND_ORDER = replace(application("plane"), physics=(replace(PLANE_SOLIDS, orders=(1, 2)),))
 RUBBER = ["material.steel.nu=0.4999", 'effects.solid.model="plane_strain"']
 
 
@@ -49,7 +50,7 @@ def decided(scene_file, *overrides: str):
 
 @pytest.fixture
 def rubber(scene_file, monkeypatch):
-    """A scene file whose application has second-order elements."""
+    """A scene file whose application has second-order elements, too, and those of first order by default."""
     monkeypatch.setattr("restshape.scene.load.application", lambda name, where: SECOND_ORDER)
     return scene_file
 
@@ -135,3 +136,14 @@ def test_what_makes_an_answer_bad_is_a_warning():
     assert plan(load_scene(column), app).warnings == ()
     (reported,) = plan(load_scene(column, ["mesh.order=1"]), app).warnings
     assert reported.startswith("effects.buckling: first-order triangles bend too stiffly")
+
+
+def test_plane_solids_have_second_order_elements_where_nothing_says_otherwise(scene_file):
+    app = application("plane")
+    planned = plan(as_written(load_scene(scene_file)), app)
+    assert planned.order == load_scene(scene_file).mesh.order == 2
+    assert planned.order_why.startswith("the default of plane: at equal time of a frame")
+    named = plan(as_written(load_scene(scene_file, ["mesh.order=1"])), app)
+    assert named.order == 1 and named.order_why == "the scene says so in mesh.order"
+    assert first_frame(scene_file).analysis.space.cells.shape[1] == 6
+    assert first_frame(scene_file, ["mesh.order=1"]).analysis.space.cells.shape[1] == 3

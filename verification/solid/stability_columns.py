@@ -25,8 +25,8 @@ def column(dead: float, following: float = 0.0) -> str:
         + '[supports.foot]\non = "bottom"\nfix = ["x", "y"]\n'
         + (f'[loads.weight]\non = "top"\nforce = [0, {-dead!r}]\n' if dead else "")
         + (f'[loads.jet]\non = "top"\npressure = {following / (DEPTH * THICKNESS)!r}\n' if following else "")
-        + meshed(0.05)
-        + 'order = 2\n[quantities]\nsway = { displacement = "x", at = "top", reduce = "mean" }\n'
+        + meshed(0.05, 2)
+        + '[quantities]\nsway = { displacement = "x", at = "top", reduce = "mean" }\n'
     )
 
 

@@ -36,7 +36,7 @@ def greenhill(trial: Trial) -> Iterator[Statement]:
     length, height, E = 1.0, 0.05, 1e6
     limit = 7.8373 * E * height**3 / 12 / length**3 / (1000 * height)
     text = beam(solid("plane_stress"), gravity(-limit, 0), length=length, height=height, size=0.05)
-    text = text.replace("[mesh]", "[mesh]\norder = 2").replace("nu = 0.3", "nu = 0.0")
+    text = text.replace("order = 1", "order = 2").replace("nu = 0.3", "nu = 0.0")
     start = [f"effects.gravity.g=[{-0.3 * limit}, 0]"]
     statements = []
     for share in (0.9, 1.1):
@@ -85,7 +85,7 @@ def _strip(trial: Trial, order: int, element: str, size: float, path: list) -> t
     text = HEAD + block(1.0, height) + f"[material.m]\nE = {E}\nnu = {nu}\n" + LARGE
     text += solid() + f'element = "{element}"\n[supports.wall]\non = "left"\nfix = ["x"]\n'
     text += f'[supports.pin]\non = "a"\nfix = ["y"]\n[loads.tip]\non = "right"\nforce = [0, {-bending!r}]\n'
-    text += meshed(size) + f"order = {order}\n" + TIP.replace('at = "c"', 'at = "right", reduce = "mean"')
+    text += meshed(size, order) + TIP.replace('at = "c"', 'at = "right", reduce = "mean"')
     rows = trial.rows(text, drag("right", (1, height / 2), path))
     lengths = [1.0, 1.0, *(x for x, _ in path), path[-1][0]]
     wanted = [[length * part for part in stretched_elastica(length**2, height / length)] for length in lengths]
@@ -167,9 +167,7 @@ def predicted_at_the_buckling_load(trial: Trial) -> Iterator[Statement]:
         text = HEAD + block(h, L) + f"[material.r]\nE = {E}\nnu = 0\nthickness = {b}\n" + solid("plane_stress") + LARGE
         text += '[supports.foot]\non = "bottom"\nfix = ["x", "y"]\n'
         text += f'[loads.w]\non = "top"\nforce = [{0.001 * euler}, {-share * euler}]\n'
-        text += (
-            '[quantities]\ntip = { displacement = "x", at = "top", reduce = "mean" }\n' + meshed(0.04) + "order = 2\n"
-        )
+        text += '[quantities]\ntip = { displacement = "x", at = "top", reduce = "mean" }\n' + meshed(0.04, 2)
         events = drag("top", (0, 1), across((0, 1), (0, 1.1), 5))
         predicted, solved = (trial.rows(text, events, predict=predict) for predict in ("linear", "none"))
         yield above(f"residual of the last prediction at {share} of the load", predicted[6]["residual"], 0.1)

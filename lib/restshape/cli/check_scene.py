@@ -26,7 +26,7 @@ from restshape.scene.descriptions import keys_in_words
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.model import Scene
 from restshape.scene.physics import Rows
-from restshape.scene.plan import Plan, plan
+from restshape.scene.plan import Plan, as_written, plan
 from restshape.scene.renamed import notes
 from restshape.scene.scene_type import joined_sections
 from restshape.shape.build import outline_from_spec
@@ -168,6 +168,7 @@ def scene_contents(scene: Scene, effects: Plan, outline: Outline) -> dict[str, A
         "warnings": list(effects.warnings),
         "quantities": list(scene.quantities),
         "mesh": scene.mesh.model_dump(),
+        "order_why": plan(as_written(scene), application(scene.app)).order_why,
         "curves": [asdict(one) for one in scene_curves(scene, outline)],
         "solve": scene.solve.model_dump(),
     }
@@ -206,7 +207,8 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows += section_rows(scene)
     rows += quantity_rows(scene)
     mesh, solve = scene.mesh, scene.solve
-    rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, order {mesh.order}, {mesh.relocation} relocation"))
+    rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, {mesh.relocation} relocation"))
+    rows.append(("elements", element_words(scene)))
     rows += [
         (
             f"curves of {one.name}",
@@ -217,6 +219,16 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))
     rows += [("note", note) for note in notes(scene.raw)]
     return rows + [("warning", warning) for warning in effects.warnings]
+
+
+def element_words(scene: Scene) -> str:
+    """The order of the elements, the reason, and how to get another."""
+    app = application(scene.app)
+    planned = plan(as_written(scene), app)
+    names = {1: "first", 2: "second"}
+    others = app.orders[1:] if planned.order_why == app.order_why else ()
+    do = "".join(f"; mesh.order = {order} asks for {names[order]} order" for order in others)
+    return f"{names[planned.order]} order, {planned.order_why}{do}"
 
 
 def scene_curves(scene: Scene, outline: Outline) -> list[CurveEdges]:

@@ -176,7 +176,8 @@ class Physics:
         pictured: fields of recordings that pictures show, by name, the most important first.
         true_scale: names of effects under which pictures show deformations as they are, not exaggerated.
         pictures: of recordings that are not of a shape in the plane; None: there are none.
-        orders: of elements; the usual one first.
+        orders: of elements; the default first.
+        order_why: the reason for that default, for people.
         layered: bodies have a thickness of their own with layers of elements over it.
         nested: its fields, of first order, may live on a mesh nested in coarser ones.
         check: what models alone cannot check in a scene; raises a `UserError` made by `Source.error`.
@@ -207,6 +208,7 @@ class Physics:
     true_scale: tuple[str, ...] = ()
     pictures: OwnPictures | None = None
     orders: tuple[int, ...] = (1,)
+    order_why: str = ""
     layered: bool = False
     nested: bool = False
     check: Callable[[Scene, Source], None] | None = None

@@ -144,7 +144,7 @@ def test_what_a_scene_says_stays_where_a_setting_is_written(small, tmp_path):
     path = tmp_path / "far" / "chosen.toml"
     write_chosen(Case("small", scene, edits, given), picked, path)
     before, after = (tomllib.loads(file.read_text()) for file in (scene, path))
-    before["mesh"] = {"size": 0.1, "edges_per_circle": 8, "near": {"window.1": 0.02}}
+    before["mesh"] = {"size": 0.1, "edges_per_circle": 8, "order": 1, "near": {"window.1": 0.02}}
     before["solve"] = {"policy": "thesis", "tolerance": 1e-8}
     before["material"]["steel"]["E"], before["shape"]["vertices"]["b"][0] = 70e9, 2.1
     assert after == before

@@ -150,7 +150,7 @@ def test_motion_is_compared_with_finer_steps_and_keeps_its_frames_in_time(tmp_pa
     text = head("moving") + block(1.0, 2.0)
     text += '[material.rubber]\nE = "2 MPa"\nnu = 0.3\nrho = 1000\nthickness = 0.1\n'
     text += '[supports.foot]\non = "bottom"\nfix = ["x", "y"]\n[effects.dynamics]\ntime_step = 0.04\nsteps = 4\n'
-    text += "[effects.ground]\nacceleration = 3.0\nfrequency = 4.0\n" + meshed(0.25) + "order = 2\n"
+    text += "[effects.ground]\nacceleration = 3.0\nfrequency = 4.0\n" + meshed(0.25, 2)
     events = drag("c", (1.0, 2.0), [(1.02, 2.0), (1.04, 2.0), (1.06, 2.0)])
     choice = Choice((1.0,), (2,), None, ("auto",))
     found = study(case(tmp_path, text, events), Asked(choice, samples=2), lambda words: None, play)

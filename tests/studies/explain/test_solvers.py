@@ -111,9 +111,9 @@ def test_an_edit_that_would_call_for_another_solver_is_refused(tmp_path):
     assert not any(row["refused"] for row in watched(small, pulled)[0])
 
 
-@pytest.mark.parametrize(("order", "why"), [("", "buckling asks for it"), ("order = 1\n", "the scene says so")])
+@pytest.mark.parametrize(("order", "why"), [(None, "buckling asks for it"), (1, "the scene says so")])
 def test_the_order_of_elements_has_its_reason(tmp_path, order, why):
-    text = HEAD + BODY + "[effects.buckling]\n" + PRESSURE + meshed(0.25) + order
+    text = HEAD + BODY + "[effects.buckling]\n" + PRESSURE + meshed(0.25, order)
     planned = plan(as_written(load_scene(write_scene(tmp_path, text))), application("plane"))
     assert planned.order == (1 if order else 2) and planned.order_why.startswith(why)
 
