@@ -16,7 +16,6 @@ def critical_load(comm: PETSc.Comm) -> list[Check]:
     critical = LOAD * float(first_frame(SCENES / "euler.toml", comm=comm).analysis.load_factors[0])
     text = (SCENES / "euler.toml").read_text()
     text = text.replace("[effects.buckling]\nmodes = 3", "[effects.large_deformation]").partition("[quantities]")[0]
-    text = text.replace("[mesh]", "[mesh]\norder = 2")
 
     def stands(path: Path, force: float) -> bool:
         try:
