@@ -4,7 +4,6 @@ import json
 import os
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Any
 
 from restshape.bounds import CALIBRATION_BYTES
 from restshape.errors import UserError
@@ -79,7 +78,7 @@ class Calibration:
         """Seconds of a factor on a new pattern; arguments as in `iteration_seconds`."""
         return self.symbolic_nonzero * filled + self.refresh_seconds(unknowns, nonzeros, filled)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """The content of a calibration file, as a recording keeps it too."""
         seconds = asdict(self)
         return {"format": FORMAT, "version": 1, "machine": seconds.pop("machine"), "seconds": seconds}
@@ -117,7 +116,7 @@ class Calibration:
         return cls(str(content.get("machine", "")), **checked_seconds(content.get("seconds"), place))
 
 
-def checked_seconds(seconds: Any, place: Path) -> dict[str, float]:
+def checked_seconds(seconds: object, place: Path) -> dict[str, float]:
     """The seconds of every unit, each a number that is not negative.
 
     Raises:

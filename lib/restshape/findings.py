@@ -7,7 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import cast
 
 FINDINGS_BYTES = 1200
 """Of the column `findings` at most."""
@@ -44,16 +44,18 @@ class Finding:
         """The finding without what varies from frame to frame: a value that has a bound, and the bound."""
         return self if self.bound is None else replace(self, value=None, bound=None)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """What it has, for JSON; numbers that JSON does not know are texts."""
         known = {name: value for name, value in asdict(self).items() if value not in ("", (), None)}
         return {name: str(v) if isinstance(v, float) and not math.isfinite(v) else v for name, v in known.items()}
 
     @classmethod
-    def from_dict(cls, known: Mapping[str, Any]) -> Finding:
+    def from_dict(cls, known: Mapping[str, object]) -> Finding:
         """The finding that `as_dict` has written."""
-        numbers = {name: float(known[name]) for name in ("value", "bound") if name in known}
-        return cls(**{**known, "subjects": tuple(known.get("subjects", ())), **numbers})
+        kind, detail, unit, case = (str(known.get(name, "")) for name in ("kind", "detail", "unit", "case"))
+        value, bound = (float(str(known[name])) if name in known else None for name in ("value", "bound"))
+        subjects = tuple(cast("Sequence[str]", known.get("subjects", ())))
+        return cls(kind, detail, subjects, value, bound, unit, case)
 
 
 def encode_findings(findings: Sequence[Finding], size: int = FINDINGS_BYTES) -> str:

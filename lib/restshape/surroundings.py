@@ -8,7 +8,6 @@ from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 from restshape.errors import UserError
 
@@ -41,7 +40,7 @@ def start_petsc(words: Sequence[str] = ()) -> None:
         raise UserError("PETSc cannot start; its messages are above", where, "mend the words after --") from error
 
 
-def start_gmsh() -> Any:
+def start_gmsh() -> ModuleType:
     """The gmsh package, started if need be: it reads no settings, nor does the PETSc that it brings along."""
     import gmsh
 
@@ -51,7 +50,8 @@ def start_gmsh() -> Any:
         gmsh.option.setNumber("General.Verbosity", 5)
         # gmsh lets a broken pipe kill the process, and with it the message of what went wrong.
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
-    return gmsh
+    module: ModuleType = gmsh
+    return module
 
 
 def petsc_options() -> dict[str, str]:

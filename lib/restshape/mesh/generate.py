@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from restshape import _kernels
@@ -17,7 +15,8 @@ from restshape.mesh.numbering import cell_order, node_order
 from restshape.mesh.partition import node_owners
 from restshape.mesh.regions import cell_regions, contains, signed_area
 from restshape.mesh.sizing import GRADING, sizing_of
-from restshape.shape.outline import Outline
+from restshape.scene.model import MeshSpec
+from restshape.shape.outline import Loop, Outline
 
 EVEN = 1e-3
 """Mesh edges of one chain whose lengths differ by less than this share count as equally long."""
@@ -26,7 +25,7 @@ SWEEPS = 3
 """Smoothing sweeps after Delaunay refinement: each costs 1 % of the mesher and they raise the mean quality by 0.08."""
 
 
-def generate(outline: Outline, spec: Any, ranks: int = 1) -> Mesh:
+def generate(outline: Outline, spec: MeshSpec, ranks: int = 1) -> Mesh:
     """A mesh of an outline that resolves all its entities; the same input gives the same mesh, bit for bit.
 
     Args:
@@ -110,7 +109,7 @@ def assemble(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndar
     return mesh
 
 
-def _border_loops(outline: Outline) -> list[Any]:
+def _border_loops(outline: Outline) -> list[Loop]:
     """The outline's loop first, then the holes."""
     return sorted((loop for loop in outline.loops if loop.kind != "region"), key=lambda loop: loop.kind != "outline")
 

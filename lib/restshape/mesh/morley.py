@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -75,7 +75,7 @@ class MorleySpace(OverMesh):
         self.place()
         return changed
 
-    def interpolate(self, field: np.ndarray, interpolations: tuple[Any, ...]) -> np.ndarray:
+    def interpolate(self, field: np.ndarray, interpolations: tuple[object, ...]) -> np.ndarray:
         """A field (n, f) after flips: as it is, with the slopes of flipped edges left to the next solution."""
         return field.copy()
 

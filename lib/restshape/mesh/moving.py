@@ -7,7 +7,6 @@ import logging
 from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.relocate import BoundaryNodes, extension, motion
 from restshape.mesh.sizing import FEWEST_PER_CIRCLE, PER_CIRCLE, refuse_endless, refuse_growth
-from restshape.scene.model import MeshSpec
+from restshape.scene.model import MeshSpec, Scene
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditFrame
@@ -98,12 +97,12 @@ class MovingMesh:
         ranks: int = 1,
         *,
         regenerate: bool = False,
-        broadcast: Callable[[Callable[[], Any]], Any] | None = None,
+        broadcast: Callable[[Callable[[], Mesh]], Mesh] | None = None,
         relocation: str | None = None,
         criterion: str | None = None,
         flip_everywhere: bool = False,
         imported: Mesh | None = None,
-        order_of: Callable[[Any], int] = lambda scene: scene.mesh.order or 1,
+        order_of: Callable[[Scene], int] = lambda scene: scene.mesh.order or 1,
     ) -> None:
         self.outline, self.ranks, self.regenerate = outline, ranks, regenerate
         self._broadcast = broadcast or (lambda make: make())

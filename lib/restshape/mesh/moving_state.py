@@ -3,7 +3,6 @@ assignment."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.relocate import BoundaryNodes, Extension
-from restshape.scene.model import MeshSpec
+from restshape.scene.model import MeshSpec, Scene
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
 
@@ -89,7 +88,7 @@ class MovingState:
     """
 
     spec: MeshSpec
-    scene: Any = None
+    scene: Scene | None = None
     order: int = 1
     generated: Generated | None = None
     nested: NestedMesh | None = None

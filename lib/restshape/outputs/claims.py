@@ -2,9 +2,8 @@
 
 import os
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from restshape.errors import UserError
 from restshape.outputs.kinds import OutputFile
@@ -52,7 +51,7 @@ def refuse_foreign(path: OutputFile, where: str) -> None:
         raise UserError(f"this file is there, and is not {path.what}", where, "name another file, or move it away")
 
 
-def command_files(values: dict[str, Any]) -> tuple[dict[str, OutputFile], dict[str, Path]]:
+def command_files(values: Mapping[str, object]) -> tuple[dict[str, OutputFile], dict[str, Path]]:
     """The outputs and inputs among the arguments of a command, by options and names; those left out are left out."""
     outputs: dict[str, OutputFile] = {}
     inputs: dict[str, Path] = {}
@@ -81,7 +80,7 @@ def _is_file(path: Path) -> bool:
         return False
 
 
-def _paths(value: Any) -> Iterable[Path]:
+def _paths(value: object) -> Iterable[Path]:
     if isinstance(value, Path):
         return (value,)
     return (item for item in value if isinstance(item, Path)) if isinstance(value, list | tuple) else ()

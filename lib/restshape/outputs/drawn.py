@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from restshape import __version__
 from restshape.outputs.claims import refuse_foreign
@@ -29,7 +29,7 @@ SOURCE = "Source"
 _source: ContextVar[str] = ContextVar("source", default="")
 
 
-def fingerprint(data: Any) -> str:
+def fingerprint(data: object) -> str:
     """The hash of what a JSON file holds, however it is laid out, but for a stamp that says when it was made."""
     # Keys that are numbers become texts before they are sorted.
     plain = json.loads(json.dumps(data))

@@ -1,7 +1,6 @@
 """How frequencies follow the numbers of a scene that leave its outline alone: materials, thickness, parameters."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -104,7 +103,7 @@ def number_at(analysis: SolvedModes, key: str) -> float:
     return float(here)
 
 
-def _at(here: Any, parts: Sequence[str]) -> Any:
+def _at(here: object, parts: Sequence[str]) -> object:
     """What lies there in a scene; None where nothing does."""
     for part in parts:
         if isinstance(here, dict):
@@ -116,7 +115,7 @@ def _at(here: Any, parts: Sequence[str]) -> Any:
     return here
 
 
-def _revision(analysis: SolvedModes, key: str, value: float) -> tuple[str, Any]:
+def _revision(analysis: SolvedModes, key: str, value: float) -> tuple[str, object]:
     """The key to change and its new value: of a list the whole of it."""
     whole, _, place = key.rpartition(".")
     around = _at(analysis.state.scene, whole.split("."))
