@@ -2,13 +2,15 @@
 
 # More than 15 modules: the command joins reading, replaying, recording, progress, signals and output.
 
+from __future__ import annotations
+
 import argparse
 import sys
 import traceback
 from collections.abc import Callable
 from math import log2
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from restshape.application import Application, application
 from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_limits, limited
@@ -22,6 +24,10 @@ from restshape.outputs.kinds import CsvFile, RecordingFile
 from restshape.policy import GUESSES, POLICIES, policy
 from restshape.scene.renamed import notes
 from restshape.surroundings import start_petsc
+
+if TYPE_CHECKING:
+    from restshape.replay.recorder import Recorder
+    from restshape.replay.request import Request
 
 KINDS = ("none", "linear")
 SINGULAR = "singular"
@@ -116,7 +122,7 @@ def _check_name(out: Path | None) -> None:
         raise UserError("a recording's name ends in .vtkhdf", f"--out {out}", f"--out {out.with_suffix('.vtkhdf')}")
 
 
-def _start_recorder(path: Path, request: Any) -> Any:
+def _start_recorder(path: Path, request: Request) -> Recorder:
     """The recorder process, started before MPI."""
     from restshape.replay.columns import columns_of
     from restshape.replay.recorder import Recorder
@@ -124,7 +130,9 @@ def _start_recorder(path: Path, request: Any) -> Any:
     return Recorder.start(path, request.header(), columns_of(request.scene, request.application))
 
 
-def _run(args: argparse.Namespace, request: Any, recorder: Any, begin_frame: Callable[[], None]) -> dict[str, Any]:
+def _run(
+    args: argparse.Namespace, request: Request, recorder: Recorder | None, begin_frame: Callable[[], None]
+) -> dict[str, Any]:
     """Start PETSc, run all frames, and sum up."""
     start_petsc(args.petsc)
     from petsc4py import PETSc
@@ -168,7 +176,7 @@ def _stop_other_ranks(error: BaseException) -> None:
     PETSc.COMM_WORLD.tompi4py().Abort(codes.get(type(error), 1))
 
 
-def _tell(args: argparse.Namespace, request: Any, summary: dict[str, Any]) -> int:
+def _tell(args: argparse.Namespace, request: Request, summary: dict[str, Any]) -> int:
     """Print the tables, write the JSON file, and give the exit code."""
     # What is printed may find nobody who reads it.
     write_json(args, {key: value for key, value in summary.items() if key not in NOT_IN_JSON})

@@ -1,9 +1,11 @@
 """`restshape report`: tables and pictures of a recording."""
 
+from __future__ import annotations
+
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from restshape.application import Application, applications
 from restshape.cli.options import add_json, print_table, write_json
@@ -12,6 +14,9 @@ from restshape.cli.report_pictures import draw_report
 from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import AnimationFile, PictureFile
+
+if TYPE_CHECKING:
+    from restshape.replay.recording import Recording
 
 SUMMARY = "tables and pictures of a recording"
 _FORMATS = ("gif", "mp4", "none")
@@ -69,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def refuse_damage(recording: Any) -> None:
+def refuse_damage(recording: Recording) -> None:
     """Makes sure that all frames match their checksums.
 
     Raises:
@@ -95,7 +100,7 @@ def refuse_pictures(folder: Path, suffix: str = ".png") -> None:
         refuse_foreign(path, str(path))
 
 
-def _tables(recording: Any, application: Application | None) -> dict[str, Any]:
+def _tables(recording: Recording, application: Application | None) -> dict[str, Any]:
     """Prints the tables and gives them back for programs."""
     from restshape.report.tables import (
         convergence_counts,
@@ -166,5 +171,5 @@ def _quantity(row: dict[str, Any], extras: Sequence[str]) -> list[str]:
     return [row["quantity"], *cells, *(si(one, row["unit"], 3) if isinstance(one, float) else one for one in more)]
 
 
-def _short(value: Any) -> Any:
+def _short(value: object) -> object:
     return f"{value:.3g}" if isinstance(value, float) else value

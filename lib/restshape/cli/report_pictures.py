@@ -6,18 +6,19 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from restshape.application import SHAPES, Application
 from restshape.cli.report_looks import Looks
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
+    from restshape.replay.recording import Recording
     from restshape.scene.physics import OwnPictures
 
 
 def draw_report(
-    recording: Any, folder: Path, args: argparse.Namespace, looks: Looks, application: Application | None
+    recording: Recording, folder: Path, args: argparse.Namespace, looks: Looks, application: Application | None
 ) -> list[Path]:
     """Draws all pictures; their paths.
 
@@ -47,7 +48,7 @@ def draw_report(
 
 
 def _draw(
-    recording: Any,
+    recording: Recording,
     folder: Path,
     args: argparse.Namespace,
     looks: Looks,
@@ -79,7 +80,7 @@ def _draw(
     return [*own.draw(recording, folder, args), *pictures] if own else pictures
 
 
-def _draw_plane(recording: Any, args: argparse.Namespace, looks: Looks, still: Path, moving: Path | None) -> None:
+def _draw_plane(recording: Recording, args: argparse.Namespace, looks: Looks, still: Path, moving: Path | None) -> None:
     """Draws a shape in the plane: some frames, and an animation if it has a path."""
     from restshape.report.animation import animated_frames, draw_animation
     from restshape.report.frames import draw_frames
