@@ -22,7 +22,7 @@ TOLERATED = 1.1
 
 def doubts(scene: Scene, outline: Outline) -> list[str]:
     """What a user may have meant otherwise, a line each, of a scene and its first outline."""
-    return [*_angles(scene, scene.raw), *_mesh(scene), *_drawing(scene, outline), *_curves(scene, outline)]
+    return [*_angles(scene, scene.raw), *_mesh(scene, outline), *_drawing(scene, outline), *_curves(scene, outline)]
 
 
 def _angles(model: object, raw: Any, key: str = "") -> Iterator[str]:
@@ -44,10 +44,21 @@ def _angles(model: object, raw: Any, key: str = "") -> Iterator[str]:
                 yield f"{here}: an angle without a unit is in radians, and {value:g} is more than a turn: {choice}?"
 
 
-def _mesh(scene: Scene) -> Iterator[str]:
+def _mesh(scene: Scene, outline: Outline) -> Iterator[str]:
     """What becomes of a mesh from a file."""
     if not scene.mesh.file:
         return
+    from restshape.mesh.importer import of_second_order
+
+    if scene.mesh.order == 1 and of_second_order(scene.folder / scene.mesh.file):
+        yield "mesh.file: its elements are of second order, and only their corners are used: set mesh.order = 2"
+    bent = [edge.name for edge in outline.edges if edge.kind == "polyline"]
+    if scene.mesh.order == 2 and bent:
+        yield (
+            f"mesh.file: sides on {', '.join(bent[:4])}{', ...' if len(bent) > 4 else ''} stay straight, for the nodes "
+            "there lie on no circle and the file has none between them: corners between sides raise stresses; export "
+            "the mesh with elements of second order"
+        )
     size = scene.mesh.size
     new = f"one of mesh.size = {size:g} m" if size else "one with the usual number of triangles"
     if size:

@@ -17,7 +17,7 @@ from restshape.errors import UserError, printable
 from restshape.memory import bounded_memory
 from restshape.mesh.generate import assemble
 from restshape.mesh.mesh import Mesh, edges_of_cells
-from restshape.mesh.nastran import constraint_sets, has_grid
+from restshape.mesh.nastran import constraint_sets, has_grid, read_deck
 from restshape.mesh.tracing import Triangles, trace
 from restshape.shape.outline import Outline
 
@@ -27,8 +27,13 @@ FORMATS = {".inp": "abaqus", ".bdf": "nastran", ".nas": "nastran", ".dat": "nast
 PLANE_ELEMENTS = {
     **dict.fromkeys(("CPE3", "CPE3H", "CPEG3", "M3D3"), "triangle"),
     **dict.fromkeys(("CPE4", "CPE4H", "CPE4I", "CPE4R", "CPEG4", "CPS4I", "M3D4", "M3D4R"), "quad"),
+    **dict.fromkeys(("CPE6", "CPE6H", "CPE6M", "CPEG6", "CPS6", "CPS6M", "M3D6"), "triangle6"),
+    **dict.fromkeys(("CPE8", "CPE8H", "CPE8R", "CPEG8", "CPS8", "CPS8R", "M3D8", "M3D8R"), "quad8"),
 }
-"""Abaqus names of plane first-order elements that meshio does not know."""
+"""Abaqus names of plane elements that meshio does not know."""
+
+SECOND_ORDER = {"triangle6": 3, "quad8": 4, "quad9": 4}
+"""Elements with a node in the middle of each side, as meshio calls them, and how many corners they have."""
 
 FLAT = 1e-6
 """Share of the size by which z may differ from 0."""
@@ -45,6 +50,9 @@ def read_mesh(path: Path | str, unit: float = 1.0, ranks: int = 1) -> tuple[Mesh
 
     Node sets and line elements name boundary edges and points; sets of triangles, properties and integer cell data name
     regions. Quadrilaterals are cut in two along their shorter diagonal. Nodes that no triangle uses are dropped.
+
+    Runs of boundary nodes on one circle become arcs. Of elements of second order the mesh has the corners; curved sides
+    on the boundary make arcs or splines of it, on which the nodes of second order will stand.
 
     Args:
         path: .inp, .bdf, .nas, .dat, .msh or .vtu.
@@ -66,6 +74,15 @@ def read_mesh(path: Path | str, unit: float = 1.0, ranks: int = 1) -> tuple[Mesh
     return mesh, outline
 
 
+def of_second_order(path: Path) -> bool:
+    """Whether a mesh file has elements of second order.
+
+    Raises:
+        UserError: the file cannot be read.
+    """
+    return any(block.type in SECOND_ORDER for block in _read(path).cells)
+
+
 def _read(path: Path) -> meshio.Mesh:
     """What meshio reads from a file."""
     if not path.is_file():
@@ -79,12 +96,14 @@ def _read(path: Path) -> meshio.Mesh:
         raise UserError(f"the mesh file is longer than {MESH_BYTES} bytes", str(path), "take a coarser mesh")
     # meshio waits for ever for the first card of a deck without any.
     if kind == "nastran" and not has_grid(path):
-        raise UserError("there is no GRID card after BEGIN BULK", str(path), "export the nodes too")
+        raise UserError("there is no GRID card in the bulk data", str(path), "export the nodes too")
     if kind == "abaqus":
         _refuse_includes(path)
     for name, shape in PLANE_ELEMENTS.items():
         abaqus_to_meshio_type.setdefault(name, shape)
     with _readable(path, kind):
+        if kind == "nastran":
+            return read_deck(path)
         return meshio.read(path, file_format=kind)
 
 
@@ -132,6 +151,7 @@ def _triangles(read: meshio.Mesh, path: Path, unit: float) -> Triangles:
     if np.abs(points).max() > LENGTH:
         raise UserError(f"a node lies farther than {LENGTH:g} m from 0", str(path), "check mesh.unit")
     cells, lines, row_of_cell, row_of_line = [], [], [], []
+    sides: list[np.ndarray] = []
     row = 0
     for block in read.cells:
         rows = np.arange(row, row + len(block.data))
@@ -139,27 +159,33 @@ def _triangles(read: meshio.Mesh, path: Path, unit: float) -> Triangles:
         data = np.asarray(block.data, dtype=np.int64).reshape(len(block.data), -1)
         if data.size and (data.min() < 0 or data.max() >= len(points)):
             raise UserError("an element names a node that is not there", str(path), "export it again")
-        if block.type == "triangle":
-            cells.append(data)
+        if block.type in SECOND_ORDER:
+            sides.append(_with_middles(data, SECOND_ORDER[block.type]))
+        if block.type in ("triangle", "triangle6"):
+            cells.append(data[:, :3])
             row_of_cell.append(rows)
-        elif block.type == "quad":
-            cells.append(_halves(points, data))
+        elif block.type in ("quad", "quad8", "quad9"):
+            cells.append(_halves(points, data[:, :4]))
             row_of_cell.append(np.repeat(rows, 2))
-        elif block.type == "line":
+        elif block.type in ("line", "line3"):
             lines.append(data)
             row_of_line.append(rows)
         elif block.type != "vertex":
             what = f"the mesh has elements of type {block.type!r}"
-            raise UserError(what, str(path), "only triangles and quadrilaterals of first order are read")
+            raise UserError(what, str(path), "only triangles and quadrilaterals in the plane are read")
     extent = float(np.ptp(points, axis=0).max())
     if np.abs(points[:, 2]).max() > FLAT * extent:
         raise UserError("the mesh is not in the plane z = 0", str(path), "only plane meshes are read: project it")
     if not cells:
         raise UserError("the mesh has no triangles", str(path), "export the elements too")
+    known = np.unique(np.concatenate(sides), axis=0) if sides else np.empty((0, 3), dtype=np.int64)
+    ends = [_ends(data, known[:, 2]) for data in lines]
     found = Triangles(
         points[:, :2].copy(),
         np.concatenate(cells),
-        np.concatenate(lines) if lines else np.empty((0, 2), dtype=np.int64),
+        np.concatenate(ends) if ends else np.empty((0, 2), dtype=np.int64),
+        sides=known[:, :2],
+        middles=points[known[:, 2], :2],
     )
     for name, rows in _element_groups(read).items():
         chosen = np.zeros(row, dtype=bool)
@@ -173,6 +199,20 @@ def _triangles(read: meshio.Mesh, path: Path, unit: float) -> Triangles:
         for name, nodes in constraint_sets(path).items():
             found.add(name, "nodes", nodes)
     return found
+
+
+def _with_middles(data: np.ndarray, corners: int) -> np.ndarray:
+    """Ends, the smaller first, and middle (m, 3) of each side of elements of second order with so many corners."""
+    ends = np.stack([data[:, :corners], np.roll(data[:, :corners], -1, axis=1)], axis=2)
+    return np.concatenate([np.sort(ends, axis=2), data[:, corners : 2 * corners, None]], axis=2).reshape(-1, 3)
+
+
+def _ends(lines: np.ndarray, middles: np.ndarray) -> np.ndarray:
+    """Ends (m, 2) of lines, whose middle formats put second or third."""
+    if lines.shape[1] == 2:
+        return lines
+    second = np.isin(lines[:, 1], middles)
+    return np.where(second[:, None], lines[:, (0, 2)], lines[:, :2])
 
 
 def _halves(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
@@ -194,7 +234,7 @@ def _element_groups(read: meshio.Mesh) -> dict[str, np.ndarray]:
                 if rows is not None and len(rows):
                     found.setdefault(name, []).append(start + np.asarray(rows, dtype=np.int64))
     names = {(int(tag), int(dim)): name for name, (tag, dim) in read.field_data.items()}
-    dims = {"vertex": 0, "line": 1}
+    dims = {"vertex": 0, "line": 1, "line3": 1}
     for array, blocks in read.cell_data.items():
         if array in ("gmsh:geometrical", "medit:ref"):
             continue

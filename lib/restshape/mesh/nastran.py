@@ -1,11 +1,14 @@
-"""Single-point constraint sets of a Nastran deck, which meshio leaves out."""
+"""Nastran decks: with or without the line BEGIN BULK, and the single-point constraint sets that meshio leaves out."""
 
 from __future__ import annotations
 
+import io
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
+import meshio
 import numpy as np
+from meshio.nastran._nastran import read_buffer
 
 from restshape.errors import UserError
 
@@ -50,10 +53,26 @@ def _listed(words: list[str], known: Collection[int]) -> list[int]:
     return [int(word) for word in words]
 
 
+def read_deck(path: Path) -> meshio.Mesh:
+    """What meshio reads from a deck; one without BEGIN BULK, as gmsh writes them, is bulk data from its first line.
+
+    Raises:
+        Exception: whatever meshio has to say about it.
+    """
+    if _has_begin(path):
+        return meshio.read(path, file_format="nastran")
+    return read_buffer(io.StringIO(f"BEGIN BULK\n{path.read_text(encoding='utf-8', errors='replace')}\nENDDATA\n"))
+
+
+def _has_begin(path: Path) -> bool:
+    with path.open(encoding="utf-8", errors="replace") as lines:
+        return any(line.strip().upper().startswith("BEGIN BULK") for line in lines)
+
+
 def _cards(path: Path) -> Iterator[list[str]]:
-    """Cards after BEGIN BULK as lists of words, continuations joined, in free, small and large fields."""
+    """Cards of the bulk data as lists of words, continuations joined, in free, small and large fields."""
     card: list[str] = []
-    begun = False
+    begun = not _has_begin(path)
     with path.open(encoding="utf-8", errors="replace") as lines:
         for raw in lines:
             line = raw.split("$")[0].rstrip().expandtabs(8)

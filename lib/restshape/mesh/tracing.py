@@ -13,18 +13,16 @@ from scipy.sparse.csgraph import connected_components
 from restshape.errors import UserError
 from restshape.mesh.boundary import Boundary
 from restshape.mesh.hinges import inner_sides
+from restshape.mesh.imported_curves import Middles, curved_middles, cut_at_arcs, imported_edge
 from restshape.mesh.mesh import edges_of_cells
 from restshape.mesh.regions import contains, signed_area
-from restshape.shape.draft import Draft, DraftEdge
+from restshape.shape.draft import Draft
 from restshape.shape.outline import RESERVED, Outline
 
 log = logging.getLogger(__name__)
 
 CORNER = np.radians(30.0)
 """An outline that turns by more than this at a node has a vertex there."""
-
-STRAIGHT = 1e-5
-"""A chain whose nodes are no farther from the line between its ends, relative to its length, is a line."""
 
 MOST_POINTS = 20
 """Inner nodes of one node set that become embedded points; a set with more of them is no list of points."""
@@ -36,6 +34,7 @@ class Triangles:
 
     Args:
         X: (n, 2) [m]; cells: (ne, 3); lines: (nl, 2) line elements.
+        sides: (nm, 2) ends, the smaller first, of sides with a node in their middle; middles: (nm, 2) its place [m].
         groups: by name, what belongs to it: "nodes", "lines" and "cells" as rows of X, lines, cells.
     """
 
@@ -43,6 +42,8 @@ class Triangles:
     cells: np.ndarray
     lines: np.ndarray
     groups: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
+    sides: np.ndarray = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    middles: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
 
     def add(self, name: str, kind: str, rows: np.ndarray) -> None:
         """Add rows of a kind to a group; a name that every outline has itself gets an underscore."""
@@ -55,6 +56,7 @@ class Triangles:
         number = np.full(len(self.X), -1, dtype=np.int64)
         number[used] = np.arange(len(used))
         self.X, self.cells, self.lines = self.X[used], number[self.cells], number[self.lines]
+        self.sides = np.sort(number[self.sides], axis=1)
         for own in self.groups.values():
             if "nodes" in own:
                 own["nodes"] = number[own["nodes"]]
@@ -87,7 +89,9 @@ def trace(found: Triangles) -> tuple[Outline, Boundary, np.ndarray, np.ndarray]:
     traced = border | _between(cell_edges, patches.of_cell, len(edges))
     marks, loose = _marks(found, edges, border, traced)
     chains = _chains(found.X, edges[traced], {name: mark[traced] for name, mark in marks.items()}, loose)
-    return _outline(found, rings, patches, edges, marks, loose, chains)
+    curved = curved_middles(found.X, found.sides, found.middles, edges[traced])
+    chains = [part for chain in chains for part in cut_at_arcs(found.X, chain, curved)]
+    return _outline(found, rings, patches, edges, marks, loose, chains, curved)
 
 
 def _border_rings(found: Triangles, cell_edges: np.ndarray, border: np.ndarray) -> list[np.ndarray]:
@@ -284,6 +288,7 @@ def _outline(
     marks: dict[str, np.ndarray],
     loose: dict[str, list[int]],
     chains: list[np.ndarray],
+    curved: Middles,
 ) -> tuple[Outline, Boundary, np.ndarray, np.ndarray]:
     """The outline of chains, its nodes, and the mesh with these first."""
     regions = _regions(found.X, found.cells, patches)
@@ -306,7 +311,7 @@ def _outline(
     X, params = found.X.copy(), []
     for i, chain in enumerate(chains):
         ends = names.of["v", place[int(chain[0])]], names.of["v", place[int(chain[-1])]]
-        edge, s = _edge(X, chain, names.of["edge", i], ends)
+        edge, s = imported_edge(X, chain, curved, names.of["edge", i], ends)
         draft.edges[edge.name] = edge
         params.append(s)
     ways = _ways(chains)
@@ -328,22 +333,6 @@ def _regions(X: np.ndarray, cells: np.ndarray, patches: Patches) -> list[int]:
         if not own and any(contains(polygon, inside)[0] for polygon in polygons.values()):
             found.append(i)
     return found
-
-
-def _edge(X: np.ndarray, chain: np.ndarray, name: str, ends: tuple[str, str]) -> tuple[DraftEdge, np.ndarray]:
-    """The edge of a chain, and the parameters of its inner nodes; nodes of a line are moved onto it."""
-    start, along = X[chain[0]], X[chain[-1]] - X[chain[0]]
-    offset = X[chain[1:-1]] - start
-    s = offset @ along / (along @ along)
-    away = np.abs(offset[:, 0] * along[1] - offset[:, 1] * along[0]) / (along @ along)
-    if away.max(initial=0.0) <= STRAIGHT and (np.diff(s, prepend=0.0, append=1.0) > 0.0).all():
-        X[chain[1:-1]] = start + s[:, None] * along
-        return DraftEdge(name, "line", *ends), s
-    steps = np.hypot(*np.diff(X[chain], axis=0).T)
-    knots = np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
-    knots[-1] = 1.0
-    inner = tuple(map(tuple, X[chain[1:-1]].tolist()))
-    return DraftEdge(name, "polyline", *ends, inner=inner, knots=tuple(knots.tolist())), knots[1:-1]
 
 
 def _ways(chains: list[np.ndarray]) -> dict[tuple[int, int], tuple[int, bool]]:
