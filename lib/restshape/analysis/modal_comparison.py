@@ -120,8 +120,8 @@ def _subspace_difference(state: ModalState, cold: ColdModes) -> float:
     are compared.
     """
     modes, worst = state.modes, 0.0
-    # A residual turns modes by itself over the gap of their eigenvalues.
-    width = max(CLUSTER, state.scene.solve.tolerance / TOLERANCE**0.5)
+    # A residual turns modes of a solve by its square over the gap of their eigenvalues: docs/theory.md, section 7.
+    width = max(CLUSTER, state.scene.solve.tolerance**2 / TOLERANCE**0.5)
     cold_clusters = clusters(cold.values, width)
     for cluster in clusters(modes.values[: state.count], width):
         if not np.isin(cluster, modes.chosen).any():
