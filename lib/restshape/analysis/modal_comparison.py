@@ -42,12 +42,23 @@ def compare_cold(state: ModalState, context: Context, make: Maker) -> Comparison
     entries = max(matrix_difference(*pair) for pair in pairs)
     solved = _solved(state, body, _pencil(state, context, cold))
     rounding = _rounding(state, cold[0])
-    return Comparison(entries, max(_frequency_difference(state, solved, rounding), _subspace_difference(state, solved)))
+    width = cluster_width(context.policy.solver, state.scene.solve.tolerance)
+    subspaces = _subspace_difference(state, solved, width)
+    return Comparison(entries, max(_frequency_difference(state, solved, rounding), subspaces))
 
 
 def allowed(method: str, tolerance: float) -> float:
     """What modes may differ by from cold ones, solved by a method of `EigenSolver` to residuals of this tolerance."""
     return max(TOLERANCE, (THESIS * tolerance) ** 2) if method == "ilu" else TOLERANCE
+
+
+def cluster_width(method: str, tolerance: float) -> float:
+    """Share by which neighbours of a cluster differ at most, of modes solved for as in `allowed`.
+
+    What is left turns modes by its size over the gap of their eigenvalues: the residual of the thesis's inverse
+    iteration, and the square of it with the others.
+    """
+    return max(CLUSTER, (tolerance if method == "ilu" else tolerance**2) / TOLERANCE**0.5)
 
 
 def cold_frequencies(state: ModalState, context: Context, make: Maker) -> np.ndarray:
@@ -112,16 +123,13 @@ def _frequency_difference(state: ModalState, cold: ColdModes, rounding: np.ndarr
     return float(np.max(np.maximum(np.abs(state.frequencies / reference - 1.0) - rounding, 0.0)))
 
 
-def _subspace_difference(state: ModalState, cold: ColdModes) -> float:
+def _subspace_difference(state: ModalState, cold: ColdModes, width: float) -> float:
     """The largest difference of subspaces, 1 - cos^2 of the angle to the cold ones, and of the participation in them.
 
-    Clusters are those of the modes solved for, as wide as the tolerance of their residuals makes them; each must lie in
-    the cold clusters that hold the modes nearest to it. Where these are no more than it has, the mean participations
-    are compared.
+    Clusters are those of the modes solved for, see `cluster_width`; each must lie in the cold clusters that hold the
+    modes nearest to it. Where these are no more than it has, the mean participations are compared.
     """
     modes, worst = state.modes, 0.0
-    # A residual turns modes of a solve by its square over the gap of their eigenvalues: docs/theory.md, section 7.
-    width = max(CLUSTER, state.scene.solve.tolerance**2 / TOLERANCE**0.5)
     cold_clusters = clusters(cold.values, width)
     for cluster in clusters(modes.values[: state.count], width):
         if not np.isin(cluster, modes.chosen).any():
