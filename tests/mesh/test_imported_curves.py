@@ -141,15 +141,15 @@ def test_nodes_in_the_middle_of_other_curves_are_kept(tmp_path):
     assert outline.area() == pytest.approx(SIDE**2 - np.pi * A**2 / 8, rel=1e-5)
 
 
-def test_straight_sides_are_told_where_the_file_has_no_curve(tmp_path):
+def test_straight_sides_are_reported_where_the_file_has_no_curve(tmp_path):
     path = scene_of(quarter(tmp_path / "ellipse.msh", 1, 0.5), on=NAMES)
     scene = load_scene(path)
     outline = read_mesh(path.with_suffix(".msh"))[1]
     assert any("sides on hole stay straight" in doubt for doubt in doubts(scene, outline))
     second = scene_of(quarter(tmp_path / "second.msh", 2, 0.5), on=NAMES, order=1)
-    told = doubts(load_scene(second), read_mesh(second.with_suffix(".msh"))[1])
-    assert any("only their corners are used" in doubt for doubt in told)
-    assert not any("stay straight" in doubt for doubt in told)
+    reported = doubts(load_scene(second), read_mesh(second.with_suffix(".msh"))[1])
+    assert any("only their corners are used" in doubt for doubt in reported)
+    assert not any("stay straight" in doubt for doubt in reported)
 
 
 @pytest.mark.parametrize("order", [1, 2])

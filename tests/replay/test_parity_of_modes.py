@@ -52,7 +52,7 @@ def test_a_mode_that_is_turned_is_noticed(plate):
 
 
 def test_clusters_are_no_wider_where_solves_are_loose():
-    """At the tolerance of the shipped scenes, at which residuals of 1e-3 are left, modes are compared one by one too."""
+    """At residuals of 1e-3, which shipped scenes ask for, modes are compared one by one too."""
     loose = solved("plate", "solve.tolerance=1e-3")
     assert loose.compare_cold().solution <= TOLERANCE
     vectors = loose.state.modes.vectors.copy()

@@ -289,9 +289,14 @@ class Replay:
     def _estimates(self, row: RowValues) -> dict[str, float]:
         """What is known of the error of the frame's answer; not numbers where it has none of its own."""
         found = dict.fromkeys(ESTIMATES, np.nan)
-        if not (self.estimating and self.known) or row["refused"]:
+        if not self.known or row["refused"] or not (self.estimating or row["predicted"]):
             return found
-        found.update(self.analysis.errors())
+        errors = self.analysis.errors()
+        if self.prediction and row["predicted"]:
+            self.prediction.estimated(errors["estimate"])
+        if not self.estimating:
+            return found
+        found.update(errors)
         if self.expected is not None and self.prediction:
             found["prediction_error"] = self.prediction.predictor.error(self.expected)
         return found

@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape.analysis.analysis import Analysis, Predictor, Solvable
 from restshape.errors import ReplayProblem, UserError
+from restshape.first_use import made as known
 from restshape.mesh.advance import MeshUpdate
 from restshape.mesh.moving import MovingMesh
 from restshape.policy import Policy
@@ -17,6 +18,8 @@ log = logging.getLogger("restshape.replay")
 
 SPRINGS = "not predicted: nodes that springs relax do not follow the hand linearly"
 ARC = "not predicted: bending an arc is not linear"
+TRUSTED = 0.2
+"""Estimated relative distance from the solution beyond which a frame is solved instead."""
 
 
 class PredictedFrames:
@@ -25,6 +28,10 @@ class PredictedFrames:
     A frame in which a hand takes hold of the shape is solved, and the derivatives are solved for; so is one that flips
     edges or makes a new mesh, or in which values are set. All others while the hand holds are predicted from the last
     of these. On release the frame is solved, from its prediction.
+
+    A prediction whose own estimate of its distance from the solution would be above `TRUSTED` is not shown: the frame
+    is solved, and the next ones are predicted from it. The first one after a solved frame is estimated before it is
+    shown, the others by the estimate of the one before, which grows with the square of the way of the hand.
 
     Args:
         analysis: with a predictor.
@@ -47,6 +54,7 @@ class PredictedFrames:
                 "--predict linear",
                 "choose another policy, or leave it out",
             )
+        self.analysis = analysis
         self.predictor: Predictor = analysis.predictor
         self.moving, self.session = moving, session
         self.made: Prediction | None = None
@@ -54,6 +62,8 @@ class PredictedFrames:
         self.note = ""
         self._before: np.ndarray | None = None
         self._c = (0.0, 0.0)
+        self._estimate: tuple[float, float] | None = None
+        self._doubt = ""
 
     @property
     def distance(self) -> float:
@@ -72,9 +82,30 @@ class PredictedFrames:
         if made is None or edit.gesture is not made.gesture or mesh_update.level > 1 or edit.do == "analyse":
             return False
         if edit.change == "move":
+            before = self.predictor.values()
             self.predictor.set_values(made(edit.c))
-            self._c, self.active = edit.c, True
+            self._c = edit.c
+            if not self._is_trusted():
+                self.predictor.set_values(before)
+                return False
+            self.active, self.note = True, ""
         return self.active and edit.change in ("move", "none")
+
+    def estimated(self, estimate: float) -> None:
+        """Take note of the estimated relative distance of the prediction that the analysis holds from the solution."""
+        self._estimate = estimate, self.distance
+
+    def _is_trusted(self) -> bool:
+        """Whether the prediction that the analysis holds may be shown."""
+        if self._estimate is None:
+            self.estimated(self.analysis.errors()["estimate"])
+        error, way = known(self._estimate)
+        expected = error * max(1.0, self.distance / way) ** 2 if way > 0.0 else error
+        if not expected > TRUSTED:
+            return True
+        self._doubt = f"solved: its prediction would be off by about {100.0 * expected:.2g} %"
+        log.info("Frame %s", self._doubt)
+        return False
 
     def start(self, edit: EditFrame) -> None:
         """Let the solve of a frame start at its prediction, where there is one."""
@@ -87,7 +118,7 @@ class PredictedFrames:
         """Show again what was shown before the last frame, whose solve has failed."""
         if self._before is not None:
             self.predictor.set_values(self._before)
-        self.note, self._before = "", None
+        self.note, self._doubt, self._before = "", "", None
 
     def set_expansion_point(self, edit: EditFrame, idle: bool) -> None:
         """Take a frame that has been solved to predict the next ones from.
@@ -96,14 +127,15 @@ class PredictedFrames:
             edit: the frame.
             idle: nothing was solved in it, for all is as before.
         """
-        self.note, self._before = "", None
+        self.note, self._before = self._doubt, None
+        self._doubt = ""
         gesture = self.session.grabbed
         kept = self.made is not None and self.made.gesture is gesture and idle
         self.active = False
         if kept:
             return
-        self.made = None
-        if edit.gesture is None or edit.gesture is not gesture:
+        self.made = self._estimate = None
+        if gesture is None or edit.gesture is not gesture:
             if edit.change == "move" and edit.gesture is not None and not edit.gesture.linear:
                 self.note = ARC
                 log.info("%4d Frames %s", edit.index, self.note)
