@@ -31,6 +31,7 @@ KERNELS = {"restshape._kernels": "lib/kernels", "restshape_apps.furniture._kerne
 """Extension modules, and the folder of their sources."""
 REFERENCE = re.compile(r"restshape\w*(\.\w+)+(?=:\w+$)")
 """The module in a text `module:attribute`, which is imported when asked for."""
+TEXTS = (b"tEXt", b"zTXt", b"iTXt", b"tIME")
 PNG, CHUNK = b"\x89PNG\r\n\x1a\n", b"tEXtStamp\0"
 
 
@@ -197,8 +198,11 @@ def split(path: Path) -> tuple[bytes, str]:
 
 
 def content_hash(path: Path) -> str:
-    """The hash of a file without its stamp."""
-    return digest([split(path)[0]])
+    """The hash of a file without its stamp; of a picture without any text that describes it."""
+    rest, _ = split(path)
+    if path.suffix != ".png":
+        return digest([rest])
+    return digest(whole for kind, whole in chunks(rest) if kind not in TEXTS)
 
 
 def write_stamp(path: Path, stamp: Stamp) -> None:

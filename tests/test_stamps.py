@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from restshape.outputs.drawn import SOURCE, fingerprint
+
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))
 import results  # noqa: E402
@@ -25,6 +27,21 @@ STAMP = Stamp("0123456789ab", "5c1f0a9e64f2b7d8", "9b2e4c01d3a7f655")
 @pytest.mark.parametrize("result", LIST, ids=lambda result: result.name)
 def test_a_result_is_of_this_code(result):
     assert results.faults(result) == [], "make results, or see docs/results.md"
+
+
+PAIRS = [
+    (picture, data)
+    for result in LIST
+    for data in result.paths
+    for picture in result.paths
+    if data.suffix == ".json" and picture.suffix == ".png"
+]
+
+
+@pytest.mark.parametrize(("picture", "data"), PAIRS, ids=lambda path: path.name)
+def test_a_picture_is_of_the_data_that_were_written_with_it(picture, data):
+    with Image.open(picture) as image:
+        assert image.info.get(SOURCE) == fingerprint(json.loads(data.read_text(encoding="utf-8")))
 
 
 def test_every_committed_file_belongs_to_one_result():

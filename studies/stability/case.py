@@ -24,11 +24,13 @@ class Statement:
         must: what, in words, with its bound.
         value: what was found.
         holds: whether it does.
+        bound: the largest value that holds; None where there is none.
     """
 
     must: str
     value: float | str
     holds: bool
+    bound: float | None = None
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,7 @@ def true(must: str, found: bool, value: float | str = "") -> Statement:
 
 def below(must: str, value: float, bound: float) -> Statement:
     """The statement that a number, or the largest of several, is at most `bound`; a number that is none never is."""
-    return Statement(f"{must} at most {bound:g}", float(value), bool(value <= bound))
+    return Statement(f"{must} at most {bound:g}", float(value), bool(value <= bound), bound)
 
 
 def above(must: str, value: float, bound: float) -> Statement:
@@ -122,7 +124,7 @@ def near(must: str, value: Any, reference: Any, relative: float) -> Statement:
     value, reference = np.broadcast_arrays(np.asarray(value, float), np.asarray(reference, float))
     size = np.where(reference == 0.0, 1.0, np.abs(reference))
     error = float(np.max(np.abs(value - reference) / size)) if value.size else math.nan
-    return Statement(f"{must} within {relative:g}", error, bool(error <= relative))
+    return Statement(f"{must} within {relative:g}", error, bool(error <= relative), relative)
 
 
 def equal(check: Parity) -> Iterator[Statement]:

@@ -57,20 +57,6 @@ def test_thesis_tables_are_markdown():
     )
 
 
-PICTURES = sorted(path for path in (ROOT / "results").glob("*.png") if path.with_suffix(".json").is_file())
-
-
-def test_pictures_are_found_beside_their_data():
-    assert {path.stem for path in PICTURES} >= {"bench-predict", "bench-reuse", "bench-size"}
-
-
-@pytest.mark.parametrize("path", PICTURES, ids=lambda path: path.stem)
-def test_a_picture_is_of_the_data_beside_it(path):
-    data = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-    with Image.open(path) as image:
-        assert image.info.get(SOURCE) == fingerprint(data), "draw it again: restshape bench STUDY --redraw FILE.json"
-
-
 def test_a_redrawn_picture_says_which_data_it_shows_and_other_data_say_otherwise(tmp_path, capsys):
     data = json.loads((ROOT / "results" / "bench-reuse.json").read_text(encoding="utf-8"))
     del data["cantilever"]

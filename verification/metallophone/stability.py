@@ -251,7 +251,7 @@ def long_replay(trial: Trial) -> Iterator[Statement]:
     events = drag("right", (0.15, 0.015), path)
     rows = trial.rows(SCENES / "bar_150.toml", events, overrides=[PLATE, "effects.modal.modes=3", 'mesh.size="12 mm"'])
     again = [[row[f"f_{k}"] for k in (1, 2, 3)] for row in rows[51:-1:50]]
-    yield near("tones after each turn", again, [rows[0][f"f_{k}"] for k in (1, 2, 3)], 1e-2)
+    yield near("tones after each turn", again, [rows[0][f"f_{k}"] for k in (1, 2, 3)], 1e-5)
     yield from sound(rows)
 
 

@@ -33,7 +33,7 @@ def _moved(trial: Trial, text: str) -> Iterator[Statement]:
     yield below("entries equal cold ones", check.entries, 1e-13)
     yield below("solutions equal cold ones", check.solution, DISTURBED)
     lost = max(abs(row["q_warm"] + row["q_cold"]) for row in rows)
-    yield below("heat that is lost, of that which enters", lost / 1000.0, 1e-4)
+    yield below("heat that is lost, of that which enters", lost / 1000.0, 1e-5)
 
 
 def conductivity_ratio(trial: Trial) -> Iterator[Statement]:
