@@ -99,6 +99,9 @@ def of_module(picture: str, command: str, *scenes: str) -> Result:
     return Result((picture,), (command,), (module,), scenes)
 
 
+ELSEWHERE = ("mutants.md",)
+"""Files that commands of their own renew."""
+
 LIST = (
     *reports("plate", PLATE, "apps/solid/edits/plate.jsonl"),
     *reports("cantilever", BEAM, "apps/cantilever/edits/cantilever.jsonl"),

@@ -28,7 +28,7 @@ def test_the_napkin(tmp_path, monkeypatch):
     found = json.loads(Path("napkin.json").read_text())
     assert found["frames"] == int(re.search(r"has (\d+) frames", PAGE)[1])
     lowest = found["quantities"]["lowest"]
-    reported = [float(value) for value in re.search(r"corner at (\d+) mm .*?and (\d+) mm", PAGE, re.S).groups()]
+    reported = [float(value) for value in re.search(r"corner at (\d+) mm .*?and about (\d+) mm", PAGE, re.S).groups()]
     # Where folds go hangs on the machine's rounding.
     assert [-1e3 * lowest[0], -1e3 * lowest[-1]] == pytest.approx(reported, rel=0.03)
     (drawn,) = (shlex.split(line) for line in lines if "couture.picture" in line)
