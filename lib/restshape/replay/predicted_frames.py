@@ -151,4 +151,4 @@ class PredictedFrames:
             log.info("%4d Frames %s", edit.index, self.note)
             return
         log.info("%4d Expansion point of the frames that follow", edit.index)
-        self.made = Prediction(edit.gesture, edit.c, self.predictor.values(), s)
+        self.made = Prediction(gesture, edit.c, self.predictor.values(), s)
