@@ -13,7 +13,7 @@ PUBLISHED: Kind = "published"
 PROGRAM: Kind = "independent program"
 IDENTITY: Kind = "identity"
 OWN: Kind = "own"
-REFERENCES = (CLOSED_FORM, PUBLISHED, PROGRAM, IDENTITY)
+REFERENCE_KINDS = (CLOSED_FORM, PUBLISHED, PROGRAM, IDENTITY)
 """Kinds of references that restshape did not compute: the only ones of `restshape validate`. docs/validation.md."""
 
 ROUNDING = 1e-12

@@ -135,7 +135,7 @@ class PredictedFrames:
         if kept:
             return
         self.made = self._estimate = None
-        if gesture is None or edit.gesture is not gesture:
+        if edit.gesture is None or edit.gesture is not gesture:
             if edit.change == "move" and edit.gesture is not None and not edit.gesture.linear:
                 self.note = ARC
                 log.info("%4d Frames %s", edit.index, self.note)
@@ -151,4 +151,4 @@ class PredictedFrames:
             log.info("%4d Frames %s", edit.index, self.note)
             return
         log.info("%4d Expansion point of the frames that follow", edit.index)
-        self.made = Prediction(gesture, edit.c, self.predictor.values(), s)
+        self.made = Prediction(edit.gesture, edit.c, self.predictor.values(), s)

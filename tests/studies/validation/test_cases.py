@@ -8,7 +8,7 @@ from typing import get_args
 
 import pytest
 from petsc4py import PETSc
-from restshape_studies.validation.case import CLOSED_FORM, OWN, REFERENCES, ROUNDING, Case, Check, Kind
+from restshape_studies.validation.case import CLOSED_FORM, OWN, REFERENCE_KINDS, ROUNDING, Case, Check, Kind
 from restshape_studies.verification import verifications
 
 from restshape.application import applications
@@ -67,7 +67,7 @@ def test_case(name):
     for check in checks:
         assert check.passed, check
         assert check.source and check.tolerance <= 0.1
-        assert check.kind in REFERENCES, f"{check.quantity} is no validation"
+        assert check.kind in REFERENCE_KINDS, f"{check.quantity} is no validation"
     assert loose(checks) == [], "set these tolerances anew: docs/validation.md"
 
 
@@ -81,7 +81,7 @@ def test_comparison_with_own_values(name):
 
 
 def test_own_values_are_no_references():
-    assert {*REFERENCES, OWN} == set(get_args(Kind)) and OWN not in REFERENCES
+    assert {*REFERENCE_KINDS, OWN} == set(get_args(Kind)) and OWN not in REFERENCE_KINDS
 
 
 def test_a_tolerance_that_says_nothing_is_found():
