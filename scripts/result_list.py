@@ -190,7 +190,7 @@ LIST = (
         timed=True,
     ),
     Result(
-        ("accuracy/*",),
+        ("accuracy/*.md", "accuracy/*.png"),
         (f"restshape accuracy {' '.join(MAIN)} --out results/accuracy --json results/accuracy/accuracy.json",),
         (
             "restshape_studies.commands.accuracy",
