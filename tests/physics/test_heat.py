@@ -174,3 +174,26 @@ def test_heat_through_the_border_of_an_inner_region_is_refused(tmp_path):
     text = STRIPS + 'q = { heat_flow = true, at = "core" }\n[mesh]\nsize = 0.3\n'
     with pytest.raises(UserError, match=r"at 'core', which lies inside"):
         solved(tmp_path, text.replace("[material.m]", CORE + "[material.m]"))
+
+
+@pytest.mark.parametrize("theta", [1.0, 0.5])
+def test_the_error_of_one_step_is_estimated(tmp_path, theta):
+    """A step that begins on the first mode ends beside its exact decay, exp(-decay dt)."""
+    decay, dt = 2 * np.pi**2 / 300, 2.0
+    given = (f"effects.storage.time_step={dt}", f"effects.storage.theta={theta}", "mesh.order=2")
+    analysis = solved(tmp_path, COOLING, *given).analysis
+    mode = np.sin(np.pi * analysis.space.X[:, :1])
+    analysis.begin(mode, 0 * mode)
+    frame = Frame(analysis.space, np.empty(0, np.int32), None, analysis.state.scene, (None, (0.0, 0.0)))
+    analysis.solve(frame)
+    wrong = np.abs(analysis.x - np.exp(-decay * dt) * mode).max() / np.abs(analysis.x).max()
+    assert analysis.errors()["estimate_time"] == pytest.approx(wrong, rel=0.15)
+
+
+def test_no_heat_flows_through_a_body_of_one_temperature(tmp_path):
+    """At time 0, whatever sources do later: the edge has the temperature of the body."""
+    text = COOLING + '[loads.warm]\non = "all"\nsource = 1000\n[quantities]\n'
+    text += 'left = { heat_flow = true, at = "left" }\nright = { heat_flow = true, at = "right" }\n'
+    made = make_replay(write_scene(tmp_path, text), write_script(tmp_path, [{"t": 0.0, "do": "idle", "frames": 2}]))
+    first, *_, last = rows_of(made)
+    assert abs(first["q_left"]) < 1e-9 and abs(first["q_right"]) < 1e-9 < last["q_left"]

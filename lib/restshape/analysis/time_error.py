@@ -19,11 +19,11 @@ def local_error(
 
     In second order (beta - 1/6) dt^2 (a' - a), the acceleration smoothed by (M + beta dt^2 K)^-1 M: what the step is
     too long for swings on for ever in Newmark's method, and the formula knows nothing of it. In first order
-    (theta - 1/2) dt (v' - v), likewise.
+    (theta - 1/2) dt (v' - v), likewise, and for theta = 1/2 dt^2/12 times the same of the second rates, -M^-1 K v.
 
     Args:
         body: at the shape of the step.
-        scheme: of the step, with an `error_factor`.
+        scheme: of the step.
         states: that it leads from and to.
         accelerations: the base's accelerations (f,) at both.
         precondition: the kept preconditioner of the step's matrix K + a0 M + a1 C.
@@ -32,7 +32,6 @@ def local_error(
     and Baca, J. Comput. Appl. Math. 11 (1984) 197.
     """
     before, now = states
-    assert scheme.error_factor is not None, "the scheme has no known error"
     if before.a is not None and now.a is not None:
         change = body.mass.apply(now.a - before.a)
     else:
@@ -51,4 +50,8 @@ def local_error(
         return of_stiffness * stiff(d) + of_mass * mass_products.ravel()
 
     smoothed = conjugate_steps(product, precondition, scheme.a0 * change.ravel())
+    if scheme.order == 1 and scheme.error_factor == 0.0:
+        second = np.where(body.constrained.ravel(), 0.0, stiff(smoothed))
+        smoothed = conjugate_steps(product, precondition, scheme.a0 * second)
+        return scheme.dt**2 / 12.0 * smoothed.reshape(change.shape)
     return scheme.error_factor * scheme.dt**scheme.order * smoothed.reshape(change.shape)

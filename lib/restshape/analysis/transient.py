@@ -218,7 +218,7 @@ class TransientAnalysis:
         """The estimated error of the last step over the largest unknowns of a frame so far, or NaN."""
         state = self.state
         before, now, scheme = state.previous, state.now, state.integration.scheme
-        if not before.time < now.time or before.y.shape != now.y.shape or scheme.error_factor is None:
+        if not before.time < now.time or before.y.shape != now.y.shape:
             return float("nan")
         accelerations = self._base_acceleration(before.time), self._base_acceleration(now.time)
         kept = preconditioner(self.solver, state.system.rows)

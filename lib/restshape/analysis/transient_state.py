@@ -135,7 +135,7 @@ class TransientState:
     def motion(self) -> Motion:
         """What quantities see beside the unknowns."""
         account = self.account
-        return Motion(self.now.v, account.edit, account.remesh, self._inertia_and_damping)
+        return Motion(self.now.v, account.edit, account.remesh, self._inertia_and_damping, not self.unsolved)
 
     def _inertia_and_damping(self) -> np.ndarray:
         now = self.now

@@ -35,7 +35,8 @@ class Scheme(Protocol):
     Attributes:
         order: of the equation in time.
         dt: [s].
-        error_factor: of dt^order times the change of the highest rate over a step: the local error; None: not known.
+        error_factor: of dt^order times the change of the highest rate over a step: the local error; 0: it is of a higher
+            rate, dt^2 / 12 times the change of the second one, which first order knows.
     """
 
     order: int
@@ -54,7 +55,7 @@ class Scheme(Protocol):
     @property
     def a5(self) -> float: ...
     @property
-    def error_factor(self) -> float | None: ...
+    def error_factor(self) -> float: ...
     def after(self, state: TimeState, y: np.ndarray) -> TimeState:
         """The state after a step from another to unknowns y (n, f)."""
 
@@ -149,9 +150,9 @@ class Theta:
         return 1.0 / self.theta - 1.0
 
     @property
-    def error_factor(self) -> float | None:
-        """theta - 1/2; None for 1/2, whose error is that of a higher rate."""
-        return self.theta - 0.5 if self.theta != 0.5 else None
+    def error_factor(self) -> float:
+        """theta - 1/2; 0 for 1/2, whose error is that of a higher rate."""
+        return self.theta - 0.5
 
     def after(self, state: TimeState, y: np.ndarray) -> TimeState:
         """The state after a step from another to unknowns y (n, f)."""
@@ -239,6 +240,7 @@ class Motion:
         v: (n, f) rates, relative to the base.
         edit: work of all edits so far [J].
         remesh: energy that new meshes have added to the motion so far [J].
+        started: a step has been taken; before, rates are not known.
         dynamic_forces: evaluates `inertia_and_damping`.
     """
 
@@ -246,6 +248,7 @@ class Motion:
     edit: float = 0.0
     remesh: float = 0.0
     dynamic_forces: Callable[[], np.ndarray] | None = None
+    started: bool = True
 
     @cached_property
     def inertia_and_damping(self) -> np.ndarray:

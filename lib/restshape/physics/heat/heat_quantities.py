@@ -4,11 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from restshape.fem.assembled import Assembled
 from restshape.fem.derivative import Differentiable, flow_derivative, nodal_quantity
 from restshape.fem.edge_reactions import EdgeReactions
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, reduction
-from restshape.fem.problem import Inertia, Problem
+from restshape.fem.problem import STIFFNESS, Inertia, Problem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.fem.time_integration import Motion
 from restshape.physics.heat.surface import SurfaceHeat
@@ -52,9 +53,14 @@ def _heat_flow(problem: Problem, surfaces: Sequence[SurfaceHeat], capacity: Iner
             part.integral().add_residual(x, out, chosen)
         if not len(fixed.nodes):
             return out.sum()
-        balance = unconstrained_residual(problem, x, cells_around(problem.space, fixed.nodes))
-        if capacity is not None:
-            balance += capacity.apply(motion[0].v)
+        cells = cells_around(problem.space, fixed.nodes)
+        if capacity is not None and not motion[0].started:
+            # What sources and stored heat do is not known before the first step: only what this temperature conducts.
+            balance = Assembled(problem.integrals(STIFFNESS)[:1]).residual(x, None, cells)
+        else:
+            balance = unconstrained_residual(problem, x, cells)
+            if capacity is not None:
+                balance += capacity.apply(motion[0].v)
         return out.sum() - fixed.parts() @ balance[fixed.nodes, 0]
 
     return Differentiable(value, flow_derivative(problem, fixed, [(p.integral(ambient=False), c) for p, c in own]))
