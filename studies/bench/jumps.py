@@ -5,12 +5,13 @@ from math import inf, isfinite, nan
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from restshape_studies.stability.scenery import make_replay
 
-from restshape.replay.columns import jump_column
+from restshape.replay.columns import jump_column, jump_scale
 
 MOST = 0.005
-"""A share of a value above which a jump is large."""
+"""A share of a value, or in time of its largest size so far, above which a jump is large."""
 
 
 def study(scene: Path, edits: Path, given: Sequence[str]) -> dict[str, Any]:
@@ -27,7 +28,10 @@ def study(scene: Path, edits: Path, given: Sequence[str]) -> dict[str, Any]:
     quantities = replay.session.scene.quantities
     largest: dict[str, dict[str, Any]] = {name: {} for name in quantities}
     frames = {"2": 0, "3": 0, "without": 0}
+    values: dict[str, list[float]] = {name: [] for name in quantities}
     for row in replay.frames():
+        for name, known in values.items():
+            known.append(row.get(f"q_{name}", nan))
         level = str(row["level"])
         if level not in ("2", "3") or not row["index"] or row["refused"]:
             continue
@@ -35,7 +39,8 @@ def study(scene: Path, edits: Path, given: Sequence[str]) -> dict[str, Any]:
         compared = False
         for name, known in largest.items():
             # Frames that are not analysed have none.
-            jump, value = abs(row.get(jump_column(name), nan)), abs(row[f"q_{name}"])
+            jump = abs(row.get(jump_column(name), nan))
+            value = float(jump_scale(np.array(values[name]), "time" in row)[-1])
             if not isfinite(jump):
                 continue
             compared = True

@@ -36,6 +36,7 @@ def without(scene: Scene, application: Application, names: Iterable[str]) -> Sce
         effects = {key: value for key, value in raw.get("effects", {}).items() if key != name}
         raw = {**raw, "effects": effects}
         if quantities := raw.get("quantities"):
-            kept = {key: value for key, value in quantities.items() if not set(effect.quantities) & set(value)}
+            own = set(effect.quantities)
+            kept = {key: one for key, one in quantities.items() if not (isinstance(one, dict) and own & set(one))}
             raw["quantities"] = kept
     return scene if raw is scene.raw else remade(scene, raw)

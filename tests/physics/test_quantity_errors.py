@@ -11,6 +11,7 @@ from thermal_scenes import solved as heat_solved
 
 from restshape.analysis import quantity_errors
 from restshape.application import application
+from restshape.cli.schema import scene_schema
 from restshape.errors import UserError
 from restshape.fem.quantity_error import dual_solution
 from restshape.fem.recovery import NodalFlux
@@ -228,3 +229,29 @@ def test_errors_change_no_frame(tmp_path):
         replay = make_replay(scene, script)
         found[word] = [(replay.analysis.x.tobytes(), row["iterations"], row["pc_age"]) for row in replay.frames()]
     assert found[""] == found["error = true,"]
+
+
+def test_one_key_asks_for_all_errors_but_those_of_areas(tmp_path):
+    def asked(text, *overrides):
+        scene = load_scene(write_scene(tmp_path, BODY + text + meshed(0.2)), overrides)
+        return {name for name, quantity in scene.quantities.items() if quantity.wants_error}
+
+    assert asked(ASKED) == set()
+    everything = ASKED.replace("[quantities]\n", "[quantities]\nerror = true\n")
+    assert asked(everything) == set(NAMES) == asked(ASKED, "quantities.error=true")
+    some = everything.replace("wall = {", "wall = { error = false,").replace("corner = {", "corner = { max = 1,")
+    assert asked(some) == set(NAMES) - {"wall"}
+    assert asked(some.replace("error = true", "error = false")) == set()
+    found = solved(tmp_path, 0.2, text=BODY + everything).quantity_errors(NAMES)
+    row = first_frame(tmp_path / "scene.toml").row
+    assert all(row[f"{name}_error"] == pytest.approx(found[name], rel=0.05, abs=1e-9) for name in NAMES)
+    assert "space_error" not in row and "error_error" not in row
+    schema = scene_schema()["properties"]["quantities"]
+    assert schema["properties"]["error"]["type"] == "boolean" and schema["additionalProperties"]
+
+
+def test_one_key_for_all_errors_is_refused_where_there_are_none(tmp_path):
+    text = plate().replace('app = "plane"', 'app = "moving"').replace("[quantities]", "[quantities]\nerror = true")
+    scene = write_scene(tmp_path, text + "[effects.dynamics]\ntime_step = 1e-4\n")
+    with pytest.raises(UserError, match=r"quantities\.error"):
+        make_replay(scene)

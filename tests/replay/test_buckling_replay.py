@@ -7,7 +7,8 @@ import pytest
 from columns import FOOT, PUSHED, column
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
-from restshape.replay.columns import columns
+from restshape.application import application
+from restshape.replay.columns import columns_of
 from restshape.replay.parity import Parity
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
@@ -70,11 +71,8 @@ def test_a_refused_frame_leaves_all_as_it_was(tmp_path):
 def test_recording(tmp_path):
     scene, script = write_scene(tmp_path, WIDE), write_script(tmp_path, [*AROUND[:2], {"do": "release"}])
     replay = make_replay(scene, script)
-    from restshape.application import application
-
-    own = application("plane").own_columns(replay.session.scene)
     path = tmp_path / "a.vtkhdf"
-    recorder = Recorder.start(path, {"scene": "column"}, columns(["first", "second"], own))
+    recorder = Recorder.start(path, {"scene": "column"}, columns_of(replay.session.scene, application("plane")))
     replay.recorder = recorder
     rows = rows_of(replay)
     recorder.close("finished")

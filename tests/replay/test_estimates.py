@@ -10,7 +10,8 @@ from modal import replay as modal_replay
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape.analysis.correction import largest_values
-from restshape.replay.columns import ESTIMATES, columns
+from restshape.application import application
+from restshape.replay.columns import ESTIMATES, columns_of
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.summary import summarise
@@ -102,8 +103,7 @@ def test_frames_without_an_answer_of_their_own_have_no_estimate(tmp_path):
 
 def test_recording_and_tables_hold_them(tmp_path):
     replay = make_replay(write_scene(tmp_path, plate()), write_script(tmp_path, SHORT), predict="linear")
-    names = list(replay.session.scene.quantities)
-    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns(names)) as recorder:
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns_of(replay.session.scene, application("plane"))) as recorder:
         replay.recorder = recorder
         rows = rows_of(replay)
     with Recording(tmp_path / "a.vtkhdf") as recording:

@@ -50,6 +50,8 @@ def counts():
 def counted(folder, name, **changed):
     """The rows of a drag, each with what happened in it."""
     made = make_replay(write_scene(folder, plate(0.07)), write_script(folder, EVENTS), name, **changed)
+    # What is counted is the frame alone, without what is measured beside it.
+    made.estimating = False
     rows, before = [], counts()
 
     def look(row):

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from small_scenes import PULLED, drag, make_replay, plate, rows_of, write_scene, write_script
 
+from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
-from restshape.replay.columns import columns
+from restshape.replay.columns import columns_of
 from restshape.replay.parity import Parity
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
+from restshape.scene.load import load_scene
 
 
 def replay(folder, events, text=None, **options):
@@ -82,7 +84,7 @@ def test_frames_without_solution_on_new_meshes_are_taken_back(tmp_path, text, po
     near = drag("h", (1.3, 0.5), [(1.31, 0.5)])
     scene = write_scene(tmp_path, text)
     script = write_script(tmp_path, [*far, {"do": "idle"}, hole, *near])
-    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns(["stretch", "peak", "wall", "energy"])) as recorder:
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns_of(load_scene(scene), application("plane"))) as recorder:
         made = make_replay(scene, script, policy, recorder=recorder)
         check = Parity(made)
         rows = rows_of(made, lambda row: check())

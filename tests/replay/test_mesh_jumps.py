@@ -4,11 +4,14 @@ import json
 
 import numpy as np
 import pytest
+from cloths import PIN, write_cloth
 from matplotlib.collections import LineCollection
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape.application import application
 from restshape.errors import UserError
+from restshape.mesh.moved_meshes import OtherMesh
+from restshape.mesh.moving import MovingMesh
 from restshape.mesh.quality import areas
 from restshape.replay.columns import columns_of
 from restshape.replay.mesh_jumps import MeshJumps
@@ -20,6 +23,7 @@ from restshape.report.tables import jumped
 from restshape.scene.load import load_scene
 
 ASKED = ["solve.jumps=true"]
+SHAKEN = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.0, 0.5), 60))
 FINE = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.1, 0.5), 200))
 COARSE = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.4, 0.5), 3))
 
@@ -64,16 +68,16 @@ def test_long_steps_are_compared_on_the_shape_before(tmp_path, monkeypatch):
     assert changed and all(abs(row["energy_jump"]) < 0.05 * row["q_energy"] for row in changed)
 
 
-def test_they_change_no_frame_and_cost_nothing_unasked(tmp_path):
+def test_they_change_no_frame_and_can_be_left_out(tmp_path):
     scene, script = write_scene(tmp_path, plate(0.2)), write_script(tmp_path, FINE[:1] + FINE[1:])
     found = {}
-    for words in ((), tuple(ASKED)):
+    for words in ((), ("solve.jumps=false",)):
         replay = make_replay(scene, script, overrides=words)
         found[words] = [(replay.analysis.x.tobytes(), row["iterations"], row["pc_age"]) for row in replay.frames()]
-    assert found[()] == found[tuple(ASKED)]
+    assert found[()] == found["solve.jumps=false",]
     app = application("plane")
-    assert not any(name.endswith("_jump") for name in columns_of(load_scene(scene), app))
-    assert "energy_jump" in columns_of(load_scene(scene, ASKED), app)
+    assert not any(name.endswith("_jump") for name in columns_of(load_scene(scene, ["solve.jumps=false"]), app))
+    assert "energy_jump" in columns_of(load_scene(scene), app)
 
 
 def test_summary_has_the_largest(tmp_path):
@@ -110,10 +114,61 @@ def test_reports_mark_large_ones(tmp_path, monkeypatch):
         np.testing.assert_allclose(found / found[1], [1.0 - row["energy_jump"] / row["q_energy"], 1.0], rtol=1e-9)
 
 
-def test_answers_with_a_past_are_refused(tmp_path):
-    text = plate(0.2).replace('app = "plane"', 'app = "moving"') + "[effects.dynamics]\ntime_step = 1e-4\nsteps = 1\n"
+MOVING = (
+    plate(0.2).replace('app = "plane"', 'app = "moving"').partition("[quantities]")[0]
+    + "[effects.dynamics]\ntime_step = 2e-4\nsteps = 4\n[effects.ground]\nacceleration = 50\nfrequency = 100\n"
+    + '[quantities]\nstrain = { energy = "strain" }\nedit = { energy = "edit" }\nremesh = { energy = "remesh" }\n'
+    + 'peak = { displacement = "x", at = "c", reduce = "peak" }\nwall = { reaction = "x", at = "left" }\n'
+)
+
+
+@pytest.mark.parametrize(
+    "effects", ["", "[effects.large_deformation]\n", "[effects.damping]\nalpha = 3\nbeta = 1e-4\n"]
+)
+def test_motion_on_the_very_mesh_of_a_frame_is_the_frames_own(tmp_path, monkeypatch, effects):
+    """Beside another mesh that is no other, nothing jumps: the steps from the state before are those of the frame."""
+    monkeypatch.setattr(MovingMesh, "other_meshes", lambda moving, _: (OtherMesh(moving.field_mesh, before=False),))
+    scene, script = write_scene(tmp_path, MOVING + effects), write_script(tmp_path, SHAKEN)
+    rows = rows_of(make_replay(scene, script, overrides=["solve.tolerance=1e-10"]))
+    sizes = {key: max(abs(row[f"q_{key}"]) for row in rows) for key in ("strain", "edit", "remesh", "peak", "wall")}
+    flipped = [row for row in rows[1:] if row["level"] == 2]
+    assert len(flipped) > 1 and all(np.isnan(row["strain_jump"]) for row in rows if row["level"] == 1)
+    for row in flipped:
+        for key, size in sizes.items():
+            assert abs(row[f"{key}_jump"]) <= 1e-6 * size, key
+
+
+def test_motion_jumps_where_the_mesh_changes(tmp_path):
+    """What a new mesh adds to the energy is known from the account of energies, too."""
+    rows = rows_of(make_replay(write_scene(tmp_path, MOVING), write_script(tmp_path, SHAKEN)))
+    levels = [row["level"] for row in rows]
+    assert {1, 2, 3} <= set(levels[1:])
+    assert all(np.isfinite(row["strain_jump"]) == (row["level"] > 1) for row in rows[1:])
+    added = np.diff([row["q_remesh"] for row in rows])
+    for row, more in zip(rows[1:], added):
+        if row["level"] > 1:
+            assert row["remesh_jump"] == pytest.approx(more, rel=1e-9, abs=1e-12)
+            assert 0.0 < abs(row["strain_jump"]) < 0.02 * max(row["q_strain"] for row in rows)
+
+
+def test_motion_that_an_old_mesh_does_not_bear_is_compared_on_the_shape_before(tmp_path):
+    """Of second order a new mesh comes where a placement is invalid: the state before is brought to the new mesh."""
+    made = make_replay(write_scene(tmp_path, MOVING), write_script(tmp_path, SHAKEN), overrides=["mesh.order=2"])
+    rows = rows_of(made)
+    new = [row for row in rows[1:] if row["level"] == 3]
+    assert new
+    for row in new:
+        before = rows[row["index"] - 1]
+        assert 0.0 < abs(row["strain_jump"]) < 0.05 * before["q_strain"] and np.isnan(row["peak_jump"])
+        # Interpolation and projection lose energy, no edit works on a state that stays.
+        assert row["remesh_jump"] < 0.0 and abs(row["edit_jump"]) < 1e-9 * abs(before["q_edit"])
+
+
+def test_cloth_whose_folds_are_one_answer_of_several_is_refused(tmp_path):
+    scene = write_cloth(tmp_path, PIN)
     with pytest.raises(UserError, match=r"solve\.jumps"):
-        make_replay(write_scene(tmp_path, text), overrides=ASKED)
+        make_replay(scene, write_script(tmp_path, []), overrides=ASKED)
+    assert not any(name.endswith("_jump") for name in columns_of(load_scene(scene), application("cloth")))
 
 
 @pytest.mark.mpi

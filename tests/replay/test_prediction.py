@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from small_scenes import CLAMPED, PULLED, across, drag, make_replay, plate, rows_of, write_scene, write_script
 
+from restshape.application import application
 from restshape.errors import UserError
 from restshape.replay import predicted_frames
-from restshape.replay.columns import columns
+from restshape.replay.columns import columns_of
 from restshape.replay.parity import Parity
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
+from restshape.scene.load import load_scene
 
 SHORT = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.53), 8))
 LONG = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.3, 0.55), 60))
@@ -203,9 +205,9 @@ def test_new_meshes_in_each_frame_cannot_be_predicted(tmp_path):
 
 
 def test_recording_holds_predicted_fields(tmp_path):
-    script, names = write_script(tmp_path, SHORT), ["stretch", "peak", "wall", "energy"]
-    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns(names)) as recorder:
-        made = make_replay(write_scene(tmp_path, plate()), script, recorder=recorder, predict="linear")
+    scene, script = write_scene(tmp_path, plate()), write_script(tmp_path, SHORT)
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns_of(load_scene(scene), application("plane"))) as recorder:
+        made = make_replay(scene, script, recorder=recorder, predict="linear")
         shown = [made.analysis.x.copy() for _ in made.frames()]
     with Recording(tmp_path / "a.vtkhdf") as recording:
         assert recording.verify() == []

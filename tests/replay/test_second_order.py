@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 from small_scenes import PATCH, PATCH_GRADIENT, across, drag, make_replay, plate, rows_of, write_scene, write_script
 
+from restshape.application import application
 from restshape.mesh.lagrange_space import LagrangeSpace
-from restshape.replay.columns import columns
+from restshape.replay.columns import columns_of
 from restshape.replay.parity import ENTRIES, Parity
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames
 from restshape.report.frames import draw_frames
 from restshape.report.scenery import scenery
+from restshape.scene.load import load_scene
 
 ORDER = "mesh.order=2"
 EVENTS = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.5, 0.5), 40))
@@ -128,7 +130,7 @@ def test_a_recording_holds_quadratic_triangles(tmp_path):
     path = tmp_path / "a.vtkhdf"
     scene, script = write_scene(tmp_path, plate()), write_script(tmp_path, EVENTS)
     known = []
-    with Recorder.start(path, {"title": "plate"}, columns(["stretch", "peak", "wall", "energy"])) as recorder:
+    with Recorder.start(path, {"title": "plate"}, columns_of(load_scene(scene), application("plane"))) as recorder:
         made = make_replay(scene, script, "auto", [ORDER], recorder=recorder)
         for _ in made.frames():
             mesh = made.analysis.space

@@ -222,7 +222,7 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
         print(line)
     print_quantities(summary["quantities"], summary["quantity_errors"])
     if jumps := [(name, found) for name, found in summary["jumps"].items() if found["share"] is not None]:
-        heads = ("quantity", "largest jump", "of its value", "frame")
+        heads = ("quantity", "largest jump", "share", "frame")
         cells = [(name, f"{one['largest']:.2g}", _percent(one["share"]), one["frame"]) for name, one in jumps]
         print_table("jumps where the mesh changed (SI units)", heads, cells, right=heads[1:])
     for name, exponent in summary["singular"].items():

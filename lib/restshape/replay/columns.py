@@ -71,6 +71,22 @@ def estimated_quantities(scene: Scene, application: Application) -> list[str]:
     return [name for name, one in scene.quantities.items() if one.wants_error] if application.editing.mesh else []
 
 
+def jump_scale(values: np.ndarray, in_time: bool) -> np.ndarray:
+    """What jumps of a quantity are a share of (k,): its values; in time, where these pass 0, the largest size so far.
+
+    Args:
+        values: (k,) by frame.
+        in_time: a frame goes on from the one before.
+    """
+    sizes = np.abs(np.nan_to_num(values))
+    return np.asarray(np.maximum.accumulate(sizes)) if in_time else sizes
+
+
+def jumps_wanted(scene: Scene, application: Application) -> bool:
+    """Whether frames report what changes of the mesh alone do to quantities."""
+    return scene.solve.jumps is not False and application.mesh_jumps
+
+
 def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLike]:
     """The columns of replays of a scene.
 
@@ -79,7 +95,7 @@ def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLik
     """
     known = columns(list(scene.quantities), application.own_columns(scene))
     own = {error_column(name): name for name in estimated_quantities(scene, application)}
-    if scene.solve.jumps and application.editing.mesh:
+    if jumps_wanted(scene, application):
         own |= {jump_column(name): name for name in scene.quantities}
     for column, name in own.items():
         if column in known:

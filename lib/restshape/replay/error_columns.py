@@ -13,6 +13,8 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.findings import decode_findings, encode_findings
 from restshape.replay.columns import error_column, estimated_quantities
 from restshape.replay.constraints import HOLDS, UNCERTAIN, formatted_uncertainty, limits_of, uncertain_constraints
+from restshape.scene.plain_values import table_in
+from restshape.scene.quantity import ALL_ERRORS
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import Analysis, RowValues, Solvable
@@ -57,7 +59,8 @@ class QuantityErrorColumns:
         if self.estimates is None:
             asked = next((name for name, quantity in scene.quantities.items() if quantity.error), None)
             if asked is not None:
-                raise scene.located(UserError(NONE_HERE, f"quantities.{asked}.error", LEAVE_OUT))
+                key = "error" if table_in(scene.raw, "quantities").get(ALL_ERRORS) is True else f"{asked}.error"
+                raise scene.located(UserError(NONE_HERE, f"quantities.{key}", LEAVE_OUT))
             self.names = []
         self.singular = [name for name in self.names if name in singular]
 

@@ -9,9 +9,10 @@ import numpy as np
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Analysis, Context, Solvable
 from restshape.analysis.frame import Frame
+from restshape.analysis.frame_on_other_mesh import observed_on
 from restshape.analysis.row_values import number
 from restshape.errors import ReplayProblem, UserError
-from restshape.replay.columns import jump_column
+from restshape.replay.columns import jump_column, jumps_wanted
 from restshape.scene.plan import plan
 
 if TYPE_CHECKING:
@@ -28,7 +29,8 @@ class MeshJumps:
     """Solves once more in each frame of level 2 or 3, with nothing kept: on the other mesh of the same shape.
 
     That is the old mesh on the new shape; where its triangles do not bear that, the new mesh on the shape before, whose
-    quantities are known.
+    quantities are known. What goes on in time takes the steps of the frame once more, on the old mesh, from the state
+    before them; or that state is brought to the new mesh.
 
     Args:
         scene: of the replay.
@@ -37,21 +39,23 @@ class MeshJumps:
         context: of the replay.
 
     Raises:
-        UserError: the scene asks for jumps, and its answers depend on more than the shape.
+        UserError: the scene asks for jumps, and nothing tells what meshes do to its answers.
     """
 
     def __init__(self, scene: Scene, application: Application, analysis: Analysis[Solvable], context: Context) -> None:
-        self.application, self.context = application, context
-        self.wanted = scene.solve.jumps
-        if self.wanted and analysis.predictor is None:
-            what = "only of steady states, modes and load factors it is known what a mesh does to them"
+        self.application, self.context, self.analysis = application, context, analysis
+        self.wanted = jumps_wanted(scene, application)
+        if scene.solve.jumps and not self.wanted:
+            what = "nothing tells what the mesh alone does to answers of such scenes, which have several"
             raise scene.located(UserError(what, "solve.jumps", "leave it out"))
         self._last: tuple[Scene | None, dict[str, float]] = (None, {})
+        self._before: object = None
         self._others: tuple[OtherMesh, ...] = ()
 
     def note(self, moving: MovingMesh, mesh_update: MeshUpdate) -> None:
         """Keep what a frame's mesh is to be compared with, before the next frame changes it."""
         self._others = moving.other_meshes(mesh_update.old_mesh) if self.wanted and mesh_update.level > 1 else ()
+        self._before = self.analysis.state
 
     def __call__(self, edit: EditFrame, row: RowValues) -> RowValues:
         """The columns of a frame that was solved; not numbers where the mesh stayed, or cannot be compared."""
@@ -70,12 +74,13 @@ class MeshJumps:
         """Quantities on the new mesh less those on the old one, of the same shape."""
         context = Context(self.context.comm, self.context.policy, self.context.calibration, Stages())
         cells = np.arange(len(other.mesh.cells), dtype=np.int32)
+        frame = Frame(other.mesh, cells, None, scene, (None, (0.0, 0.0)))
         try:
             analysis = cast(
                 Analysis[Solvable], self.application.make_analysis()(scene, plan(scene, self.application), context)
             )
-            analysis.solve(Frame(other.mesh, cells, None, scene, (None, (0.0, 0.0))))
+            found = observed_on(analysis, frame, self.analysis, self._before, other.before)
         except (ReplayProblem, UserError):
             return {}
         sign = 1.0 if other.before else -1.0
-        return {name: sign * (value - known[name]) for name, value in analysis.observe().items()}
+        return {name: sign * (value - known[name]) for name, value in found.items()}

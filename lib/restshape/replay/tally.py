@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypedDict
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
-from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column
+from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column, jump_scale
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.reservoir import Reservoir
 
@@ -105,12 +105,12 @@ class Tally:
             self._samples["ms still"].add(ms)
 
     def _add_jumps(self, row: RowValues) -> None:
-        """Keeps the largest jump of each quantity, its share of the value, and its frame."""
+        """Keeps the largest jump of each quantity, its share (`jump_scale`), and its frame."""
         for key in self._series:
             size, known = abs(number(row, jump_column(key[2:]))), self._jumps.get(key[2:])
             if size > (known["largest"] if known else -1.0):
-                value = abs(number(row, key))
-                share = size / value if value else None
+                scale = jump_scale(np.array(self._series[key]), SIMULATED in row)[-1]
+                share = float(size / scale) if scale else None
                 self._jumps[key[2:]] = {"largest": float(size), "share": share, "frame": whole(row, "index")}
 
     def _add_errors(self, row: RowValues) -> None:

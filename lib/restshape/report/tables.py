@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from restshape.application import applications
-from restshape.replay.columns import error_column, jump_column
+from restshape.replay.columns import SIMULATED, error_column, jump_column, jump_scale
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.replay.summary import percentiles
@@ -141,7 +141,7 @@ def jumped(recording: Recording, least: float) -> np.ndarray:
     known, frames = recording.header.get("singular") or {}, np.zeros(recording.n, dtype=bool)
     for name in (key[2:] for key in recording.table if key.startswith("q_") and key[2:] not in known):
         jumps, values = column(recording, jump_column(name)), column(recording, f"q_{name}")
-        frames |= np.abs(np.nan_to_num(jumps)) > least * np.abs(np.nan_to_num(values))
+        frames |= np.abs(np.nan_to_num(jumps)) > least * jump_scale(values, SIMULATED in recording.table)
     return np.flatnonzero(frames)
 
 
@@ -156,7 +156,8 @@ def quantity_units(header: Mapping[str, Any]) -> dict[str, str]:
     scene = header.get("scene_values")
     given = scene.get("quantities", {}) if isinstance(scene, Mapping) else {}
     units = kind_units()
-    return {name: next((units[key] for key in spec if key in units), "") for name, spec in given.items()}
+    specs = {name: spec for name, spec in given.items() if isinstance(spec, Mapping)}
+    return {name: next((units[key] for key in spec if key in units), "") for name, spec in specs.items()}
 
 
 @cache

@@ -23,6 +23,8 @@ from restshape.scene.source import Source, read_text, split_key, suggestion
 from restshape.scene.validation_errors import user_error
 
 NAMED = ("parameters", "material", "supports", "loads", "quantities")
+FOR_ALL = ("quantities", "error")
+"""A key beside names that a scene gives."""
 NAMED_OF_SHAPE = ("vertices", "edges", "holes", "regions", "points", "groups")
 
 
@@ -202,7 +204,7 @@ def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool 
             raise UserError(
                 f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
             )
-        elif key[:depth] in tables and part not in here and not (adds and last):
+        elif key[:depth] in tables and part not in here and key != FOR_ALL and not (adds and last):
             raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, suggestion(part, sorted(here)))
         if isinstance(here, list):
             if last:

@@ -268,13 +268,14 @@ def _read_scale(raw: float | str) -> float:
 class SolveSpec(Strict):
     """``[solve]``: the relative residual to reach, the policy of reuse, the bytes that a complete factor may take.
 
-    ``jumps`` asks by how much each quantity jumps where flips or a new mesh change the mesh.
+    ``jumps``: report by how much each quantity jumps where flips or a new mesh change the mesh; left out, wherever that
+    can be known.
     """
 
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-6
     policy: Literal["auto", "thesis", "refactor", "rebuild"] = "auto"
     factor_memory: Annotated[float, Field(gt=0)] = 4e9
-    jumps: bool = False
+    jumps: bool | None = None
 
 
 class Scene(Strict):

@@ -180,6 +180,7 @@ class Physics:
         order_why: the reason for that default, for people.
         layered: bodies have a thickness of their own with layers of elements over it.
         nested: its fields, of first order, may live on a mesh nested in coarser ones.
+        mesh_jumps: its answers can be compared on two meshes of one shape; not where one shape has several answers.
         check: what models alone cannot check in a scene; raises a `UserError` made by `Source.error`.
         check_shape: path ``module:attribute`` of the function that checks a scene with its first outline.
         inspect_shape: path ``module:attribute`` of the function that gives the `Inspection` of a scene with its first
@@ -211,6 +212,7 @@ class Physics:
     order_why: str = ""
     layered: bool = False
     nested: bool = False
+    mesh_jumps: bool = True
     check: Callable[[Scene, Source], None] | None = None
     check_shape: str = ""
     inspect_shape: str = ""

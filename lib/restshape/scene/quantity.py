@@ -55,6 +55,25 @@ LIMIT_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string"}], "description"
 EXACT_SCHEMA = LIMIT_SCHEMA | {"description": "in SI units, such as 180 MPa, or a formula of the parameters"}
 
 
+ALL_ERRORS = "error"
+"""The key of ``[quantities]`` that asks for the errors of all of them."""
+
+
+def with_errors(raw: object) -> object:
+    """The plain table of quantities in which each says what the key for all of them does.
+
+    Areas have no error, and a quantity that says itself whether its error is wanted keeps that.
+    """
+    if not isinstance(raw, dict) or not isinstance(raw.get(ALL_ERRORS), bool):
+        return raw
+    named = {name: one for name, one in raw.items() if name != ALL_ERRORS}
+    wanted = {"error": raw[ALL_ERRORS]}
+    return {
+        name: wanted | one if isinstance(one, dict) and not CORE.keys() & one.keys() else one
+        for name, one in named.items()
+    }
+
+
 def in_unit(unit: str, value: float, digits: int = 6) -> str:
     """The value of a quantity with its SI unit, lengths below a metre in millimetres."""
     factor, unit = (1e3, "mm") if unit == "m" and 0.0 < abs(value) < 1.0 else (1.0, unit)

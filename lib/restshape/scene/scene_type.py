@@ -9,15 +9,19 @@ from types import GenericAlias
 from typing import Annotated, Literal, TypeVar
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic.config import JsonDict
 
 from restshape.scene.annotations import Definition, annotated, extended, optional, table_of, union_of
 from restshape.scene.load_kind import LoadKind
 from restshape.scene.materials import MATERIALS
 from restshape.scene.model import Load, Material, Scene, Support, read_fix
 from restshape.scene.physics import Physics, Section
-from restshape.scene.quantity import QuantityKind, quantity_type
+from restshape.scene.quantity import ALL_ERRORS, QuantityKind, quantity_type, with_errors
 from restshape.scene.values import Name, Strict, annotation_of, value_of
 
+ERRORS: JsonDict = {
+    "properties": {ALL_ERRORS: {"type": "boolean", "description": "estimate the errors of all quantities"}}
+}
 Kind = TypeVar("Kind", LoadKind, QuantityKind)
 Core = TypeVar("Core", Material, Support)
 
@@ -64,7 +68,8 @@ def _scene_of(
     fields["material"] = (Annotated[_by_name(made), Field(min_length=1)], {})
     fields["supports"] = (_by_name(support_type(support, boundary)), {})
     fields["loads"] = (_by_name(load_type(_united(one.loads for one in physics))), {})
-    fields["quantities"] = (_by_name(quantity_type(_united(one.quantities for one in physics))), {})
+    quantities = _by_name(quantity_type(_united(one.quantities for one in physics)))
+    fields["quantities"] = (Annotated[quantities, BeforeValidator(with_errors), Field(json_schema_extra=ERRORS)], {})
     return extended(Scene, fields)
 
 

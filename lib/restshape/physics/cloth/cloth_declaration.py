@@ -43,6 +43,7 @@ CLOTH = Physics(
         true_scale="cloth is drawn where it lies",
     ),
     nested=True,
+    mesh_jumps=False,
     check=check_cloth,
     columns=cloth_columns,
     summed=mass_and_weight,

@@ -11,7 +11,7 @@ from restshape.scene.derived_effects import (
 )
 from restshape.scene.effect import DerivedEffect
 from restshape.scene.model import Scene
-from restshape.scene.plain_values import Table, tables_in
+from restshape.scene.plain_values import Table, table_in, tables_in
 
 LARGE = "large_deformation"
 
@@ -30,7 +30,8 @@ def _stresses(scene: Scene) -> str:
 
 
 def _without_stresses(raw: Table, _: On) -> Table:
-    kept = {name: quantity for name, quantity in tables_in(raw, "quantities").items() if "stress" not in quantity}
+    stresses = {name for name, quantity in tables_in(raw, "quantities").items() if "stress" in quantity}
+    kept = {name: one for name, one in table_in(raw, "quantities").items() if name not in stresses}
     return {**raw, "quantities": kept}
 
 
