@@ -32,6 +32,24 @@ class UserError(Exception):
         lines = [f"{self.where}: {self.what}" if self.where else self.what]
         return "\n".join([*lines, f"  try: {self.do}"] if self.do else lines)
 
+    @property
+    def one_line(self) -> str:
+        """The message as a table holds it."""
+        return "; try: ".join(filter(None, (f"{self.where}: {self.what}" if self.where else self.what, self.do)))
+
+
+class ValueProblem(ValueError):
+    """Something in one value of the user's input, raised where its place is not known; who knows it adds it.
+
+    Args:
+        what: what is wrong, one sentence.
+        do: what to do about it.
+    """
+
+    def __init__(self, what: str, do: str = "") -> None:
+        self.what, self.do = what, do
+        super().__init__(f"{what}: {do}" if do else what)
+
 
 class ReplayProblem(Exception):
     """A frame that cannot be computed (no equilibrium, no mesh): recorded as refused, the replay goes on."""

@@ -196,7 +196,7 @@ def bound(text: str | None, dimension: str, where: str, example: str) -> float |
         if dimension == "time" and text.strip()[-1].isdigit():
             raise UnitError(f"{text!r} has no unit")
     except UnitError as error:
-        raise UserError(str(error), where, f"write {where} {example}") from error
+        raise UserError(error.what, where, f"write {where} {example}") from error
     if value <= 0.0:
         raise UserError(f"{text} is not above 0", where, f"write {where} {example}")
     return value

@@ -105,3 +105,10 @@ def test_length_unit():
     assert length_unit("mm", "units") == 1e-3
     with pytest.raises(UserError, match="units"):
         length_unit("kg", "units")
+
+
+@pytest.mark.parametrize("written", ["5: furlong", "a: b", "3 mm: 2"])
+def test_a_colon_in_what_was_written_does_not_tear_the_message(written):
+    with pytest.raises(UnitError) as found:
+        quantity(written, "length")
+    assert repr(written) in found.value.what and "mm" in found.value.do

@@ -71,9 +71,9 @@ class PlankSpec(Strict):
         for way, keys in zip(ways, given):
             missing = [key for key in way if key not in keys]
             if keys and missing:
-                raise UnitError(f"the key {missing[0]!r} is missing: add it")
+                raise UnitError(f"the key {missing[0]!r} is missing", "add it")
         if not any(given):
-            raise UnitError("the plank has no place: give from, to and width, or center and size")
+            raise UnitError("the plank has no place", "give from, to and width, or center and size")
         return self
 
 

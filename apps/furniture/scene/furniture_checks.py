@@ -90,12 +90,10 @@ def _check_number(scene: Scene, source: Source, key: Key, value: Any) -> None:
             what = "a plank has no coordinates of its own: this formula cannot name x or y"
             raise source.error(key, what, "use [parameters] only")
         if unknown := value.unknown(scene.parameters, ()):
-            what, _, do = unknown.partition(": ")
-            raise source.error(key, what, do)
+            raise source.error(key, unknown.what, unknown.do)
     try:
         found = number(value, scene.parameters)
     except UnitError as error:
-        what, _, do = str(error).partition(": ")
-        raise source.error(key, what, do) from error
+        raise source.error(key, error.what, error.do) from error
     if key[-1] in POSITIVE and found <= 0.0:
         raise source.error(key, f"{found:g} is too small: it must be greater than 0", "")

@@ -63,18 +63,18 @@ Amount = Annotated[
 def _read_target(raw: Any) -> Any:
     """A point to drag to; a number is what parameters are dragged by."""
     if isinstance(raw, (int, float, str)) and not isinstance(raw, bool):
-        raise UnitError(f"a plank is dragged to a point [x, y, z], not {raw!r}: use 'by' for a held parameter")
+        raise UnitError(f"a plank is dragged to a point [x, y, z], not {raw!r}", "use 'by' for a held parameter")
     return raw
 
 
 Target = Annotated[Place, BeforeValidator(_read_target)]
 
 
-def far_turn(angle: float) -> str:
-    """What is wrong with a turn by an angle [rad]; empty if nothing is."""
-    return (
-        f"a turn by {angle:g} rad is too far: at most {MOST_TURN:.4g} rad, ten turns" if abs(angle) > MOST_TURN else ""
-    )
+def far_turn(angle: float) -> UnitError | None:
+    """What is wrong with a turn by an angle [rad]; None if nothing is."""
+    if abs(angle) <= MOST_TURN:
+        return None
+    return UnitError(f"a turn by {angle:g} rad is too far", f"at most {MOST_TURN:.4g} rad, ten turns")
 
 
 class PlankPress(EventLine):
@@ -88,7 +88,7 @@ class PlankPress(EventLine):
     @model_validator(mode="after")
     def _is_one_kind(self) -> Self:
         if self.at is not None and self.parameter is not None:
-            raise UnitError("a parameter is held by its name, not at a point: leave out at")
+            raise UnitError("a parameter is held by its name, not at a point", "leave out at")
         return self
 
 
@@ -128,7 +128,7 @@ class PlankRotate(EventLine):
     @model_validator(mode="after")
     def _is_not_far(self) -> Self:
         if wrong := far_turn(self.by):
-            raise UnitError(wrong)
+            raise wrong
         return self
 
 

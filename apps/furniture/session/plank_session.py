@@ -133,7 +133,7 @@ class PlankSession(ScriptSession):
         if amount is None:
             kinds = ("an angle", "a length") if turns else ("a length", "an angle")
             return None, f"{name} is dragged by {kinds[0]}, not by {kinds[1]}"
-        return amount, far_turn(amount) if turns else ""
+        return amount, str((turns and far_turn(amount)) or "")
 
     def _drag_to(self, grab: Grab, shift: np.ndarray) -> Step:
         """One frame of a drag that is as far as a shift (3,) from where it began."""

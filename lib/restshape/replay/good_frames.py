@@ -12,6 +12,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import RecordingFile
+from restshape.replay.layout import DamagedRecording
 from restshape.replay.recording import Recording
 from restshape.replay.vtkhdf import RecordedFrame, Topology, VtkHdfWriter
 
@@ -80,10 +81,10 @@ def _found(path: Path, named: Path) -> Recording:
     """
     try:
         return Recording(path)
+    except DamagedRecording as error:
+        what = f"no frame can be found, for header or index cannot be read: {error.what}"
+        raise UserError(what, str(named), "record it again: salvage needs both") from error
     except UserError as error:
-        if error.do.startswith("restshape salvage"):
-            what = f"no frame can be found, for header or index cannot be read: {error.what}"
-            raise UserError(what, str(named), "record it again: salvage needs both") from error
         raise UserError(error.what, str(named), error.do) from error
 
 

@@ -79,7 +79,19 @@ def refuse_bad_places(starts: np.ndarray, counts: np.ndarray, length: int, what:
         raise ValueError(f"frames refer to {what} that are not there")
 
 
-def bad(path: Path, what: str) -> UserError:
+class DamagedRecording(UserError):
+    """A file that is no recording, or one of which some frames may be good: `restshape salvage` looks for them.
+
+    Args:
+        what: is wrong.
+        path: of the file.
+    """
+
+    def __init__(self, what: str, path: Path) -> None:
+        do = f"restshape salvage {path} --out FILE.vtkhdf writes the frames that are good, if there are any"
+        super().__init__(what, str(path), do)
+
+
+def bad(path: Path, what: str) -> DamagedRecording:
     """The error of a file that is none of ours."""
-    do = f"restshape salvage {path} --out FILE.vtkhdf writes the frames that are good, if there are any"
-    return UserError(f"this is no recording, or it is damaged: {what}", str(path), do)
+    return DamagedRecording(f"this is no recording, or it is damaged: {what}", path)

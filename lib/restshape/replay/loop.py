@@ -161,7 +161,7 @@ class Replay:
                 raise UserError(
                     str(problem), str(edit.scene.path), "mend the scene: its first shape has no solution"
                 ) from problem
-            refused = str(problem).replace("\n  try:", "; try:")
+            refused = problem.one_line if isinstance(problem, UserError) else str(problem)
             log.info("%4d Frame refused: %s", edit.index, refused)
             self.moving.rollback()
             if self.prediction:

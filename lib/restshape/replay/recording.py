@@ -13,7 +13,14 @@ import numpy as np
 from restshape.errors import UserError, printable
 from restshape.replay.columns import ALIASES, SIMULATED, renamed
 from restshape.replay.containment import refuse_other_files
-from restshape.replay.layout import WIDTHS, bad, refuse_bad_arrays, refuse_bad_header, refuse_bad_places
+from restshape.replay.layout import (
+    WIDTHS,
+    DamagedRecording,
+    bad,
+    refuse_bad_arrays,
+    refuse_bad_header,
+    refuse_bad_places,
+)
 from restshape.replay.vtkhdf import FORMAT, PARTS, checksum
 from restshape.scene.plain_values import Table
 
@@ -70,8 +77,7 @@ class Recording:
         except (KeyError, OSError, ValueError, TypeError, RuntimeError, AttributeError, IndexError) as error:
             self._file.close()
             what = printable(f"this is no recording, or it is damaged ({str(error)[:200]})")
-            do = f"restshape salvage {path} --out FILE.vtkhdf writes the frames that are good, if there are any"
-            raise UserError(what, str(path), do) from error
+            raise DamagedRecording(what, self.path) from error
 
     def _open(self) -> h5py.File:
         if not self.path.is_file():
@@ -83,10 +89,9 @@ class Recording:
                 # A writer that was just killed holds its lock until the system has buried it.
                 time.sleep(_PAUSE if attempt + 1 < _ATTEMPTS else 0.0)
             except OSError as error:
-                cut = "truncated" in str(error)
-                what = "this recording is cut off" if cut else "this is no recording (not an HDF5 file)"
-                do = f"restshape salvage {self.path} --out FILE.vtkhdf writes its good frames" if cut else ""
-                raise UserError(what, str(self.path), do) from error
+                if "truncated" in str(error):
+                    raise DamagedRecording("this recording is cut off", self.path) from error
+                raise UserError("this is no recording (not an HDF5 file)", str(self.path)) from error
         raise UserError("this recording is still being written", str(self.path), "wait for its replay to end")
 
     def _read_frame_index(self) -> None:

@@ -147,5 +147,5 @@ def failure(recording: Recording, i: int, solved: bool = True) -> str:
 
 
 def _short(text: str) -> str:
-    text = " ".join(text.partition("; try:")[0].split())
+    text = " ".join(text.split())
     return text if len(text) <= LONGEST else text[: LONGEST - 2] + " …"

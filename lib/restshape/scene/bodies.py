@@ -94,7 +94,7 @@ class Body(Strict):
         _refuse_flat(self.kind, form)
         friction = number(self.friction, parameters)
         if friction < 0.0:
-            raise UnitError(f"the coefficient of friction is {friction:g}: it must be at least 0")
+            raise UnitError(f"the coefficient of friction is {friction:g}", "write at least 0")
         return self.model_copy(update={self.kind: form, "friction": friction})
 
 
@@ -127,7 +127,7 @@ def number(value: Value, parameters: dict[str, float]) -> float:
         return value
     found = float(value.evaluate(0.0, 0.0, parameters))
     if not abs(found) < float("inf"):
-        raise UnitError(f"the formula {value.text!r} gives {found}: change it, or the parameters")
+        raise UnitError(f"the formula {value.text!r} gives {found}", "change it, or the parameters")
     return found
 
 
@@ -152,15 +152,15 @@ def _refuse_flat(kind: str, form: Sphere | Plane | Box | Capsule) -> None:
     """Refuses a body of numbers without a size or a direction."""
     if isinstance(form, Plane):
         if not any(form.normal):
-            raise UnitError("the normal of a plane has no direction: one of its three numbers must not be 0")
+            raise UnitError("the normal of a plane has no direction", "write one that is not 0 0 0")
         return
     sizes = [number(size, {}) for size in (form.half if isinstance(form, Box) else (form.radius,))]
     if min(sizes) <= 0.0:
-        raise UnitError(f"a size of the {kind} is {min(sizes):g} m: it must be greater than 0")
+        raise UnitError(f"a size of the {kind} is {min(sizes):g} m", "write one greater than 0")
     radius = number(form.radius, {})
     if isinstance(form, Box) and not 0.0 <= radius <= min(sizes):
         most = f"at least 0 and at most the smallest half size, {min(sizes):g} m"
-        raise UnitError(f"the radius of the box's edges is {radius:g} m: it must be {most}")
+        raise UnitError(f"the radius of the box's edges is {radius:g} m", f"write {most}")
 
 
 def body_words(body: Body) -> str:

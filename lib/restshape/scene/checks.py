@@ -201,8 +201,7 @@ def _check_formulas(scene: Scene, source: Source) -> None:
         refuse_places(("quantities", name, "reference"), quantity.reference, "a closed form", source)
     for place, formula in formulas(scene):
         if unknown := formula.unknown(scene.parameters):
-            what, _, do = unknown.rpartition(": ")
-            raise source.error(place, what, do)
+            raise source.error(place, unknown.what, unknown.do)
         if formula.wanted in LEAST and not formula.names.intersection(COORDINATES):
             _refuse_impossible(place, formula, scene, source)
 
@@ -212,8 +211,7 @@ def _refuse_impossible(place: tuple[str, ...], formula: Expression, scene: Scene
     try:
         refuse_impossible(float(formula.evaluate(0.0, 0.0, scene.parameters)), formula.wanted)
     except UnitError as error:
-        what, _, do = str(error).partition(": ")
-        raise source.error(place, f"{formula.text!r} is {what}", do) from error
+        raise source.error(place, f"{formula.text!r} is {error.what}", error.do) from error
 
 
 def refuse_places(place: tuple[str, ...], value: object, what: str, source: Source) -> None:

@@ -55,12 +55,11 @@ def check_units(scene: BaseModel, written: Mapping[str, object], source: Source)
         try:
             check_temperatures(_tree(formula.text), on_scale)
         except UnitError as error:
-            what, _, do = str(error).partition(": ")
-            raise source.error(key, f"{formula.text!r} {what}", do) from error
+            raise source.error(key, f"{formula.text!r} {error.what}", error.do) from error
         try:
             found = _of(_tree(formula.text), named)
         except UnitError as error:
-            raise source.error(key, f"{formula.text!r} {error}", "give the parameters units that fit") from error
+            raise source.error(key, f"{formula.text!r} {error.what}", "give the parameters units that fit") from error
         if found is None or formula.wanted is None:
             continue
         if found != _plain(DIMENSIONS[formula.wanted]):

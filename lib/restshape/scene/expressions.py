@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from restshape.bounds import FORMULA_CHARACTERS
-from restshape.errors import quoted
+from restshape.errors import ValueProblem, quoted
 from restshape.scene import duals
 from restshape.scene.duals import Dual
 from restshape.scene.temperature_scales import check_temperatures, in_kelvins
@@ -36,7 +36,7 @@ CONSTANTS = {"pi": np.pi}
 MAX_DEPTH = 100
 
 
-class ExpressionError(ValueError):
+class ExpressionError(ValueProblem):
     """A formula that cannot be read, or that names something unknown."""
 
 
@@ -60,14 +60,15 @@ class Expression:
     def __init__(self, text: str, wanted: str | None = None) -> None:
         self.text, self.wanted = text, wanted
         if len(text) > FORMULA_CHARACTERS:
-            raise ExpressionError(f"the formula is {len(text)} characters long: {FORMULA_CHARACTERS} are allowed")
+            what = f"the formula is {len(text)} characters long, and {FORMULA_CHARACTERS} are allowed"
+            raise ExpressionError(what, "write a shorter one")
         body = parsed(text)
         names: set[str] = set()
         _examine(body, text, names, 0)
         try:
             check_temperatures(body)
         except UnitError as error:
-            raise ExpressionError(f"{quoted(text)} {error}") from error
+            raise ExpressionError(f"{quoted(text)} {error.what}", error.do) from error
         tree = ast.Expression(in_kelvins(body))
         numbers = _Numbers()
         tree = numbers.visit(tree)
@@ -85,13 +86,15 @@ class Expression:
     def __hash__(self) -> int:
         return hash(self.text)
 
-    def unknown(self, parameters: dict[str, float], coordinates: Sequence[str] = COORDINATES) -> str | None:
-        """What the formula names although it is neither a coordinate nor a parameter, with a suggestion; or None."""
+    def unknown(self, parameters: dict[str, float], coordinates: Sequence[str] = COORDINATES) -> ExpressionError | None:
+        """The error of what the formula names although it is neither a coordinate nor a parameter; or None."""
         known = [*coordinates, *CONSTANTS, *parameters]
         for name in sorted(self.names.difference(known)):
             near = get_close_matches(name, known, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"known names: {', '.join(known)}"
-            return f"the formula {quoted(self.text)} names {name!r}, which is not in [parameters]: {hint}"
+            return ExpressionError(
+                f"the formula {quoted(self.text)} names {name!r}, which is not in [parameters]", hint
+            )
         return None
 
     def evaluate(self, x: ArrayLike, y: ArrayLike, parameters: dict[str, float]) -> NDArray[np.float64]:
@@ -129,7 +132,7 @@ class Expression:
         """The formula in whatever arithmetic the coordinates and functions bring."""
         unknown = self.unknown(parameters)
         if unknown:
-            raise ExpressionError(unknown)
+            raise unknown
         values = {name: np.float64(value) for name, value in (CONSTANTS | parameters).items()}
         with np.errstate(all="ignore"):
             return eval(self._code, {"__builtins__": {}}, {**functions, **self._numbers, **values, "x": x, "y": y})
@@ -147,7 +150,7 @@ def parsed(text: str) -> ast.expr:
     """
     # The sign by which `in_si` marks temperatures.
     if "@" in text:
-        raise ExpressionError(_no_formula(text))
+        raise _no_formula(text)
     plain = in_si(text)
     try:
         return ast.parse(plain.strip().replace("^", "**"), mode="eval").body
@@ -155,11 +158,9 @@ def parsed(text: str) -> ast.expr:
         raise ExpressionError(f"{quoted(text)} is not a formula") from error
 
 
-def _no_formula(text: str) -> str:
-    return (
-        f"{quoted(text)} holds something that formulas may not hold: use + - * / ^, numbers, x, y, pi, "
-        f"parameters and {', '.join(FUNCTIONS)}"
-    )
+def _no_formula(text: str) -> ExpressionError:
+    do = f"use + - * / ^, numbers, x, y, pi, parameters and {', '.join(FUNCTIONS)}"
+    return ExpressionError(f"{quoted(text)} holds something that formulas may not hold", do)
 
 
 def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
@@ -171,7 +172,7 @@ def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
             inner: list[ast.AST] = []
         case ast.Name(id=name):
             if name in FUNCTIONS:
-                raise ExpressionError(f"{name!r} in {quoted(text)} is a function: write {name}(...)")
+                raise ExpressionError(f"{name!r} in {quoted(text)} is a function", f"write {name}(...)")
             names.add(name)
             inner = []
         case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
@@ -186,7 +187,7 @@ def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
         case ast.Call():
             raise ExpressionError(f"{quoted(text)} calls something that is not one of {', '.join(FUNCTIONS)}")
         case _:
-            raise ExpressionError(_no_formula(text))
+            raise _no_formula(text)
     for part in inner:
         _examine(part, text, names, depth + 1)
 
@@ -196,7 +197,7 @@ def _check_call(name: str, count: int, text: str) -> None:
     if name not in FUNCTIONS:
         near = get_close_matches(name, FUNCTIONS, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"known functions: {', '.join(FUNCTIONS)}"
-        raise ExpressionError(f"{quoted(text)} calls {name!r}, which is not a known function: {hint}")
+        raise ExpressionError(f"{quoted(text)} calls {name!r}, which is not a known function", hint)
     wanted = FUNCTIONS[name][1]
     if count != wanted:
         raise ExpressionError(f"{name} in {quoted(text)} takes {wanted} argument{'s' * (wanted > 1)}, not {count}")

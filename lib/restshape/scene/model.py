@@ -96,7 +96,7 @@ class PolylineSpec(Strict):
 def _check_ends(ends: tuple[str, str]) -> None:
     """Refuses an edge from a vertex to itself."""
     if ends[0] == ends[1]:
-        raise UnitError(f"the edge has zero length: it goes from {ends[0]!r} to itself")
+        raise UnitError(f"the edge has zero length, for it goes from {ends[0]!r} to itself")
 
 
 EdgeSpec = Annotated[
@@ -209,7 +209,7 @@ class Support(Strict):
     @model_validator(mode="after")
     def _says_something(self) -> Self:
         if not any(getattr(self, key) for key in type(self).model_fields if key != "on"):
-            raise UnitError("the key 'fix' is missing: add it")
+            raise UnitError("the key 'fix' is missing", "add it")
         return self
 
 

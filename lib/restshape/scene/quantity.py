@@ -163,7 +163,7 @@ class Quantity(Strict):
     def _is_one_kind(self) -> Self:
         kind = only_one(self, self.kinds)
         if self.error and kind in CORE:
-            raise UnitError(f"{article(kind)} has no error estimate: leave error = true out")
+            raise UnitError(f"{article(kind)} has no error estimate", "leave error = true out")
         reductions = self.kinds[kind].reductions
         if reductions and self.reduce not in reductions:
             raise UnitError(

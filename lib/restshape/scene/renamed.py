@@ -24,7 +24,7 @@ def by_todays_names(raw: object, renamed: Mapping[str, str]) -> object:
     today = {old: new for new, old in renamed.items()}
     for old, new in today.items():
         if old in raw and new in raw:
-            raise UnitError(f"{old!r} and {new!r} are two names of one key: keep {new!r}")
+            raise UnitError(f"{old!r} and {new!r} are two names of one key", f"keep {new!r}")
     return {today.get(key, key): value for key, value in raw.items()}
 
 

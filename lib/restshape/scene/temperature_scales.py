@@ -119,11 +119,11 @@ def _product(terms: list[_Term]) -> _Term:
         UnitError: one of them is a temperature on a scale.
     """
     if any(term.written and term.zeros is not None and 0 not in term.zeros for term in terms):
-        raise UnitError(f"multiplies a temperature on a scale, which begins at another zero than K: {DO}")
+        raise UnitError("multiplies a temperature on a scale, which begins at another zero than K", DO)
     return FREE if all(term.zeros is not None and 0 in term.zeros for term in terms) else _Term(None, False)
 
 
 def _check_sum(term: _Term) -> None:
     """Refuses a sum that is neither a temperature nor a difference of two."""
     if term.zeros is not None and not WHOLE & term.zeros:
-        raise UnitError(f"adds temperatures that each count from a zero of their own: {DO}")
+        raise UnitError("adds temperatures that each count from a zero of their own", DO)

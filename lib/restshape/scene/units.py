@@ -4,7 +4,7 @@ import math
 import re
 
 from restshape import bounds
-from restshape.errors import UserError, quoted
+from restshape.errors import UserError, ValueProblem, quoted
 
 Powers = tuple[int, ...]
 """Powers of the base units, in the order of `BASE`."""
@@ -140,7 +140,7 @@ FACTOR = re.compile(r"([*/·\s]*)([A-Za-zµ°%]+)(?:\^?(-?\d+))?\s*")
 GROUP = re.compile(r"/\s*\(([^()]*)\)")
 
 
-class UnitError(ValueError):
+class UnitError(ValueProblem):
     """A number with a unit that cannot be read, or of the wrong dimension."""
 
 
@@ -187,7 +187,7 @@ def unit(text: str) -> tuple[float, Powers]:
     for group in GROUP.findall(plain):
         scale, own = _product(group, text)
         if not scale:
-            raise UnitError(f"{quoted(text.strip())} is too large a unit: write a smaller one")
+            raise UnitError(f"{quoted(text.strip())} is too large a unit", "write a smaller one")
         factor, powers = factor / scale, tuple(p - q for p, q in zip(powers, own))
     rest = GROUP.sub(" ", plain)
     scale, own = _product(rest, text) if rest.strip() else (1.0, NONE)
@@ -223,18 +223,20 @@ def _exponent(digits: str, text: str) -> int:
         UnitError: it is larger than any that is meant.
     """
     if len(digits) > 3 or abs(int(digits)) > bounds.UNIT_POWER:
-        raise UnitError(f"{quoted(text.strip())} has a unit to a power beyond {bounds.UNIT_POWER}: write a smaller one")
+        raise UnitError(
+            f"{quoted(text.strip())} has a unit to a power beyond {bounds.UNIT_POWER}", "write a smaller one"
+        )
     return int(digits)
 
 
 def _unknown_unit(word: str, text: str) -> UnitError:
     """The error of a word that is no unit; empty where the text cannot be read at all."""
     if word in ZEROS:
-        return UnitError(f"{quoted(text.strip())} holds a scale of temperatures, which is no unit: write K")
+        return UnitError(f"{quoted(text.strip())} holds a scale of temperatures, which is no unit", "write K")
     word = word or text.strip()
     alike = [name for name in UNITS if name.lower() == word.lower() and name != word]
     do = f"did you mean {' or '.join(map(repr, alike))}?" if alike else KNOWN_UNITS
-    return UnitError(f"{quoted(text.strip())} is not a known unit: {do}")
+    return UnitError(f"{quoted(text.strip())} is not a known unit", do)
 
 
 def spelled(powers: Powers) -> str:
@@ -283,12 +285,12 @@ def finite_quantity(value: object, dimension: str | None) -> tuple[float, str | 
     """
     example = f"write a number or {EXAMPLES[dimension]}" if dimension else 'write a number or "12 mm"'
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise UnitError(f"a number is wanted here, not {value!r}: {example}")
+        raise UnitError(f"a number is wanted here, not {value!r}", example)
     factor, zero = 1.0, 0.0
     if isinstance(value, str):
         match = NUMBER_UNIT.match(value) if len(value) <= bounds.QUANTITY_CHARACTERS else None
         if match is None:
-            raise UnitError(f"{quoted(value)} is not a number with a unit: {example}")
+            raise UnitError(f"{quoted(value)} is not a number with a unit", example)
         if match[2]:
             zero = ZEROS.get(match[2].strip(), 0.0)
             factor, powers = UNITS["K"] if zero else unit(match[2])
@@ -299,9 +301,7 @@ def finite_quantity(value: object, dimension: str | None) -> tuple[float, str | 
                         "divide it by the thickness, for rho times thickness is the mass by area: "
                         f'{value} that are 0.4 mm thick have rho = "{by_area / 4e-4:.6g} kg/m^3"'
                     )
-                raise UnitError(
-                    f"{value!r} is {article(spelled(powers))}, but {article(dimension)} is wanted: {example}"
-                )
+                raise UnitError(f"{value!r} is {article(spelled(powers))}, but {article(dimension)} is wanted", example)
         value = match[1]
     number = _as_float(value) * factor + zero
     if not math.isfinite(number):
@@ -328,11 +328,13 @@ def refuse_impossible(number: float, dimension: str | None) -> None:
     if abs(number) > largest:
         symbol = f" {SYMBOLS[dimension]}" if dimension and SYMBOLS[dimension] else ""
         raise UnitError(
-            f"{number:.6g}{symbol} is beyond {largest:g}{symbol}: write a smaller number, or check its unit"
+            f"{number:.6g}{symbol} is beyond {largest:g}{symbol}", "write a smaller number, or check its unit"
         )
     least, what = LEAST.get(dimension or "", (-math.inf, ""))
     if number < least:
-        raise UnitError(f"a {dimension} of {number:.6g} {SYMBOLS[dimension or '']} is below {what}: write a higher one")
+        raise UnitError(
+            f"a {dimension} of {number:.6g} {SYMBOLS[dimension or '']} is below {what}", "write a higher one"
+        )
 
 
 def on_scale(number: float, scale: str) -> float:
@@ -358,7 +360,7 @@ def in_si(formula: str) -> str:
         if match[2] not in UNITS and match[2] not in ZEROS:
             return match[0]
         if match[3]:
-            raise UnitError(f"{match[0].strip()!r} could mean two things: write ({match[1]} {match[2]})^...")
+            raise UnitError(f"{match[0].strip()!r} could mean two things", f"write ({match[1]} {match[2]})^...")
         if match[2] in ZEROS:
             mark = next(name for name, scale in SCALED.items() if scale == match[2])
             return f"({float(match[1])!r}@{mark})"
@@ -376,4 +378,4 @@ def length_unit(text: str, where: str) -> float:
     try:
         return quantity(f"1 {text}", "length")
     except UnitError as error:
-        raise UserError(str(error), where, 'use "m", "cm", "mm", "in" or "ft"') from error
+        raise UserError(error.what, where, 'use "m", "cm", "mm", "in" or "ft"') from error

@@ -8,7 +8,7 @@ from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
 from typing_extensions import is_typeddict
 
-from restshape.errors import UserError
+from restshape.errors import UserError, ValueProblem
 from restshape.scene.source import Source, suggestion
 from restshape.scene.units import reads_as_quantity
 
@@ -105,9 +105,8 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
         case "missing":
             return f"the key {str(details['loc'][-1])!r} is missing", "add it"
         case "value_error":
-            message = str(context["error"])
-            what, _, do = message.partition(": ")
-            return (what, do) if do else (message, "")
+            error = context["error"]
+            return (error.what, error.do) if isinstance(error, ValueProblem) else (str(error), "")
         case "kind":
             return f"{details['msg']}, {shown}", ""
         case "literal_error":

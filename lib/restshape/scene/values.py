@@ -142,11 +142,11 @@ def _read_name(raw: object) -> str:
     if not isinstance(raw, str):
         raise UnitError(f"a name is wanted here, not {raw!r}")
     if raw in RESERVED:
-        raise UnitError(f"{raw!r} means something already: choose another name")
+        raise UnitError(f"{raw!r} means something already", "choose another name")
     if len(raw) > NAME_CHARACTERS:
-        raise UnitError(f"a name has more than {NAME_CHARACTERS} characters: choose a shorter one")
+        raise UnitError(f"a name has more than {NAME_CHARACTERS} characters", "choose a shorter one")
     if not NAME.fullmatch(raw):
-        raise UnitError(f"{raw!r} cannot be a name: use letters, digits, - and _, and start with a letter")
+        raise UnitError(f"{raw!r} cannot be a name", "use letters, digits, - and _, and start with a letter")
     return raw
 
 

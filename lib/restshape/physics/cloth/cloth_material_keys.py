@@ -16,7 +16,7 @@ def _read_bending(raw: Any) -> float | tuple[float, float]:
         raise UnitError(f"two bending stiffnesses are wanted, along and across the grain, or one, not {len(given)}")
     along, across = (quantity(value, "moment") for value in given)
     if min(along, across) < 0.0:
-        raise UnitError(f"{min(along, across):g} is too small: a bending stiffness must be at least 0")
+        raise UnitError(f"{min(along, across):g} is too small", "write a bending stiffness of at least 0")
     return along if given is not raw else (along, across)
 
 
@@ -44,5 +44,5 @@ class ClothMaterial(ElasticMaterial):
     @model_validator(mode="after")
     def _bends_in_one_way(self) -> Self:
         if isinstance(self.bending, tuple) and self.orthotropic is None:
-            raise UnitError("an isotropic material has one bending stiffness: give one, or add orthotropic")
+            raise UnitError("an isotropic material has one bending stiffness", "give one, or add orthotropic")
         return self

@@ -58,5 +58,4 @@ def _check_bodies(scene: Scene, source: Source) -> None:
         try:
             settle(scene.parameters)
         except UnitError as error:
-            what, _, do = str(error).partition(": ")
-            raise source.error(key, what, do) from error
+            raise source.error(key, error.what, error.do) from error

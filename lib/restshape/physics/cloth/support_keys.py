@@ -20,7 +20,7 @@ class ClothSupport(Support):
     @model_validator(mode="after")
     def _is_of_cloth(self) -> Self:
         if self.fix and self.symmetry is not None:
-            raise UnitError("a support has fix or symmetry, not both: make it two supports")
+            raise UnitError("a support has fix or symmetry, not both", "make it two supports")
         if self.fix.get("slope", 0.0) != 0.0:
-            raise UnitError("a slope is fixed as it is, and has no displacement: write slope = 0")
+            raise UnitError("a slope is fixed as it is, and has no displacement", "write slope = 0")
         return self

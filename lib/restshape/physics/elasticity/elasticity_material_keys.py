@@ -38,7 +38,7 @@ class Orthotropic(Strict):
         (E1, E2, E3), (n12, n13, n23) = self.E, self.nu
         couplings = (n12**2 * E2 / E1, n13**2 * E3 / E1, n23**2 * E3 / E2)
         if max(couplings) >= 1 or sum(couplings) + 2 * n12 * n13 * n23 * E3 / E1 >= 1:
-            raise UnitError("with these ratios nu some strains would set energy free: make them smaller")
+            raise UnitError("with these ratios nu some strains would set energy free", "make them smaller")
         return self
 
 
@@ -62,10 +62,10 @@ class ElasticMaterial(Material):
         if self.orthotropic is None:
             if missing:
                 raise UnitError(
-                    f"the key {missing[0]!r} is missing: add it, or name a material: {', '.join(self.known)}"
+                    f"the key {missing[0]!r} is missing", f"add it, or name a material: {', '.join(self.known)}"
                 )
             if self.grain:
-                raise UnitError("an isotropic material has no grain: leave it out, or add orthotropic")
+                raise UnitError("an isotropic material has no grain", "leave it out, or add orthotropic")
         elif len(missing) < 2:
-            raise UnitError("E and nu are of isotropic materials: set orthotropic.E and orthotropic.nu instead")
+            raise UnitError("E and nu are of isotropic materials", "set orthotropic.E and orthotropic.nu instead")
         return self
