@@ -51,7 +51,7 @@ THINNED: dict[str, int] = {"couture/pins": 4, "couture/sphere-drag": 4}
 
 Keys are an application, application/script, application/script policy, or a whole name."""
 QUICK = ("bridge/bridge", "cantilever/cantilever", "couture/cylinder", "furniture/table", "metallophone/fish")
-QUICK += ("solid/plate", "vibration/building")
+QUICK += ("solid/plate", "thermal/fins", "vibration/building")
 """One script of each application: for --quick, and on two ranks too."""
 PREDICTED = ("bridge/bridge", "cantilever/cantilever", "metallophone/fish", "solid/plate")
 """Scripts that are predicted too."""

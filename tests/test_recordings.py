@@ -58,3 +58,14 @@ def test_a_changed_value_is_found(tmp_path, run):
     assert done.returncode == 1, done.stdout
     assert f"column unknowns: {replay['frames']} of {replay['frames']} frames, first in frame 0" in done.stdout
     assert "note: new column newton" in done.stdout and "column residual" not in done.stdout
+
+
+def test_every_application_has_a_script_that_is_quick_and_on_two_ranks():
+    sys.path.insert(0, str(SCRIPT.parent))
+    try:
+        from recordings import QUICK
+    finally:
+        sys.path.remove(str(SCRIPT.parent))
+    shipped = {path.parent.name for path in (ROOT / "apps").glob("*/__init__.py")}
+    assert {name.split("/")[0] for name in QUICK} == shipped
+    assert all((ROOT / "apps" / name.replace("/", "/edits/")).with_suffix(".jsonl").is_file() for name in QUICK)

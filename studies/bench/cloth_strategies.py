@@ -9,7 +9,7 @@ from typing import Any
 
 from restshape_studies.bench.job import Job, Outcome, Row, run
 
-WAYS = ("auto", "kinetic", "rayleigh", "newton", "stabilised", "cg")
+STRATEGIES = ("auto", "kinetic", "rayleigh", "newton", "stabilised", "cg")
 BENDING = ("hinge", "morley", "nonlinear")
 POLICIES = ("rebuild", "thesis", "auto")
 PATIENCE = 30.0
@@ -22,13 +22,13 @@ class Plan:
     """What is compared.
 
     Args:
-        ways: of `effects.drape.strategy`, each from where the scene lays the cloth.
+        strategies: of `effects.drape.strategy`, each from where the scene lays the cloth.
         bending: kinds of `effects.cloth.bending`, by the strategy that the scene names.
         policies: on the frames of the job's script.
         seconds: after which a run is given up.
     """
 
-    ways: Sequence[str] = WAYS
+    strategies: Sequence[str] = STRATEGIES
     bending: Sequence[str] = BENDING
     policies: Sequence[str] = POLICIES
     seconds: float = 60.0
@@ -48,37 +48,40 @@ def study(job: Job, plan: Plan, on_run: Callable[[str], None], play: Play = run)
     Raises:
         UserError: the scene cannot be simulated.
 
-    Returns: ways and bending: by name what `bench.drape` measures, or a problem; ways with `short`, the part of
-        the energy's fall to the best rest that is missing; policies: by name what the frames took.
+    Returns: strategies and bending: by name what `bench.drape` measures, or a problem; strategies with `short`, the
+        part of the energy's decrease to the best equilibrium that is missing; policies: by name what the frames took.
     """
     still = replace(job, edits="", measure="drape", details={"seconds": plan.seconds})
-    found: Row = {"ways": {}, "bending": {}, "policies": {}}
-    for kind, key, names in (("ways", "drape.strategy", plan.ways), ("bending", "cloth.bending", plan.bending)):
+    found: Row = {"strategies": {}, "bending": {}, "policies": {}}
+    for kind, key, names in (
+        ("strategies", "drape.strategy", plan.strategies),
+        ("bending", "cloth.bending", plan.bending),
+    ):
         for name in names:
             on_run(f"{kind}: {name}")
             outcome = play(replace(still, overrides=(*job.overrides, f"effects.{key}={name}")), plan.seconds + PATIENCE)
             found[kind][name] = outcome.found or {"problem": outcome.problem}
-    add_short(found["ways"])
+    add_short(found["strategies"])
     for name in plan.policies if job.edits else ():
         on_run(f"policies: {name}")
         found["policies"][name] = frames(play(replace(job, policy=name), plan.seconds))
     return found
 
 
-def add_short(ways: Mapping[str, Row]) -> None:
+def add_short(strategies: Mapping[str, Row]) -> None:
     """Note in each run how much of the fall of the energy, to the lowest at rest, it has missed: `short`, or None."""
-    resting = [entry["energy"] for entry in ways.values() if entry.get("converged")]
-    for entry in ways.values():
+    resting = [entry["energy"] for entry in strategies.values() if entry.get("converged")]
+    for entry in strategies.values():
         energy = entry.get("energy")
         entry["short"] = None
-        if resting and energy is not None and entry["laid"] > (best := min(resting)):
-            entry["short"] = (energy - best) / (entry["laid"] - best)
+        if resting and energy is not None and entry["initial_energy"] > (best := min(resting)):
+            entry["short"] = (energy - best) / (entry["initial_energy"] - best)
 
 
 def frames(outcome: Outcome) -> dict[str, Any]:
     """What the frames of a script took, the first and idle ones left out.
 
-    Returns: problem; frames; at_rest, of them; and where there are any: p50, mean and longest [s], steps, factors and
+    Returns: problem; frames; converged, of them; and where there are any: p50, mean and longest [s], steps, factors and
         iterations a frame; first: seconds of the first frame.
     """
     moved = [row for row in outcome.rows[1:] if row["relaxation_steps"] and row["event"] != "idle"]

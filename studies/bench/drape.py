@@ -84,7 +84,7 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
     Raises:
         UserError: the scene is not one of cloth.
 
-    Returns: at_rest, stable, residual (over the weight), energy [J], laid (the weight's energy at the start [J]),
+    Returns: converged, stable, residual (over the weight), energy [J], initial_energy (of the weight at the start [J]),
         seconds, busy (those that the processor worked for it), steps, factors (complete ones), applications (of
         preconditioners and factors), why (it does not rest), unknowns, elements, and the trace: seconds, residuals,
         energies.
@@ -113,7 +113,7 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
         "seconds": spent,
         "busy": busy,
         **{name: events[event] for name, event in COUNTED.items()},
-        "laid": _initial_energy(analysis.bound.problem, request.scene),
+        "initial_energy": _initial_energy(analysis.bound.problem, request.scene),
         "unknowns": int(analysis.bound.x.size),
         "elements": len(analysis.bound.problem.mesh.cells),
         "trace": {"seconds": trace.seconds, "residuals": trace.residuals, "energies": trace.energies},

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from restshape_studies.bench.cloth_strategies import BENDING, POLICIES, WAYS
+from restshape_studies.bench.cloth_strategies import BENDING, POLICIES, STRATEGIES
 from restshape_studies.bench.turns import Announce, Case
 from restshape_studies.commands.bench_kind import Kind, add_frames, job_of
 
@@ -13,13 +13,13 @@ from restshape.cli.options import print_table
 from restshape.errors import UserError
 from restshape.outputs.kinds import PictureFile
 
-KNOWN = {"ways": WAYS, "bending": BENDING, "policies": POLICIES}
+KNOWN = {"strategies": STRATEGIES, "bending": BENDING, "policies": POLICIES}
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     for name, what, default in (
-        ("ways", "ways to rest", WAYS),
+        ("strategies", "solution strategies", STRATEGIES),
         ("bending", "kinds of bending", BENDING),
         ("policies", "policies", POLICIES),
     ):
@@ -58,7 +58,7 @@ def draw(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
     from restshape_studies.pictures.residuals import draw_residuals
 
     ((name, one),) = found.items()
-    draw_residuals(name, one["ways"], path)
+    draw_residuals(name, one["strategies"], path)
 
 
 def chosen(text: str, option: str, names: Sequence[str]) -> tuple[str, ...]:
@@ -76,13 +76,22 @@ def chosen(text: str, option: str, names: Sequence[str]) -> tuple[str, ...]:
 
 def show(args: argparse.Namespace, name: str, found: Mapping[str, Any]) -> None:
     """Print the tables of a scene."""
-    heads = ("at rest", "residual / weight", "energy [J]", "short of the best [%]", "seconds", "busy [s]", "steps")
+    heads = ("converged", "residual / weight", "energy [J]", "short of the best [%]", "seconds", "busy [s]", "steps")
     heads += ("factors", "applied", "unknowns", "what is missing")
-    for kind, title in (("ways", "ways to rest from the same start"), ("bending", "kinds of bending")):
+    for kind, title in (("strategies", "solution strategies from the same start"), ("bending", "kinds of bending")):
         rows = [(key, *_cells(entry)) for key, entry in found[kind].items()]
         if rows:
             print_table(f"{name}: {title}", (kind, *heads), rows, heads[1:-1])
-    heads = ("frames", "at rest", "first [s]", "p50 [s]", "mean [s]", "longest [s]", "steps a frame", "factors a frame")
+    heads = (
+        "frames",
+        "converged",
+        "first [s]",
+        "p50 [s]",
+        "mean [s]",
+        "longest [s]",
+        "steps a frame",
+        "factors a frame",
+    )
     heads += ("iterations a frame", "problem")
     keys = ("frames", "converged", "first", "p50", "mean", "longest", "steps", "factors", "iterations")
     rows = [(key, *(_number(entry.get(k)) for k in keys), entry["problem"]) for key, entry in found["policies"].items()]
@@ -116,13 +125,13 @@ def _number(value: float | None) -> str:
 KINDS = (
     Kind(
         "drape",
-        "ways of cloth to rest, kinds of bending, and policies on a script",
+        "solution strategies of cloth, kinds of bending, and policies on a script",
         declare,
         check,
         measure,
         show,
         scenes="still",
-        about="ways of cloth to rest are about one",
+        about="solution strategies of cloth are about one",
         draw=draw,
     ),
 )

@@ -17,7 +17,7 @@ def draw_cycles(path: Path, courses: Mapping[str, Any], goal: float) -> None:
 
     Args:
         path: of the picture.
-        courses: by name, each with residuals, speeds and at_rest: the "start", and those that go on from its end.
+        courses: by name, each with residuals, speeds and converged: the "start", and those that go on from its end.
         goal: residual at equilibrium.
     """
     figure = new_figure(10.5, 7.0)
@@ -33,14 +33,14 @@ def draw_cycles(path: Path, courses: Mapping[str, Any], goal: float) -> None:
     others = {name: course for name, course in courses.items() if name != "start"}
     for (name, course), colour in zip(others.items(), COLOURS):
         place = begun + np.arange(len(course.residuals))
-        label = f"{name}: {'at rest' if course.at_rest else 'not at rest'}"
+        label = f"{name}: {'converged' if course.converged else 'not converged'}"
         above.plot(place, course.residuals, color=colour, linewidth=1.1, label=label)
-        end = {"marker": "o" if course.at_rest else "", "markersize": 6, "color": colour, "zorder": 3}
+        end = {"marker": "o" if course.converged else "", "markersize": 6, "color": colour, "zorder": 3}
         above.plot(place[-1], course.residuals[-1], **end)
         if course.speeds:
             below.plot(place, np.array(course.speeds, dtype=float), color=colour, linewidth=1.1)
-    above.axhline(goal, color=GOAL, linestyle="--", linewidth=0.9, label=f"at rest: {goal:g}")
-    above.set(ylabel="forces out of balance / weight")
+    above.axhline(goal, color=GOAL, linestyle="--", linewidth=0.9, label=f"tolerance: {goal:g}")
+    above.set(ylabel="residual / weight")
     below.set(ylabel="fastest node [m/s]", xlabel="steps")
     below.margins(x=0.02)
     figure.legend(*above.get_legend_handles_labels(), loc="outside lower center", ncols=2)

@@ -61,32 +61,36 @@ def draw_residuals(name: str, runs: Mapping[str, Mapping[str, Any]], path: Path,
         axes.grid(True, which="major", color="#e6e6e6", linewidth=0.6)
         axes.set_axisbelow(True)
         axes.margins(x=0.04, y=0.05)
-    left.set(xlabel="time [s]", ylabel="forces out of balance / weight")
+    left.set(xlabel="time [s]", ylabel="residual / weight")
     left.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     right.set(xlabel="iterates")
     right.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
     figure.legend(handles=_legend(drawn, colours, goal), loc="outside lower center", ncols=3)
-    figure.suptitle(f"{name}: ways to rest from the same start, one core", x=0.01, ha="left", color=INK)
+    figure.suptitle(f"{name}: solution strategies from the same start, one core", x=0.01, ha="left", color=INK)
     save_picture(figure, path)
 
 
-def _line(axes: Axes, place: np.ndarray, residuals: np.ndarray, rough: np.ndarray, at_rest: bool, colour: str) -> None:
+def _line(
+    axes: Axes, place: np.ndarray, residuals: np.ndarray, rough: np.ndarray, converged: bool, colour: str
+) -> None:
     """One way: pieces of what counts, dotted ones of what leads there, and how it ends."""
     residuals = np.clip(residuals, *SHOWN)
     for part, look in ((rough, ":"), (~rough, "-")):
         axes.plot(place, np.where(part, residuals, np.nan), linestyle=look, linewidth=1.3, color=colour)
     axes.plot(
-        place[-1], residuals[-1], marker="o" if at_rest else "x", markersize=7, mew=2, color=colour, clip_on=False
+        place[-1], residuals[-1], marker="o" if converged else "x", markersize=7, mew=2, color=colour, clip_on=False
     )
 
 
 def _legend(runs: Mapping[str, Any], colours: Mapping[str, str], goal: float) -> Sequence[Line2D]:
     """Handles of what the picture holds."""
     handles = [
-        Line2D([], [], color=colours[key], label=f"{WORDS.get(key, key)}{'' if run['converged'] else ' (not at rest)'}")
+        Line2D(
+            [], [], color=colours[key], label=f"{WORDS.get(key, key)}{'' if run['converged'] else ' (not converged)'}"
+        )
         for key, run in runs.items()
     ]
-    handles.append(Line2D([], [], color=GOAL, linestyle="--", linewidth=0.9, label=f"at rest: {goal:g}"))
+    handles.append(Line2D([], [], color=GOAL, linestyle="--", linewidth=0.9, label=f"tolerance: {goal:g}"))
     if any(energy is None for run in runs.values() for energy in run["trace"]["energies"]):
         handles.append(Line2D([], [], color=FAINT, linestyle=":", label="soft membrane, or a coarser mesh"))
     return handles

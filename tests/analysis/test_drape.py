@@ -133,7 +133,7 @@ def test_what_is_not_converged_says_so(tmp_path):
     reported = found.row()
     assert not reported["converged"] and reported["tangent_positive_definite"] == -1
     assert (
-        reported["note"].startswith("not at rest: residual ")
+        reported["note"].startswith("not converged: residual ")
         and f"{found.state.report.residual:.2e}" in reported["note"]
     )
     assert found.residual_norm() == pytest.approx(found.state.report.residual, rel=1e-6)
@@ -249,7 +249,7 @@ def test_what_nothing_holds_is_not_stable(tmp_path):
     path.write_text(path.read_text().replace("[effects.gravity]\n", ""))
     found = solved(load_scene(path, ["mesh.size=0.25", "effects.cloth.bending=none"]))
     assert found.state.report.converged and found.state.report.stable is False
-    assert found.row()["note"] == "at rest where it may not stay: the tangent is not positive definite"
+    assert found.row()["note"] == "converged to an unstable equilibrium: the tangent is not positive definite"
 
 
 def test_empty_scripts_show_one_frame(tmp_path):

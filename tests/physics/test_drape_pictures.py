@@ -233,9 +233,9 @@ def test_everything_at_rest_lies_within_the_box(recording):
 def test_captions_tell_of_rest(recording):
     cloth = recording(0.0, 0.0, 0.0, rests=(1, 0, 1))
     cloth.table["tangent_positive_definite"][2] = 0
-    assert convergence_words(cloth, 0) == ("at rest and stable, residual 5e-05", True)
-    assert convergence_words(cloth, 1) == ("NOT AT REST, residual 5e-05", False)
-    assert convergence_words(cloth, 2) == ("at rest, but not stable, residual 5e-05", False)
+    assert convergence_words(cloth, 0) == ("converged and stable, residual 5e-05", True)
+    assert convergence_words(cloth, 1) == ("NOT CONVERGED, residual 5e-05", False)
+    assert convergence_words(cloth, 2) == ("converged, but not stable, residual 5e-05", False)
 
 
 @pytest.mark.slow
@@ -267,7 +267,7 @@ def test_the_timeline_marks_frames_that_are_not_converged(recording, tmp_path, m
     draw_timeline(recording(0.0, 0.0, 0.0, rests=(1, 0, 0)), tmp_path / "a.png")
     band = figures[0].axes[1].patches[0]
     assert (band.get_x(), band.get_width()) == (0.5, 2.0)
-    assert "not at rest (2)" in [text.get_text() for text in figures[0].legends[0].get_texts()]
+    assert "not converged (2)" in [text.get_text() for text in figures[0].legends[0].get_texts()]
 
 
 def test_plates_and_solids_are_no_cloth(tmp_path):

@@ -133,8 +133,8 @@ def test_a_bad_line_is_reported_with_its_number(read, event, message):
     ("events", "line", "message"),
     [
         ([PRESS, RELEASE, {"t": 0.5, "do": "idle"}], 4, "time runs backwards"),
-        ([PRESS, PRESS], 3, "while 'window' is still held"),
-        ([PRESS, {"t": 0, "do": "undo"}], 3, "while 'window' is still held"),
+        ([PRESS, PRESS], 3, "while 'window' is still grabbed"),
+        ([PRESS, {"t": 0, "do": "undo"}], 3, "while 'window' is still grabbed"),
         ([PRESS, RELEASE, RELEASE], 4, "release before a press"),
     ],
 )

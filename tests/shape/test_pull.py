@@ -119,4 +119,4 @@ def test_a_session_pulls_undoes_and_refuses(tmp_path):
     assert frames[4].refused.startswith("edge bottom would cross edge top")
     np.testing.assert_array_equal(frames[6].outline.points, frames[0].outline.points)
     assert "no control point" in frames[7].refused
-    assert frames[8].refused == "nothing is held"
+    assert frames[8].refused == "nothing is grabbed"

@@ -58,12 +58,12 @@ class Course:
     Args:
         residuals: forces out of balance over the weight.
         speeds: of the fastest node [m/s]; None where it has not moved yet; empty where steps have no one length.
-        at_rest: it comes to rest, friction included.
+        converged: it comes to rest, friction included.
     """
 
     residuals: list[float] = field(default_factory=list)
     speeds: list[float | None] = field(default_factory=list)
-    at_rest: bool = False
+    converged: bool = False
 
 
 @dataclass(frozen=True)
@@ -150,8 +150,8 @@ def move(sheet: ClothProblem, x: np.ndarray, manner: Manner, most: int) -> Cours
         # Only now friction follows; where that puts forces out of balance, the cloth moves on.
         dragged, forces = sheet.update_friction(x), np.empty_like(x)
         sheet.residual(x, forces)
-        course.at_rest = dragged <= SLIPPING * SLIP and float(np.linalg.norm(forces)) <= REST * sheet.lumped.load
-        if course.at_rest:
+        course.converged = dragged <= SLIPPING * SLIP and float(np.linalg.norm(forces)) <= REST * sheet.lumped.load
+        if course.converged:
             break
     return course
 
@@ -163,7 +163,7 @@ def settle(sheet: ClothProblem, x: np.ndarray) -> Course:
     linear = LinearSolver(PETSc.COMM_SELF, "cycles_linear_", "auto", REST, Calibration.load(), stages, traits=traits)
     rest = EquilibriumSolver(sheet, PETSc.COMM_SELF, stages, linear, REST, prefix="cycles_")
     rest.on_iterate = lambda _solver, _x, residual: course.residuals.append(residual)
-    course.at_rest = rest.converge(x, 3 * AFTER, ConvergenceReport()).converged
+    course.converged = rest.converge(x, 3 * AFTER, ConvergenceReport()).converged
     rest.destroy()
     return course
 
@@ -201,7 +201,7 @@ def main(words: Sequence[str] | None = None) -> int:
     for name, course in courses.items():
         late = [speed for speed in course.speeds[-LATE:] if speed is not None]
         speed = f", fastest node in the last {LATE} steps {max(late):.2g} m/s" if late else ""
-        end = "at rest" if course.at_rest else "not at rest"
+        end = "converged" if course.converged else "not converged"
         steps, residual = len(course.residuals), course.residuals[-1]
         print(f"{name}: {end} after {steps} steps, residual {residual:.1e} of the weight{speed}")
     if args.json:

@@ -20,7 +20,7 @@ def plank_problem(analysis: FurnitureAnalysis, row: dict[str, Any]) -> str:
     """What is wrong with a frame of furniture that was analysed, in words; empty where nothing is."""
     flaws = row["flaws"]
     if (row["constraint_status"] == "holds") != (flaws == 0) or bool(row["violated_constraints"]) != (flaws != 0):
-        return f"the verdict is {row['constraint_status']}, {row['violated_constraints']!r}, with flaws {flaws}"
+        return f"the status is {row['constraint_status']}, {row['violated_constraints']!r}, with flaws {flaws}"
     if any(math.isinf(row[name]) and not flaws & LOST for name in SHOWN):
         return "a shown number is infinite"
     if not flaws & (LOST | UNBALANCED) and not (math.isfinite(row["residual"]) and math.isfinite(row["utilisation"])):

@@ -39,7 +39,7 @@ def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
     if not has_findings(rows):
         print("valid ranges and worst amounts want a newer recording: record it again")
     if any(one.kind == LIMIT for row in rows for one in findings_of(row)):
-        print("limits of quantities count in verdicts; ranges and suggestions judge the piece alone")
+        print("limits of quantities count in the constraint status; ranges and suggestions judge the piece alone")
 
 
 def _print_statuses(rows: Sequence[Mapping[str, Any]]) -> None:
@@ -51,7 +51,7 @@ def _print_statuses(rows: Sequence[Mapping[str, Any]]) -> None:
     ]
     if len(spans) > MOST:
         cells.append(("", "...", f"and {len(spans) - MOST} more: see the recording, --csv or --json"))
-    print_table("verdicts", ("line", "frames", "the piece"), cells, right=("line",))
+    print_table("constraint status", ("line", "frames", "the piece"), cells, right=("line",))
 
 
 def _valid(text: str) -> str:

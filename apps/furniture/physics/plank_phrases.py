@@ -89,7 +89,7 @@ def uncounted(piece: Piece, bent: Sequence[int], twisted: Sequence[int]) -> str:
         for how, joints in (("bends joint", bent), ("twists joint", twisted))
         if joints
     ]
-    return f"not in the verdict: what {' and '.join(parts)} is more than the fasteners bear" if parts else ""
+    return f"not in the constraint status: what {' and '.join(parts)} is more than the fasteners bear" if parts else ""
 
 
 def _apart(findings: list[Finding], worst: Worst) -> str:

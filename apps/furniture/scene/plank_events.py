@@ -63,7 +63,7 @@ Amount = Annotated[
 def _read_target(raw: Any) -> Any:
     """A point to drag to; a number is what parameters are dragged by."""
     if isinstance(raw, (int, float, str)) and not isinstance(raw, bool):
-        raise UnitError(f"a plank is dragged to a point [x, y, z], not {raw!r}", "use 'by' for a held parameter")
+        raise UnitError(f"a plank is dragged to a point [x, y, z], not {raw!r}", "use 'by' for a parameter")
     return raw
 
 
@@ -88,7 +88,7 @@ class PlankPress(EventLine):
     @model_validator(mode="after")
     def _is_one_kind(self) -> Self:
         if self.at is not None and self.parameter is not None:
-            raise UnitError("a parameter is held by its name, not at a point", "leave out at")
+            raise UnitError("a parameter is grabbed by its name, not at a point", "leave out at")
         return self
 
 

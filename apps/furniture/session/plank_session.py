@@ -122,7 +122,7 @@ class PlankSession(ScriptSession):
         """How far a parameter is dragged [m or rad], None for a plank; and why it cannot be, if so."""
         grab, by = self._grab, event.by
         if grab is None:
-            return None, "nothing is held"
+            return None, "nothing is grabbed"
         if (by is None) != (grab.number is None):
             return None, TO_A_POINT if grab.number is None else BY_A_NUMBER
         if by is None:
@@ -182,7 +182,7 @@ class PlankSession(ScriptSession):
     def _do_release(self, event: Any) -> Iterator[Step]:
         grab, self._grab = self._grab, None
         if grab is None:
-            yield Step("none", "nothing is held")
+            yield Step("none", "nothing is grabbed")
             return
         self._settle()
         self.way, self.part = None, 0.0
@@ -281,7 +281,7 @@ class PlankSession(ScriptSession):
     # The scene, and what came before.
 
     def _do_set(self, event: Any) -> Iterator[Step]:
-        wrong = self._why_fixed(event.key) or ("nothing can be set while a plank is held" if self._grab else "")
+        wrong = self._why_fixed(event.key) or ("nothing can be set while a plank is grabbed" if self._grab else "")
         if wrong:
             yield from self._refused(event.frames, wrong)
             return

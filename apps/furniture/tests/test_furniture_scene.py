@@ -184,15 +184,15 @@ def test_other_applications_know_no_planks_and_want_a_mesh(tmp_path):
 BAD_LINES = [
     ({"do": "hole", "name": "a", "center": [0, 0], "radius": 1}, "no event 'hole'"),
     ({"do": "press", "on": "top", "at": [0, 0]}, "at"),
-    ({"do": "press", "on": "top", "at": [0, 0, 0], "parameter": "move x"}, "held by its name"),
+    ({"do": "press", "on": "top", "at": [0, 0, 0], "parameter": "move x"}, "grabbed by its name"),
     ({"do": "press", "on": "top", "parameter": "move w"}, "'move x'"),
     ({"do": "choose", "number": 0}, "at least 1"),
     ({"do": "slide", "to": 1.5}, "at most 1"),
     ({"do": "weight", "name": "a", "on": "top", "mass": "-1 kg"}, "greater than 0"),
     ({"do": "plank", "name": "a", "from": [0, 0, 0], "to": [0, 0, 1]}, "'width' is missing"),
     ({"do": "drag", "to": [0, 0, 0]}, "before a press"),
-    ({"do": "drag", "to": 600}, "to a point [x, y, z], not 600\n  try: use 'by' for a held parameter"),
-    ({"do": "drag", "path": [[0, 0, 0], "3 deg"]}, "not '3 deg'\n  try: use 'by' for a held parameter"),
+    ({"do": "drag", "to": 600}, "to a point [x, y, z], not 600\n  try: use 'by' for a parameter"),
+    ({"do": "drag", "path": [[0, 0, 0], "3 deg"]}, "not '3 deg'\n  try: use 'by' for a parameter"),
 ]
 
 

@@ -57,8 +57,8 @@ def frame(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"constraint_status": "fails"}, "the verdict is fails"),
-        ({"flaws": 8}, "the verdict is holds"),
+        ({"constraint_status": "fails"}, "the status is fails"),
+        ({"flaws": 8}, "the status is holds"),
         ({"utilisation": float("inf")}, "infinite"),
         ({"utilisation": float("nan")}, "no number"),
         ({"at": -0.58}, "at -0.58 the piece holds"),

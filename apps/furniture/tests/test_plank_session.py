@@ -54,7 +54,7 @@ def test_a_longer_leg_would_lift_the_bench_and_is_refused_in_words(play):
     assert frames[1].refused.startswith(
         "left cannot become longer along its x: its joints and feet would not stay closed"
     )
-    assert [frame.refused for frame in frames[2:]] == ["nothing is held"] * 3
+    assert [frame.refused for frame in frames[2:]] == ["nothing is grabbed"] * 3
     assert planks(session)["left"].size[0] == pytest.approx(0.5)
 
 

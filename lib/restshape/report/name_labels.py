@@ -24,11 +24,6 @@ class Labels:
         self._low, self._room = np.array([left, bottom]), np.array([wide, high])
         self._taken: list[tuple[np.ndarray, np.ndarray]] = []
 
-    def reserve(self, places: np.ndarray, radius: float = 2.0) -> None:
-        """Keeps names off places (n, 2)."""
-        for at in (places - self._low) * self._scale:
-            self._taken.append((at - radius, at + radius))
-
     def add(
         self,
         place: Sequence[float] | np.ndarray,

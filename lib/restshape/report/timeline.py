@@ -67,7 +67,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
         names.append(f"refused ({stopped.sum()})")
     if restless.any():
         handles.append(levels.axvspan(np.nan, np.nan, color=RESTLESS, alpha=0.3))
-        names.append(f"not at rest ({restless.sum()})")
+        names.append(f"not converged ({restless.sum()})")
     handles, names = handles + list(statuses.values()), names + list(statuses)
     figure.legend(handles, names, loc="outside lower center", ncols=len(names))
     figure.align_ylabels()

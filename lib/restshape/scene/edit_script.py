@@ -424,7 +424,7 @@ class _Reader:
         if self.grabbed is None and event.do in ("drag", "release"):
             self.fail(number, f"there is {what} before a press or a pull", 'add {"do": "press", "on": ...} before it')
         if self.grabbed is not None and event.do not in WHILE_GRABBED:
-            self.fail(number, f"there is {what} while {self.grabbed!r} is still held", "add a release before it")
+            self.fail(number, f"there is {what} while {self.grabbed!r} is still grabbed", "add a release before it")
         if event.do in GRABBING:
             self.grabbed = getattr(event, "on", None)
         elif event.do == "release":

@@ -188,7 +188,7 @@ class EditSession(ScriptSession[Outline]):
     def _do_drag(self, event: Drag) -> Iterator[Step]:
         path = event.path if event.path is not None else [event.to] if event.to is not None else []
         if self._grab is None:
-            yield from self._refused(event.frame_count, "nothing is held")
+            yield from self._refused(event.frame_count, "nothing is grabbed")
             return
         if event.frames is not None and event.frames != len(path):
             path = resampled(self._grab.cursor, path, event.frames)
@@ -214,7 +214,7 @@ class EditSession(ScriptSession[Outline]):
     def _do_release(self, event: Release) -> Iterator[Step]:
         grab, self._grab = self._grab, None
         if grab is None:
-            yield Step("none", "nothing is held")
+            yield Step("none", "nothing is grabbed")
             return
         self._remember(grab.before)
         yield Step("none")

@@ -1,4 +1,4 @@
-"""`restshape bench drape`: ways find a rest of the same cloth, or say that they do not; no time is asserted."""
+"""`restshape bench drape`: strategies find an equilibrium of one cloth, or say that they do not; times are not held."""
 
 import json
 from pathlib import Path
@@ -14,14 +14,14 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 @pytest.mark.slow
 def test_ways_bending_and_policies(tmp_path, command):
-    words = ("--ways", "auto,kinetic", "--bending", "nonlinear", "--policies", "auto")
+    words = ("--strategies", "auto,kinetic", "--bending", "nonlinear", "--policies", "auto")
     files = ("--frames", 5, "--json", "a.json", "--picture", "a.png")
     done = command("bench", "drape", SCENES / "sphere.toml", *COARSE, *words, *files)
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "a.json").read_text())
-    assert list(found["ways"]) == ["auto", "kinetic"] and list(found["bending"]) == ["nonlinear"]
+    assert list(found["strategies"]) == ["auto", "kinetic"] and list(found["bending"]) == ["nonlinear"]
     for way in ("auto", "kinetic"):
-        entry = found["ways"][way]
+        entry = found["strategies"][way]
         assert entry["converged"] and entry["stable"] and 0.0 < entry["residual"] <= 1e-4, way
         trace = entry["trace"]
         assert len(trace["seconds"]) == len(trace["residuals"]) == len(trace["energies"]) > entry["steps"]
@@ -29,21 +29,27 @@ def test_ways_bending_and_policies(tmp_path, command):
         assert trace["residuals"][-1] == entry["residual"] and trace["energies"][-1] == entry["energy"]
         assert trace["seconds"] == sorted(trace["seconds"]) and entry["seconds"] >= trace["seconds"][-1]
         # It is laid at the height from which the potential counts, and only sinks; of friction there is no energy then.
-        assert entry["laid"] == 0.0 and -(0.7**2) * 0.15 * 9.81 * 0.4 < entry["energy"] < 0.0
-    assert min(entry["short"] for entry in found["ways"].values()) == 0.0
-    assert found["ways"]["kinetic"]["factors"] <= 1 < found["ways"]["auto"]["factors"]
+        assert entry["initial_energy"] == 0.0 and -(0.7**2) * 0.15 * 9.81 * 0.4 < entry["energy"] < 0.0
+    assert min(entry["short"] for entry in found["strategies"].values()) == 0.0
+    assert found["strategies"]["kinetic"]["factors"] <= 1 < found["strategies"]["auto"]["factors"]
     assert found["policies"]["auto"]["frames"] == found["policies"]["auto"]["converged"] == 2
-    for words in ("ways to rest from the same start", "kinds of bending", "policies", "short of the best", "a.png"):
+    for words in (
+        "solution strategies from the same start",
+        "kinds of bending",
+        "policies",
+        "short of the best",
+        "a.png",
+    ):
         assert words in done.stdout
     assert (tmp_path / "a.png").read_bytes().startswith(PNG)
 
 
 @pytest.mark.slow
 def test_a_run_that_takes_too_long_is_given_up(tmp_path, command):
-    words = ("--ways", "cg", "--bending", "", "--policies", "", "--seconds", 0.1, "--json", "a.json")
+    words = ("--strategies", "cg", "--bending", "", "--policies", "", "--seconds", 0.1, "--json", "a.json")
     done = command("bench", "drape", SCENES / "pins.toml", *COARSE, *words)
     assert done.returncode == 0, done.stderr
-    entry = json.loads((tmp_path / "a.json").read_text())["ways"]["cg"]
+    entry = json.loads((tmp_path / "a.json").read_text())["strategies"]["cg"]
     assert not entry["converged"] and entry["why"] == "0.1 s are over" and entry["short"] is None
     assert entry["trace"]["residuals"][0] == pytest.approx(1.0), "laid flat nothing but the weight acts"
 
@@ -52,10 +58,10 @@ def test_a_run_that_takes_too_long_is_given_up(tmp_path, command):
 @pytest.mark.parametrize(
     ("words", "reported"),
     [
-        (("sphere.toml", "--ways", "auto,fast"), ("fast", "--ways", "kinetic")),
+        (("sphere.toml", "--strategies", "auto,fast"), ("fast", "--strategies", "kinetic")),
         (("sphere.toml", "--bending", "cubic"), ("cubic", "morley")),
         (("sphere.toml", "--frames", "1"), ("--frames",)),
-        (("plate.toml", "--bending", "", "--ways", "auto"), ("effects.drape",)),
+        (("plate.toml", "--bending", "", "--strategies", "auto"), ("effects.drape",)),
     ],
 )
 def test_bad_input(command, words, reported):

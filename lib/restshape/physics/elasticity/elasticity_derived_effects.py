@@ -47,7 +47,7 @@ SURFACE_LOADS = DerivedEffect(
     drives=True,
 )
 FOLLOWER_PRESSURE = DerivedEffect(
-    "pressures that follow the deformed boundary",
+    "follower loads: pressures on the deformed boundary",
     cause_of(_follower, "under large deformation pressures follow the boundary, and add to the tangent"),
     "it takes a pressure and large deformation",
     lambda raw, _: without_loads(raw, ("pressure",)),

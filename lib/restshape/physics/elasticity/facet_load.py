@@ -21,7 +21,7 @@ class FacetLoad:
 
     Attributes:
         facets: (nf, 2) or, of second order, (nf, 3) nodes: ends, middle.
-        params: (nf, 7) of the element of tractions; pressure_params: (nf, 3) of that of pressures that follow.
+        params: (nf, 7) of the element of tractions; pressure_params: (nf, 3) of that of follower loads.
         varies: whether parameters change when nodes move.
     """
 

@@ -133,7 +133,7 @@ def buckling_columns(scene: Scene) -> dict[str, Any]:
 
 ELASTICITY = Effect(SolidKeys, "elasticity", required=True)
 GRAVITY = Effect(PlaneGravityKeys, "weight of the body", drives=True)
-LARGE_DEFORMATION = Effect(LargeDeformationKeys, "large displacements and rotations, pressures that follow", fixed=True)
+LARGE_DEFORMATION = Effect(LargeDeformationKeys, "large displacements and rotations, follower loads", fixed=True)
 BUCKLING = Effect(BucklingKeys, "critical load factors and modes of buckling", fixed=True, quantities=("load_factor",))
 AT_REST = {"solid": ELASTICITY, "gravity": GRAVITY, "large_deformation": LARGE_DEFORMATION, "buckling": BUCKLING}
 """Effects of static solids."""

@@ -110,18 +110,18 @@ class DrapeDrawing:
 
 
 def convergence_words(recording: Recording, i: int) -> tuple[str, bool]:
-    """What is known of a frame's rest, and whether it rests where it stays."""
+    """What is known of a frame's equilibrium, and whether it is a stable one."""
     rests, stays = column(recording, "converged")[i], column(recording, "tangent_positive_definite")[i]
     residual = column(recording, "residual")[i]
     size = f"residual {residual:.0e}" if np.isfinite(residual) else ""
     if refused(recording)[i]:
         return "refused", False
     if rests == 0:
-        return f"NOT AT REST, {size}".rstrip(", "), False
+        return f"NOT CONVERGED, {size}".rstrip(", "), False
     if rests == 1 and stays == 0:
-        return f"at rest, but not stable, {size}", False
+        return f"converged, but not stable, {size}", False
     if rests == 1:
-        return f"at rest{' and stable' if stays == 1 else ''}, {size}".rstrip(", "), True
+        return f"converged{' and stable' if stays == 1 else ''}, {size}".rstrip(", "), True
     return size, True
 
 

@@ -59,9 +59,9 @@ def convergence_notes(state: RelaxationState) -> list[str]:
     report = state.report
     if not report.converged:
         scale = "weight" if state.problem.lumped.load > 0.0 else "forces of the supports"
-        return [f"not at rest: residual {report.residual:.2e} of the {scale}; {report.why}"]
+        return [f"not converged: residual {report.residual:.2e} of the {scale}; {report.why}"]
     if report.stable is False:
-        return ["at rest where it may not stay: the tangent is not positive definite"]
+        return ["converged to an unstable equilibrium: the tangent is not positive definite"]
     return []
 
 
