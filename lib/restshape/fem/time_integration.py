@@ -35,8 +35,8 @@ class Scheme(Protocol):
     Attributes:
         order: of the equation in time.
         dt: [s].
-        error_factor: of dt^order times the change of the highest rate over a step: the local error; 0: it is of a higher
-            rate, dt^2 / 12 times the change of the second one, which first order knows.
+        error_factor: of dt^order times the change of the highest rate over a step: the local error; 0: it is of a
+            higher rate, dt^2 / 12 times the change of the second one, which first order knows.
     """
 
     order: int

@@ -105,9 +105,8 @@ class HeatConduction(TransientProblem):
         return [conducted, *(one.integral(ambient=inside) for one in self.surfaces if one.block)]
 
     def _capacity(self, kind: str) -> Integral:
-        capacity, region = self.materials[:, 1:].prod(axis=1), self.space.cell_region
-        element = CAPACITIES[kind][self.space.cell_type]
-        return Integral(element, self.space.X, self.space.cells, by_cell(capacity[:, None], region))
+        capacity = by_cell(self.materials[:, 1:].prod(axis=1)[:, None], self.space.cell_region)
+        return Integral(CAPACITIES[kind][self.space.cell_type], self.space.X, self.space.cells, capacity)
 
     def _with_sources(self) -> np.ndarray:
         """Parameters of the cells: one row where all agree, else one row a cell."""
@@ -150,8 +149,7 @@ class HeatConduction(TransientProblem):
 
     def energy_moduli(self) -> np.ndarray:
         """0, half of the conductivity [W/(m K)], and thickness [m], (ne, 3): of k |grad T|^2 by area."""
-        zero_half_one = self.materials[:, :2] * (0.5, 1.0)
-        return np.insert(zero_half_one, 0, 0.0, axis=1)[self.space.cell_region]
+        return np.insert(self.materials[:, :2] * (0.5, 1.0), 0, 0.0, axis=1)[self.space.cell_region]
 
     def error_estimate(self) -> RecoveryEstimate:
         """The recovery-based estimate in the norm of the fluxes' dissipation."""

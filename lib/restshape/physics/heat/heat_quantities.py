@@ -54,13 +54,10 @@ def _heat_flow(problem: Problem, surfaces: Sequence[SurfaceHeat], capacity: Iner
         if not len(fixed.nodes):
             return out.sum()
         cells = cells_around(problem.space, fixed.nodes)
-        if capacity is not None and not motion[0].started:
-            # What sources and stored heat do is not known before the first step: only what this temperature conducts.
+        if capacity and not motion[0].started:  # how fast heat is stored is not known yet, only what is conducted
             balance = Assembled(problem.integrals(STIFFNESS)[:1]).residual(x, None, cells)
         else:
-            balance = unconstrained_residual(problem, x, cells)
-            if capacity is not None:
-                balance += capacity.apply(motion[0].v)
+            balance = unconstrained_residual(problem, x, cells) + (capacity.apply(motion[0].v) if capacity else 0.0)
         return out.sum() - fixed.parts() @ balance[fixed.nodes, 0]
 
     return Differentiable(value, flow_derivative(problem, fixed, [(p.integral(ambient=False), c) for p, c in own]))

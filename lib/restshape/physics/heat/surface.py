@@ -30,9 +30,8 @@ class SurfaceHeat:
         load = scene.loads[name]
         value, where = (load.flux, "flux") if load.kind == "flux" else (load.convection.ambient, "convection.ambient")
         self.space, self.block, self.varies = space, None if load.kind == "flux" else block, varies(value)
-        self.index = facets_on(space, load.on)
+        self._element, self.index = SURFACE_HEAT[SHAPES[space.cells.shape[1]][1]], facets_on(space, load.on)
         self.facets = np.ascontiguousarray(space.facets[self.index])
-        self._element = SURFACE_HEAT[SHAPES[space.cells.shape[1]][1]]
         self._value, self._samples = Nodal(value, scene.parameters, f"loads.{name}.{where}"), FacetSamples(self.facets)
         self._thickness, self._film = thickness[self.index], 0.0 if self.block is None else load.convection.film
         self.update()
