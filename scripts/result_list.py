@@ -207,8 +207,12 @@ LIST = (
         timed=True,
     ),
     Result(
-        ("fuzz.json",),
-        ("restshape stability --fuzz 1000 --json results/fuzz.json",),
+        ("fuzz.json", "fuzz-recordings.json", "fuzz-files.json"),
+        (
+            "restshape stability --fuzz 10000 --json results/fuzz.json",
+            "restshape stability --fuzz 500 --kind recordings --json results/fuzz-recordings.json",
+            "restshape stability --fuzz 1000 --kind files --json results/fuzz-files.json",
+        ),
         ("restshape_studies.commands.stability", "restshape_studies.stability.*", *verifying("random_scenes")),
         timed=True,
     ),

@@ -90,6 +90,11 @@ def test_command(tmp_path, capsys):
     assert main(["stability", "--fuzz", "5", "--policy", "auto"]) == 2
 
 
+def test_hard_cases_have_no_kind(capsys):
+    assert main(["stability", "--kind", "recordings"]) == 2
+    assert "add --fuzz N" in capsys.readouterr().err
+
+
 def test_a_batch_survives_its_journey():
     assert json.loads(json.dumps(vars(Batch(1, 2, APPS, True))))["apps"] == list(APPS)
 
