@@ -255,3 +255,12 @@ def test_one_key_for_all_errors_is_refused_where_there_are_none(tmp_path):
     scene = write_scene(tmp_path, text + "[effects.dynamics]\ntime_step = 1e-4\n")
     with pytest.raises(UserError, match=r"quantities\.error"):
         make_replay(scene)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_body_without_stress_has_no_error(tmp_path, order):
+    """All that is loaded is held: no cell has a part in the derivative of the largest stress."""
+    text = HEAD + block() + STEEL + CLAMPED + '[loads.p]\non = "left"\ntraction = [1e6, 0]\n'
+    text += '[quantities]\nstrength = { stress = "von_mises", at = "right", max = 1e6 }\n' + meshed(0.5, order)
+    row = first_frame(write_scene(tmp_path, text)).row
+    assert row["strength_error"] == row["q_strength"] == 0.0 and row["constraint_status"] == HOLDS

@@ -95,7 +95,7 @@ WIDE = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.8, 0.62), 12))
 
 def test_predictions_that_are_far_off_are_solved(tmp_path, monkeypatch):
     """With a lower bound than the usual one, which the estimate of each frame tells of the next."""
-    text = plate(0.2).replace("size = 0.2", "size = 0.2\norder = 2")
+    text = plate(0.2, 2)
     monkeypatch.setattr(predicted_frames, "TRUSTED", np.inf)
     (rows, shown), (_, exact) = both(tmp_path, WIDE, text)
     off = [distance(shown[i], exact[i]) for i in range(len(rows)) if rows[i]["predicted"]]
@@ -114,7 +114,7 @@ def test_predictions_that_are_far_off_are_solved(tmp_path, monkeypatch):
 def test_a_first_frame_that_goes_far_is_solved(tmp_path, monkeypatch):
     monkeypatch.setattr(predicted_frames, "TRUSTED", 0.05)
     events = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.75, 0.6), 1))
-    (rows, shown), (_, exact) = both(tmp_path, events, plate(0.2).replace("size = 0.2", "size = 0.2\norder = 2"))
+    (rows, shown), (_, exact) = both(tmp_path, events, plate(0.2, 2))
     assert rows[2]["event"] == "drag" and rows[2]["level"] == 1
     assert rows[2]["note"].startswith(DOUBTED) and distance(shown[2], exact[2]) < 1e-7
 

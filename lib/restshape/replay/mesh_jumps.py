@@ -55,7 +55,7 @@ class MeshJumps:
     def note(self, moving: MovingMesh, mesh_update: MeshUpdate) -> None:
         """Keep what a frame's mesh is to be compared with, before the next frame changes it."""
         self._others = moving.other_meshes(mesh_update.old_mesh) if self.wanted and mesh_update.level > 1 else ()
-        self._before = self.analysis.state
+        self._before = self.analysis.state if self._others else None
 
     def __call__(self, edit: EditFrame, row: RowValues) -> RowValues:
         """The columns of a frame that was solved; not numbers where the mesh stayed, or cannot be compared."""
@@ -83,4 +83,6 @@ class MeshJumps:
         except (ReplayProblem, UserError):
             return {}
         sign = 1.0 if other.before else -1.0
-        return {name: sign * (value - known[name]) for name, value in found.items()}
+        # A load factor is infinite where nothing buckles.
+        jumps = {name: sign * (value - known[name]) for name, value in found.items()}
+        return {name: jump for name, jump in jumps.items() if np.isfinite(jump)}

@@ -54,6 +54,8 @@ class PlaneStresses:
         """
         space, out = self.space, np.zeros_like(self.space.X)
         cells = np.flatnonzero(weights.reshape(len(weights), -1).any(axis=1))
+        if len(cells) == 0:
+            return out
         nodes, own = space.cells.shape[1], weights[cells] * (1.0, 1.0, 1.0, 0.0 if self.thins else 1.0)
         # Cells apart, each with its own nodes: a unit displacement of one of them shows in its cell alone.
         apart = np.arange(len(cells) * nodes, dtype=np.int32).reshape(-1, nodes)
