@@ -8,6 +8,7 @@ from restshape_studies.accuracy.chosen import chosen_line
 from restshape_studies.accuracy.facts import BELOW, HEADS, facts, left_out, measure_name, reuse_fact, rows
 from restshape_studies.accuracy.front import front_of, percent, slope
 from restshape_studies.accuracy.record import BOUNDS
+from restshape_studies.accuracy.reference import COARSER
 from restshape_studies.accuracy.setting import shown
 from restshape_studies.accuracy.study import Study
 from restshape_studies.pictures.work_precision import draw_work_precision
@@ -25,7 +26,7 @@ LEGEND = f"""## Legend
 - Picture: error across, median time of a frame up, both logarithmic; the line joins the front: the points to which no
   other is better in both. Its slope is p in error ~ time^p. Grey: closer to the reference than that is to the truth.
 - error: worst over the sampled frames, against the reference; with a star or "{BELOW}": less than its uncertainty,
-  which is the distance of a reference twice as coarse. The energy norm is relative to the reference's.
+  which is the distance of a reference {COARSER:g} times as coarse. The energy norm is relative to the reference's.
 - discretisation, algebraic, reuse: parts of the error, on the same meshes: of the elements; of the solver's tolerance;
   of what is kept from frame to frame.
 - ms a frame: median of the frames that move, on one core, each point in a process of its own; total: all frames.

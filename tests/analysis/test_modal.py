@@ -123,7 +123,7 @@ def test_supports_leave_the_rigid_motions_that_they_do():
     "scene, overrides, reported",
     [
         ("bar_100.toml", ["material.aluminium.rho=0"], "density"),
-        ("slender.toml", ['supports.wall.fix=["z"]'], "no unknown 'z'"),
+        ("slender.toml", ['supports.wall.fix=["z"]'], "no component 'z'"),
         ("slender.toml", ['supports.wall.fix={x="1 mm"}'], "prescribes"),
         ("bar_100.toml", ["effects.modal.model=plate", "mesh.order=2"], "first order"),
         ("bar_100.toml", ["quantities.pitch.frequency=9"], "modes are computed"),

@@ -5,12 +5,14 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.quiver import Quiver
 from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, STEEL, meshed, write_scene
 
 from restshape.cli.check_scene import starting_outline
 from restshape.cli.main import main
-from restshape.report.conditions import LOAD, SUPPORT
+from restshape.report.conditions import LOADS as COLOURS
+from restshape.report.conditions import SUPPORT
 from restshape.report.name_labels import Labels
 from restshape.report.places import place_of
 from restshape.scene.load import load_scene
@@ -68,7 +70,10 @@ def test_supports_and_legend(figure):
     words = [text.get_text().replace("\n", " ") for text in figure.texts]
     assert "load weight on top: force (0, -3000) N" in words and "load push on window: pressure 2e+06 Pa" in words
     assert any(word.startswith("support") and "x = 0 and y = 0" in word for word in words)
-    assert {line.get_color() for line in figure.lines} <= {SUPPORT, LOAD}
+    colours = [line.get_color() for line in figure.get_children() if isinstance(line, Line2D)]
+    assert {*colours} <= {SUPPORT, *COLOURS}
+    # Loads have a colour each, in the picture as in the legend.
+    assert len({*colours}) == len(colours) == 5
     assert "2 × 1 m" in figure.get_suptitle() and "mesh size 0.2 m" in figure.get_suptitle()
 
 

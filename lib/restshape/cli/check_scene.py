@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from restshape.application import application
-from restshape.cli.doubts import doubts
+from restshape.cli.doubts import doubts, script_doubts
 from restshape.cli.options import print_table, read_scene, write_json
 from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError
@@ -107,6 +107,8 @@ def finish(
         if script.error:
             raise script.error
         data["edits"] = edits = replayed(scene, script, outline, begin_frame)
+        if outline is not None:
+            script = replace(script, warnings=(*script.warnings, *script_doubts(scene, outline, script)))
         refused = edits["refused"]
         print_edits(args.edits, edits, script)
     write_json(args, data)

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
-from pydantic import BaseModel
-
+from restshape.cli.bare_numbers import FULL_TURN, bare_numbers, bare_numbers_set
 from restshape.mesh.curve_edges import curve_edges
 from restshape.mesh.sizing import PER_CIRCLE
+from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
-from restshape.scene.values import annotation_of, dimension_of
 from restshape.shape.outline import Outline
-
-FULL_TURN = 2.0 * math.pi
 
 TOLERATED = 1.1
 """Edges of a curve that turn by less than this times what is usual are as usual."""
@@ -22,26 +18,22 @@ TOLERATED = 1.1
 
 def doubts(scene: Scene, outline: Outline) -> list[str]:
     """What a user may have meant otherwise, a line each, of a scene and its first outline."""
-    return [*_angles(scene, scene.raw), *_mesh(scene, outline), *_drawing(scene, outline), *_curves(scene, outline)]
+    return [
+        *bare_numbers(scene, _size(outline)),
+        *_mesh(scene, outline),
+        *_drawing(scene, outline),
+        *_curves(scene, outline),
+    ]
 
 
-def _angles(model: object, raw: Any, key: str = "") -> Iterator[str]:
-    """Angles that are written without a unit and go round more than once."""
-    if isinstance(model, Mapping) and isinstance(raw, Mapping):
-        for name, one in model.items():
-            yield from _angles(one, raw.get(name), f"{key}.{name}" if key else str(name))
-    if not (isinstance(model, BaseModel) and isinstance(raw, Mapping)):
-        return
-    for name, field in type(model).model_fields.items():
-        word = field.alias or name
-        here, written = f"{key}.{word}" if key else word, raw.get(word)
-        if dimension_of(annotation_of(field)) != "angle":
-            yield from _angles(getattr(model, name), written, here)
-            continue
-        for value in written if isinstance(written, list | tuple) else [written]:
-            if isinstance(value, int | float) and abs(value) > FULL_TURN:
-                choice = f'"{value:g} deg" or "{value:g} rad"'
-                yield f"{here}: an angle without a unit is in radians, and {value:g} is more than a turn: {choice}?"
+def script_doubts(scene: Scene, outline: Outline, script: Script) -> list[str]:
+    """What a user may have meant otherwise in a script, a line each."""
+    return bare_numbers_set(scene, script, _size(outline))
+
+
+def _size(outline: Outline) -> float:
+    """The longer side of the box around a shape [m]."""
+    return float(max(outline.bounds()[1] - outline.bounds()[0]))
 
 
 def _mesh(scene: Scene, outline: Outline) -> Iterator[str]:

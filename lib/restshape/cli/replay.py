@@ -76,9 +76,9 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     """The exit code of a replay that says when each frame begins."""
     from restshape.calibration import Calibration
     from restshape.cli.shipped import script_of
+    from restshape.cli.start_notes import start_notes
     from restshape.replay.request import Request
     from restshape.scene.edit_script import Script, load_script
-    from restshape.scene.plan import plan
 
     scene = read_scene(args)
     _check_name(args.out)
@@ -88,8 +88,8 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     request = Request(scene, script, app, chosen, Calibration.load(args.calibration), tuple(args.petsc), args.predict)
     first = first_rank()
     if first:
-        for warning in (*plan(scene, app).warnings, *script.warnings):
-            print(f"note: {warning}", file=sys.stderr)
+        for note in start_notes(scene, script):
+            print(f"note: {note}", file=sys.stderr)
         if not args.edits and (known := script_of(args.scene)):
             print(f"note: the first shape only; its edits: --edits {known}", file=sys.stderr)
     recorder = _start_recorder(args.out, request) if args.out and first else None

@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 from restshape.errors import UserError
 from restshape.outputs.drawn import plain_texts
 from restshape.replay.recording import Recording
-from restshape.report.conditions import LOAD, SUPPORT
+from restshape.report.conditions import LOADS, SUPPORT
 from restshape.report.drawing import Drawing
 from restshape.report.frames import (
     BELOW,
@@ -181,8 +181,8 @@ def _palette(colours: Colormap) -> np.ndarray:
     """256 colours: the map's, the map's under mesh lines, greys, and those of words and marks."""
     shades = colours(np.linspace(0, 1, 138))[:, :3]
     under = 0.75 * shades[::2] + 0.25 * np.array(to_rgb(MESH))
-    greys = np.repeat(np.linspace(0, 1, 44)[:, None], 3, axis=1)
-    all_colours = np.vstack([shades, under, greys, *map(to_rgb, (BODY, MARK, REFUSED, LOAD, SUPPORT))])
+    greys = np.repeat(np.linspace(0, 1, 39)[:, None], 3, axis=1)
+    all_colours = np.vstack([shades, under, greys, *map(to_rgb, (BODY, MARK, REFUSED, *LOADS, SUPPORT))])
     return (255 * all_colours).round().astype(np.uint8)
 
 

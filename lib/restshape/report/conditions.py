@@ -12,7 +12,9 @@ from restshape.report.places import Place, place_of
 from restshape.scene.model import Load, Scene
 from restshape.shape.outline import Outline
 
-SUPPORT, LOAD = "#0072b2", "#c44e00"
+SUPPORT = "#0072b2"
+LOADS = ("#c44e00", "#117733", "#cc6699", "#882255", "#999933", "#6b4c9a")
+"""Colours of the loads of a scene, in turn."""
 ARROW = 0.09
 """Length of the longest arrow of a load, over the size of the picture."""
 
@@ -34,17 +36,22 @@ def draw_loads(axes: Axes, scene: Scene, outline: Outline, moved: Moved, width: 
     """Draws where loads act and which way: arrows of vectors and pressures, lines of the others."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     longest = ARROW * max(right - left, top - bottom)
-    for key, load in scene.loads.items():
+    for (key, load), colour in zip(scene.loads.items(), load_colours(scene)):
         for name in load.on:
             place = place_of(outline, name)
             inside = load.kind == "body" or name == "all"
             if not inside:
-                _lines(axes, place, moved, LOAD, width)
+                _lines(axes, place, moved, colour, width)
             vectors = load_vectors(scene, key, load, place, inside)
             if vectors is not None:
-                _arrows(axes, place, moved, vectors, longest, inside)
+                _arrows(axes, place, moved, vectors, longest, inside, colour)
             elif len(place.points):
-                axes.plot(*moved(place.points).T, "D", color=LOAD, ms=2.5 * width, zorder=6)
+                axes.plot(*moved(place.points).T, "D", color=colour, ms=2.5 * width, zorder=6)
+
+
+def load_colours(scene: Scene) -> list[str]:
+    """A colour for each load of a scene, in its order: others as far as there are enough."""
+    return [LOADS[i % len(LOADS)] for i in range(len(scene.loads))]
 
 
 def load_vectors(scene: Scene, key: str, load: Load, place: Place, inside: bool) -> np.ndarray | None:
@@ -71,7 +78,9 @@ def _lines(axes: Axes, place: Place, moved: Moved, colour: str, width: float) ->
         axes.add_collection(LineCollection(lines, colors=colour, linewidths=width, zorder=4.5), autolim=False)
 
 
-def _arrows(axes: Axes, place: Place, moved: Moved, vectors: np.ndarray, longest: float, inside: bool) -> None:
+def _arrows(
+    axes: Axes, place: Place, moved: Moved, vectors: np.ndarray, longest: float, inside: bool, colour: str
+) -> None:
     """Arrows that end where they push on the body, and begin where they pull."""
     sizes = np.linalg.norm(vectors, axis=1)
     if not sizes.max(initial=0.0):
@@ -79,7 +88,7 @@ def _arrows(axes: Axes, place: Place, moved: Moved, vectors: np.ndarray, longest
     at = moved(place.inside[None] if inside else place.at)
     arrows = vectors * (longest / sizes.max())
     pushes = np.zeros(len(at), dtype=bool) if inside else (vectors * place.outwards).sum(axis=1) < -1e-9 * sizes.max()
-    look = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "color": LOAD, "zorder": 6, "clip_on": False}
+    look = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "color": colour, "zorder": 6, "clip_on": False}
     for chosen, pivot in ((pushes, "tip"), (~pushes, "tail")):
         if chosen.any():
             axes.quiver(*at[chosen].T, *arrows[chosen].T, pivot=pivot, width=0.004, headwidth=4.0, **look)

@@ -15,7 +15,7 @@ from matplotlib.path import Path as Curve
 
 from restshape.application import application
 from restshape.outputs.drawn import save_picture
-from restshape.report.conditions import LOAD, SUPPORT, Moved, draw_loads, draw_supports
+from restshape.report.conditions import SUPPORT, Moved, draw_loads, draw_supports, load_colours
 from restshape.report.name_labels import Labels
 from restshape.report.places import place_of
 from restshape.report.style import BODY, GOAL, INK, length_unit, new_figure
@@ -157,7 +157,8 @@ def _legend(scene: Scene, outline: Outline, goals: str) -> list[tuple[str, str]]
         return ", ".join(parts)
 
     found = [(SUPPORT, f"support {name} on {on(one.on)}: {support_words(one)}") for name, one in scene.supports.items()]
-    found += [(LOAD, f"load {name} on {on(one.on)}: {load_words(one)}") for name, one in scene.loads.items()]
+    loads = zip(scene.loads.items(), load_colours(scene))
+    found += [(colour, f"load {name} on {on(one.on)}: {load_words(one)}") for (name, one), colour in loads]
     return found + ([(GOAL, f"goal {goals}")] if goals else [])
 
 

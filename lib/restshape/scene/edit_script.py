@@ -1,6 +1,7 @@
 """Edit scripts: what a hand did to a shape, one event a line, in edit time."""
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -264,7 +265,7 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
         if not keep_good:
             raise
         reader.error = error
-    return Script(header, tuple(reader.events), reader.torn, reader.error, _warnings(header, scene), path)
+    return Script(header, tuple(reader.events), reader.torn, reader.error, _warnings(header, scene, reader.odd), path)
 
 
 def events_of(application: Application) -> dict[str, type[EventLine]]:
@@ -308,11 +309,11 @@ def _check_analysis(header: Header, scene: Scene | None, path: Path, line: int) 
     )
 
 
-def _warnings(header: Header, scene: Scene | None) -> tuple[str, ...]:
+def _warnings(header: Header, scene: Scene | None, odd: list[str]) -> tuple[str, ...]:
     """What is odd about the script for this scene."""
     if scene is None or not header.scene or Path(header.scene).name == scene.path.name:
-        return ()
-    return (f"the script was written for the scene {header.scene!r}, not for {scene.path.name!r}",)
+        return tuple(odd)
+    return (f"the script was written for the scene {header.scene!r}, not for {scene.path.name!r}", *odd)
 
 
 class _Torn(Exception):
@@ -338,6 +339,7 @@ class _Reader:
     grabbed: str | None = None
     t: float = 0.0
     scale: float = 1.0
+    odd: list[str] = field(default_factory=list)
 
     def fail(self, number: int, what: str, do: str = "") -> NoReturn:
         """Raises the error that names file and line."""
@@ -402,6 +404,12 @@ class _Reader:
             raise found from error
         self.check_order(event, number)
         self.events.append(event)
+        turn = table.get("by") if isinstance(event, Rotate) else None
+        if isinstance(turn, int | float) and abs(turn) > 2.0 * math.pi:
+            choice = f'"{turn:g} deg" or "{turn:g} rad"'
+            self.odd.append(
+                f"line {number}: an angle without a unit is in radians, and {turn:g} is more than a turn: {choice}?"
+            )
 
     def reported(self, error: ValidationError, number: int, model: type[Strict]) -> UserError:
         """The error that names file, line and key."""

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from restshape.physics.elasticity.elasticity_derived_effects import GRAIN, LARGE, SOLID
 from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
-from restshape.physics.elasticity.elasticity_scene_checks import check_goals, check_solids
+from restshape.physics.elasticity.elasticity_scene_checks import check_solids, check_vibrations
 from restshape.physics.elasticity.elasticity_solver_plan import solid_plan, vibration_plan
 from restshape.physics.elasticity.goal import Goal, goal_words
 from restshape.physics.elasticity.modal_effect import IN_PLANE_MODES, MODAL, modal_columns
@@ -147,7 +147,7 @@ FREE_VIBRATIONS = Physics(
     derived={"in_plane_modes": IN_PLANE_MODES, "grain": GRAIN, "regions": REGIONS},
     orders=(2, 1),
     layered=True,
-    check=check_goals,
+    check=check_vibrations,
     check_shape="restshape.physics.elasticity.outline_checks:check_thickness",
     inspect_shape="restshape.physics.elasticity.inspection:inspect_vibrating",
     columns=modal_columns,

@@ -13,6 +13,13 @@ ELSEWHERE = {
     ),
 }
 """Quantities that solids, static or in motion, have not: why, and what to do."""
+COMPONENTS = {
+    "solid": ("x", "y", "z"),
+    "plate": ("z", "rx", "ry"),
+    "plane_stress": ("x", "y"),
+    "plane_strain": ("x", "y"),
+}
+"""What supports may fix of bodies that vibrate freely, by their model."""
 
 
 def elsewhere(quantity: Quantity) -> tuple[str, tuple[str, ...], str] | None:
@@ -59,6 +66,22 @@ def _refuse_no_thickness(scene: Scene, source: Source) -> None:
         if "thickness" not in material.model_fields_set:
             what = f"stress is the force of loads.{force} by the thickness, which is left out"
             raise source.error(("material", name), what, 'add thickness = "8 mm"; until now it was 1 m')
+
+
+def check_vibrations(scene: Scene, source: Source) -> None:
+    """Checks a scene of free vibrations: a support fixes what bodies of the model have, to 0.
+
+    Raises:
+        UserError: the first thing that makes no sense.
+    """
+    check_goals(scene, source)
+    model = scene.effects.get("modal", {}).get("model", "solid")
+    # Recordings of scenes from before this was refused are still read.
+    for name, support in () if source.recorded or model not in COMPONENTS else scene.supports.items():
+        for axis in support.fix:
+            if axis not in COMPONENTS[model]:
+                what = f"a body of effects.modal.model = {model!r} has no component {axis!r} that could be fixed"
+                raise source.error(("supports", name, "fix"), what, f"fix some of {', '.join(COMPONENTS[model])}")
 
 
 def check_goals(scene: Scene, source: Source) -> None:

@@ -1,0 +1,30 @@
+"""What a replay says of its scene and script before it begins."""
+
+from restshape.application import application
+from restshape.cli.doubts import script_doubts
+from restshape.errors import ReplayProblem, UserError
+from restshape.scene.edit_script import Script
+from restshape.scene.model import Scene
+from restshape.scene.plan import plan
+
+
+def start_notes(scene: Scene, script: Script) -> list[str]:
+    """What effects and the script warn of, a line each, and how many more warnings `restshape check` has.
+
+    Raises:
+        UserError: an effect cannot be had in this scene.
+    """
+    app = application(scene.app)
+    effects = plan(scene, app)
+    own = [*effects.warnings, *script.warnings]
+    try:
+        data, _, outline = app.editing.checked(scene, effects)
+    except (ReplayProblem, UserError):
+        # The first frame says what is wrong with the shape.
+        return own
+    more = [warning for warning in data.get("warnings", ()) if warning not in own]
+    if outline is not None:
+        more += script_doubts(scene, outline, script)
+    if len(more) > 1:
+        more = [f"{len(more)} more warnings, which restshape check lists; the first: {more[0]}"]
+    return own + more
