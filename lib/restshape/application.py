@@ -213,14 +213,10 @@ class Application:
         return f"the default of {self.name}{reason}"
 
     @property
-    def layered(self) -> bool:
-        """Whether bodies have a thickness of their own with layers of elements over it."""
-        return any(one.layered for one in self.physics)
-
-    @property
-    def nested(self) -> bool:
-        """Whether its fields may live on a mesh nested in coarser ones."""
-        return all(one.nested for one in self.physics)
+    def mesh_keys(self) -> frozenset[str]:
+        """The keys of ``[mesh]`` that all of its physics have, besides those of all scenes."""
+        first, *others = (frozenset[str](one.mesh_keys) for one in self.physics)
+        return first.intersection(*others)
 
     @property
     def mesh_jumps(self) -> bool:

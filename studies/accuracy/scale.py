@@ -43,7 +43,7 @@ def scale_of(scene: Scene, application: Application, order: int) -> StudyScale:
     Args:
         scene: whose layers count; application: of the scene; order: of the elements.
     """
-    if application.layered:
+    if "layers" in application.mesh_keys:
         # Modes alone: their frequencies are right to the square of the tolerance.
         per_node = 3.0 * (order * layers_of(scene) + 1)
         return StudyScale(1.2e4, 2.2e4, 4.0, (1e-7, 1e-6), 24, per_node, continues=application.transient(scene))

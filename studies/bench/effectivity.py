@@ -108,7 +108,7 @@ def _reference(path: Path, scene: Scene, app: Application, finest: float, given:
     scale = scale_of(scene, app)
     factor = max(finest / FINER, sqrt(unknowns(scene, app, 1.0, order) / scale.reference))
     plan = Plan(factor, order, scale.corners, "rebuild", scale.tolerances)
-    layers = (f"mesh.layers={2 * layers_of(scene)}",) if app.layered and order > 1 else ()
+    layers = (f"mesh.layers={2 * layers_of(scene)}",) if "layers" in app.mesh_keys and order > 1 else ()
     return (*plan.sizes(scene), *layers, f"mesh.order={order}", f"solve.tolerance={scale.tolerances[0]}")
 
 

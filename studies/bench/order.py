@@ -38,7 +38,7 @@ def equal_size(job: Job, announce: Announce = lambda words: None) -> float:
         UserError: the scene's mesh is not one that restshape makes of plane triangles.
     """
     scene = load_scene(job.scene, job.overrides)
-    if scene.mesh.file or application(scene.app).layered:
+    if scene.mesh.file or "layers" in application(scene.app).mesh_keys:
         raise UserError(
             "only meshes in the plane that are made here can be as fine as wanted", job.scene, "choose another scene"
         )

@@ -82,7 +82,7 @@ class MovingMesh:
         regenerate: a new mesh in every frame that moves.
         broadcast: calls a function on rank 0 and returns its result, or raises its error, on every rank.
         relocation, criterion: instead of the spec's.
-        flip_everywhere: level 2 makes the whole mesh Delaunay, as in the thesis; otherwise it begins at distorted
+        flip_everywhere: level 2 makes the whole mesh Delaunay, as in the thesis; otherwise it begins at low-quality
             triangles, so that an old factor still fits.
         imported: a mesh of the first shape, used instead of generating one.
         order_of: the order of a scene's elements, asked once a scene; by default what its `mesh.order` says.

@@ -246,11 +246,11 @@ def _check_mesh(scene: Scene, application: Application, source: Source) -> None:
             f"the application {application.name!r} has no elements of order {scene.mesh.order}",
             f"use one of: {', '.join(str(order) for order in application.orders)}",
         )
-    if scene.mesh.layers is not None and not application.layered:
+    if scene.mesh.layers is not None and "layers" not in application.mesh_keys:
         raise source.error(
             ("mesh", "layers"), f"the application {application.name!r} has no layers of elements", "leave it out"
         )
-    if scene.mesh.levels > 1 and not application.nested:
+    if scene.mesh.levels > 1 and "levels" not in application.mesh_keys:
         raise source.error(
             ("mesh", "levels"), f"the application {application.name!r} has one mesh only", "leave it out"
         )

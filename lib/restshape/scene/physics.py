@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from types import GenericAlias
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Literal, cast
 
 from pydantic import BaseModel, Field
 
@@ -178,8 +178,8 @@ class Physics:
         pictures: of recordings that are not of a shape in the plane; None: there are none.
         orders: of elements; the default first.
         order_why: the reason for that default, for people.
-        layered: bodies have a thickness of their own with layers of elements over it.
-        nested: its fields, of first order, may live on a mesh nested in coarser ones.
+        mesh_keys: of ``[mesh]``, besides those that all scenes may have: "layers" of elements over the thickness of
+            bodies; "levels" of nested meshes, on the finest of which its fields, of first order, live.
         mesh_jumps: its answers can be compared on two meshes of one shape; not where one shape has several answers.
         check: what models alone cannot check in a scene; raises a `UserError` made by `Source.error`.
         check_shape: path ``module:attribute`` of the function that checks a scene with its first outline.
@@ -210,8 +210,7 @@ class Physics:
     pictures: OwnPictures | None = None
     orders: tuple[int, ...] = (1,)
     order_why: str = ""
-    layered: bool = False
-    nested: bool = False
+    mesh_keys: tuple[Literal["layers", "levels"], ...] = ()
     mesh_jumps: bool = True
     check: Callable[[Scene, Source], None] | None = None
     check_shape: str = ""

@@ -42,7 +42,7 @@ CLOTH = Physics(
         draw="restshape.physics.cloth.pictures.drape_frames:draw_drape",
         true_scale="cloth is drawn where it lies",
     ),
-    nested=True,
+    mesh_keys=("levels",),
     mesh_jumps=False,
     check=check_cloth,
     columns=cloth_columns,
