@@ -34,7 +34,7 @@ def test_the_library_reads_no_settings_but_those_that_its_own_physics_declare():
     assert {"solid", "modal", "cloth"} <= read <= declared
 
 
-ROOMS = (LIBRARY, LIBRARY.parents[1] / "apps")
+ROOMS = (LIBRARY, *(LIBRARY.parents[1] / name for name in ("apps", "studies", "verification")))
 MOST = 15
 EXCUSE = re.compile(r"# More than 15 (attributes|modules): \w")
 STANDARD = sys.stdlib_module_names

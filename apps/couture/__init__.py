@@ -11,7 +11,7 @@ from restshape.physics.cloth.cloth_declaration import CLOTH
 
 application = Application(
     name="couture",
-    summary="cloth that hangs from supports and lies on bodies, at rest",
+    summary="cloth that hangs from supports and lies on bodies, in static equilibrium",
     folder=Path(__file__).parent,
     physics=(CLOTH,),
     analysis="restshape.physics.cloth.relaxation.relaxation_analysis:RelaxationAnalysis",

@@ -19,7 +19,6 @@ __all__: list[str] = [
     "cell_order",
     "cells_around",
     "cells_left_of",
-    "cgal_version",
     "check_cells",
     "combinations",
     "curved_jacobian_bound",
@@ -545,5 +544,4 @@ def watch_outlet(
     control: typing.SupportsInt | typing.SupportsIndex, process: typing.SupportsInt | typing.SupportsIndex
 ) -> None: ...
 
-cgal_version: str = "5.5.1"
 has_cgal: bool = True

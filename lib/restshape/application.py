@@ -219,11 +219,6 @@ class Application:
         return first.intersection(*others)
 
     @property
-    def mesh_jumps(self) -> bool:
-        """Whether its answers can be compared on two meshes of one shape."""
-        return self.editing.mesh is not None and all(one.mesh_jumps for one in self.physics)
-
-    @property
     def events(self) -> dict[str, type[EventLine]]:
         """The events of edit scripts that its physics add, by name."""
         return {name: event for one in self.physics for name, event in one.events.items()}

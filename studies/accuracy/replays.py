@@ -3,6 +3,8 @@
 `restshape_studies.bench.job.run` calls `measure` of this module in a process of its own.
 """
 
+# More than 15 modules: a point of a study is a whole replay, which all parts of it set up.
+
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -40,7 +40,7 @@ class Point:
         order: of the elements; size: mesh size over that of the scene.
         quantity: its name; value: [SI].
         true: error against the reference; estimate: of the frame; effectivity: the second over the first.
-        verdict: one of those above.
+        assessment: one of those above.
     """
 
     order: int
@@ -50,7 +50,7 @@ class Point:
     true: float
     estimate: float
     effectivity: float
-    verdict: str
+    assessment: str
 
 
 def study(path: Path, given: Sequence[str], sizes: Sequence[float], announce: Callable[[str], None]) -> dict[str, Any]:
@@ -92,8 +92,8 @@ def _plain(point: Point) -> dict[str, Any]:
 
 
 def counts(points: Sequence[dict[str, Any]]) -> dict[str, int]:
-    """How many points there are of each verdict."""
-    return {word: sum(one["verdict"] == word for one in points) for word in (GOOD, BAD, EXACT, SINGULAR, UNRESOLVED)}
+    """How many points there are of each assessment."""
+    return {word: sum(one["assessment"] == word for one in points) for word in (GOOD, BAD, EXACT, SINGULAR, UNRESOLVED)}
 
 
 def _values(path: Path, overrides: Sequence[str], names: Sequence[str]) -> dict[str, tuple[float, float]]:
@@ -128,11 +128,11 @@ def _point(
     least = min(tolerance, TIGHT) * abs(value)
     effectivity = estimate / true if true > 0.0 else inf
     if estimate == inf:
-        verdict = SINGULAR
+        assessment = SINGULAR
     elif true <= least and estimate <= least:
-        verdict = EXACT
+        assessment = EXACT
     elif not isfinite(effectivity) or (isfinite(doubt) and true < RESOLVED * doubt):
-        verdict = UNRESOLVED
+        assessment = UNRESOLVED
     else:
-        verdict = GOOD if LOW <= effectivity <= HIGH else BAD
-    return Point(order, size, name, value, true, estimate, effectivity, verdict)
+        assessment = GOOD if LOW <= effectivity <= HIGH else BAD
+    return Point(order, size, name, value, true, estimate, effectivity, assessment)

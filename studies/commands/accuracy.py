@@ -1,5 +1,7 @@
 """`restshape accuracy`: what accuracy costs in time, for any scene."""
 
+# More than 15 modules: the command joins the study's points, choices, pictures and pages.
+
 import argparse
 import sys
 from pathlib import Path

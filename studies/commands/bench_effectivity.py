@@ -60,8 +60,8 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
             f"{one['value']:.6g}",
             f"{one['true']:.2g}",
             "-" if one["estimate"] is None else f"{one['estimate']:.2g}",
-            f"{one['effectivity']:.2f}" if one["verdict"] in (GOOD, BAD) else "-",
-            one["verdict"],
+            f"{one['effectivity']:.2f}" if one["assessment"] in (GOOD, BAD) else "-",
+            one["assessment"],
         )
         for one in sorted(points, key=lambda one: (one["quantity"], one["order"], -one["size"]))
     ]

@@ -55,6 +55,7 @@ class Found:
     seen: int = 1
 
 
+# More than 15 attributes: each is a count of the table that a campaign gives.
 @dataclass
 class Tried:
     """What was tried, and what came of it.

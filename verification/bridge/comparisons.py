@@ -1,5 +1,7 @@
 """Bridges beside restshape's own values on finer meshes: the constraint status of every design of a script."""
 
+# More than 15 modules: each design is set up as a frame of a replay is, and solved twice.
+
 from collections.abc import Iterator
 
 import numpy as np

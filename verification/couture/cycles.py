@@ -8,6 +8,8 @@ cause taken away, with both, with both and an eye on the energy, and by the way 
 python -m restshape_verification.couture.cycles [--picture FILE] [--json FILE] [--set KEY=VALUE]
 """
 
+# More than 15 modules: the motion is set up by hand from the parts that cloth is relaxed by.
+
 from __future__ import annotations
 
 import argparse

@@ -64,7 +64,6 @@ py::tuple refine_delaunay(const Doubles& points, const Indices& segments, const 
 void bind_mesher(py::module_& m) {
     py::register_exception<restshape::MesherFailure>(m, "MesherFailure");
     m.attr("has_cgal") = true;
-    m.attr("cgal_version") = std::string(CGAL_VERSION_STR);
     m.def("refine_delaunay", &refine_delaunay, py::arg("points").noconvert(), py::arg("segments").noconvert(),
           py::arg("border").noconvert(), "size"_a, "growth"_a, py::arg("sources").noconvert(), "stretch"_a,
           "sine_bound"_a, "patience"_a,

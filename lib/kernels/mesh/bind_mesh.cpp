@@ -36,7 +36,7 @@ void require_same_size(py::ssize_t size, py::ssize_t expected, const char* name)
 }
 
 py::tuple as_tuple(const restshape::CellQuality& found) {
-    return py::make_tuple(found.min_quality, found.inverted, found.distorted);
+    return py::make_tuple(found.min_quality, found.invalid, found.low_quality);
 }
 
 py::tuple check_cells(const Doubles& X, const Indices& cells, double area_floor, double quality_floor) {

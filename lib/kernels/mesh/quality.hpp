@@ -9,8 +9,8 @@ namespace restshape {
 
 struct CellQuality {
     double min_quality = 1.0;
-    int inverted = 0;
-    int distorted = 0;
+    int invalid = 0;
+    int low_quality = 0;
 };
 
 // Checks triangles against the two thresholds of a criterion (docs/theory/levels-of-reuse.md). The quality is inscribed
@@ -39,13 +39,13 @@ inline CellQuality check_cells(const double* X, const std::int32_t* cells, std::
         const Lane quality = scale * twice_area / ((a + b + c) * a.max(b).max(c));
         worst = std::min(worst, quality.minCoeff());
         // Negated comparisons, so that a coordinate that is not a number counts as invalid.
-        int inverted = 0, distorted = 0;
+        int invalid = 0, low_quality = 0;
         for (std::ptrdiff_t j = 0; j < size; ++j) {
-            inverted += !(0.5 * twice_area[j] > area_floor);
-            distorted += !(quality[j] >= quality_floor);
+            invalid += !(0.5 * twice_area[j] > area_floor);
+            low_quality += !(quality[j] >= quality_floor);
         }
-        found.inverted += inverted;
-        found.distorted += distorted;
+        found.invalid += invalid;
+        found.low_quality += low_quality;
     }
     found.min_quality = worst;
     return found;

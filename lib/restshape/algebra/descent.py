@@ -17,6 +17,8 @@ from restshape.algebra.weak_calls import weak_call
 Reason = PETSc.SNES.ConvergedReason
 MEMORY = 15
 """Pairs of steps and gradients that quasi-Newton keeps, and its steps on one tangent."""
+LONG = 150
+"""Steps of conjugate gradients in a run: they restart with each."""
 
 
 class Energy(Protocol):
@@ -110,6 +112,16 @@ class Descent:
         self.known: tuple[np.ndarray, float] | None = None
         self.prefix, self.ksp = prefix, self._solver(comm, prefix, factor) if self.kind.tangent else None
         self.snes = self._made()
+
+    @property
+    def uninterrupted(self) -> int:
+        """Steps after which it restarts in any case, or may be restarted at little cost."""
+        return MEMORY if self.kind.tangent else LONG
+
+    @property
+    def iterations(self) -> int:
+        """Iterations of CG: it uses none."""
+        return 0
 
     def destroy(self) -> None:
         """Free PETSc's objects."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from sys import maxsize
 from typing import Protocol
 
 import numpy as np
@@ -153,13 +154,22 @@ class KineticDamping:
             part.destroy()
         self.linear.free()
 
-    def run(self, x: np.ndarray, goal: float) -> float:
+    @property
+    def uninterrupted(self) -> int:
+        """Steps of a run: any number, for it would lose its velocities."""
+        return maxsize
+
+    def run(self, x: np.ndarray, goal: float, most: int | None = None) -> float:
         """Go on from x (n, f), which is changed, until the residual's norm is at `goal`; returns the norm then.
+
+        Args:
+            most: steps; None: those of its settings.
 
         Raises:
             ReplayProblem: no step leads on from the positions in x.
         """
         self.goal, self.resets, self.rejected = goal, [], 0
+        self.steps = replace(self.steps, most=self.steps.most if most is None else most)
         self.stuck = None
         self.linear.begin()
         self.nodal.put(x, self.x)

@@ -10,6 +10,8 @@ from typing import NamedTuple, Protocol, TypedDict
 
 import numpy as np
 
+from restshape.fem.plain_steps import PlainSystem, newmark_steps, theta_steps
+
 
 class TimeState(NamedTuple):
     """A motion, or a diffusion, at one time; its arrays are never changed in place.
@@ -58,6 +60,11 @@ class Scheme(Protocol):
     def error_factor(self) -> float: ...
     def after(self, state: TimeState, y: np.ndarray) -> TimeState:
         """The state after a step from another to unknowns y (n, f)."""
+
+    def plain_steps(
+        self, system: PlainSystem, y: np.ndarray, v: np.ndarray, time: float, steps: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Unknowns and rates (k,) after steps from y, v (k,) at a time [s], by another formula: what verifies."""
 
 
 @dataclass(frozen=True)
@@ -122,6 +129,12 @@ class Newmark:
             a = self.a0 * moved - self.a2 * state.v - self.a3 * state.a
         return TimeState(y, v, a, state.time + self.dt)
 
+    def plain_steps(
+        self, system: PlainSystem, y: np.ndarray, v: np.ndarray, time: float, steps: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """See `Scheme`; with the accelerations as unknowns."""
+        return newmark_steps(system, y, v, time, steps, self.dt, self.beta, self.gamma)
+
 
 @dataclass(frozen=True)
 class Theta:
@@ -157,6 +170,12 @@ class Theta:
     def after(self, state: TimeState, y: np.ndarray) -> TimeState:
         """The state after a step from another to unknowns y (n, f)."""
         return TimeState(y, (y - state.y) / self.dt, None, state.time + self.dt)
+
+    def plain_steps(
+        self, system: PlainSystem, y: np.ndarray, v: np.ndarray, time: float, steps: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """See `Scheme`; with the rates as unknowns."""
+        return theta_steps(system, y, v, steps, self.dt, self.theta)
 
 
 class DampingSettings(Protocol):

@@ -84,7 +84,8 @@ def jump_scale(values: np.ndarray, in_time: bool) -> np.ndarray:
 
 def jumps_wanted(scene: Scene, application: Application) -> bool:
     """Whether frames report what changes of the mesh alone do to quantities."""
-    return scene.solve.jumps is not False and application.mesh_jumps
+    has_mesh = application.editing.mesh is not None
+    return scene.solve.jumps is not False and has_mesh and all(one.mesh_jumps for one in application.physics)
 
 
 def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLike]:

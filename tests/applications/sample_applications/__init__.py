@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 
 plane = Application(
     name="plane",
-    summary="solids in the plane, at rest",
+    summary="solids in the plane, in static equilibrium",
     folder=HERE / "plane",
     physics=(PLANE_SOLIDS,),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",

@@ -15,11 +15,11 @@ def test_effectivity_is_estimate_over_error(tmp_path):
     points = found["points"]
     assert {point["order"] for point in points} == {1, 2} and not found["omitted"]
     for point in points:
-        if point["verdict"] in (GOOD, BAD):
+        if point["assessment"] in (GOOD, BAD):
             assert point["effectivity"] == point["estimate"] / point["true"]
-            assert (point["verdict"] == GOOD) == (0.5 <= point["effectivity"] <= 2.0)
-    verdicts = {(point["quantity"], point["order"]): point["verdict"] for point in points}
-    assert verdicts["peak", 1] == SINGULAR and verdicts["wall", 2] == EXACT and verdicts["stretch", 1] == GOOD
+            assert (point["assessment"] == GOOD) == (0.5 <= point["effectivity"] <= 2.0)
+    assessments = {(point["quantity"], point["order"]): point["assessment"] for point in points}
+    assert assessments["peak", 1] == SINGULAR and assessments["wall", 2] == EXACT and assessments["stretch", 1] == GOOD
     assert sum(counts(points).values()) == len(points) == 8
 
 

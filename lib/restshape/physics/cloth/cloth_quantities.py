@@ -100,7 +100,7 @@ def _energy(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[
     }
     if quantity.energy not in kinds:
         raise UserError(
-            f"cloth at rest has no {quantity.energy!r} energy",
+            f"cloth in static equilibrium has no {quantity.energy!r} energy",
             f"quantities.{name}.energy",
             f"use one of: {', '.join(kinds)}",
         )

@@ -100,7 +100,7 @@ PICTURED = {
 
 PLANE_SOLIDS = Physics(
     name="plane solids",
-    summary="elastic solids in the plane, at rest",
+    summary="elastic solids in the plane, in static equilibrium",
     solver=solid_plan,
     material=ElasticMaterial,
     boundary={"x": "length", "y": "length"},

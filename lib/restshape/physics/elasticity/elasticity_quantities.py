@@ -87,7 +87,9 @@ class PlaneQuantities:
     def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
         """The energy of that kind in the cells; a static solid has one kind only."""
         if kind != "strain":
-            raise UserError(f"a solid at rest has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"')
+            raise UserError(
+                f"a solid in static equilibrium has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"'
+            )
         return lambda x, *_: self.solid.energies(x)[cells].sum()
 
     def reaction(self, name: str, nodes: np.ndarray, column: int) -> Function:

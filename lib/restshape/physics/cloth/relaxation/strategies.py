@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
-from restshape.algebra.descent import MEMORY, Descent
+from restshape.algebra.descent import Descent
 from restshape.algebra.kinetic_damping import KineticDamping
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import SLIPPING, EquilibriumSolver
@@ -20,10 +21,23 @@ where cloth lies loosely."""
 ALPHA, BETA = 1.25, 3e-3
 """Rayleigh damping, times and over `ClothProblem.swing_time`: about half of the critical one of a cloth that swings by
 half of its size."""
-LONG = 150
-"""Steps of conjugate gradients between which friction follows: they restart with each run."""
 ROUNDS = 200
 """Runs of a method, between which friction follows, after which it is given up."""
+
+
+class Method(Protocol):
+    """Goes to an equilibrium from where it is.
+
+    Attributes:
+        uninterrupted: steps of a run at most, after which friction follows; iterations: of CG in the last run.
+    """
+
+    @property
+    def uninterrupted(self) -> int: ...
+    @property
+    def iterations(self) -> int: ...
+    def run(self, x: np.ndarray, goal: float, most: int) -> float:
+        """Go on from x (n, 3), which is changed, to a residual of norm `goal`, in `most` steps; the norm reached."""
 
 
 def moved(
@@ -66,7 +80,7 @@ def descended(
 
 def _in_rounds(
     solver: EquilibriumSolver,
-    method: KineticDamping | Descent,
+    method: Method,
     steps: Callable[[], int],
     x: np.ndarray,
     most: int,
@@ -82,13 +96,9 @@ def _in_rounds(
         left = most - report.steps
         before = x.copy()
         try:
-            if isinstance(method, Descent):
-                # Without friction that follows cloth would slide off what it lies on.
-                norm = method.run(x, solver.goal * solver.scale(x), min(left, MEMORY if method.kind.tangent else LONG))
-            else:
-                method.steps = replace(method.steps, most=left)
-                norm = method.run(x, solver.goal * solver.scale(x))
-                report.iterations += method.iterations
+            # Without friction that follows cloth would slide off what it lies on.
+            norm = method.run(x, solver.goal * solver.scale(x), min(left, method.uninterrupted))
+            report.iterations += method.iterations
         except ReplayProblem as problem:
             report.why = str(problem)
             return report
