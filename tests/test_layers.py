@@ -47,6 +47,8 @@ LAYERS = (
     "guidance",
     "replay",
     "report",
+    "variation",
+    "comparison",
     "physics",
     "cli",
 )

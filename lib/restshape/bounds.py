@@ -58,3 +58,6 @@ FRAME_SECONDS = 60.0
 """Time that a frame may take, where `--frame-limit` does not say more."""
 MEMORY_SHARE = 0.9
 """Share of the machine's memory that a run may take, where `--memory-limit` does not say otherwise."""
+
+SWEEP_VALUES = 10_000
+"""Runs of one sweep: the product of how many values each key takes."""

@@ -26,9 +26,9 @@ from restshape.scene.edit_script import Script
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
+from restshape.shape.gradual import sweep
 from restshape.shape.handpath import resampled
 from restshape.shape.script_session import ScriptSession, Step
-from restshape.shape.sweep import sweep
 
 TO_A_POINT = "a plank is dragged to a point: use 'to', or press a parameter of it"
 BY_A_NUMBER = "a parameter is dragged by a number: use 'by', or press the plank without a parameter"

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from restshape.bounds import FRAME_SECONDS, MEMORY_SHARE
+from restshape.outputs.kinds import CsvFile, RecordingFile, SweepFile
 
 if TYPE_CHECKING:
     from restshape.replay.recorder import Recorder
@@ -20,6 +21,8 @@ LIMIT_REACHED = 3
 OTHER_RANKS = 10.0
 """Seconds that other ranks give the first one to say what has happened, and to keep the frames."""
 RANKS_HERE = ("OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "PMI_LOCAL_SIZE")
+KEPT = (CsvFile, RecordingFile, SweepFile)
+"""Outputs that are written frame by frame, or run by run."""
 UNITS = {"": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12}
 
 
@@ -80,7 +83,7 @@ def limited(args: argparse.Namespace) -> Iterator[Callable[[], None]]:
         memory = MEMORY_SHARE * machine_memory() / max(here, 1)
     seconds = args.frame_limit + (0.0 if first_rank() or not args.frame_limit else OTHER_RANKS)
     sys.stderr.flush()
-    kept = "; the frames before it are kept" if getattr(args, "out", None) or getattr(args, "csv", None) else ""
+    kept = "; the frames before it are kept" if any(isinstance(one, KEPT) for one in vars(args).values()) else ""
     _kernels.watch(seconds, int(memory), LIMIT_REACHED, *messages(args.command, args.frame_limit, memory, kept))
     try:
         yield _kernels.begin_frame

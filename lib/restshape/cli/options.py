@@ -25,8 +25,17 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", metavar="FILE", type=JsonFile, help="write the result for programs into this file")
 
 
-def add_set(parser: argparse.ArgumentParser) -> None:
-    """Adds ``--set key=value``, which may come several times, and what scenes may name and run."""
+ONE_KEY = "change one key of the scene, e.g. --set material.steel.E='70 GPa'"
+
+
+def add_set(parser: argparse.ArgumentParser, form: str = "KEY=VALUE", what: str = ONE_KEY) -> None:
+    """Adds ``--set key=value``, which may come several times, and what scenes may name and run.
+
+    Args:
+        parser: of the command.
+        form: what follows --set.
+        what: that does.
+    """
     parser.add_argument(
         "--allow-path",
         metavar="DIR",
@@ -40,17 +49,17 @@ def add_set(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--set",
-        metavar="KEY=VALUE",
+        metavar=form,
         action="append",
         default=[],
-        help="change one key of the scene, e.g. --set material.steel.E='70 GPa' (may be given several times)",
+        help=f"{what} (may be given several times)",
     )
 
 
-def add_scene(parser: argparse.ArgumentParser) -> None:
-    """Adds the scene with ``--set`` and ``--json``."""
+def add_scene(parser: argparse.ArgumentParser, form: str = "KEY=VALUE", what: str = ONE_KEY) -> None:
+    """Adds the scene with ``--set``, which `form` and `what` describe, and ``--json``."""
     parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.toml)")
-    add_set(parser)
+    add_set(parser, form, what)
     add_json(parser)
 
 

@@ -62,6 +62,16 @@ class CsvFile(OutputFile):
         return head.startswith(b"index,line,level,flips,")
 
 
+class SweepFile(OutputFile):
+    """The rows of a sweep."""
+
+    what = "a table that sweep --csv wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it has the columns that all sweeps have."""
+        return head.startswith(b"run,status,frames,refused,")
+
+
 class RecordingFile(OutputFile):
     """A recording, whole or damaged."""
 

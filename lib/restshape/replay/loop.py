@@ -117,6 +117,16 @@ class Replay:
         scene, script, application = request.scene, request.script, request.application
         return cls(scene, script, application, request.policy, comm, request.calibration, recorder, request.predict)
 
+    def follow(self, session: Session, scene: Scene, application: Application) -> None:
+        """Goes on with another session, whose first frame says what changes from the last one of this session.
+
+        Raises:
+            UserError: errors of quantities cannot be estimated.
+        """
+        self.session = session
+        self.singular = singular_quantities(scene, application, session)
+        self.quantity_errors = QuantityErrorColumns(scene, application, self.analysis, self.singular)
+
     def frames(self) -> Iterator[RowValues]:
         """The row of each frame, as soon as it is computed and handed to the recorder.
 

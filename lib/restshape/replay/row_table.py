@@ -1,4 +1,4 @@
-"""The rows of a replay as a CSV file, written line by line."""
+"""Rows, of frames or of runs, as a CSV file, written line by line."""
 
 import csv
 from collections.abc import Callable, Iterator
@@ -8,17 +8,25 @@ from pathlib import Path
 from restshape.analysis.analysis import RowValues
 from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
-from restshape.outputs.kinds import CsvFile
+from restshape.outputs.kinds import CsvFile, OutputFile
 
 
 @contextmanager
-def table_of_rows(path: Path | None, names: list[str]) -> Iterator[Callable[[RowValues], None] | None]:
-    """A function that writes one row to the CSV file, line by line so that none is lost; None without a file."""
+def table_of_rows(
+    path: Path | None, names: list[str], kind: type[OutputFile] = CsvFile
+) -> Iterator[Callable[[RowValues], None] | None]:
+    """A function that writes one row to the CSV file, line by line so that none is lost; None without a file.
+
+    Args:
+        path: of the file; one of this kind may be replaced.
+        names: of the columns.
+        kind: what the file is.
+    """
     if path is None:
         yield None
         return
     with _user_errors(path):
-        refuse_foreign(CsvFile(path), str(path))
+        refuse_foreign(kind(path), str(path))
         file = path.open("w", newline="", buffering=1)
     writer = csv.DictWriter(file, names, extrasaction="ignore")
 

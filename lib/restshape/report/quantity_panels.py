@@ -76,7 +76,7 @@ def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str
     axes.ticklabel_format(axis="y", useOffset=False)
     if len(known):
         least_span(axes, factor * float(known.min()), factor * float(known.max()))
-        _limits(axes, factor, float(known.min()), float(known.max()), limit, shown)
+        draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown)
     else:
         axes.text(0.5, 0.5, "no values", transform=axes.transAxes, ha="center", va="center", color=REFUSED)
 
@@ -112,7 +112,7 @@ def least_span(axes: Axes, low: float, high: float) -> None:
         axes.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
 
 
-def _limits(axes: Axes, factor: float, low: float, high: float, limit: dict[str, float], unit: str) -> None:
+def draw_limits(axes: Axes, factor: float, low: float, high: float, limit: dict[str, float], unit: str) -> None:
     """Lines at limits near the values; those that are far are written above the panel."""
     span = max(high - low, 1e-3 * max(abs(low), abs(high)))
     words = []

@@ -96,7 +96,7 @@ class ScriptSession(ABC, Generic[Edited]):
 
     def frames(self) -> Iterator[ScriptFrame]:
         """All frames, one after the other; the first shows what there is before any event."""
-        yield self._frame((0, 0.0, 0, "start"), Step("start"), True, False)
+        yield self._frame((0, 0.0, 0, "start"), self._first_step(), True, False)
         index, events = 1, self._script.events
         always = self._script.header.analysis == "every frame"
         for k, event in enumerate(events):
@@ -121,6 +121,10 @@ class ScriptSession(ABC, Generic[Edited]):
     def _carried_out(self, event: EventLine) -> Iterator[Step]:
         found: Iterator[Step] = getattr(self, f"_do_{event.do}")(event)
         return found
+
+    def _first_step(self) -> Step:
+        """What there is before any event."""
+        return Step("start")
 
     @abstractmethod
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> ScriptFrame:

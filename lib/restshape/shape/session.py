@@ -38,13 +38,13 @@ from restshape.shape import rigid_body_drag, topology_edits
 from restshape.shape.build import outline_from_spec
 from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
+from restshape.shape.gradual import sweep
 from restshape.shape.handpath import resampled
 from restshape.shape.outline import Entity, Outline
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
 from restshape.shape.rigid_body_drag import RigidBodyDrag, begin_body_drag
 from restshape.shape.script_session import STILL, Held, ScriptFrame, ScriptSession, State, Step
-from restshape.shape.sweep import sweep
 from restshape.shape.validity import MotionCheck, beyond_reach, problem
 
 OF_SHAPE = ("pull", "smooth", "arc", "insert", "delete")

@@ -1,0 +1,205 @@
+"""`restshape sweep`: one scene with one value after the other, in one process."""
+
+# More than 15 modules: the command joins reading, running, a table, a file and a picture, progress and signals.
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from restshape.cli.limits import add_limits, lift_limits, limited
+from restshape.cli.options import add_scene, print_table, write_json
+from restshape.cli.ranks import first_rank
+from restshape.cli.signals import agreeing
+from restshape.cli.verbosity import add_verbose
+from restshape.errors import UserError, printable
+from restshape.outputs.kinds import PICTURES, PictureFile, SweepFile
+from restshape.policy import GUESSES, POLICIES
+from restshape.surroundings import start_petsc
+
+if TYPE_CHECKING:
+    from restshape.variation.runs import Sweep
+    from restshape.variation.swept_key import SweptKey
+    from restshape.variation.swept_run import SweptRun
+
+SUMMARY = "replay a scene with one value after the other: a table and a picture of its quantities"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_scene(parser, "KEY=VALUE, KEY=FROM:TO:STEP or KEY=A,B,C", "a key and its values, e.g. E=60GPa:80GPa:5GPa")
+    parser.add_argument("--edits", type=Path, metavar="FILE", help="edit script; default: the first shape only")
+    parser.add_argument("--policy", choices=list(POLICIES), help="what is reused (default: the scene's)")
+    parser.add_argument("--guess", choices=list(GUESSES), help="initial guess of iterative solves")
+    parser.add_argument("--csv", type=SweepFile, metavar="FILE", help="a row a run")
+    parser.add_argument("--out", type=PictureFile, metavar="FILE", help="picture of each quantity (.png, .svg)")
+    parser.add_argument(
+        "--continue",
+        dest="continued",
+        action="store_true",
+        help="nonlinear: start from the solution of the run before, and follow its branch",
+    )
+    add_limits(parser)
+    add_verbose(parser)
+    parser.add_argument("--calibration", type=Path, metavar="FILE", help="seconds a unit of work (default: nominal)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run all values; 0 where one of them has a result, 2 on bad input."""
+    if args.out and args.out.suffix not in PICTURES:
+        raise UserError("a picture's name ends in .png or .svg", f"--out {args.out}", f"--out {args.out}.png")
+    with limited(args) as begin_frame:
+        return _swept(args, begin_frame)
+
+
+def _swept(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
+    """The exit code of a sweep that says when each frame begins."""
+    from restshape.calibration import Calibration
+    from restshape.variation.swept_key import swept_keys
+
+    fixed, swept = swept_keys(args.set)
+    start_petsc(args.petsc)
+    from restshape.variation.runs import Sweep, SweepRequest
+
+    calibration = Calibration.load(args.calibration)
+    request = SweepRequest(args.scene, fixed, swept, args.edits, args.policy, args.guess, calibration, args.continued)
+    sweep, runs = Sweep(request), []
+    interrupted = _run_all(args, sweep, swept, runs, begin_frame)
+    lift_limits()
+    if first_rank():
+        _write(args, sweep, swept, runs, interrupted)
+    if interrupted:
+        raise KeyboardInterrupt
+    return 0
+
+
+def _run_all(
+    args: argparse.Namespace,
+    sweep: Sweep,
+    swept: list[SweptKey],
+    runs: list[SweptRun],
+    begin_frame: Callable[[], None],
+) -> bool:
+    """Put each run into the list and its row into the CSV file; whether a signal has ended the sweep."""
+    from petsc4py import PETSc
+
+    from restshape.cli.progress import progress
+
+    first = first_rank()
+    with (
+        progress(quiet=not first) as count,
+        agreeing(PETSc.COMM_WORLD.tompi4py()) as end_if_asked,
+        ExitStack() as files,
+    ):
+
+        def on_frame() -> None:
+            end_if_asked()
+            begin_frame()
+            count()
+
+        rows = CsvRows(args.csv if first else None, [one.key for one in swept], bool(args.edits), files)
+        try:
+            for one in sweep.runs(on_frame):
+                runs.append(one)
+                rows.add(one, sweep)
+                begin_frame()
+        except KeyboardInterrupt:
+            if not runs:
+                raise
+            return True
+    return False
+
+
+class CsvRows:
+    """Writes rows of runs; those before the first valid one wait for it, which knows the columns.
+
+    Args:
+        path: of the file; None writes none.
+        keys: that are swept.
+        several: runs have several frames.
+        files: closes the file.
+    """
+
+    def __init__(self, path: Path | None, keys: list[str], several: bool, files: ExitStack) -> None:
+        self.path, self.keys, self.several, self.files = path, keys, several, files
+        self._waiting: list[SweptRun] = []
+        self._write: Callable[..., None] | None = None
+
+    def add(self, run: SweptRun, sweep: Sweep) -> None:
+        """Write the row of a run."""
+        if not self.path:
+            return
+        self._waiting.append(run)
+        if self._write is None and sweep.columns is not None:
+            from restshape.replay.row_table import table_of_rows
+            from restshape.variation.swept_run import column_names
+
+            names = column_names(self.keys, sweep.columns, self.several)
+            self._write = self.files.enter_context(table_of_rows(self.path, names, SweepFile))
+        if self._write:
+            for one in self._waiting:
+                self._write(one.table_row(self.several))
+            self._waiting = []
+
+
+def _write(
+    args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], runs: list[SweptRun], interrupted: bool
+) -> None:
+    """Print the table, and write the JSON file and the picture."""
+    from restshape.variation.swept_run import REUSED
+
+    data = {
+        "scene": str(args.scene),
+        "edits": str(args.edits) if args.edits else None,
+        "keys": [one.key for one in swept],
+        "interrupted": interrupted,
+        "runs": [one.plain() for one in runs],
+    }
+    write_json(args, data)
+    if not any(one.frames for one in runs):
+        raise UserError(f"no run has a result; the first one, {_values(runs[0])}: {runs[0].why}")
+    reused = sum(one.analysis == REUSED for one in runs)
+    seconds = sum(one.cpu_s for one in runs)
+    print(f"{len(runs)} runs, {reused} of them with the analysis of the run before, {seconds:.2f} s of processor time")
+    _print_runs(args, sweep, swept, runs)
+    if failed := [one for one in runs if one.why]:
+        for one in failed[:5]:
+            print(printable(f"  {_values(one)}, {one.status}: {one.why}"), file=sys.stderr)
+        if len(failed) > 5:
+            print(f"  ... and {len(failed) - 5} more: see --csv or --json", file=sys.stderr)
+    if args.out and sweep.scene:
+        from restshape.outputs.drawn import drawn_from, fingerprint
+        from restshape.variation.sweep_picture import draw_sweep
+
+        try:
+            with drawn_from(fingerprint(data)):
+                draw_sweep(sweep.scene, swept, runs, args.out, bool(args.edits))
+        except OSError as error:
+            raise UserError(f"cannot be written: {error.strerror}", f"--out {args.out}", "name another file") from error
+        print(f"wrote {args.out}")
+
+
+def _values(run: SweptRun) -> str:
+    """The values of a run."""
+    return ", ".join(f"{key} = {value}".replace('"', "") for key, value in run.values.items())
+
+
+def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], runs: list[SweptRun]) -> None:
+    """Print a row a run: its values, its status, and each quantity at the end and its extremes."""
+    keys, columns = [one.key for one in swept], sweep.columns or []
+    parts = ("", " min", " max") if args.edits else ("",)
+    heads = [*keys, "status", *(f"{name.removeprefix('q_')}{part}" for name in columns for part in parts)]
+    if args.edits:
+        heads[len(keys) + 1 : len(keys) + 1] = ["frames", "refused"]
+    rows = []
+    for one in runs:
+        row = one.table_row(bool(args.edits))
+        cells = [row.get(f"{name}{part.replace(' ', '_')}") for name in columns for part in parts]
+        status = f"{one.status}, {one.constraint_status}" if one.constraint_status else one.status
+        counts = [one.frames, one.refused] if args.edits else []
+        rows.append([*(row[key] for key in keys), status, *counts, *("-" if c is None or c != c else c for c in cells)])
+    print_table("quantities (SI units)", heads, rows, right=heads[len(keys) + 1 :])

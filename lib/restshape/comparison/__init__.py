@@ -1,0 +1,1 @@
+"""Comparisons of two results: headers, quantities, times and fields beside each other."""

@@ -1,0 +1,134 @@
+"""The picture of a sweep: each quantity over the values, with limits and the runs that have none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from textwrap import shorten
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+
+from restshape.outputs.drawn import save_picture
+from restshape.replay.constraints import recorded_limits
+from restshape.report.quantity_panels import EACH, FRAMED, MOST, draw_limits, least_span
+from restshape.report.style import COLOURS, INK, REFUSED, new_figure, scaled_unit
+from restshape.report.tables import kind_units
+from restshape.scene.model import Scene
+from restshape.variation.swept_key import SweptKey, combinations
+from restshape.variation.swept_run import SweptRun
+
+LINES = 12
+"""Lines of a panel that the legend names."""
+LABEL = 18
+"""Letters of a value on the axis, where values are no numbers."""
+
+
+def draw_sweep(scene: Scene, swept: Sequence[SweptKey], runs: Sequence[SweptRun], path: Path, several: bool) -> None:
+    """Writes the picture, in the format that the path's suffix names.
+
+    The last key that is swept goes along the axis; each combination of the others is a line.
+
+    Args:
+        scene: of one of the runs.
+        swept: the keys, and their values.
+        runs: in the order of `combinations`; the last ones may be missing.
+        path: of the picture.
+        several: runs have several frames: the values between least and largest are shaded.
+
+    Raises:
+        UserError: a file is there that restshape has not drawn.
+        OSError: it cannot be written.
+    """
+    columns = [*dict.fromkeys(name for one in runs for name in one.quantities)]
+    limits, units = recorded_limits(scene.quantities), kind_units()
+    columns.sort(key=lambda column: column.removeprefix("q_") not in limits)
+    shown = columns[:MOST]
+    figure = new_figure(8.0, FRAMED + EACH * 1.3 * max(len(shown), 1))
+    panels = figure.subplots(max(len(shown), 1), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, column in zip(panels, shown):
+        name = column.removeprefix("q_")
+        spec = scene.quantities.get(name)
+        raw = scene.raw.get("quantities", {})
+        given = raw.get(name, {}) if isinstance(raw, dict) else {}
+        unit = next((units[key] for key in given if key in units), "") if spec else ""
+        _panel(axes, swept, runs, column, limits.get(name, {}), unit, several)
+        axes.set_title(name, loc="left", pad=2)
+    along = swept[-1]
+    panels[-1].set_xlabel(f"{along.key} [{along.unit}]" if along.unit else along.key)
+    if not along.numbers:
+        labels = [shorten(value.strip('"'), LABEL, placeholder="…") for value in along.values]
+        panels[-1].set_xticks(range(len(labels)), labels)
+    failed = sum(not one.frames for one in runs)
+    words = [scene.title or scene.path.stem, f"{len(runs)} runs"]
+    words += [f"{failed} without a result"] * bool(failed)
+    words += [f"{len(columns) - MOST} more quantities are not shown"] * (len(columns) > MOST)
+    figure.suptitle(shorten(", ".join(words), 95, placeholder=" …"), x=0.01, ha="left", color=INK)
+    keys = shorten(", ".join(one.key for one in swept[:-1]), 90, placeholder="…")
+    _legend(panels[0], keys, bool(limits), bool(failed), several)
+    figure.align_ylabels()
+    save_picture(figure, path)
+
+
+def _panel(
+    axes: Axes,
+    swept: Sequence[SweptKey],
+    runs: Sequence[SweptRun],
+    column: str,
+    limit: dict[str, float],
+    unit: str,
+    several: bool,
+) -> None:
+    """One quantity: a line for each combination of the keys but the last, marks where there is no value."""
+    values = np.array([_extent(one, column) for one in runs]).reshape(-1, 3)
+    known = values[np.isfinite(values)]
+    factor, text = scaled_unit(float(np.abs(known).max(initial=0.0)), unit)
+    count, lines = len(swept[-1].values), -(-len(runs) // len(swept[-1].values))
+    places, x = list(combinations(swept)), np.array(swept[-1].numbers or range(count))
+    for line in range(lines):
+        own = values[line * count : (line + 1) * count] * factor
+        colour = INK if lines == 1 else colormaps[COLOURS](0.9 * line / (lines - 1))
+        at, name = x[: len(own)], _line_name(swept, places[line * count]) if lines <= LINES else None
+        axes.plot(at, own[:, 0], color=colour, lw=1.1, marker="o", ms=3, zorder=3, label=name or None)
+        if several:
+            axes.fill_between(at, own[:, 1], own[:, 2], color=colour, alpha=0.15, linewidth=0, zorder=1)
+        beyond = (own[:, 0] > factor * limit.get("max", np.inf)) | (own[:, 0] < factor * limit.get("min", -np.inf))
+        axes.plot(at[beyond], own[beyond, 0], ls="", marker="x", color=REFUSED, ms=6, zorder=4)
+    for place in {places[one.index][-1] for one, value in zip(runs, values) if not np.isfinite(value[0])}:
+        axes.axvline(x[place], color=REFUSED, alpha=0.35, lw=2.0, zorder=0)
+    axes.set_ylabel(f"[{text}]" if text else "")
+    axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.margins(y=0.12)
+    axes.ticklabel_format(axis="y", useOffset=False)
+    if len(known):
+        low, high = float(known.min()), float(known.max())
+        least_span(axes, factor * low, factor * high)
+        draw_limits(axes, factor, low, high, limit, text)
+
+
+def _extent(run: SweptRun, column: str) -> tuple[float, float, float]:
+    """The value at the end of a run, the least and the largest one; not numbers without a result."""
+    found = run.quantities.get(column)
+    return (found.last, found.least, found.most) if found else (np.nan, np.nan, np.nan)
+
+
+def _line_name(swept: Sequence[SweptKey], places: Sequence[int]) -> str:
+    """The values of all keys but the last."""
+    words = [one.values[place].replace('"', "") for one, place in zip(swept[:-1], places)]
+    return shorten(", ".join(words), 2 * LABEL, placeholder="…")
+
+
+def _legend(axes: Axes, keys: str, limited: bool, failed: bool, several: bool) -> None:
+    """The legend below all panels: of the lines, whose keys are its title, and of what occurs."""
+    if limited:
+        axes.plot([], [], color=REFUSED, lw=1.0, ls="--", label="limit")
+        axes.plot([], [], ls="", marker="x", color=REFUSED, ms=6, label="beyond its limit")
+    if several:
+        axes.fill_between([], [], [], color=INK, alpha=0.15, label="least to largest over the edit")
+    if failed:
+        axes.plot([], [], color=REFUSED, alpha=0.35, lw=2.0, label="no result")
+    handles, names = axes.get_legend_handles_labels()
+    if names:
+        axes.figure.legend(handles, names, loc="outside lower center", ncols=min(len(names), 4), title=keys or None)

@@ -1,0 +1,144 @@
+"""Which values keys of a scene take in a sweep, as the words after --set say."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from itertools import product
+
+from restshape import bounds
+from restshape.errors import UserError
+from restshape.scene.source import split_key
+
+NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s:,\[\]{}\"'][^:,\[\]{}\"']*)?")
+"""A number, and its unit if any."""
+OPENING, CLOSING, QUOTES = "[{(", "]})", "\"'"
+ROUNDED = 1e-9
+"""Steps by which the last value of a range may lie beyond its end."""
+EXAMPLE = "write for example --set material.steel.E=60GPa:80GPa:5GPa, or KEY=a,b,c"
+
+
+@dataclass(frozen=True)
+class SweptKey:
+    """A key of the scene that takes one value after the other.
+
+    Args:
+        key: dotted.
+        values: as they stand after ``--set KEY=``.
+        numbers: the same as numbers in `unit`; empty where one of them is no number, or they have several units.
+        unit: as it was written; empty without one.
+    """
+
+    key: str
+    values: tuple[str, ...]
+    numbers: tuple[float, ...] = ()
+    unit: str = ""
+
+
+def swept_keys(words: Sequence[str]) -> tuple[list[str], list[SweptKey]]:
+    """The overrides that hold for all runs, and the keys that take several values.
+
+    Args:
+        words: ``KEY=VALUE``, ``KEY=FROM:TO:STEP`` or ``KEY=A,B,C``, as after --set.
+
+    Raises:
+        UserError: a range is none, no key takes several values, or there are more runs than `bounds.SWEEP_VALUES`.
+    """
+    fixed: list[str] = []
+    swept: list[SweptKey] = []
+    for word in words:
+        found = _swept_key(word)
+        if found is None:
+            fixed.append(word)
+        else:
+            swept.append(found)
+    if not swept:
+        raise UserError("no key takes several values", "--set", EXAMPLE)
+    runs = math.prod(len(one.values) for one in swept)
+    if runs > bounds.SWEEP_VALUES:
+        what = f"{runs:,} runs are more than {bounds.SWEEP_VALUES:,}"
+        raise UserError(what, "--set", "take larger steps, or fewer keys")
+    if twice := {one.key for one in swept if [other.key for other in swept].count(one.key) > 1}:
+        raise UserError(f"{min(twice)} is swept twice", "--set", "name each key once")
+    return fixed, swept
+
+
+def combinations(swept: Sequence[SweptKey]) -> Iterator[tuple[int, ...]]:
+    """Of each run the place of its value of each key; the last key changes fastest."""
+    yield from product(*(range(len(one.values)) for one in swept))
+
+
+def _swept_key(word: str) -> SweptKey | None:
+    """The swept key of a word; None where it gives one value."""
+    key, equals, text = word.partition("=")
+    if not equals or not split_key(key):
+        raise UserError(f"{word!r} is not key=value", "--set", EXAMPLE)
+    if (ends := [_number(part) for part in text.split(":")]) and len(ends) == 3 and all(ends):
+        return _range(key.strip(), text, [end for end in ends if end])
+    parts = [part.strip() for part in _outside(text, ",")]
+    if len(parts) == 1:
+        return None
+    if not all(parts):
+        raise UserError(f"{text!r} has an empty value", f"--set {key}", EXAMPLE)
+    numbers = [_number(part) for part in parts]
+    units = {found[1] for found in numbers if found}
+    known = all(numbers) and len(units) == 1
+    values = tuple(_written(*found) if found else part for found, part in zip(numbers, parts))
+    plain = tuple(float(found[0]) for found in numbers if found) if known else ()
+    return SweptKey(key.strip(), values, plain, units.pop() if known else "")
+
+
+def _number(text: str) -> tuple[str, str] | None:
+    """A number and its unit, both as written; None where a text is no number."""
+    text = text.strip()
+    if len(text) > 1 and text[0] in QUOTES and text[-1] == text[0]:
+        text = text[1:-1].strip()
+    found = NUMBER.fullmatch(text) if len(text) <= bounds.QUANTITY_CHARACTERS else None
+    return (found[1], (found[2] or "").strip()) if found else None
+
+
+def _written(number: str, unit: str) -> str:
+    """A number as TOML takes it: text where it has a unit."""
+    if unit:
+        return f'"{number} {unit}"'
+    return number if re.fullmatch(r"[-+]?(0|[1-9]\d*)", number) else repr(float(number))
+
+
+def _range(key: str, text: str, ends: Sequence[tuple[str, str]]) -> SweptKey:
+    """The values FROM, FROM + STEP ... up to TO, each the nearest decimal number."""
+    where = f"--set {key}={text}"
+    units = {unit for _, unit in ends if unit}
+    if len(units) > 1 or (units and not ends[2][1] and not all(unit for _, unit in ends)):
+        raise UserError("the three numbers of a range have several units", where, "write all three in one unit")
+    unit = units.pop() if units else ""
+    first, last, step = (float(number) for number, _ in ends)
+    if not all(abs(value) <= bounds.NUMBER for value in (first, last, step)):
+        raise UserError(f"a number is larger than {bounds.NUMBER:g}", where, "take a smaller one, or another unit")
+    if step == 0.0 or (last - first) / step < 0.0:
+        raise UserError("no number of these steps leads to the end of the range", where, "give STEP another sign")
+    count = (last - first) / step + ROUNDED
+    if count >= bounds.SWEEP_VALUES:
+        what = f"the range has more than {bounds.SWEEP_VALUES:,} values"
+        raise UserError(what, where, "take a larger step")
+    start, by = Decimal(ends[0][0]), Decimal(ends[2][0])
+    texts = [format(start + i * by, "f") for i in range(int(count) + 1)]
+    return SweptKey(key, tuple(_written(one, unit) for one in texts), tuple(map(float, texts)), unit)
+
+
+def _outside(text: str, mark: str) -> list[str]:
+    """The parts of a text between marks that stand in no brackets and no quotes."""
+    parts, depth, quote = [""], 0, ""
+    for letter in text:
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in QUOTES:
+            quote = letter
+        depth += 0 if quote else (letter in OPENING) - (letter in CLOSING)
+        if letter == mark and not depth and not quote:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return parts

@@ -1,0 +1,139 @@
+"""What one run of a sweep gives: a row of its table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from restshape.analysis.row_values import number, text, whole
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import RowValues
+    from restshape.analysis.row_values import RowValue
+    from restshape.application import Application
+    from restshape.scene.model import Scene
+
+DONE, INVALID, UNSOLVED = "done", "invalid", "unsolved"
+"""Status of a run: it has a result; its scene or script is not valid; its first shape has no solution."""
+NEW, REUSED = "new", "reused"
+"""Analysis of a run: made for it, or that of the run before."""
+
+
+@dataclass
+class Extent:
+    """A quantity over the frames of a run, in SI units; not numbers where no frame has a value.
+
+    Args:
+        last: in the last frame; not a number where that was refused.
+        least, most: of all frames.
+    """
+
+    last: float = math.nan
+    least: float = math.nan
+    most: float = math.nan
+
+    def add(self, value: float) -> None:
+        """Take in a frame."""
+        self.last = value
+        if math.isfinite(value):
+            self.least = value if math.isnan(self.least) else min(self.least, value)
+            self.most = value if math.isnan(self.most) else max(self.most, value)
+
+
+@dataclass
+class SweptRun:
+    """One run of a sweep.
+
+    Args:
+        index: from 0.
+        values: of each key as written, and `numbers` where they are some.
+        status: `DONE`, `INVALID` or `UNSOLVED`, and `why` where it is not done.
+        analysis: `NEW` or `REUSED`.
+        level: of reuse of the mesh in the first frame: 3 rebuilt, 2 reconnected, 1 relocated, 0 as it was.
+        frames, refused: how many there are, and how many of them were refused.
+        violating: frames in which a quantity is beyond its limit.
+        constraint_status: of the last frame.
+        quantities: by column: ``q_`` and the name, or a column of the application where the scene names none.
+        cpu_s: processor time [s].
+    """
+
+    index: int
+    values: Mapping[str, str]
+    numbers: Mapping[str, float]
+    status: str = DONE
+    why: str = ""
+    analysis: str = NEW
+    level: int = -1
+    frames: int = 0
+    refused: int = 0
+    violating: int = 0
+    constraint_status: str = ""
+    quantities: dict[str, Extent] = field(default_factory=dict)
+    cpu_s: float = 0.0
+
+    def add(self, row: RowValues, columns: Iterable[str]) -> None:
+        """Take in the row of a frame, of its quantities those in these columns."""
+        if not self.frames:
+            self.level = whole(row, "level")
+        self.frames += 1
+        self.refused += bool(row["refused"])
+        self.constraint_status = text(row, "constraint_status")
+        self.violating += self.constraint_status == "fails"
+        for name in columns:
+            self.quantities.setdefault(name, Extent()).add(number(row, name))
+
+    def table_row(self, several: bool) -> dict[str, RowValue]:
+        """Its row of the CSV file; `several` frames have the extremes of quantities, too."""
+        row: dict[str, RowValue] = {
+            "run": self.index,
+            "status": self.status,
+            "frames": self.frames,
+            "refused": self.refused,
+            "constraint_status": self.constraint_status,
+            "analysis": self.analysis,
+            "level": self.level,
+            "cpu_s": self.cpu_s,
+            "why": self.why,
+        }
+        row |= {key: value.strip('"') for key, value in self.values.items()}
+        for name, extent in self.quantities.items():
+            row[name] = extent.last
+            if several:
+                row |= {f"{name}_min": extent.least, f"{name}_max": extent.most}
+        return row
+
+    def plain(self) -> dict[str, object]:
+        """What the JSON file holds of it."""
+        found: dict[str, object] = dict(self.table_row(False))
+        for name in (*self.values, *self.quantities):
+            found.pop(name)
+        found["values"] = {key: self.numbers.get(key, value.strip('"')) for key, value in self.values.items()}
+        found["violating"] = self.violating
+        found["quantities"] = {
+            name.removeprefix("q_"): {"last": _finite(one.last), "min": _finite(one.least), "max": _finite(one.most)}
+            for name, one in self.quantities.items()
+        }
+        return found
+
+
+def quantity_columns(scene: Scene, application: Application) -> list[str]:
+    """The columns of rows that a sweep shows: quantities of the scene, else numbers that its application alone has."""
+    own = application.own_columns(scene).items()
+    numbers = [name for name, of in own if np.dtype(of).kind == "f" and not name.startswith("ms_")]
+    return [f"q_{name}" for name in scene.quantities] or numbers
+
+
+def column_names(keys: Iterable[str], quantities: Sequence[str], several: bool) -> list[str]:
+    """The columns of the CSV file; `quantities` as `quantity_columns` gives them."""
+    parts = ("", "_min", "_max") if several else ("",)
+    own = [f"{name}{part}" for name in quantities for part in parts]
+    known = ["run", "status", "frames", "refused", "constraint_status", "analysis", "level", "cpu_s"]
+    return [*known, *keys, *own, "why"]
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
