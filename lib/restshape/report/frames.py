@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from restshape.outputs.drawn import save_picture
 from restshape.replay.recording import Recording
@@ -113,7 +113,7 @@ def _panels(sheet: Sheet, captions: Sequence[str], heading: Sequence[str]) -> tu
     return figure, grid, bar
 
 
-def add_colour_bar(figure: Figure, place: Axes, recording: Recording, scenery: Scenery) -> None:
+def add_colour_bar(figure: Figure | SubFigure, place: Axes, recording: Recording, scenery: Scenery) -> None:
     """Puts the colour bar of the field into axes, with a line at each limit of a quantity that is taken from it."""
     if not scenery.field:
         place.set_visible(False)

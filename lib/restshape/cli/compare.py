@@ -1,0 +1,147 @@
+"""`restshape compare`: two results beside each other."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from restshape.cli.options import add_json, print_table, write_json
+from restshape.errors import UserError, printable
+from restshape.outputs.kinds import PICTURES, PictureFile
+
+if TYPE_CHECKING:
+    from restshape.comparison.compared import Compared
+    from restshape.comparison.result import Result
+    from restshape.comparison.series_difference import SeriesDifference
+
+SUMMARY = "two results beside each other: how they were made, quantities, times, fields"
+SHOWN = 12
+"""Frames, columns or keys that are listed."""
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what this command takes."""
+    what = "recording (.vtkhdf), or a file that replay --json wrote"
+    parser.add_argument("first", metavar="A", type=Path, help=what)
+    parser.add_argument("second", metavar="B", type=Path, help="the other one, likewise")
+    parser.add_argument(
+        "--tolerance",
+        metavar="T",
+        type=float,
+        default=0.0,
+        help="largest difference of quantities and fields, over the largest value of each (default: the same bits)",
+    )
+    parser.add_argument("--out", metavar="FILE", type=PictureFile, help="picture of both (.png, .svg)")
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compare; 0 where they are the same, or within the tolerance, 1 where they differ."""
+    if not 0.0 <= args.tolerance < math.inf:
+        raise UserError("a tolerance is 0 or greater", f"--tolerance {args.tolerance:g}", "--tolerance 1e-6")
+    if args.out and args.out.suffix not in PICTURES:
+        raise UserError("a picture's name ends in .png or .svg", f"--out {args.out}", f"--out {args.out}.png")
+    from restshape.comparison.compared import compared
+    from restshape.comparison.result import read_result
+
+    with closing(read_result(args.first)) as first, closing(read_result(args.second)) as second:
+        for one in (first, second):
+            _refuse_damage(one)
+        found = compared(first, second, args.tolerance)
+        write_json(args, found.plain())
+        _print(args, found)
+        if args.out:
+            _draw(args.out, first, second, found)
+    return 0 if found.same else 1
+
+
+def _refuse_damage(result: Result) -> None:
+    """Makes sure that all frames of a recording match their checksums, and that there are some.
+
+    Raises:
+        UserError: some do not; says which.
+    """
+    from restshape.cli.report import refuse_damage
+
+    if not result.n:
+        raise UserError("the result holds no frames", str(result.path), "run the replay again")
+    if result.recording:
+        refuse_damage(result.recording)
+
+
+def _print(args: argparse.Namespace, found: Compared) -> None:
+    """Print what differs, what is nearest to how it was made first."""
+    from restshape.comparison.header_differences import shortened
+
+    if found.header:
+        rows = [(one.key, shortened(one.first), shortened(one.second)) for one in found.header]
+        print_table("how they were made", ("key", "A", "B"), rows)
+    if found.frames[0] != found.frames[1]:
+        print(f"frames: {found.frames[0]} and {found.frames[1]}; the first {min(found.frames)} are compared")
+    _print_list("frames refused in one of them only", found.refused)
+    _print_list("frames with another constraint status", found.status)
+    _print_list("quantities of one of them only", found.alone)
+    if found.quantities:
+        _print_differences("quantities (SI units)", "quantity", found.quantities)
+    if found.fields:
+        ways = ", ".join(f"{way} in {count} frames" for way, count in found.fields.ways.items() if count)
+        print(f"meshes: {ways}")
+        _print_differences("fields (SI units)", "field", [found.fields.points, *found.fields.fields])
+        _print_list("fields of one of them only", found.fields.alone)
+    if found.times:
+        heads = ("time a frame", "A [ms]", "B [ms]", "B / A")
+        rows = [(k, f"{a:.3f}", f"{b:.3f}", f"{b / a:.2f}" if a else "-") for k, (a, b) in found.times.items()]
+        print_table("times", heads, rows, right=heads[1:])
+    _print_list("columns and fields with other bits", found.columns or [])
+    print(_sentence(args, found))
+
+
+def _print_differences(title: str, what: str, differences: list[SeriesDifference]) -> None:
+    heads = (what, "largest", "relative", "rms", "frame", "only in one")
+    rows = []
+    for one in differences:
+        relative = one.relative if one.compared else math.nan
+        numbers = [_number(value) for value in (one.largest, relative, one.rms)]
+        rows.append((one.name, *numbers, one.frame if one.frame >= 0 else "-", one.alone or "-"))
+    print_table(title, heads, rows, right=heads[1:])
+
+
+def _number(value: float) -> str:
+    return "-" if not math.isfinite(value) else f"{value:.3g}"
+
+
+def _print_list(title: str, values: list[int] | list[str]) -> None:
+    if values:
+        more = f" ... and {len(values) - SHOWN} more" if len(values) > SHOWN else ""
+        print(printable(f"{title}: {', '.join(map(str, values[:SHOWN]))}{more}"))
+
+
+def _sentence(args: argparse.Namespace, found: Compared) -> str:
+    """What the comparison comes to."""
+    from restshape.comparison.compared import SAME_BITS, SAME_VALUES, WITHIN
+
+    return {
+        SAME_BITS: "the same bits, times left out" + (f": {found.hashes[0]}" if found.hashes else ""),
+        SAME_VALUES: "the same values in all frames",
+        WITHIN: f"quantities and fields differ by at most {args.tolerance:g} of their largest values",
+    }.get(found.outcome, "they differ" + (f" by more than {args.tolerance:g}" if args.tolerance else ""))
+
+
+def _draw(path: PictureFile, first: Result, second: Result, found: Compared) -> None:
+    """Draw the picture.
+
+    Raises:
+        UserError: it cannot be written.
+    """
+    from restshape.comparison.comparison_picture import draw_comparison
+    from restshape.outputs.drawn import drawn_from, fingerprint
+
+    try:
+        with drawn_from(fingerprint(found.plain())):
+            drawn = draw_comparison(first, second, found, path)
+    except OSError as error:
+        raise UserError(f"cannot be written: {error.strerror}", f"--out {path}", "name another file") from error
+    print(f"wrote {path}" if drawn else "note: there is nothing to draw")

@@ -1,0 +1,120 @@
+"""Results that can be compared: recordings, and what `replay --json` wrote."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from restshape import bounds
+from restshape.errors import UserError
+from restshape.replay.recording import Recording
+from restshape.report.tables import column, quantity_units, refused
+
+RESULT_BYTES = bounds.SCRIPT_BYTES
+"""Text of a result that is read."""
+HDF5 = b"\x89HDF\r\n\x1a\n"
+TIME = "ms"
+"""Column of the time of a frame; those of its parts begin with it and an underscore."""
+SAID = ("policy", "guess", "ranks", "preconditioners", "unknowns", "elements", "singular", "status")
+"""What a JSON file says of how its result was made."""
+
+
+@dataclass
+class Result:
+    """A result, whatever file it comes from.
+
+    Args:
+        path: of the file.
+        n: frames.
+        header: how it was made.
+        quantities: name -> (n,) SI units; not a number where there is no value.
+        units: of quantities, where they are known.
+        refused: (n,) frames that were refused; None where the file does not say.
+        status: (n,) constraint status of frames as text; None likewise.
+        ms: (n,) time of each frame; None likewise.
+        percentiles: p50, p95, p99 of the frames that moved [ms], where no time of each frame is known.
+        recording: None of a JSON file.
+    """
+
+    path: Path
+    n: int
+    header: dict[str, Any]
+    quantities: dict[str, np.ndarray]
+    units: dict[str, str] = field(default_factory=dict)
+    refused: np.ndarray | None = None
+    status: np.ndarray | None = None
+    ms: np.ndarray | None = None
+    percentiles: dict[str, float] = field(default_factory=dict)
+    recording: Recording | None = None
+
+    def close(self) -> None:
+        """Closes the file."""
+        if self.recording:
+            self.recording.close()
+
+
+def is_time(name: str) -> bool:
+    """Whether a column holds a time that was measured."""
+    return name == TIME or name.startswith(f"{TIME}_")
+
+
+def read_result(path: Path) -> Result:
+    """The result in a file.
+
+    Raises:
+        UserError: it is not there, or is neither a recording nor JSON of `replay --json`.
+    """
+    if not path.is_file():
+        what = "this is a folder" if path.is_dir() else "there is no such file"
+        raise UserError(what, str(path), "name a recording (.vtkhdf), or a file that replay --json wrote")
+    with path.open("rb") as file:
+        head = file.read(len(HDF5))
+    return _recorded(path) if head == HDF5 else _written(path)
+
+
+def _recorded(path: Path) -> Result:
+    """The result in a recording, which stays open."""
+    recording = Recording(path)
+    table = recording.table
+    names = [name[2:] for name in table if name.startswith("q_")]
+    stopped = refused(recording)
+    quantities = {name: np.where(stopped, np.nan, column(recording, f"q_{name}")) for name in names}
+    status = table.get("constraint_status")
+    header = {**recording.header, "status": recording.status}
+    ms = column(recording, TIME) if TIME in table else None
+    units = quantity_units(recording.header)
+    return Result(path, recording.n, header, quantities, units, stopped, status, ms, {}, recording)
+
+
+def _written(path: Path) -> Result:
+    """The result in a JSON file."""
+    do = "name a recording (.vtkhdf), or a file that replay --json wrote"
+    if path.stat().st_size > RESULT_BYTES:
+        raise UserError(f"this file has more than {RESULT_BYTES >> 20} MB", str(path), do)
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError):
+        raise UserError("this is neither a recording nor JSON", str(path), do) from None
+    if not isinstance(data, dict) or not isinstance(n := data.get("frames"), int) or n < 0:
+        raise UserError("this JSON is no result of a replay: it has no number of frames", str(path), do)
+    given = data.get("quantities")
+    if not isinstance(given, dict):
+        raise UserError("this JSON is no result of a replay: it has no quantities", str(path), do)
+    try:
+        quantities = {name: np.array(values, dtype=float) for name, values in given.items()}
+    except (TypeError, ValueError):
+        raise UserError("its quantities are no lists of numbers", str(path), do) from None
+    if any(values.shape != (n,) for values in quantities.values()):
+        raise UserError(f"a quantity has not {n} values, one a frame", str(path), do)
+    stale = data.get("stale")
+    stopped = np.array(stale, dtype=bool) if isinstance(stale, list) and len(stale) == n else None
+    times = data.get("ms")
+    moved = times.get("all") if isinstance(times, dict) else None
+    known = moved.items() if isinstance(moved, dict) else ()
+    percentiles = {key: float(value) for key, value in known if isinstance(value, int | float)}
+    header = {key: data[key] for key in SAID if key in data}
+    return Result(path, n, header, quantities, refused=stopped, percentiles=percentiles)
