@@ -80,7 +80,7 @@ def _draw_quantities(part: SubFigure, names: Sequence[str], first: Result, secon
                 frames, factor * values, marker=".", ms=3, color=colour, lw=1.2, ls=line, label=_name(result.path)
             )
         axes.axvline(frame, color="#cccccc", lw=0.8, zorder=0)
-        axes.set_title(name, loc="left", pad=2)
+        axes.set_title(shorten(name, 80), loc="left", pad=2)
         axes.set_ylabel(f"[{text}]" if text else "")
         axes.ticklabel_format(axis="y", useOffset=False)
         if len(known):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from restshape.bounds import NESTING
 from restshape.comparison.result import Result
 
 TEXT = "script_text"
@@ -43,7 +44,9 @@ def _flat(table: dict[str, Any]) -> dict[str, object]:
 
 
 def _leaves(value: object, key: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], object]]:
-    if isinstance(value, dict) and value:
+    if len(key) > NESTING:
+        yield key, value
+    elif isinstance(value, dict) and value:
         for name, inner in value.items():
             yield from _leaves(inner, (*(part for part in key if part != "scene_values"), str(name)))
     elif isinstance(value, list) and any(isinstance(one, dict) for one in value):

@@ -1,0 +1,177 @@
+"""`restshape compare`: the same bits of two replays, differences in closed form, other meshes, results as JSON."""
+
+import json
+import math
+import shutil
+from contextlib import closing
+
+import h5py
+import numpy as np
+import pytest
+from small_scenes import CLAMPED, HEAD, PULLED, QUANTITIES, STEEL, block, drag, meshed, plate, write_scene, write_script
+
+from restshape.comparison.compared import compared as compared_results
+from restshape.comparison.header_differences import header_differences
+from restshape.comparison.result import read_result
+from restshape.comparison.series_difference import series_difference
+
+BAR = HEAD + block(2.0, 0.5) + STEEL.replace("nu = 0.3", "nu = 0.0") + CLAMPED + PULLED + meshed(0.25) + QUANTITIES
+
+
+@pytest.fixture
+def replayed(command, tmp_path):
+    """Replays a scene, and gives the paths of its recording and its JSON file."""
+
+    def replay(scene, name, *words):
+        out = tmp_path / f"{name}.vtkhdf"
+        assert command("replay", scene, "--out", out, "--json", f"{name}.json", *words).returncode == 0
+        return out, tmp_path / f"{name}.json"
+
+    return replay
+
+
+@pytest.fixture
+def dragged(tmp_path):
+    """A plate, and a script that drags its hole."""
+    scene = write_scene(tmp_path, plate(size=0.25), "plate.toml")
+    path = [(0.5 + 0.04 * k, 0.5) for k in range(1, 7)]
+    return scene, write_script(tmp_path, drag("window", (0.5, 0.5), path))
+
+
+def compared(command, folder, *words):
+    """The exit code, what --json has, and what is printed."""
+    ended = command("compare", *words, "--json", folder / "compared.json")
+    return ended.returncode, json.loads((folder / "compared.json").read_text()), ended.stdout
+
+
+def test_a_repeated_replay_has_the_same_bits(command, tmp_path, replayed, dragged):
+    scene, script = dragged
+    (first, one), (second, other) = (replayed(scene, name, "--edits", script) for name in "ab")
+    code, found, said = compared(command, tmp_path, first, second)
+    assert code == 0 and found["outcome"] == "same bits" and "the same bits" in said
+    assert found["hashes"][0] == found["hashes"][1] and found["columns"] == [] and found["header"] == {}
+    assert all(one["largest"] == 0.0 for one in (*found["quantities"].values(), *found["fields"].values()))
+    code, found, _ = compared(command, tmp_path, one, other)
+    assert code == 0 and found["outcome"] == "same values" and set(found["ms"]) == {"p50", "p95", "p99"}
+    code, found, _ = compared(command, tmp_path, first, other)
+    assert code == 0 and found["outcome"] == "same values"
+
+
+def test_another_value_is_found_and_its_difference_is_that_of_the_closed_form(command, tmp_path, replayed):
+    """Of a bar that stretches by traction times length over the modulus."""
+    scene = write_scene(tmp_path, BAR)
+    first, _ = replayed(scene, "a")
+    second, _ = replayed(scene, "b", "--set", "material.steel.E=250e9")
+    code, found, said = compared(command, tmp_path, first, second)
+    assert code == 1 and found["outcome"] == "different"
+    assert found["header"] == {"material.steel.E": [200e9, 250e9]} and "material.steel.E" in said
+    stretch = found["quantities"]["stretch"]
+    assert stretch["largest"] == pytest.approx(1e-3 - 0.8e-3, rel=1e-6)
+    assert stretch["rms"] == pytest.approx(0.2e-3, rel=1e-6)
+    assert stretch["relative"] == pytest.approx(0.2, rel=1e-6)
+    assert found["fields"]["displacement"]["largest"] == pytest.approx(0.2e-3, rel=1e-6)
+    # The displacement goes evenly along x, to which its difference is proportional; that along y is none.
+    X = read_result(first).recording.points(0)
+    wanted = 0.2e-3 * math.sqrt(float(np.mean((X[:, 0] / 2.0) ** 2)) / 2.0)
+    assert found["fields"]["displacement"]["rms"] == pytest.approx(wanted, rel=1e-6)
+    assert found["quantities"]["peak"]["relative"] < 1e-6
+    assert found["points"]["largest"] == 0.0 and found["meshes"]["same cells"] == 1
+    assert compared(command, tmp_path, first, second, "--tolerance", 0.21)[:1] == (0,)
+    assert compared(command, tmp_path, first, second, "--tolerance", 0.19)[:1] == (1,)
+
+
+def test_fields_on_other_meshes_are_sampled(command, tmp_path, replayed):
+    """Linear elements hold the even stretch on both meshes: nothing is lost between them."""
+    scene = write_scene(tmp_path, BAR)
+    first, _ = replayed(scene, "a")
+    second, _ = replayed(scene, "b", "--set", "mesh.size=0.17", "--set", "material.steel.E=400e9")
+    code, found, said = compared(command, tmp_path, first, second)
+    assert code == 1 and found["meshes"] == {"same cells": 0, "sampled": 1, "other meshes": 0}
+    assert found["fields"]["displacement"]["largest"] == pytest.approx(0.5e-3, rel=1e-6)
+    assert "sampled in 1 frames" in said
+
+
+def test_a_frame_that_is_refused_and_one_that_is_missing_are_found(command, tmp_path, replayed, dragged):
+    scene, script = dragged
+    first, one = replayed(scene, "a", "--edits", script)
+    path = [(0.5 + 0.04 * k, 0.5) for k in range(1, 6)] + [(0.5, 9.0)]
+    far = write_script(tmp_path, drag("window", (0.5, 0.5), path), "far.jsonl")
+    second, other = replayed(scene, "b", "--edits", far)
+    for pair in ((first, second), (one, other)):
+        code, found, said = compared(command, tmp_path, *pair, "--tolerance", 10)
+        assert code == 1 and found["refused"] == [7] and "refused in one of them only: 7" in said
+        assert found["quantities"]["stretch"]["alone"] >= 1
+    code, found, said = compared(command, tmp_path, first, second)
+    assert "script line 3" in found["header"]
+    short = write_script(tmp_path, drag("window", (0.5, 0.5), path[:3]), "short.jsonl")
+    third, _ = replayed(scene, "c", "--edits", short)
+    code, found, said = compared(command, tmp_path, first, third, "--tolerance", 10)
+    assert code == 1 and found["frames"] == [9, 6] and "the first 6 are compared" in said
+
+
+def test_a_bit_of_a_field_is_found(command, tmp_path, replayed):
+    """Also where its checksum were right: hashes are of the values themselves."""
+    first, _ = replayed(write_scene(tmp_path, BAR), "a")
+    changed = tmp_path / "changed.vtkhdf"
+    shutil.copy(first, changed)
+    with h5py.File(changed, "r+") as file:
+        values = file["VTKHDF/PointData/displacement"]
+        row = values[5]
+        row[0] = np.nextafter(row[0], np.inf, dtype=row.dtype)
+        values[5] = row
+    with closing(read_result(first)) as one, closing(read_result(changed)) as other:
+        found = compared_results(one, other)
+        assert found.outcome == "different" and found.columns == ["field displacement"]
+        assert compared_results(one, other, 1e-6).outcome == "within tolerance"
+        assert compared_results(one, one).outcome == "same bits"
+    # The command refuses it: its checksum is not right.
+    ended = command("compare", first, changed)
+    assert ended.returncode == 2 and "damaged" in ended.stderr
+
+
+@pytest.mark.slow
+def test_pictures_show_both_results(command, tmp_path, replayed, dragged):
+    from PIL import Image
+
+    scene, script = dragged
+    first, one = replayed(scene, "a", "--edits", script)
+    second, _ = replayed(scene, "b", "--edits", script, "--set", "mesh.size=0.3")
+    for words in ((first, second), (one, second)):
+        assert command("compare", *words, "--out", "both.png").returncode == 1
+        with Image.open(tmp_path / "both.png") as picture:
+            pixels = np.asarray(picture.convert("RGB"))
+        # The lines of the second one have a colour of their own, and only fields make the picture this high.
+        assert (np.abs(pixels.astype(int) - [213, 94, 0]).max(axis=2) < 30).sum() > 200
+        assert (pixels.shape[0] > 1200) is (words[0] == first)
+
+
+@pytest.mark.parametrize("text", ["[]", "{}", '{"frames": 2, "quantities": {"a": [1]}}', "no JSON", '{"frames": 1}'])
+def test_what_is_no_result_is_refused(command, tmp_path, text):
+    (tmp_path / "a.json").write_text(text)
+    ended = command("compare", "a.json", "a.json")
+    assert ended.returncode == 2 and "a.json" in ended.stderr
+
+
+def test_a_file_that_is_not_there_and_a_bad_tolerance_are_refused(command, tmp_path):
+    assert command("compare", "a.vtkhdf", "b.vtkhdf").returncode == 2
+    (tmp_path / "a.json").write_text('{"frames": 1, "quantities": {"a": [1]}}')
+    for value in ("-1", "nan", "inf"):
+        assert command("compare", "a.json", "a.json", "--tolerance", value).returncode == 2
+    assert command("compare", "a.json", "a.json").returncode == 0
+
+
+def test_differences_of_series_are_those_of_their_numbers():
+    found = series_difference("a", np.array([1.0, np.nan, 3.0, 4.0]), np.array([1.0, np.nan, 1.0, np.nan, 9.0]))
+    assert (found.compared, found.alone, found.largest, found.frame, found.scale) == (2, 1, 2.0, 2, 3.0)
+    assert found.rms == pytest.approx(math.sqrt(2.0)) and found.relative == math.inf
+    same = series_difference("a", np.zeros(2), np.zeros(2))
+    assert same.relative == 0.0 and same.frame == -1
+
+
+def test_a_header_differs_in_dotted_keys(tmp_path):
+    results = []
+    for name, header in (("a", {"policy": "auto", "ranks": 1}), ("b", {"policy": "thesis", "guess": "zero"})):
+        (tmp_path / name).write_text(json.dumps({"frames": 0, "quantities": {}, **header}))
+        results.append(read_result(tmp_path / name))
+    # Of JSON files only what both say counts.
+    assert [tuple(one) for one in header_differences(*results)] == [("policy", "auto", "thesis")]

@@ -1,0 +1,211 @@
+"""`restshape sweep`: values in closed form, reuse from run to run, runs without a result, interruption."""
+
+import csv
+import json
+import math
+from contextlib import contextmanager
+
+import pytest
+from small_scenes import CLAMPED, HEAD, PULLED, QUANTITIES, STEEL, block, drag, meshed, plate, write_scene, write_script
+
+from restshape import bounds
+from restshape.errors import UserError
+from restshape.variation.swept_key import combinations, swept_keys
+
+PULL, LENGTH = 100e6, 2.0
+BAR = HEAD + block(LENGTH, 0.5) + STEEL.replace("nu = 0.3", "nu = 0.0") + CLAMPED + PULLED + meshed(0.25) + QUANTITIES
+"""A bar without lateral contraction: it stretches by the traction times its length over Young's modulus."""
+LARGE = BAR + "[effects.large_deformation]\n"
+
+
+def runs_of(command, folder, *words):
+    """The runs of a sweep that ends with 0, as --json has them."""
+    done = command("sweep", *words, "--json", folder / "sweep.json")
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / "sweep.json").read_text())["runs"]
+
+
+def values_of(runs, name, key="last"):
+    return [one["quantities"][name][key] for one in runs]
+
+
+def test_displacements_go_with_the_inverse_of_the_modulus(command, tmp_path):
+    scene = write_scene(tmp_path, BAR)
+    runs = runs_of(command, tmp_path, scene, "--set", "material.steel.E=100GPa:200GPa:25GPa")
+    moduli = [100e9, 125e9, 150e9, 175e9, 200e9]
+    assert values_of(runs, "stretch") == pytest.approx([PULL * LENGTH / E for E in moduli], rel=1e-7)
+    assert values_of(runs, "wall") == pytest.approx([-PULL * 0.5 * 0.01] * 5, rel=1e-6)
+    assert [one["values"]["material.steel.E"] for one in runs] == [100, 125, 150, 175, 200]
+    assert [one["analysis"] for one in runs] == ["new"] + 4 * ["reused"]
+    assert [one["level"] for one in runs] == [3, 0, 0, 0, 0]
+
+
+def test_nodes_move_where_the_shape_changes(command, tmp_path):
+    """The traction on the end of the bar, which gets aslant and so longer, is what the wall holds."""
+    runs = runs_of(command, tmp_path, write_scene(tmp_path, BAR), "--set", "shape.vertices.b.0=2:2.3:0.1")
+    sides = [math.hypot(0.5, dx) for dx in (0.0, 0.1, 0.2, 0.3)]
+    assert values_of(runs, "wall") == pytest.approx([-PULL * 0.01 * side for side in sides], rel=1e-6)
+    assert [one["level"] for one in runs] == [3, 1, 1, 1]
+    assert {one["analysis"] for one in runs[1:]} == {"reused"}
+
+
+def test_keys_give_their_product_and_settings_of_the_mesh_a_new_mesh(command, tmp_path):
+    words = ("--set", "mesh.size=0.25,0.125", "--set", "loads.pull.traction=['100 MPa', 0], ['50 MPa', 0]")
+    runs = runs_of(command, tmp_path, write_scene(tmp_path, BAR), *words)
+    assert values_of(runs, "stretch") == pytest.approx([1e-3, 0.5e-3] * 2, rel=1e-7)
+    assert [one["level"] for one in runs] == [3, 0, 3, 0]
+
+
+def test_a_sweep_of_an_edit_gives_what_replays_give(command, tmp_path):
+    """Also after an edit that moves the shape: each run begins on the mesh of a replay of its own."""
+    scene = write_scene(tmp_path, plate(size=0.25))
+    script = write_script(tmp_path, drag("window", (0.5, 0.5), [(0.5 + 0.05 * k, 0.5) for k in range(1, 5)]))
+    words = (scene, "--edits", script, "--set", "material.steel.nu=0.2,0.3,0.4", "--csv", "sweep.csv")
+    runs = runs_of(command, tmp_path, *words)
+    assert [one["analysis"] for one in runs] == ["new", "reused", "reused"]
+    assert [one["level"] for one in runs] == [3, 3, 3]
+    for one, nu in zip(runs, ("0.2", "0.3", "0.4")):
+        own = command("replay", scene, "--edits", script, "--set", f"material.steel.nu={nu}", "--json", "own.json")
+        assert own.returncode == 0
+        known = json.loads((tmp_path / "own.json").read_text())
+        assert one["frames"] == known["frames"] > 5
+        for name, values in known["quantities"].items():
+            found = one["quantities"][name]
+            wanted = [values[-1], min(values), max(values)]
+            assert [found["last"], found["min"], found["max"]] == pytest.approx(wanted, rel=1e-6)
+    with (tmp_path / "sweep.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["material.steel.nu"] for row in rows] == ["0.2", "0.3", "0.4"]
+    assert [float(row["q_peak_max"]) for row in rows] == values_of(runs, "peak", "max")
+
+
+def test_twenty_values_cost_one_mesh_and_one_pattern(command, tmp_path):
+    """Counts of what a first frame costs; times are in docs/commands.md."""
+    from petsc4py import PETSc
+    from restshape_studies.bench.events import EventCounts
+
+    scene = write_scene(tmp_path, BAR)
+    PETSc.Log.begin()
+    counts = EventCounts(("RestshapePattern", "MatCholFctrSym", "MatCholFctrNum", "RestshapeValues"))
+    counts.since_last()
+    runs_of(command, tmp_path, scene, "--set", "material.steel.E=100GPa,200GPa")
+    two = counts.since_last()
+    runs = runs_of(command, tmp_path, scene, "--set", "material.steel.E=100GPa:195GPa:5GPa")
+    twenty = counts.since_last()
+    assert len(runs) == 20
+    assert twenty["RestshapePattern"] == two["RestshapePattern"] > 0
+    assert twenty["MatCholFctrSym"] == two["MatCholFctrSym"]
+    assert sum(one["level"] == 3 for one in runs) == 1
+
+
+def test_nonlinear_runs_start_anew_unless_they_shall_continue(command, tmp_path):
+    words = (write_scene(tmp_path, LARGE), "--set", "loads.pull.traction.0=1GPa,5GPa,1GPa")
+    anew = runs_of(command, tmp_path, *words)
+    assert [one["analysis"] for one in anew] == 3 * ["new"]
+    assert values_of(anew, "stretch")[0] == values_of(anew, "stretch")[2]
+    on = runs_of(command, tmp_path, *words, "--continue")
+    assert [one["analysis"] for one in on] == ["new", "reused", "reused"]
+    # The solution is unique here.
+    assert values_of(on, "stretch") == pytest.approx(values_of(anew, "stretch"), rel=1e-5)
+
+
+def test_a_value_without_a_result_leaves_the_others(command, tmp_path):
+    scene = write_scene(tmp_path, BAR)
+    ended = command("sweep", scene, "--set", "material.steel.E=200e9,-1,oops,100e9", "--csv", "a.csv", "--out", "a.png")
+    assert ended.returncode == 0
+    assert "too small" in ended.stderr and "oops" in ended.stderr
+    with (tmp_path / "a.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["status"] for row in rows] == ["done", "invalid", "invalid", "done"]
+    assert [row["q_stretch"] for row in rows][1:3] == ["", ""]
+    assert float(rows[3]["q_stretch"]) == pytest.approx(2 * float(rows[0]["q_stretch"]), rel=1e-7)
+    assert "material.steel.E" in rows[1]["why"]
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+    assert command("sweep", scene, "--set", "material.steel.E=1e9,2e9", "--csv", "a.csv").returncode == 0
+    (tmp_path / "mine.csv").write_text("run,mine\n")
+    assert command("sweep", scene, "--set", "material.steel.E=1e9,2e9", "--csv", "mine.csv").returncode == 2
+
+
+def test_a_first_shape_without_a_solution_is_one_run_without_a_result(command, tmp_path):
+    """Without the support in x the bar slides: the scene is valid, and has no solution."""
+    scene = write_scene(tmp_path, BAR)
+    runs = runs_of(command, tmp_path, scene, "--set", "supports.wall.fix=['x', 'y'], ['y'], ['x', 'y']")
+    assert [bool(one["frames"]) for one in runs] == [True, False, True]
+    assert runs[1]["status"] in ("invalid", "unsolved") and runs[1]["why"]
+    assert runs[2]["quantities"] == runs[0]["quantities"]
+
+
+def test_limits_are_held_against_each_run(command, tmp_path):
+    scene = write_scene(tmp_path, BAR.replace('at = "right", reduce = "mean" }', 'at = "right", max = "1.5 mm" }'))
+    runs = runs_of(command, tmp_path, scene, "--set", "material.steel.E=200e9,100e9", "--out", "limits.svg")
+    assert [one["constraint_status"] for one in runs] == ["holds", "fails"]
+    assert "</svg>" in (tmp_path / "limits.svg").read_text()
+
+
+def test_where_no_run_has_a_result_the_message_says_why(command, tmp_path):
+    scene = write_scene(tmp_path, BAR)
+    ended = command("sweep", scene, "--set", "material.steel.Q=1,2")
+    assert ended.returncode == 2 and "there is no key 'Q'" in ended.stderr
+    ended = command("sweep", scene, "--set", "material.steel.E=1e9")
+    assert ended.returncode == 2 and "no key takes several values" in ended.stderr
+
+
+def test_an_interrupted_sweep_keeps_its_runs(command, tmp_path, monkeypatch):
+    @contextmanager
+    def stopping(quiet):
+        frames = iter(range(3))
+
+        def count():
+            if next(frames, None) is None:
+                raise KeyboardInterrupt
+
+        yield count
+
+    monkeypatch.setattr("restshape.cli.progress.progress", stopping)
+    words = ("--set", "material.steel.E=100e9:200e9:10e9", "--json", "a.json", "--csv", "a.csv")
+    ended = command("sweep", write_scene(tmp_path, BAR), *words)
+    assert ended.returncode == 130
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert found["interrupted"] and len(found["runs"]) == 3
+    assert len((tmp_path / "a.csv").read_text().splitlines()) == 4
+
+
+def test_ranges_are_decimal_numbers_with_units():
+    fixed, swept = swept_keys(["a.b=0:0.3:0.1", "c=1", "d=60GPa:50GPa:-5GPa", "e=1:2:1 mm", "f=[0, 1],[2, 3]"])
+    assert fixed == ["c=1"]
+    assert [one.values for one in swept] == [
+        ("0.0", "0.1", "0.2", "0.3"),
+        ('"60 GPa"', '"55 GPa"', '"50 GPa"'),
+        ('"1 mm"', '"2 mm"'),
+        ("[0, 1]", "[2, 3]"),
+    ]
+    assert swept[1].numbers == (60.0, 55.0, 50.0) and swept[1].unit == "GPa" and swept[3].numbers == ()
+    assert list(combinations(swept[2:])) == [(0, 0), (0, 1), (1, 0), (1, 1)]
+    assert swept_keys(["a=1:4:1"])[1][0].values == ("1", "2", "3", "4")
+
+
+@pytest.mark.parametrize(
+    ("word", "what"),
+    [
+        ("a=1:2:0", "no number of these steps"),
+        ("a=1:2:-1", "no number of these steps"),
+        ("a=1mm:2m:1mm", "several units"),
+        ("a=1,,2", "empty value"),
+        ("a=0:1e30:1", "more than"),
+        ("a=0:1e-3:1e-999", "no number of these steps"),
+        ("a=1e999:2:1", "larger than"),
+        ("a", "key=value"),
+    ],
+)
+def test_what_is_no_range_is_refused(word, what):
+    with pytest.raises(UserError, match=what):
+        swept_keys([word])
+
+
+def test_the_product_of_all_values_is_bounded(monkeypatch):
+    monkeypatch.setattr(bounds, "SWEEP_VALUES", 11)
+    assert len(swept_keys(["a=1:3:1", "b=1:3:1"])[1]) == 2
+    with pytest.raises(UserError, match="12 runs"):
+        swept_keys(["a=1:3:1", "b=1:4:1"])
+    with pytest.raises(UserError, match="swept twice"):
+        swept_keys(["a=1,2", "a=3,4"])
