@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from restshape.cli.limits import add_limits, lift_limits, limited
-from restshape.cli.options import add_scene, print_table, write_json
+from restshape.cli.options import add_scene, print_table, refuse_files_of_scene, write_json
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing
 from restshape.cli.verbosity import add_verbose
@@ -22,6 +22,7 @@ from restshape.policy import GUESSES, POLICIES
 from restshape.surroundings import start_petsc
 
 if TYPE_CHECKING:
+    from restshape.scene.model import Scene
     from restshape.variation.runs import Sweep
     from restshape.variation.swept_key import SweptKey
     from restshape.variation.swept_run import SweptRun
@@ -104,6 +105,10 @@ def _run_all(
         rows = CsvRows(args.csv if first else None, [one.key for one in swept], bool(args.edits), files)
         try:
             for one in sweep.runs(on_frame):
+                if sweep.scene:
+                    refuse_files_of_scene(args, sweep.scene)
+                if first and sweep.scene and not any(before.frames for before in runs):
+                    _print_notes(sweep.scene)
                 runs.append(one)
                 rows.add(one, sweep)
                 begin_frame()
@@ -112,6 +117,16 @@ def _run_all(
                 raise
             return True
     return False
+
+
+def _print_notes(scene: Scene) -> None:
+    """Print what makes the answers of a scene bad, and names of its keys today."""
+    from restshape.application import application
+    from restshape.scene.plan import plan
+    from restshape.scene.renamed import notes
+
+    for note in (*plan(scene, application(scene.app)).warnings, *notes(scene.raw)):
+        print(f"note: {note}", file=sys.stderr)
 
 
 class CsvRows:

@@ -19,6 +19,7 @@ from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
+from restshape.shape.outline import Outline
 from restshape.shape.session import EditSession
 from restshape.variation.following_session import FollowingSession, Standing
 from restshape.variation.swept_key import SweptKey, combinations
@@ -65,6 +66,7 @@ class Sweep:
         self.columns: list[str] | None = None
         self._replay: Replay | None = None
         self._moved = False
+        self._start: Outline | None = None
 
     def runs(self, on_frame: Callable[[], None] = lambda: None) -> Iterator[SweptRun]:
         """Each run, as soon as its last frame is done; those that have no result say why.
@@ -137,26 +139,34 @@ class Sweep:
         Raises:
             UserError: the scene cannot be simulated.
         """
-        self._moved = False
         chosen: Policy = policy(self.request.policy or scene.solve.policy, self.request.guess)
         app = application(scene.app)
-        return Replay(scene, script, app, chosen, PETSc.COMM_WORLD, self.request.calibration)
+        replay = Replay(scene, script, app, chosen, PETSc.COMM_WORLD, self.request.calibration)
+        self._moved, self._start = False, None
+        if isinstance(replay.session, EditSession):
+            self._start = replay.session.outline
+        return replay
 
     def _follow(self, replay: Replay, scene: Scene, script: Script) -> bool:
         """Has the replay of the last run go on to this scene; false where it cannot."""
         app, last = application(scene.app), replay.session
         if not isinstance(last, EditSession) or not _can_follow(last.scene, scene, app, self.request.continued):
             return False
-        if scene.mesh.file is not None and self._moved:
+        imported = scene.mesh.file is not None
+        # A mesh file is read by a replay of its own alone.
+        if imported and (self._moved or scene.mesh != last.scene.mesh):
             return False
-        imported = last.outline if scene.mesh.file is not None else None
+        known = self._start if imported or scene.shape == last.scene.shape else None
         before = Standing(last.outline, last.scene, self._moved)
         try:
-            session = FollowingSession(scene, script, app, before, self.request.edits is not None, imported)
+            session = FollowingSession(scene, script, app, before, self.request.edits is not None, known)
+            if imported and session.first_change != "values":
+                return False
             replay.follow(session, scene, app)
         except UserError:
             # A replay of its own says what is wrong.
             return False
+        self._start = session.outline
         self._moved &= session.first_change != "shape"
         return True
 
@@ -172,7 +182,7 @@ def _can_follow(old: Scene, new: Scene, app: Application, continued: bool) -> bo
         return False
     if any(old.raw.get(key) != new.raw.get(key) for key in FIXED) or old.quantities != new.quantities:
         return False
-    if (old.mesh.file, old.mesh.unit) != (new.mesh.file, new.mesh.unit):
+    if old.mesh.file != new.mesh.file:
         return False
     try:
         refuse_switched(old, new, app)
