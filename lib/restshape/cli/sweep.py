@@ -64,7 +64,8 @@ def _swept(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
 
     fixed, swept = swept_keys(args.set)
     start_petsc(args.petsc)
-    from restshape.variation.runs import Sweep, SweepRequest
+    from restshape.variation.runs import Sweep
+    from restshape.variation.sweep_request import SweepRequest
 
     calibration = Calibration.load(args.calibration)
     request = SweepRequest(args.scene, fixed, swept, args.edits, args.policy, args.guess, calibration, args.continued)

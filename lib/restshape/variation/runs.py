@@ -2,55 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Callable, Iterator
 from time import process_time
 
 from petsc4py import PETSc
 
 from restshape.analysis.row_values import whole
-from restshape.application import SHAPES, Application, application
-from restshape.calibration import Calibration
+from restshape.application import application
 from restshape.errors import UserError
 from restshape.policy import Policy, policy
 from restshape.replay.loop import Replay
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
-from restshape.scene.plan import plan, refuse_switched
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditSession
+from restshape.variation.analysis_reuse import can_follow
 from restshape.variation.following_session import FollowingSession, Standing
-from restshape.variation.swept_key import SweptKey, combinations
+from restshape.variation.sweep_request import SweepRequest
 from restshape.variation.swept_run import DONE, INVALID, NEW, REUSED, UNSOLVED, SweptRun, quantity_columns
-
-FIXED = ("app", "quantities", "solve")
-"""What an analysis, and the columns of its replay, are made for."""
-
-
-@dataclass(frozen=True)
-class SweepRequest:
-    """What is to be swept, and how.
-
-    Args:
-        scene: the file.
-        fixed: overrides of all runs.
-        swept: keys, each with its values.
-        edits: script that each run replays; None: the first shape only.
-        policy, guess: as of a replay; None: the scene's.
-        calibration: seconds a unit of counted work.
-        continued: nonlinear solutions start from that of the run before, and follow its branch.
-    """
-
-    scene: Path
-    fixed: Sequence[str]
-    swept: Sequence[SweptKey]
-    edits: Path | None
-    policy: str | None
-    guess: str | None
-    calibration: Calibration
-    continued: bool = False
 
 
 class Sweep:
@@ -74,7 +44,7 @@ class Sweep:
         Args:
             on_frame: called after each frame; what it raises ends the sweep.
         """
-        for index, places in enumerate(combinations(self.request.swept)):
+        for index, places in enumerate(self.request.combinations()):
             pairs = list(zip(self.request.swept, places))
             numbers = {one.key: one.numbers[place] for one, place in pairs if one.numbers}
             run = SweptRun(index, {one.key: one.values[place] for one, place in pairs}, numbers)
@@ -150,7 +120,7 @@ class Sweep:
     def _follow(self, replay: Replay, scene: Scene, script: Script) -> bool:
         """Has the replay of the last run go on to this scene; false where it cannot."""
         app, last = application(scene.app), replay.session
-        if not isinstance(last, EditSession) or not _can_follow(last.scene, scene, app, self.request.continued):
+        if not isinstance(last, EditSession) or not can_follow(last.scene, scene, app, self.request.continued):
             return False
         imported = scene.mesh.file is not None
         # A mesh file is read by a replay of its own alone.
@@ -169,26 +139,6 @@ class Sweep:
         self._start = session.outline
         self._moved &= session.first_change != "shape"
         return True
-
-
-def _can_follow(old: Scene, new: Scene, app: Application, continued: bool) -> bool:
-    """Whether the analysis of a scene may go on to another one, and gives what one of its own would.
-
-    Its equations determine the solution alone, not the way to it: they are linear, or give eigenvalues.
-    """
-    if app.editing.replayed != SHAPES.replayed or any(app.transient(scene) for scene in (old, new)):
-        return False
-    if not continued and plan(new, app).solver.equations == "nonlinear":
-        return False
-    if any(old.raw.get(key) != new.raw.get(key) for key in FIXED) or old.quantities != new.quantities:
-        return False
-    if old.mesh.file != new.mesh.file:
-        return False
-    try:
-        refuse_switched(old, new, app)
-    except UserError:
-        return False
-    return list(app.own_columns(old)) == list(app.own_columns(new))
 
 
 def _plain(error: UserError) -> str:

@@ -1,0 +1,29 @@
+"""Whether the analysis of a scene may go on to another scene."""
+
+from restshape.application import SHAPES, Application
+from restshape.errors import UserError
+from restshape.scene.model import Scene
+from restshape.scene.plan import plan, refuse_switched
+
+FIXED = ("app", "quantities", "solve")
+"""What an analysis, and the columns of its replay, are made for."""
+
+
+def can_follow(old: Scene, new: Scene, app: Application, continued: bool) -> bool:
+    """Whether the analysis of a scene may go on to another one, and gives what one of its own would.
+
+    Its equations determine the solution alone, not the way to it: they are linear, or give eigenvalues.
+    """
+    if app.editing.replayed != SHAPES.replayed or any(app.transient(scene) for scene in (old, new)):
+        return False
+    if not continued and plan(new, app).solver.equations == "nonlinear":
+        return False
+    if any(old.raw.get(key) != new.raw.get(key) for key in FIXED) or old.solve != new.solve:
+        return False
+    if old.mesh.file != new.mesh.file:
+        return False
+    try:
+        refuse_switched(old, new, app)
+    except UserError:
+        return False
+    return list(app.own_columns(old)) == list(app.own_columns(new))
