@@ -49,6 +49,7 @@ LAYERS = (
     "report",
     "variation",
     "comparison",
+    "export",
     "physics",
     "cli",
 )

@@ -19,7 +19,20 @@ from restshape.cli.ranks import first_rank
 from restshape.cli.signals import ending_signals, exit_code, open_streams
 from restshape.errors import UserError, printable, quoted
 
-COMMANDS = ("new", "script", "check", "list", "schema", "info", "replay", "sweep", "report", "compare", "salvage")
+COMMANDS = (
+    "new",
+    "script",
+    "check",
+    "list",
+    "schema",
+    "info",
+    "replay",
+    "sweep",
+    "report",
+    "compare",
+    "export",
+    "salvage",
+)
 GROUP = "restshape.commands"
 """Entry points of further commands: modules with SUMMARY, `arguments` and `run`, listed by their PLACE in the help."""
 LAST_WORD = 2.0

@@ -118,7 +118,7 @@ def refuse_files_of_scene(args: argparse.Namespace, scene: Scene) -> None:
         UserError: one is.
     """
     named = [(key, table["file"]) for key, table in scene.raw.items() if isinstance(table, dict) and "file" in table]
-    inputs = {f"{args.scene} ({key}.file)": scene.folder / str(file) for key, file in named}
+    inputs = {f"{scene.path} ({key}.file)": scene.folder / str(file) for key, file in named}
     if inputs and first_rank():
         refuse_outputs(command_files(vars(args))[0], inputs)
 

@@ -112,6 +112,22 @@ class SceneFile(OutputFile):
         return head.startswith(SCENE_MARK.encode())
 
 
+EXPORT_MARK = "written by restshape export"
+"""In the first bytes of every exported file, but for tables."""
+EXPORT_HEADS = "node,x,y"
+"""First columns of an exported table."""
+
+
+class ExportFile(OutputFile):
+    """A shape, a scene, a mesh or a table that `restshape export` wrote."""
+
+    what = "a file that restshape export wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it has the mark of exports, or the columns of an exported table."""
+        return EXPORT_MARK.encode() in head or head.startswith(EXPORT_HEADS.encode())
+
+
 class PageFile(OutputFile):
     """A page of results in Markdown."""
 

@@ -85,9 +85,8 @@ def _check_shape(scene: Scene, source: Source) -> None:
     if shape.outline is None:
         raise source.error(("shape", "outline"), "the shape has no outline", 'add outline = ["edge", ...] to [shape]')
     for name, edge in shape.edges.items():
-        kind = next(iter(type(edge).model_fields))
-        for vertex in getattr(edge, kind):
-            _refuse_absent(vertex, shape.vertices, "vertex", ("shape", "edges", name, kind), source)
+        for vertex in getattr(edge, edge.kind):
+            _refuse_absent(vertex, shape.vertices, "vertex", ("shape", "edges", name, edge.kind), source)
     loops: dict[tuple[str, ...], list[str]] = {("shape", "outline"): shape.outline}
     for key in ("holes", "regions"):
         for name, loop in getattr(shape, key).items():

@@ -1,6 +1,7 @@
 """What a scene holds, as validated models."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
@@ -24,7 +25,7 @@ from restshape.scene.plain_values import Table
 from restshape.scene.quantity import Quantity
 from restshape.scene.source import Source, split_key
 from restshape.scene.units import UnitError, quantity
-from restshape.scene.values import AnyNumber, Entities, Length, Name, Point, Strict, only_one
+from restshape.scene.values import AnyNumber, Entities, Length, Name, PartName, Point, Strict, only_one
 
 FORMAT = "restshape-scene"
 VERSION = 1
@@ -51,7 +52,18 @@ def _tag_by_key(keys: tuple[str, ...]) -> Discriminator:
     return Discriminator(tag, custom_error_type="kind", custom_error_message=wanted, custom_error_context=context)
 
 
-class LineSpec(Strict):
+class EdgePart(Strict):
+    """What any edge may say: ``part_of``, the edge that it was cut from, whose name stands for all its parts."""
+
+    part_of: PartName | None = None
+
+    @property
+    def kind(self) -> str:
+        """Which of line, arc, spline and polyline this edge is."""
+        return next(key for key in type(self).model_fields if key != "part_of")
+
+
+class LineSpec(EdgePart):
     """A straight edge: ``{ line = ["a", "b"] }``."""
 
     line: tuple[str, str]
@@ -62,7 +74,7 @@ class LineSpec(Strict):
         return self
 
 
-class ArcSpec(Strict):
+class ArcSpec(EdgePart):
     """A circular edge: ``{ arc = ["a", "b"], through = [x, y] }``, or ``bulge`` = tan(angle / 4).
 
     A positive bulge lies to the right of the way from a to b, as in DXF.
@@ -79,14 +91,32 @@ class ArcSpec(Strict):
         return self
 
 
-class SplineSpec(Strict):
-    """An edge that interpolates points: ``{ spline = ["a", "b"], through = [[x, y], ...] }``."""
+class SplineSpec(EdgePart):
+    """An edge that interpolates points by a cubic: ``{ spline = ["a", "b"], through = [[x, y], ...] }``.
+
+    ``knots`` are its parameters at these points, rising between 0 and 1 (left out: by the lengths of the chords).
+    ``ends`` says for each end whether the second derivative is 0 there ("natural") or the third one is continuous at
+    the next point ("smooth").
+    """
 
     spline: tuple[str, str]
     through: Annotated[list[Point], Field(min_length=1, max_length=SPLINE_POINTS)]
+    knots: list[Annotated[float, Field(gt=0, lt=1)]] | None = None
+    ends: tuple[Literal["natural", "smooth"], Literal["natural", "smooth"]] = ("natural", "natural")
+
+    @model_validator(mode="after")
+    def _is_determined(self) -> Self:
+        if self.knots is not None:
+            if len(self.knots) != len(self.through):
+                raise UnitError(f"there are {len(self.knots)} knots for {len(self.through)} points: give one a point")
+            if any(b <= a for a, b in pairwise(self.knots)):
+                raise UnitError("the knots do not rise from each point to the next: put them in order")
+        if self.ends == ("smooth", "smooth") and len(self.through) < 2:
+            raise UnitError("a spline with two smooth ends goes through two points or more: add one")
+        return self
 
 
-class PolylineSpec(Strict):
+class PolylineSpec(EdgePart):
     """An edge of straight pieces: ``{ polyline = ["a", "b"], through = [[x, y], ...] }``."""
 
     polyline: tuple[str, str]
@@ -155,8 +185,8 @@ class ShapeSpec(Strict):
 
     file: str | None = None
     outline: Annotated[list[str], Field(min_length=1)] | None = None
-    vertices: dict[Name, Point] = {}
-    edges: dict[Name, EdgeSpec] = {}
+    vertices: dict[PartName, Point] = {}
+    edges: dict[PartName, EdgeSpec] = {}
     holes: dict[Name, LoopSpec] = {}
     regions: dict[Name, LoopSpec] = {}
     points: dict[Name, Point] = {}
@@ -169,7 +199,8 @@ class ShapeSpec(Strict):
             corners = 4 if isinstance(loop, CircleLoop) else len(loop.polygon) if isinstance(loop, PolygonLoop) else 0
             for i in range(1, corners + 1):
                 kinds |= {f"{name}.{i}": "edge", f"{name}.v{i}": "vertex"}
-        return kinds | {"outline": "outline", "all": "all"}
+        former = {edge.part_of: "edge" for edge in self.edges.values() if edge.part_of is not None}
+        return former | kinds | {"outline": "outline", "all": "all"}
 
 
 class Material(Strict):

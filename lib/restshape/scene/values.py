@@ -25,6 +25,8 @@ from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+PART = re.compile(rf"{NAME.pattern}(?:\.[A-Za-z0-9_-]+)*")
+"""Names of edges and vertices, which may be parts of what had a name before: ``window.1``."""
 RESERVED = ("all", "outline")
 
 
@@ -137,6 +139,13 @@ def value_of(dimension: str) -> object:
     return Annotated[float | Expression, InSI(dimension, formula=True)]
 
 
+def _read_part(raw: object) -> str:
+    """The name of an edge or a vertex, each part of which may be a name."""
+    if isinstance(raw, str) and "." in raw and len(raw) <= NAME_CHARACTERS and PART.fullmatch(raw):
+        return raw
+    return _read_name(raw)
+
+
 def _read_name(raw: object) -> str:
     """The name, if it may name something."""
     if not isinstance(raw, str):
@@ -166,6 +175,8 @@ AnyNumber = Annotated[float, InSI(None)]
 """Of whatever dimension."""
 Point = tuple[Length, Length]
 Name = Annotated[str, BeforeValidator(_read_name)]
+PartName = Annotated[str, BeforeValidator(_read_part)]
+"""Of an edge or a vertex, also of one that an edit or a loop has named: ``window.1``."""
 Entities = Annotated[
     list[str],
     BeforeValidator(_read_entities),

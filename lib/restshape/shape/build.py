@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import ParamSpec, TypeVar
@@ -114,7 +115,7 @@ def _located(
 
 
 def _edge(draft: Draft, name: str, spec: LineSpec | ArcSpec | SplineSpec | PolylineSpec) -> DraftEdge:
-    kind = next(k for k in ("line", "arc", "spline", "polyline") if k in type(spec).model_fields)
+    kind = spec.kind
     start, end = getattr(spec, kind)
     where = f"shape.edges.{name}"
     for vertex in (start, end):
@@ -124,14 +125,18 @@ def _edge(draft: Draft, name: str, spec: LineSpec | ArcSpec | SplineSpec | Polyl
     if np.array_equal(a, b):
         raise UserError(f"the edge has zero length: {start!r} and {end!r} are the same point", where)
     if isinstance(spec, LineSpec):
-        return DraftEdge(name, kind, start, end)
+        return DraftEdge(name, kind, start, end, spec.part_of or "")
     if isinstance(spec, ArcSpec):
-        return DraftEdge(name, kind, start, end, bulge=_bulge(where, a, b, spec))
+        return DraftEdge(name, kind, start, end, spec.part_of or "", bulge=_bulge(where, a, b, spec))
     inner = tuple((float(x), float(y)) for x, y in spec.through)
     chain = np.array([a, *inner, b])
     if not np.hypot(*np.diff(chain, axis=0).T).all():
         raise UserError("two points that follow each other are the same", where, "remove one of them")
-    return DraftEdge(name, kind, start, end, inner=inner)
+    edge = DraftEdge(name, kind, start, end, spec.part_of or "", inner)
+    if isinstance(spec, PolylineSpec):
+        return edge
+    knots = () if spec.knots is None else (0.0, *spec.knots, 1.0)
+    return replace(edge, knots=knots, ends=spec.ends)
 
 
 def _bulge(where: str, a: np.ndarray, b: np.ndarray, spec: ArcSpec) -> float:

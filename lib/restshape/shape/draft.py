@@ -102,6 +102,10 @@ class Draft:
             if name in seen:
                 raise UserError(f"the name {name!r} is used twice: {seen[name]} and {kind}", do="rename one of them")
             seen[name] = kind
+        for edge in self.edges.values():
+            if edge.parent and seen.get(edge.parent, "edge") != "edge":
+                what = f"edge {edge.name!r} is part of {edge.parent!r}, which names a {seen[edge.parent]}"
+                raise UserError(what, do="let part_of name the edge that it was cut from")
 
 
 def draft_of(outline: Outline) -> Draft:

@@ -23,6 +23,8 @@ class Curve:
         bulge: of an arc of two points; kind: "line", "arc", "spline" or "polyline".
         label: name of its layer or Physical group; "" for none.
         source: what it is in the file, for messages.
+        region: the name of the region that it bounds, if any.
+        knots, ends: of a spline, see `restshape.shape.outline.Edge`; no knots: by the lengths of its chords.
     """
 
     points: np.ndarray
@@ -31,6 +33,8 @@ class Curve:
     bulge: float = 0.0
     source: str = ""
     region: str | None = None
+    knots: tuple[float, ...] = ()
+    ends: tuple[str, str] = ("natural", "natural")
 
 
 @dataclass
@@ -96,6 +100,8 @@ def _edge_data(curve: Curve, start: str, end: str) -> Table:
         data["bulge"] = float(curve.bulge)
     elif curve.kind != "line":
         data["through"] = [_pair(p) for p in curve.points[1:-1]]
+    if curve.knots:
+        data |= {"knots": list(curve.knots[1:-1]), "ends": list(curve.ends)}
     return data
 
 

@@ -1,0 +1,205 @@
+"""`restshape export`: the edited shape, its mesh and its fields as files of other programs, and as a scene."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from restshape.cli.options import add_json, add_set, refuse_files_of_scene, write_json
+from restshape.errors import UserError
+from restshape.outputs.claims import refuse_outputs
+from restshape.outputs.kinds import ExportFile
+
+if TYPE_CHECKING:
+    from restshape.export.edited_frame import EditedFrame
+    from restshape.export.frame_mesh import FrameMesh
+    from restshape.replay.recording import Recording
+
+SUMMARY = "the edited shape as toml, dxf, svg or step, its mesh and fields as stl, vtu or csv"
+KINDS = ("toml", "dxf", "svg", "step", "stl", "vtu", "csv")
+OF_MESH = ("vtu", "csv")
+"""Formats that a recording's mesh and fields are enough for."""
+RECORDING = ".vtkhdf"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what this command takes."""
+    parser.add_argument(
+        "source", metavar="RECORDING|SCENE", type=Path, help="recording (.vtkhdf), or scene (.toml) with --edits"
+    )
+    parser.add_argument("--as", dest="kind", choices=KINDS, required=True, help="format of the file to write")
+    parser.add_argument("--edits", metavar="FILE", type=Path, help="edit script (.jsonl) of a scene")
+    parser.add_argument(
+        "--frame", metavar="N", type=int, default=-1, help="from 0, or from -1 backwards (default: the last one)"
+    )
+    parser.add_argument(
+        "--out", metavar="FILE", type=ExportFile, help="file to write (default: the scene's name, beside the input)"
+    )
+    add_set(parser)
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Writes the file and says what it shows; the exit code."""
+    if args.source.suffix == RECORDING:
+        result = _of_recording(args)
+    else:
+        result = _of_scene(args)
+    row, count, t = result["frame"], result["frames"], result["t"]
+    print(f"wrote {result['file']}: frame {row} of {count} (0 to {count - 1}), t = {t:.3f} s")
+    for note in result["notes"]:
+        print(f"note: {note}")
+    write_json(args, result)
+    return 0
+
+
+def _of_recording(args: argparse.Namespace) -> dict[str, Any]:
+    """Exports a frame of a recording."""
+    for option, given in (("--edits", args.edits), ("--set", args.set)):
+        if given:
+            what = "a recording has its own scene and edits"
+            raise UserError(what, option, "leave it out, or name the scene instead of the recording")
+    from restshape.cli.report import refuse_damage
+    from restshape.export.edited_frame import frame_of_recording, row_of
+    from restshape.export.frame_mesh import mesh_of_recording
+    from restshape.replay.recording import Recording
+
+    with Recording(args.source) as recording:
+        if not recording.n:
+            raise UserError("the recording holds no frames", str(args.source), "run the replay again")
+        refuse_damage(recording)
+        row = row_of(args.frame, recording.n, "the recording")
+        out = _out(args, str(recording.header.get("scene") or args.source.name))
+        if args.kind in OF_MESH:
+            _refuse_meshless(recording, row)
+            refused = str(recording.table["refused"][row]) if "refused" in recording.table else ""
+            notes = _write_mesh(args.kind, mesh_of_recording(recording, row), out)
+            return _result(args, out, (row, recording.n, float(recording.times[row])), refused, notes)
+        frame = frame_of_recording(recording, row)
+        mesh = mesh_of_recording(recording, row) if args.kind == "stl" else None
+        return _written(args, frame, mesh, out)
+
+
+def _of_scene(args: argparse.Namespace) -> dict[str, Any]:
+    """Exports a frame of a script, or the first shape of a scene."""
+    from restshape.export.edited_frame import frame_of_script
+    from restshape.export.frame_mesh import mesh_of_shape
+    from restshape.scene.edit_script import Script, load_script
+    from restshape.scene.load import load_scene
+
+    scene = load_scene(args.source, args.set)
+    args.out = out = _out(args, args.source.name)
+    refuse_files_of_scene(args, scene)
+    script = load_script(args.edits, scene) if args.edits else Script.empty(scene)
+    try:
+        frame = frame_of_script(scene, script, args.frame)
+    except UserError as error:
+        raise scene.located(error) from None
+    if args.kind not in (*OF_MESH, "stl"):
+        return _written(args, frame, None, out)
+    mesh = mesh_of_shape(frame.scene, frame.outline)
+    if args.kind == "stl":
+        return _written(args, frame, mesh, out)
+    notes = [*_write_mesh(args.kind, mesh, out), "the mesh alone: a recording has the fields (restshape replay --out)"]
+    return _result(args, out, (frame.row, frame.count, frame.t), frame.refused, notes)
+
+
+def _out(args: argparse.Namespace, scene: str) -> ExportFile:
+    """The file to write, which destroys nothing of the user's.
+
+    Raises:
+        UserError: it would.
+    """
+    if args.out is not None and args.out.suffix.lower() != f".{args.kind}":
+        remedy = f"--out {args.out.with_suffix('.' + args.kind)}, or --as of another format"
+        raise UserError(f"the name of a {args.kind} file ends in .{args.kind}", f"--out {args.out}", remedy)
+    stem = f"{Path(scene).stem}-edited" if args.kind == "toml" else Path(scene).stem
+    out: ExportFile = args.out or ExportFile(args.source.with_name(f"{stem}.{args.kind}"))
+    inputs = {f"source {args.source}": args.source} | ({f"edits {args.edits}": args.edits} if args.edits else {})
+    refuse_outputs({"--out": out}, inputs)
+    if out.is_dir():
+        raise UserError("this is a folder", f"--out {out}", "name a file in it")
+    return out
+
+
+def _refuse_meshless(recording: Recording, row: int) -> None:
+    """Refuses a recording of what has no mesh."""
+    if not len(recording.points(row)) or not len(recording.cells(row)):
+        raise UserError("the recording has no mesh", str(recording.path), "name a recording of another application")
+
+
+def _written(args: argparse.Namespace, frame: EditedFrame, mesh: FrameMesh | None, out: Path) -> dict[str, Any]:
+    """Writes a shape, or its surface; what has been written."""
+    notes = _writing(out, lambda: _write_shape(args.kind, frame, mesh, out))
+    result = _result(args, out, (frame.row, frame.count, frame.t), frame.refused, notes)
+    return result | {"area": frame.outline.area()}
+
+
+def _write_shape(kind: str, frame: EditedFrame, mesh: FrameMesh | None, out: Path) -> list[str]:
+    """Writes a shape in one of the formats of shapes; what there is to note."""
+    from restshape.export.edited_frame import thickness_of
+
+    if kind == "toml":
+        from restshape.export.toml_scene import write_toml
+
+        write_toml(frame, out)
+    elif kind == "dxf":
+        from restshape.export.dxf_drawing import write_dxf
+
+        left = write_dxf(frame.outline, out)
+        return [f"left out, for they share edges with the outline: {', '.join(left)}"] if left else []
+    elif kind == "svg":
+        from restshape.export.svg_drawing import write_svg
+
+        write_svg(frame.outline, out)
+    else:
+        return _write_body(kind, frame, mesh, thickness_of(frame.scene), out)
+    return []
+
+
+def _write_body(kind: str, frame: EditedFrame, mesh: FrameMesh | None, thickness: float | None, out: Path) -> list[str]:
+    """Writes a body as STEP or STL; what there is to note."""
+    flat = "a face without thickness: the materials give none, or not all the same"
+    if kind == "step":
+        from restshape.export.step_body import write_step
+
+        write_step(frame.outline, thickness, out)
+        return [flat] if thickness is None else []
+    from restshape.export.stl_surface import write_stl
+
+    assert mesh is not None, "a surface is that of a mesh"
+    write_stl(mesh, thickness, out)
+    if mesh.placed is not None:
+        return ["the cloth in space: a surface without thickness"]
+    return [flat] if thickness is None and mesh.X.shape[1] == 2 else []
+
+
+def _write_mesh(kind: str, mesh: FrameMesh, out: Path) -> list[str]:
+    """Writes a mesh and its fields; what there is to note."""
+    from restshape.export.mesh_files import write_csv, write_vtu
+
+    return _writing(out, lambda: (write_vtu if kind == "vtu" else write_csv)(mesh, out) or [])
+
+
+def _writing(out: Path, write: Any) -> list[str]:
+    """What a writer notes.
+
+    Raises:
+        UserError: the file cannot be written.
+    """
+    try:
+        return write()
+    except OSError as error:
+        what = f"{out} cannot be written: {(error.strerror or str(error)).lower()}"
+        raise UserError(what, "--out", "name another file") from error
+
+
+def _result(
+    args: argparse.Namespace, out: Path, place: tuple[int, int, float], refused: str, notes: list[str]
+) -> dict[str, Any]:
+    """What has been written, for programs."""
+    row, count, t = place
+    why = [f"frame {row} was refused ({refused.splitlines()[0]}): this is the shape before it"] if refused else []
+    named = {"file": str(out), "format": args.kind, "frame": row, "frames": count, "t": t}
+    return named | {"refused": refused, "notes": [*why, *notes]}

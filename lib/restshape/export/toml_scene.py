@@ -1,0 +1,57 @@
+"""A scene as TOML."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import tomlkit
+from tomlkit.items import InlineTable, Item
+
+from restshape.export.edited_frame import EditedFrame, plain_scene
+from restshape.export.shape_tables import shape_tables
+from restshape.outputs.kinds import EXPORT_MARK
+from restshape.outputs.whole import write_whole
+from restshape.scene.plain_values import Table
+
+
+def write_toml(frame: EditedFrame, path: Path) -> None:
+    """Writes the scene of a frame, its shape as it was edited, from which edits go on.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    write_whole(path, f"# {EXPORT_MARK}\n{toml_text(plain_scene(frame, shape_tables(frame.outline)))}")
+
+
+def toml_text(tables: Table) -> str:
+    """Plain tables as TOML: a header a table, tables of the shape one a kind, all within in one line each."""
+    document = tomlkit.document()
+    for key, value in tables.items():
+        if not isinstance(value, dict):
+            document.add(key, tomlkit.item(value))
+    for key, value in tables.items():
+        if isinstance(value, dict):
+            document.add(key, _table(value, 1 if key == "shape" else 0))
+    return tomlkit.dumps(document)
+
+
+def _table(values: Table, depth: int) -> Item:
+    """A table with a header, and so many depths of tables with headers of their own in it."""
+    table = tomlkit.table()
+    inner = {key: value for key, value in values.items() if depth and isinstance(value, dict)}
+    for key, value in values.items():
+        if key not in inner:
+            table.add(key, _inline(value))
+    for key, value in inner.items():
+        table.add(key, _table(value, depth - 1))
+    return table
+
+
+def _inline(value: object) -> Item:
+    """A value in one line."""
+    if not isinstance(value, dict):
+        return tomlkit.item(value)
+    table: InlineTable = tomlkit.inline_table()
+    for key, inner in value.items():
+        table.add(key, _inline(inner))
+    return table

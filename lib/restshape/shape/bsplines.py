@@ -1,0 +1,85 @@
+"""Spline edges as B-splines and Bézier curves, and cubic B-splines as spline edges; exact both ways."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
+
+from restshape.bounds import SPLINE_POINTS
+from restshape.shape.curves import second_derivatives
+
+Ends = tuple[str, str]
+SplineEdge = tuple[np.ndarray, tuple[float, ...], Ends]
+"""The points (n, 2) of a spline edge, its knots (n,) from 0 to 1, and its end conditions."""
+NEGLIGIBLE = 1e-11
+"""A derivative smaller than this share of the largest one is 0: the curve moves by no more than that share."""
+
+
+def cubic_of(points: np.ndarray, knots: tuple[float, ...], ends: Ends) -> BSpline:
+    """The B-spline that is a spline edge: degree 3, knots of multiplicity 4 at 0 and 1, simple ones between them.
+
+    Args:
+        points: (n, 2) that the edge interpolates; knots: (n,) its parameters there, from 0 to 1.
+        ends: end conditions, see `restshape.shape.curves.second_derivatives`.
+    """
+    second = second_derivatives(knots, ends) @ points
+    curvature = [(2, second[0])], [(2, second[-1])]
+    return make_interp_spline(np.array(knots), points, 3, bc_type=curvature)
+
+
+def beziers_of(points: np.ndarray, knots: tuple[float, ...], ends: Ends) -> np.ndarray:
+    """The control points (n - 1, 4, 2) of the cubic Bézier curves between the points of a spline edge.
+
+    Args as of `cubic_of`.
+    """
+    curve, steps = cubic_of(points, knots, ends), np.diff(knots)[:, None] / 3.0
+    slopes = curve(np.array(knots), 1)
+    return np.stack([points[:-1], points[:-1] + steps * slopes[:-1], points[1:] - steps * slopes[1:], points[1:]], 1)
+
+
+def edges_of_cubic(knots: np.ndarray, controls: np.ndarray) -> list[SplineEdge]:
+    """The spline edges that are a cubic B-spline: one, or two of a closed curve, for an edge has two ends.
+
+    At an end whose second derivative is not 0 the edge gets a point in its last span, which makes the end "smooth" the
+    same polynomial.
+
+    Args:
+        knots: (n + 4,) not decreasing; controls: (n, 2) control points.
+
+    Returns:
+        The edges; none where an inner knot is not simple, the ends are not at the first and last control point, or
+        there would be more than `bounds.SPLINE_POINTS`.
+    """
+    if len(controls) < 4 or len(knots) != len(controls) + 4 or not np.ptp(knots) > 0.0:
+        return []
+    knots = (knots - knots[0]) / np.ptp(knots)
+    own = np.concatenate([[0.0], knots[4:-4], [1.0]])
+    clamped = not knots[:4].any() and bool((knots[-4:] == 1.0).all())
+    if not clamped or np.diff(own).min() <= 0.0 or len(own) + 4 > SPLINE_POINTS:
+        return []
+    curve = BSpline(knots, controls, 3)
+    if np.hypot(*(controls[0] - controls[-1])) > 1e-9 * np.ptp(controls):
+        return [_part(curve, own)]
+    middle = 0.5 if len(own) == 2 else float(own[len(own) // 2])
+    return [
+        _part(curve, np.unique([*own[own < middle], middle])),
+        _part(curve, np.unique([middle, *own[own > middle]])),
+    ]
+
+
+def _part(curve: BSpline, knots: np.ndarray) -> SplineEdge:
+    """The spline edge that is a cubic between the first and the last of some knots, among them all of its own there."""
+    bend = np.abs(curve(knots, 2)).max(axis=1)
+    ends = tuple("natural" if bend[at] <= NEGLIGIBLE * bend.max() else "smooth" for at in (0, -1))
+    assert len(ends) == 2
+    more: list[float] = []
+    if ends[0] == "smooth":
+        more.append(knots[0] + (knots[1] - knots[0]) / 3.0)
+    if ends[1] == "smooth":
+        more.append(knots[-1] - (knots[-1] - knots[-2]) / 3.0)
+    if len(knots) == 2 and not more:
+        # An edge without a point between its ends would be a line, as this one is.
+        more.append(0.5 * float(knots[0] + knots[1]))
+    places = np.union1d(knots, more)
+    own = (places - places[0]) / (places[-1] - places[0])
+    return curve(places), tuple(own.tolist()), (ends[0], ends[1])
