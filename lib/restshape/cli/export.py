@@ -42,10 +42,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Writes the file and says what it shows; the exit code."""
-    if args.source.suffix == RECORDING:
-        result = _of_recording(args)
-    else:
-        result = _of_scene(args)
+    result = (_of_recording if args.source.suffix == RECORDING else _of_scene)(args)
     row, count, t = result["frame"], result["frames"], result["t"]
     print(f"wrote {result['file']}: frame {row} of {count} (0 to {count - 1}), t = {t:.3f} s")
     for note in result["notes"]:

@@ -10,6 +10,8 @@ from restshape.shape.outline import Edge, Loop, Outline
 
 QUARTER = float(np.tan(np.pi / 8.0))
 """Bulge of a quarter of a circle."""
+DIGITS = 14
+"""Decimal digits of a circle's centre and radius that count, of numbers as large as the shape."""
 ROUNDING = 1e-12
 """Share of the size of the shape by which points of a circle may be off it."""
 
@@ -91,7 +93,10 @@ def _circle(outline: Outline, loop: Loop) -> Table | None:
     if corners is None or len(corners) != 4:
         return None
     bulges = outline.bulges[[e for e, _ in loop.edges]]
-    centre, radius = 0.5 * (corners[0] + corners[2]), 0.5 * float(corners[0, 0] - corners[2, 0])
+    # Without the rounding of the corners, so that a circle that nobody has edited is the same to the last digit.
+    digits = DIGITS - int(np.floor(np.log10(outline.size)))
+    centre = np.round(0.5 * (corners[0] + corners[2]), digits)
+    radius = round(0.5 * float(corners[0, 0] - corners[2, 0]), digits)
     circle = centre + radius * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     off = max(float(np.abs(circle - corners).max()), float(np.abs(bulges - QUARTER).max()) * radius)
     if radius <= 0.0 or off > ROUNDING * outline.size:

@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -94,7 +95,7 @@ def _edge(occ: Any, outline: Outline, index: int, points: dict[int, int]) -> lis
 
     if edge.kind == "polyline":
         corners = [start, *inner(own[1:-1]), end]
-        return [occ.addLine(a, b) for a, b in zip(corners, corners[1:])]
+        return [occ.addLine(a, b) for a, b in pairwise(corners)]
     if edge.kind == "spline":
         curve = cubic_of(own, edge.knots, edge.ends)
         counts = [4, *[1] * (len(edge.knots) - 2), 4]

@@ -11,6 +11,7 @@ from restshape.export.edited_frame import EditedFrame, plain_scene
 from restshape.export.shape_tables import shape_tables
 from restshape.outputs.kinds import EXPORT_MARK
 from restshape.outputs.whole import write_whole
+from restshape.scene.load import remade
 from restshape.scene.plain_values import Table
 
 
@@ -18,9 +19,12 @@ def write_toml(frame: EditedFrame, path: Path) -> None:
     """Writes the scene of a frame, its shape as it was edited, from which edits go on.
 
     Raises:
+        UserError: a name of the shape, such as one that a mesh file gave, cannot stand in a scene.
         OSError: it cannot be written.
     """
-    write_whole(path, f"# {EXPORT_MARK}\n{toml_text(plain_scene(frame, shape_tables(frame.outline)))}")
+    tables = plain_scene(frame, shape_tables(frame.outline))
+    remade(frame.scene, tables)
+    write_whole(path, f"# {EXPORT_MARK}\n{toml_text(tables)}")
 
 
 def toml_text(tables: Table) -> str:

@@ -187,10 +187,10 @@ class ShapeSpec(Strict):
     outline: Annotated[list[str], Field(min_length=1)] | None = None
     vertices: dict[PartName, Point] = {}
     edges: dict[PartName, EdgeSpec] = {}
-    holes: dict[Name, LoopSpec] = {}
-    regions: dict[Name, LoopSpec] = {}
-    points: dict[Name, Point] = {}
-    groups: dict[Name, Annotated[list[str], Field(min_length=1)]] = {}
+    holes: dict[PartName, LoopSpec] = {}
+    regions: dict[PartName, LoopSpec] = {}
+    points: dict[PartName, Point] = {}
+    groups: dict[PartName, Annotated[list[str], Field(min_length=1)]] = {}
 
     def kinds(self) -> dict[str, str]:
         """Every name that this shape gives, also those inside loops, with what it names: vertex, edge, hole, ..."""

@@ -26,7 +26,7 @@ from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quanti
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 PART = re.compile(rf"{NAME.pattern}(?:\.[A-Za-z0-9_-]+)*")
-"""Names of edges and vertices, which may be parts of what had a name before: ``window.1``."""
+"""Names in a shape, which loops, edits and mesh files make of others: ``window.1``."""
 RESERVED = ("all", "outline")
 
 
@@ -140,7 +140,7 @@ def value_of(dimension: str) -> object:
 
 
 def _read_part(raw: object) -> str:
-    """The name of an edge or a vertex, each part of which may be a name."""
+    """The name of an entity of a shape: one name, and what dots add to it."""
     if isinstance(raw, str) and "." in raw and len(raw) <= NAME_CHARACTERS and PART.fullmatch(raw):
         return raw
     return _read_name(raw)
@@ -176,7 +176,7 @@ AnyNumber = Annotated[float, InSI(None)]
 Point = tuple[Length, Length]
 Name = Annotated[str, BeforeValidator(_read_name)]
 PartName = Annotated[str, BeforeValidator(_read_part)]
-"""Of an edge or a vertex, also of one that an edit or a loop has named: ``window.1``."""
+"""Of an entity of a shape, also of one that a loop, an edit or a mesh file has named: ``window.1``."""
 Entities = Annotated[
     list[str],
     BeforeValidator(_read_entities),

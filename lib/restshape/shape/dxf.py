@@ -175,7 +175,7 @@ def _spline(entity: Any) -> list[Curve]:
 def _exact(entity: Any) -> list[Curve]:
     """The edges that are a cubic SPLINE by control points; none where no edge can be it."""
     weights = np.array(entity.weights)
-    if entity.dxf.degree != 3 or len(weights) and np.ptp(weights) > 0.0:
+    if entity.dxf.degree != 3 or (len(weights) and np.ptp(weights) > 0.0):
         return []
     found = edges_of_cubic(np.array(entity.knots, dtype=float), _plane(entity.control_points))
     return [Curve(points, "spline", knots=knots, ends=ends) for points, knots, ends in found]

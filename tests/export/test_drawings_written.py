@@ -1,0 +1,188 @@
+"""Drawings and bodies hold the shape as it was edited: areas by ezdxf, by SVG's own words, by OpenCASCADE."""
+
+import re
+from itertools import pairwise
+from xml.etree import ElementTree
+
+import curve_areas
+import ezdxf
+import gmsh
+import numpy as np
+import pytest
+from edited_shapes import edited
+
+from restshape.export.dxf_drawing import write_dxf
+from restshape.export.step_body import write_step
+from restshape.export.svg_drawing import write_svg
+from restshape.scene.model import ShapeSpec
+from restshape.shape.build import outline_from_spec
+from restshape.shape.outline import Outline
+from restshape.surroundings import start_gmsh
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.fixture(scope="module")
+def outline(tmp_path_factory) -> Outline:
+    return edited(tmp_path_factory.mktemp("shape")).outline
+
+
+def signed(loop: str, kinds: dict[str, str]) -> float:
+    """The sign with which a loop counts in the area of the material."""
+    return {"outline": 1.0, "hole": -1.0, "region": 0.0}[kinds[loop]]
+
+
+def of_dxf(entity) -> list[curve_areas.Piece]:
+    """The curves of an entity, by ezdxf alone."""
+    kind, dxf = entity.dxftype(), entity.dxf
+    if kind == "LINE":
+        return [curve_areas.line(dxf.start.vec2, dxf.end.vec2)]
+    if kind == "LWPOLYLINE":
+        corners = entity.get_points("xy")
+        return [curve_areas.line(a, b) for a, b in pairwise(corners)]
+    if kind in ("ARC", "CIRCLE"):
+        first, last = (dxf.start_angle, dxf.end_angle) if kind == "ARC" else (0.0, 0.0)
+        turn = (last - first) % 360.0 or 360.0
+        return [curve_areas.arc(dxf.center.vec2, dxf.radius, np.radians(first), np.radians(turn))]
+    assert kind == "SPLINE" and not len(entity.fit_points), "the B-spline, not points that it goes through"
+    pieces = entity.construction_tool().bezier_decomposition()
+    return [curve_areas.bezier(np.array([tuple(p)[:2] for p in controls])) for controls in pieces]
+
+
+def test_a_dxf_holds_curves_as_they_are_and_layers_by_name(outline, tmp_path):
+    assert write_dxf(outline, tmp_path / "plate.dxf") == []
+    drawing = ezdxf.readfile(tmp_path / "plate.dxf")
+    assert drawing.header["$INSUNITS"] == 4
+    loops: dict[str, list] = {}
+    kinds = {}
+    for entity in drawing.modelspace():
+        layer = entity.dxf.layer
+        if entity.dxftype() == "POINT":
+            assert layer == "gauge" and tuple(entity.dxf.location)[:2] == (1000.0, 800.0)
+            continue
+        own = "outline" if layer in ("bottom", "right", "top.1", "top.2", "left") else layer
+        loops.setdefault(own, []).extend(of_dxf(entity))
+        kinds.setdefault(layer, set()).add(entity.dxftype())
+    names = ("bottom", "right", "top.1", "top.2", "left", "window", "bore", "slot", "region_core")
+    forms = ("ARC", "ARC", "SPLINE", "SPLINE", "LWPOLYLINE", "CIRCLE", "CIRCLE", "LINE", "CIRCLE")
+    assert kinds == {name: {form} for name, form in zip(names, forms)}
+    areas = {name: curve_areas.enclosed(pieces, 1e-6) for name, pieces in loops.items()}
+    found = areas["outline"] - areas["window"] - areas["bore"] - areas["slot"]
+    assert 1e-6 * found == pytest.approx(outline.area(), rel=1e-9)
+    assert areas["window"] == pytest.approx(np.pi * 200.0**2, rel=1e-9)
+
+
+def test_a_dxf_is_read_back_by_the_program(outline, tmp_path):
+    write_dxf(outline, tmp_path / "plate.dxf")
+    back = outline_from_spec(ShapeSpec(file="plate.dxf"), tmp_path)
+    assert back.area() == pytest.approx(outline.area(), rel=1e-11)
+    assert set(back.names("hole")) == {"window", "bore", "slot"} and back.names("region") == ["region_core"]
+    assert len(back.entity("left").edges) == 3
+    for theirs, ours in (("bottom", "bottom"), ("right", "right"), ("top_1", "top.1"), ("top_2", "top.2")):
+        (i,), (j,) = back.entity(theirs).edges, outline.entity(ours).edges
+        assert back.edges[i].kind == outline.edges[j].kind
+        assert back.length(i) == pytest.approx(outline.length(j), rel=1e-9)
+
+
+def test_an_arc_that_is_almost_straight_keeps_its_bulge(tmp_path):
+    square = {"a": [0, 0], "b": [1, 0], "c": [1, 1], "d": [0, 1]}
+    edges = {"low": {"arc": ["a", "b"], "bulge": 1e-7}, "top": {"line": ["c", "d"]}}
+    edges |= {"right": {"line": ["b", "c"]}, "left": {"line": ["d", "a"]}}
+    spec = ShapeSpec.model_validate({"vertices": square, "edges": edges, "outline": ["low", "right", "top", "left"]})
+    flat = outline_from_spec(spec)
+    write_dxf(flat, tmp_path / "flat.dxf")
+    assert outline_from_spec(ShapeSpec(file="flat.dxf"), tmp_path).bulges.max() == pytest.approx(1e-7, rel=1e-6)
+    # A segment of bulge b over a chord c has the area b c^2 / 3 and smaller terms.
+    assert 1e-6 * step_area(flat, None, tmp_path)[0] - 1.0 == pytest.approx(1e-7 / 3.0, rel=1e-3)
+
+
+def of_path(words: str) -> list[curve_areas.Piece]:
+    """The curves of SVG's words M, L, C and A, by the formulas of its standard (F.6.5)."""
+    pieces, at = [], np.zeros(2)
+    for letter, text in re.findall(r"([MLCA]) ([^MLCA]*)", words):
+        numbers = np.array([float(number) for number in re.split(r"[ ,]+", text.strip())])
+        if letter == "A":
+            radius, large, sweep, end = numbers[0], numbers[3], numbers[4], numbers[5:]
+            middle, half = 0.5 * (at + end), 0.5 * (at - end)
+            off = np.sqrt(max(radius**2 - half @ half, 0.0) / (half @ half)) * (1.0 if large != sweep else -1.0)
+            centre = middle + off * np.array([half[1], -half[0]])
+            first, last = (np.arctan2(*(p - centre)[::-1]) for p in (at, end))
+            turn = (last - first) % (2.0 * np.pi) - (0.0 if sweep else 2.0 * np.pi)
+            pieces.append(curve_areas.arc(centre, radius, first, turn))
+            at = end
+            continue
+        points = numbers.reshape(-1, 2)
+        if letter == "L":
+            pieces += [curve_areas.line(a, b) for a, b in zip([at, *points], points)]
+        elif letter == "C":
+            for controls in points.reshape(-1, 3, 2):
+                pieces.append(curve_areas.bezier(np.array([at, *controls])))
+                at = controls[-1]
+        at = points[-1]
+    return pieces
+
+
+def test_an_svg_is_exact_and_in_true_size(outline, tmp_path):
+    write_svg(outline, tmp_path / "plate.svg")
+    root = ElementTree.parse(tmp_path / "plate.svg").getroot()
+    box = [float(number) for number in root.get("viewBox").split()]
+    assert root.get("width") == f"{box[2]:.6f}mm" and root.get("height") == f"{box[3]:.6f}mm"
+    total, names = 0.0, set()
+    for group in root.findall(f"{SVG}g"):
+        pieces = [piece for path in group for piece in of_path(path.get("d"))]
+        area = curve_areas.enclosed(pieces, 1e-6)
+        total += signed(group.get("id"), {group.get("id"): group.get("class")}) * area
+        names |= {path.get("id") for path in group}
+    assert names == {edge.name for edge in outline.edges}
+    assert 1e-6 * total == pytest.approx(outline.area(), rel=1e-9)
+
+
+def of_gmsh(curve: int) -> list[curve_areas.Piece]:
+    """A curve of gmsh's model in many pieces, each smooth but where a knot is in it."""
+    (lower,), (upper,) = gmsh.model.getParametrizationBounds(1, curve)
+
+    def piece(a: float, b: float) -> curve_areas.Piece:
+        def at(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            places = a + (b - a) * s
+            points = np.reshape(gmsh.model.getValue(1, curve, places), (-1, 3))
+            rates = np.reshape(gmsh.model.getDerivative(1, curve, places), (-1, 3))
+            return points[:, :2], (b - a) * rates[:, :2]
+
+        return at
+
+    return [piece(a, b) for a, b in pairwise(np.linspace(lower, upper, 41))]
+
+
+def step_area(outline: Outline, thickness: float | None, folder) -> tuple[float, float]:
+    """What gmsh reads from a STEP file of one face or solid: area by its curves [mm^2], and OpenCASCADE's own mass.
+
+    That mass of a face between B-splines is good to about 1e-6 only.
+    """
+    write_step(outline, thickness, folder / "body.step")
+    start_gmsh()
+    gmsh.model.add("read")
+    gmsh.option.setNumber("General.Terminal", 0)
+    try:
+        ((dim, tag),) = gmsh.model.occ.importShapes(str(folder / "body.step"))
+        gmsh.model.occ.synchronize()
+        assert dim == (2 if thickness is None else 3)
+        boxes = {face: gmsh.model.getBoundingBox(2, face) for _, face in gmsh.model.getEntities(2)}
+        (face,) = (face for face, box in boxes.items() if abs(box[2]) < 1e-5 and abs(box[5]) < 1e-5)
+        _, loops = gmsh.model.occ.getCurveLoops(face)
+        areas = [curve_areas.enclosed([p for c in loop for p in of_gmsh(abs(c))], 1e-6) for loop in loops]
+        return 2.0 * max(areas) - sum(areas), gmsh.model.occ.getMass(dim, tag)
+    finally:
+        gmsh.model.remove()
+
+
+def test_a_step_face_and_solid_have_the_area_of_the_shape(outline, tmp_path, capfd):
+    area, mass = step_area(outline, None, tmp_path)
+    assert 1e-6 * area == pytest.approx(outline.area(), rel=1e-9)
+    assert 1e-6 * mass == pytest.approx(outline.area(), rel=1e-6)
+    area, mass = step_area(outline, 0.02, tmp_path)
+    assert 1e-6 * area == pytest.approx(outline.area(), rel=1e-9)
+    assert 1e-9 * mass == pytest.approx(0.02 * outline.area(), rel=1e-6)
+    assert b"written by restshape export" in (tmp_path / "body.step").read_bytes()[:200]
+    capfd.readouterr()
+    write_step(outline, None, tmp_path / "quiet.step")
+    assert capfd.readouterr().out == ""
