@@ -128,55 +128,18 @@ def _refuse_meshless(recording: Recording, row: int) -> None:
 
 def _written(args: argparse.Namespace, frame: EditedFrame, mesh: FrameMesh | None, out: Path) -> dict[str, Any]:
     """Writes a shape, or its surface; what has been written."""
-    notes = _writing(out, lambda: _write_shape(args.kind, frame, mesh, out))
+    from restshape.export.formats import write_shape
+
+    notes = _writing(out, lambda: write_shape(args.kind, frame, mesh, out))
     result = _result(args, out, (frame.row, frame.count, frame.t), frame.refused, notes)
     return result | {"area": frame.outline.area()}
 
 
-def _write_shape(kind: str, frame: EditedFrame, mesh: FrameMesh | None, out: Path) -> list[str]:
-    """Writes a shape in one of the formats of shapes; what there is to note."""
-    from restshape.export.edited_frame import thickness_of
-
-    if kind == "toml":
-        from restshape.export.toml_scene import write_toml
-
-        write_toml(frame, out)
-    elif kind == "dxf":
-        from restshape.export.dxf_drawing import write_dxf
-
-        left = write_dxf(frame.outline, out)
-        return [f"left out, for they share edges with the outline: {', '.join(left)}"] if left else []
-    elif kind == "svg":
-        from restshape.export.svg_drawing import write_svg
-
-        write_svg(frame.outline, out)
-    else:
-        return _write_body(kind, frame, mesh, thickness_of(frame.scene), out)
-    return []
-
-
-def _write_body(kind: str, frame: EditedFrame, mesh: FrameMesh | None, thickness: float | None, out: Path) -> list[str]:
-    """Writes a body as STEP or STL; what there is to note."""
-    flat = "a face without thickness: the materials give none, or not all the same"
-    if kind == "step":
-        from restshape.export.step_body import write_step
-
-        write_step(frame.outline, thickness, out)
-        return [flat] if thickness is None else []
-    from restshape.export.stl_surface import write_stl
-
-    assert mesh is not None, "a surface is that of a mesh"
-    write_stl(mesh, thickness, out)
-    if mesh.placed is not None:
-        return ["the cloth in space: a surface without thickness"]
-    return [flat] if thickness is None and mesh.X.shape[1] == 2 else []
-
-
 def _write_mesh(kind: str, mesh: FrameMesh, out: Path) -> list[str]:
     """Writes a mesh and its fields; what there is to note."""
-    from restshape.export.mesh_files import write_csv, write_vtu
+    from restshape.export.formats import write_mesh
 
-    return _writing(out, lambda: (write_vtu if kind == "vtu" else write_csv)(mesh, out) or [])
+    return _writing(out, lambda: write_mesh(kind, mesh, out))
 
 
 def _writing(out: Path, write: Any) -> list[str]:

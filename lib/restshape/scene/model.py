@@ -1,14 +1,11 @@
 """What a scene holds, as validated models."""
 
 from collections.abc import Mapping
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    Discriminator,
     Field,
     PrivateAttr,
     Tag,
@@ -16,13 +13,14 @@ from pydantic import (
     model_validator,
 )
 
-from restshape.bounds import BULGE, POLYLINE_POINTS, SPLINE_POINTS
+from restshape.bounds import POLYLINE_POINTS
 from restshape.errors import UserError
 from restshape.scene.expressions import Value
 from restshape.scene.load_kind import LoadKind
 from restshape.scene.materials import MATERIALS, named
 from restshape.scene.plain_values import Table
 from restshape.scene.quantity import Quantity
+from restshape.scene.shape_edges import EdgeSpec, tag_by_key
 from restshape.scene.source import Source, split_key
 from restshape.scene.units import UnitError, quantity
 from restshape.scene.values import AnyNumber, Entities, Length, Name, PartName, Point, Strict, only_one
@@ -37,105 +35,6 @@ else:
     KnownName = Literal[tuple(MATERIALS)]
     # Which components there are, and of which dimension, is known of the supports of physics alone.
     Fix = dict[str, object]
-
-
-def _tag_by_key(keys: tuple[str, ...]) -> Discriminator:
-    """A discriminator that distinguishes models by which of the keys is there."""
-
-    def tag(raw: object) -> str | None:
-        given = raw if isinstance(raw, dict) else type(raw).model_fields if isinstance(raw, BaseModel) else ()
-        present = [key for key in keys if key in given]
-        return f"<{present[0]}>" if present else None
-
-    wanted = f"one of {', '.join(keys)} is wanted here"
-    context: dict[str, int | str | float] = {"keys": ", ".join(keys)}
-    return Discriminator(tag, custom_error_type="kind", custom_error_message=wanted, custom_error_context=context)
-
-
-class EdgePart(Strict):
-    """What any edge may say: ``part_of``, the edge that it was cut from, whose name stands for all its parts."""
-
-    part_of: PartName | None = None
-
-    @property
-    def kind(self) -> str:
-        """Which of line, arc, spline and polyline this edge is."""
-        return next(key for key in type(self).model_fields if key != "part_of")
-
-
-class LineSpec(EdgePart):
-    """A straight edge: ``{ line = ["a", "b"] }``."""
-
-    line: tuple[str, str]
-
-    @model_validator(mode="after")
-    def _has_length(self) -> Self:
-        _check_ends(self.line)
-        return self
-
-
-class ArcSpec(EdgePart):
-    """A circular edge: ``{ arc = ["a", "b"], through = [x, y] }``, or ``bulge`` = tan(angle / 4).
-
-    A positive bulge lies to the right of the way from a to b, as in DXF.
-    """
-
-    arc: tuple[str, str]
-    through: Point | None = None
-    bulge: Annotated[float, Field(ge=-BULGE, le=BULGE)] | None = None
-
-    @model_validator(mode="after")
-    def _is_whole(self) -> Self:
-        _check_ends(self.arc)
-        only_one(self, ("through", "bulge"))
-        return self
-
-
-class SplineSpec(EdgePart):
-    """An edge that interpolates points by a cubic: ``{ spline = ["a", "b"], through = [[x, y], ...] }``.
-
-    ``knots`` are its parameters at these points, rising between 0 and 1 (left out: by the lengths of the chords).
-    ``ends`` says for each end whether the second derivative is 0 there ("natural") or the third one is continuous at
-    the next point ("smooth").
-    """
-
-    spline: tuple[str, str]
-    through: Annotated[list[Point], Field(min_length=1, max_length=SPLINE_POINTS)]
-    knots: list[Annotated[float, Field(gt=0, lt=1)]] | None = None
-    ends: tuple[Literal["natural", "smooth"], Literal["natural", "smooth"]] = ("natural", "natural")
-
-    @model_validator(mode="after")
-    def _is_determined(self) -> Self:
-        if self.knots is not None:
-            if len(self.knots) != len(self.through):
-                raise UnitError(f"there are {len(self.knots)} knots for {len(self.through)} points: give one a point")
-            if any(b <= a for a, b in pairwise(self.knots)):
-                raise UnitError("the knots do not rise from each point to the next: put them in order")
-        if self.ends == ("smooth", "smooth") and len(self.through) < 2:
-            raise UnitError("a spline with two smooth ends goes through two points or more: add one")
-        return self
-
-
-class PolylineSpec(EdgePart):
-    """An edge of straight pieces: ``{ polyline = ["a", "b"], through = [[x, y], ...] }``."""
-
-    polyline: tuple[str, str]
-    through: Annotated[list[Point], Field(min_length=1, max_length=POLYLINE_POINTS)]
-
-
-def _check_ends(ends: tuple[str, str]) -> None:
-    """Refuses an edge from a vertex to itself."""
-    if ends[0] == ends[1]:
-        raise UnitError(f"the edge has zero length, for it goes from {ends[0]!r} to itself")
-
-
-EdgeSpec = Annotated[
-    Annotated[LineSpec, Tag("<line>")]
-    | Annotated[ArcSpec, Tag("<arc>")]
-    | Annotated[SplineSpec, Tag("<spline>")]
-    | Annotated[PolylineSpec, Tag("<polyline>")],
-    _tag_by_key(("line", "arc", "spline", "polyline")),
-]
 
 
 class Circle(Strict):
@@ -167,7 +66,7 @@ LoopSpec = Annotated[
     Annotated[CircleLoop, Tag("<circle>")]
     | Annotated[EdgeLoop, Tag("<loop>")]
     | Annotated[PolygonLoop, Tag("<polygon>")],
-    _tag_by_key(("circle", "loop", "polygon")),
+    tag_by_key(("circle", "loop", "polygon")),
 ]
 
 

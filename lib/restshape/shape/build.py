@@ -12,18 +12,10 @@ import numpy as np
 from pydantic import ValidationError
 
 from restshape.errors import UserError
-from restshape.scene.model import (
-    ArcSpec,
-    CircleLoop,
-    EdgeLoop,
-    LineSpec,
-    PolygonLoop,
-    PolylineSpec,
-    ShapeSpec,
-    SplineSpec,
-)
+from restshape.scene.model import CircleLoop, EdgeLoop, PolygonLoop, ShapeSpec
 from restshape.scene.permits import scripts_trusted
 from restshape.scene.plain_values import Table, table_in
+from restshape.scene.shape_edges import ArcSpec, LineSpec, PolylineSpec, SplineSpec
 from restshape.scene.source import Source
 from restshape.scene.validation_errors import user_error
 from restshape.shape.curves import bulge_through

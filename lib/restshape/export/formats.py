@@ -1,0 +1,63 @@
+"""Shapes, bodies and meshes in the format that a name says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from restshape.export.dxf_drawing import write_dxf
+from restshape.export.edited_frame import EditedFrame, thickness_of
+from restshape.export.frame_mesh import FrameMesh
+from restshape.export.mesh_files import write_csv, write_vtu
+from restshape.export.step_body import write_step
+from restshape.export.stl_surface import write_stl
+from restshape.export.svg_drawing import write_svg
+from restshape.export.toml_scene import write_toml
+
+FLAT = "without thickness: the materials give none, or not all the same"
+
+
+def write_shape(kind: str, frame: EditedFrame, mesh: FrameMesh | None, out: Path) -> list[str]:
+    """Writes the shape of a frame; what there is to note.
+
+    Args:
+        kind: "toml", "dxf", "svg", "step", or "stl", which needs the mesh.
+        frame: with the shape; mesh: of the frame; out: the file.
+
+    Raises:
+        UserError: this shape has no such file.
+        OSError: it cannot be written.
+    """
+    if kind == "toml":
+        write_toml(frame, out)
+    elif kind == "dxf":
+        left = write_dxf(frame.outline, out)
+        return [f"left out, for they share edges with the outline: {', '.join(left)}"] if left else []
+    elif kind == "svg":
+        write_svg(frame.outline, out)
+    elif kind == "step":
+        thickness = thickness_of(frame.scene)
+        write_step(frame.outline, thickness, out)
+        return [f"a face {FLAT}"] if thickness is None else []
+    else:
+        assert mesh is not None, "a surface is that of a mesh"
+        return _write_surface(frame, mesh, out)
+    return []
+
+
+def _write_surface(frame: EditedFrame, mesh: FrameMesh, out: Path) -> list[str]:
+    """Writes the surface of a body, or of cloth; what there is to note."""
+    thickness = thickness_of(frame.scene)
+    write_stl(mesh, thickness, out)
+    if mesh.placed is not None:
+        return ["the cloth in space: a surface without thickness"]
+    return [f"a surface {FLAT}"] if thickness is None and mesh.X.shape[1] == 2 else []
+
+
+def write_mesh(kind: str, mesh: FrameMesh, out: Path) -> list[str]:
+    """Writes a mesh with its fields as "vtu" or "csv"; there is nothing to note.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    (write_vtu if kind == "vtu" else write_csv)(mesh, out)
+    return []
