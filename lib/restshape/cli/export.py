@@ -14,7 +14,6 @@ from restshape.outputs.kinds import ExportFile
 if TYPE_CHECKING:
     from restshape.export.edited_frame import EditedFrame
     from restshape.export.frame_mesh import FrameMesh
-    from restshape.replay.recording import Recording
 
 SUMMARY = "the edited shape as toml, dxf, svg or step, its mesh and fields as stl, vtu or csv"
 KINDS = ("toml", "dxf", "svg", "step", "stl", "vtu", "csv")
@@ -68,14 +67,12 @@ def _of_recording(args: argparse.Namespace) -> dict[str, Any]:
         refuse_damage(recording)
         row = row_of(args.frame, recording.n, "the recording")
         out = _out(args, str(recording.header.get("scene") or args.source.name))
-        if args.kind in OF_MESH:
-            _refuse_meshless(recording, row)
+        mesh = mesh_of_recording(recording, row) if args.kind in (*OF_MESH, "stl") else None
+        if mesh is not None and (args.kind in OF_MESH or not mesh.flat):
             refused = str(recording.table["refused"][row]) if "refused" in recording.table else ""
-            notes = _write_mesh(args.kind, mesh_of_recording(recording, row), out)
+            notes = _write_mesh(args.kind, mesh, out)
             return _result(args, out, (row, recording.n, float(recording.times[row])), refused, notes)
-        frame = frame_of_recording(recording, row)
-        mesh = mesh_of_recording(recording, row) if args.kind == "stl" else None
-        return _written(args, frame, mesh, out)
+        return _written(args, frame_of_recording(recording, row), mesh, out)
 
 
 def _of_scene(args: argparse.Namespace) -> dict[str, Any]:
@@ -118,12 +115,6 @@ def _out(args: argparse.Namespace, scene: str) -> ExportFile:
     if out.is_dir():
         raise UserError("this is a folder", f"--out {out}", "name a file in it")
     return out
-
-
-def _refuse_meshless(recording: Recording, row: int) -> None:
-    """Refuses a recording of what has no mesh."""
-    if not len(recording.points(row)) or not len(recording.cells(row)):
-        raise UserError("the recording has no mesh", str(recording.path), "name a recording of another application")
 
 
 def _written(args: argparse.Namespace, frame: EditedFrame, mesh: FrameMesh | None, out: Path) -> dict[str, Any]:

@@ -133,8 +133,8 @@ def refuse_shapeless(scene: Scene) -> None:
         UserError: it is one.
     """
     if application(scene.app).editing.mesh is None:
-        what = f"a scene of {scene.app!r} has no outline and no mesh, so that there is nothing to export"
-        raise UserError(what, str(scene.path), "name a scene, or a recording, of another application")
+        what = f"a scene of {scene.app!r} has no outline, so that there is no drawing or scene of one"
+        raise UserError(what, str(scene.path), "export a recording of it as stl, vtu or csv")
 
 
 def thickness_of(scene: Scene) -> float | None:

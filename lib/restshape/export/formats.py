@@ -40,24 +40,24 @@ def write_shape(kind: str, frame: EditedFrame, mesh: FrameMesh | None, out: Path
         return [f"a face {FLAT}"] if thickness is None else []
     else:
         assert mesh is not None, "a surface is that of a mesh"
-        return _write_surface(frame, mesh, out)
+        return write_mesh(kind, mesh, out, thickness_of(frame.scene))
     return []
 
 
-def _write_surface(frame: EditedFrame, mesh: FrameMesh, out: Path) -> list[str]:
-    """Writes the surface of a body, or of cloth; what there is to note."""
-    thickness = thickness_of(frame.scene)
-    write_stl(mesh, thickness, out)
-    if mesh.placed is not None:
-        return ["the cloth in space: a surface without thickness"]
-    return [f"a surface {FLAT}"] if thickness is None and mesh.X.shape[1] == 2 else []
+def write_mesh(kind: str, mesh: FrameMesh, out: Path, thickness: float | None = None) -> list[str]:
+    """Writes a mesh with its fields as "vtu" or "csv", or its surface as "stl"; what there is to note.
 
-
-def write_mesh(kind: str, mesh: FrameMesh, out: Path) -> list[str]:
-    """Writes a mesh with its fields as "vtu" or "csv"; there is nothing to note.
+    Args:
+        kind: of the three; mesh: of a frame; out: the file.
+        thickness: of the body over a plane mesh [m]; None: unknown, or there is none.
 
     Raises:
         OSError: it cannot be written.
     """
-    (write_vtu if kind == "vtu" else write_csv)(mesh, out)
-    return []
+    if kind != "stl":
+        (write_vtu if kind == "vtu" else write_csv)(mesh, out)
+        return []
+    write_stl(mesh, thickness, out)
+    if mesh.placed is not None:
+        return ["the cloth in space: a surface without thickness"]
+    return [f"a surface {FLAT}"] if mesh.flat and thickness is None else []

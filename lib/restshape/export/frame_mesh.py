@@ -12,7 +12,7 @@ from restshape.replay.recording import Recording
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 
-CELL_TYPES = {5: "triangle", 22: "triangle6", 10: "tetra", 24: "tetra10"}
+CELL_TYPES = {5: "triangle", 22: "triangle6", 10: "tetra", 24: "tetra10", 12: "hexahedron"}
 """meshio's names of cells by VTK's numbers."""
 PLACED = "displacement"
 """The field that moves nodes of a flat cloth into space."""
@@ -33,6 +33,11 @@ class FrameMesh:
     cell_type: str
     at_points: dict[str, np.ndarray] = field(default_factory=dict)
     in_cells: dict[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def flat(self) -> bool:
+        """Whether it lies in the plane, so that a body over it needs a thickness."""
+        return self.X.shape[1] == 2 and self.placed is None
 
     @property
     def placed(self) -> np.ndarray | None:

@@ -14,15 +14,17 @@ MM = 1e3
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 FOURTHS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
 """The four triangles of a second-order one, whose sides bend in their middles."""
-FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
-"""Faces of a tetrahedron, seen from outside."""
+TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+HEXAHEDRON = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+FACES = {"tetra": TETRAHEDRON, "tetra10": TETRAHEDRON, "hexahedron": HEXAHEDRON}
+"""Faces of cells, seen from outside."""
 
 
 def write_stl(mesh: FrameMesh, thickness: float | None, path: Path) -> None:
     """Writes the surface of a mesh.
 
-    Of tetrahedra it is their border; of cloth in space the cloth; of a plane mesh the closed surface of the body over
-    it, from z = 0 up.
+    Of tetrahedra and hexahedra it is their border; of cloth in space the cloth; of a plane mesh the closed surface of
+    the body over it, from z = 0 up.
 
     Args:
         mesh: in the plane or in space.
@@ -45,8 +47,8 @@ def write_stl(mesh: FrameMesh, thickness: float | None, path: Path) -> None:
 
 def surface(mesh: FrameMesh, thickness: float | None) -> np.ndarray:
     """The triangles (m, 3, 3) [m] of the surface, counter-clockwise seen from outside; see `write_stl`."""
-    if mesh.cell_type.startswith("tetra"):
-        return mesh.X[_border_faces(mesh.cells[:, :4])]
+    if mesh.cell_type in FACES:
+        return mesh.X[_border_faces(mesh.cells, FACES[mesh.cell_type])]
     cells = mesh.cells if mesh.cells.shape[1] == 3 else mesh.cells[:, FOURTHS].reshape(-1, 3)
     if mesh.placed is not None:
         return mesh.placed[cells]
@@ -65,10 +67,11 @@ def _border_sides(cells: np.ndarray) -> np.ndarray:
     return sides[_alone(sides)]
 
 
-def _border_faces(cells: np.ndarray) -> np.ndarray:
-    """Faces (m, 3) of one tetrahedron (ne, 4) alone, seen from outside."""
-    faces = cells[:, FACES].reshape(-1, 3)
-    return faces[_alone(faces)]
+def _border_faces(cells: np.ndarray, of_cell: np.ndarray) -> np.ndarray:
+    """Triangles (m, 3), seen from outside, of the faces that one cell (ne, k) alone has."""
+    faces = cells[:, of_cell].reshape(-1, of_cell.shape[1])
+    faces = faces[_alone(faces)]
+    return np.concatenate([faces[:, [0, i, i + 1]] for i in range(1, faces.shape[1] - 1)])
 
 
 def _alone(facets: np.ndarray) -> np.ndarray:
