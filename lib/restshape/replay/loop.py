@@ -303,7 +303,7 @@ class Replay:
             return found
         errors = self.analysis.errors()
         if self.prediction and row["predicted"]:
-            self.prediction.estimated(errors["estimate"])
+            self.prediction.estimated(errors.get("estimate", np.nan))
         if not self.estimating:
             return found
         found.update(errors)

@@ -84,5 +84,5 @@ class MeshJumps:
             return {}
         sign = 1.0 if other.before else -1.0
         # A load factor is infinite where nothing buckles.
-        jumps = {name: sign * (value - known[name]) for name, value in found.items()}
+        jumps = {name: sign * (found[name] - value) for name, value in known.items() if name in found}
         return {name: jump for name, jump in jumps.items() if np.isfinite(jump)}

@@ -98,7 +98,8 @@ class PredictedFrames:
     def _is_trusted(self) -> bool:
         """Whether the prediction that the analysis holds may be shown."""
         if self._estimate is None:
-            self.estimated(self.analysis.errors()["estimate"])
+            # Where nothing estimates it, frames are shown as they are predicted.
+            self.estimated(self.analysis.errors().get("estimate", np.nan))
         error, way = known(self._estimate)
         expected = error * max(1.0, self.distance / way) ** 2 if way > 0.0 else error
         if not expected > TRUSTED:

@@ -23,10 +23,13 @@ def patch(comm: PETSc.Comm) -> list[Check]:
     """A uniform stretch of a block is met exactly by linear elements."""
     text = head("plane") + block() + STEEL + '[supports.sides]\non = "outline"\nfix = { x = "1e-3*x", y = 0 }\n'
     with TemporaryDirectory() as folder:
-        replay = first_frame(write_scene(Path(folder), text + meshed(0.3)), comm=comm)
+        path = write_scene(Path(folder), text + meshed(0.3))
+        replay = first_frame(path, ["solve.tolerance=1e-11"], comm)
     X = replay.moving.mesh.X
-    difference = float(np.abs(replay.analysis.x - 1e-3 * X * (1, 0)).max())
-    return [Check("largest nodal error [m]", difference, 0.0, ROUNDING, "exact for linear elements", CLOSED_FORM)]
+    difference = float(np.abs(replay.analysis.x - 1e-3 * X * (1, 0)).max() / 1e-3)
+    # On one rank it is solved by factors, on several by an iteration.
+    near = ROUNDING if comm.size == 1 else 1e-9
+    return [Check("largest nodal error, relative", difference, 0.0, near, "exact for linear elements", CLOSED_FORM)]
 
 
 def jump(trial: Trial) -> Iterator[Statement]:
