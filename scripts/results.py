@@ -38,16 +38,16 @@ def commit() -> str:
     return (head or "unknown") + "+" * bool(changed.strip())
 
 
-def faults(result: Result) -> list[str]:
-    """Why a result is stale; none where it is of this code."""
+def faults(result: Result, of_this_code: bool = True) -> list[str]:
+    """Why a result is stale; none where it is as it was made, and, where asked for, of this code."""
     if not result.paths:
         return ["it was never made"]
-    code, found = code_hash(result.entries, result.data), []
+    code, found = code_hash(result.entries, result.data) if of_this_code else "", []
     for path in result.paths:
         stamp, name = read_stamp(path), path.relative_to(RESULTS)
         if stamp is None:
             found.append(f"{name} has no stamp")
-        elif stamp.code != code:
+        elif of_this_code and stamp.code != code:
             found.append(f"{name} is of other code: commit {stamp.commit}")
         elif stamp.content != content_hash(path):
             found.append(f"{name} was changed after it was made")
