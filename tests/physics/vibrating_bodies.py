@@ -55,8 +55,9 @@ def lowest(K: sp.csr_matrix, M: sp.csr_matrix, count: int, rigid: int, constrain
     """
     free = np.ones(K.shape[0], dtype=bool) if constrained is None else ~constrained.ravel()
     K, M = K[free][:, free].tocsc(), M[free][:, free].tocsc()
-    # A shift well below the first mode and well above rounding: the scale is that of the diagonals.
-    shift = 0.0 if rigid == 0 else -1e-9 * np.median(K.diagonal() / M.diagonal())
+    # A shift below the first mode and far above rounding, which a smaller one leaves in the last digits of the modes:
+    # the scale is that of the diagonals.
+    shift = 0.0 if rigid == 0 else -1e-7 * np.median(K.diagonal() / M.diagonal())
     values, vectors = eigsh(K, count + rigid, M, sigma=shift, v0=np.ones(free.sum()))
     order = np.argsort(values)[rigid:]
     assert rigid == 0 or np.abs(np.sort(values)[:rigid]).max() < 1e-4 * values[order[0]]
