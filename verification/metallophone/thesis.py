@@ -15,7 +15,8 @@ BARS = {100: (2196, 10.7), 150: (3192, 4.2), 200: (4524, 3.3)}
 
 
 def rows(timed: bool = True) -> list[dict[str, Any]]:
-    """Rows of `restshape tables`; `timing` marks those that a clock decides, which need not be `timed`."""
+    """Rows of `restshape tables`; `timing` marks those that a clock decides, which need not be `timed`,
+    `rounding` those that turn on the last digits of meshes."""
     return [row for length in BARS for row in bar_rows(length, timed)]
 
 
@@ -38,4 +39,4 @@ def bar_rows(length: int, timed: bool) -> list[dict[str, Any]]:
         # Policies take turns on a warm machine, so that a slow spell of it favours none.
         for name, entry in (compare(case, PLAN, lambda words: None) if timed else {}).items()
     ]
-    return [{**counted, "timing": False}, *speeds]
+    return [{**counted, "timing": False, "rounding": True}, *speeds]
