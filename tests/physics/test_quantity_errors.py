@@ -17,7 +17,7 @@ from restshape.fem.quantity_error import dual_solution
 from restshape.fem.recovery import NodalFlux
 from restshape.fem.residuals import tangent_product
 from restshape.replay.columns import columns_of
-from restshape.replay.constraints import HOLDS, UNCERTAIN
+from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.first_frame import first_frame
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
@@ -168,10 +168,12 @@ def test_a_limit_nearer_than_the_error_is_uncertain(tmp_path):
     assert json.loads(findings)[0]["kind"] == "uncertainty"
 
 
-def test_a_singular_quantity_says_so_and_leaves_the_status_alone(tmp_path):
+def test_a_limit_at_a_singular_place_is_uncertain_where_it_holds(tmp_path):
     text = plate().replace('peak = { stress = "von_mises"', 'peak = { max = "1 GPa", stress = "von_mises"')
     row = first_frame(write_scene(tmp_path, text)).row
-    assert row["peak_error"] == np.inf and row["constraint_status"] == HOLDS
+    assert row["peak_error"] == np.inf and row["constraint_status"] == UNCERTAIN
+    beyond = write_scene(tmp_path, text.replace("1 GPa", "1 Pa"))
+    assert first_frame(beyond).row["constraint_status"] == FAILS
     assert summarise([row], "auto", 1)["quantity_errors"]["peak"] == ["singular"]
 
 

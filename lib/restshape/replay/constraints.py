@@ -88,13 +88,13 @@ def uncertain_constraints(
 
     Args:
         limits, quantities: as in `constraint_status`.
-        errors: by quantity, in its unit; infinite where it is at a singular place, which no error tells anything of.
+        errors: by quantity, in its unit; infinite where it is at a singular place, whose value is that of the mesh.
     """
     found = []
     for name, limit in limits.items():
         value, error = quantities[name], errors.get(name, math.nan)
         for detail, bound, left in ((MIN, limit.least, value - limit.least), (MAX, limit.most, limit.most - value)):
-            if math.isfinite(error) and 0.0 <= left < error:
+            if 0.0 <= left < error:
                 found.append(Finding(UNCERTAINTY, detail, (name,), value, bound, limit.unit))
     return tuple(found)
 

@@ -69,7 +69,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
         handles.append(levels.axvspan(np.nan, np.nan, color=RESTLESS, alpha=0.3))
         names.append(f"not converged ({restless.sum()})")
     handles, names = handles + list(statuses.values()), names + list(statuses)
-    figure.legend(handles, names, loc="outside lower center", ncols=len(names))
+    figure.legend(handles, names, loc="outside lower center", ncols=min(len(names), 4))
     figure.align_ylabels()
     save_picture(figure, path)
 
