@@ -65,7 +65,7 @@ def test_a_body_without_density_is_refused(tmp_path):
 def test_a_solid_at_rest_has_no_kinetic_energy(tmp_path):
     scene = tower(tmp_path, "\n[solve]\n")
     scene.write_text(scene.read_text().replace('app = "moving"', 'app = "plane"'))
-    with pytest.raises(UserError, match="at rest"):
+    with pytest.raises(UserError, match="static equilibrium"):
         rows_of(make_replay(scene))
 
 
