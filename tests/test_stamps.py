@@ -29,7 +29,7 @@ def of_this_code(result):
 
 
 @pytest.mark.results
-@pytest.mark.parametrize("result", map(of_this_code, LIST))
+@pytest.mark.parametrize("result", [of_this_code(result) for result in LIST])
 def test_a_result_is_of_this_code(result):
     assert results.faults(result) == [], "make results, or see docs/results.md"
 
