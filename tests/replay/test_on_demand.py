@@ -73,7 +73,8 @@ def test_what_is_asked_for_is_what_every_frame_gives(files):
     # The start and the press that leaves it, the three moments asked for, and what follows until the shape changes.
     assert known == [0, 1, 6, 10, 11, 12, 17, 20]
     assert all(row["iterations"] == 0 for row in asked if row["event"] not in ("start", "analyse"))
-    assert {row["constraint_status"] for row in asked} == {"", "holds", "fails"}
+    # The clamped corners are singular places: what holds there is uncertain.
+    assert {row["constraint_status"] for row in asked} == {"", "uncertain", "fails"}
 
 
 @pytest.mark.slow
@@ -83,7 +84,7 @@ def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
     assert main([*call, "--out", str(out), "--json", str(numbers), "--csv", str(files / "a.csv")]) == 0
     reported = json.loads(numbers.read_text())
     assert reported["quantities"]["strength"][2] is None and reported["quantities"]["score"][2] > 1.9
-    assert reported["constraint_status"]["holds"] + reported["constraint_status"]["fails"] == 8
+    assert sum(reported["constraint_status"][word] for word in ("holds", "uncertain", "fails")) == 8
     printed = capsys.readouterr().out
     assert (
         f"constraint status: {reported['constraint_status']['last']} at the end" in printed
@@ -96,7 +97,7 @@ def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
         assert np.isnan(recording.field(2, "von_mises")).all()
         # The shape is recorded all the same: the hole has moved by 20 mm.
         assert np.abs(recording.points(2) - recording.points(1)).max() == pytest.approx(0.02, rel=1e-9)
-        assert recording.table["constraint_status"][0] in ("holds", "fails")
+        assert recording.table["constraint_status"][0] in ("uncertain", "fails")
     assert main(["report", str(out), "--animation", "none"]) == 0
 
 
