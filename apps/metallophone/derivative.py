@@ -38,7 +38,7 @@ def along_outline(analysis: ModalAnalysis) -> list[dict[str, Any]]:
             continue
         edges = {
             name: {
-                "at": corners_of(analysis)[own.nodes].tolist(),
+                "at": own.at.tolist(),
                 "normal": own.normal.tolist(),
                 "length": own.length.tolist(),
                 "density": own.density.tolist(),
@@ -47,12 +47,6 @@ def along_outline(analysis: ModalAnalysis) -> list[dict[str, Any]]:
         }
         found.append({"mode": rank, "frequency": float(analysis.frequencies[rank - 1]), "edges": edges})
     return found
-
-
-def corners_of(analysis: ModalAnalysis) -> np.ndarray:
-    """Places (n, 2) [m] of the corners of the plane mesh."""
-    plane = analysis.space
-    return getattr(plane, "mesh", plane).X
 
 
 def main(words: Sequence[str] | None = None) -> int:

@@ -14,6 +14,7 @@ from restshape.errors import UserError, printable
 from restshape.outputs.drawn import save_picture
 from restshape.replay.good_frames import salvage
 from restshape.replay.recording import Recording, ranges
+from restshape.report.scenery import goals_of
 
 
 @pytest.fixture(scope="module")
@@ -123,6 +124,10 @@ def craft(file: h5py.File, name: str) -> None:
         write_header(file, b"[1]")
     elif name == "title":
         write_header(file, b'{"title": 5}')
+    elif name == "quantities":
+        write_header(file, b'{"scene_values": {"quantities": [1]}}')
+    elif name == "limits":
+        write_header(file, b'{"limits": {"peak": 4}}')
     elif name == "header":
         del file["restshape/header"]
         file["restshape"].create_dataset("header", (40 << 30,), "u1", chunks=(1 << 20,))
@@ -141,7 +146,7 @@ def craft(file: h5py.File, name: str) -> None:
 
 CRAFTED = (
     *("huge", "count", "steps", "negative", "circle", "deep", "list"),
-    *("title", "header", "objects", "packed", "none", "times"),
+    *("title", "quantities", "limits", "header", "objects", "packed", "none", "times"),
 )
 
 
@@ -170,6 +175,21 @@ def test_points_that_are_no_numbers_are_damage(sound, damaged):
         file["VTKHDF/Points"][0] = np.nan
     with Recording(damaged) as recording:
         assert 0 in recording.verify()
+
+
+def test_frames_without_points_are_damage(sound, damaged):
+    with h5py.File(damaged, "r+") as file:
+        file["VTKHDF/NumberOfPoints"][:] = 0
+    with Recording(damaged) as recording:
+        assert recording.verify() == list(range(12))
+
+
+def test_a_goal_that_is_none_is_damage(damaged):
+    with h5py.File(damaged, "r+") as file:
+        header = {"app": "cantilever", "scene_values": {"goal": {"arc": {"polyline": 5}}}}
+        write_header(file, json.dumps(header).encode())
+    with Recording(damaged) as recording, pytest.raises(UserError, match=r"damaged: \[goal\]"):
+        goals_of(recording)
 
 
 def test_texts_are_drawn_and_printed_as_they_are(tmp_path):

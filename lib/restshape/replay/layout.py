@@ -4,6 +4,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from restshape.errors import UserError, printable
 from restshape.scene.plain_values import Table
@@ -14,8 +15,33 @@ MOST_ATTRIBUTE = 4096
 """Bytes of an attribute."""
 WIDTHS = (2, 3, 4, 6, 8, 10)
 """Nodes of a cell."""
-TEXTS = ("script", "script_text", "title", "app", "policy", "predict")
-TABLES = ("scene_values", "limits", "calibration", "petsc_in_effect")
+
+
+class _RecordedScene(BaseModel):
+    """What readers of a recording take from its scene without reading it as a scene."""
+
+    model_config = ConfigDict(extra="allow", strict=True)
+
+    quantities: dict[str, Table] = {}
+    effects: Table = {}
+
+
+class _Header(BaseModel):
+    """The entries of a header that readers rely on; others are as they are."""
+
+    model_config = ConfigDict(extra="allow", strict=True)
+
+    script: str = ""
+    script_text: str = ""
+    title: str = ""
+    app: str = ""
+    policy: str = ""
+    predict: str = ""
+    scene_values: _RecordedScene = _RecordedScene()
+    limits: dict[str, Table] = {}
+    singular: Table = {}
+    calibration: Table = {}
+    petsc_in_effect: Table = {}
 
 
 def refuse_bad_arrays(file: h5py.File, path: Path) -> None:
@@ -57,10 +83,13 @@ def refuse_bad_header(header: Table, path: Path) -> None:
     Raises:
         UserError: naming the first that is not.
     """
-    for kind, names in ((str, TEXTS), (dict, TABLES)):
-        for name in names:
-            if not isinstance(header.get(name, kind()), kind):
-                raise bad(path, f"{name!r} of its header is no {'text' if kind is str else 'table'}")
+    try:
+        _Header.model_validate(header)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(str(part) for part in first["loc"])
+        what = "no text" if first["type"] == "string_type" else "no table"
+        raise bad(path, f"{printable(place)!r} of its header is {what}") from None
 
 
 def refuse_bad_places(starts: np.ndarray, counts: np.ndarray, length: int, what: str) -> None:

@@ -52,7 +52,7 @@ def checksum(topology: int, row: bytes, arrays: list[np.ndarray]) -> int:
     """The CRC-32 of a frame: that of its cells, carried on over its row, points and fields."""
     value = zlib.crc32(row, topology)
     for array in arrays:
-        value = zlib.crc32(np.ascontiguousarray(array).data.cast("B"), value)
+        value = zlib.crc32(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data, value)
     return value
 
 

@@ -88,8 +88,7 @@ def quantities_from(recording: Recording, looks: Mapping[str, PictureField]) -> 
 def quantity_specs(recording: Recording) -> dict[str, dict[str, Any]]:
     """The quantities of the recorded scene by name, as the scene wrote them."""
     scene = recording.header.get("scene_values")
-    given = scene.get("quantities") if isinstance(scene, dict) else None
-    return {name: spec for name, spec in given.items() if isinstance(spec, dict)} if isinstance(given, dict) else {}
+    return dict(scene.get("quantities", {})) if isinstance(scene, dict) else {}
 
 
 def limits_of(recording: Recording) -> dict[str, dict[str, float]]:

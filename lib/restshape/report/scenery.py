@@ -7,12 +7,16 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
+from pydantic import ValidationError
 
 from restshape.errors import UserError
+from restshape.replay.layout import bad
 from restshape.replay.recording import Recording
 from restshape.report.field import ShownField, physics_of, shown_field, true_scale
 from restshape.report.style import BODY, COLOURS, SIGNED, length_unit, scaled_unit, si
 from restshape.report.survey import Survey, colour_range, known_displacement, survey
+from restshape.scene.physics import Section
+from restshape.scene.plain_values import tables_in
 
 SHARE = 0.08
 MARGIN = 0.02
@@ -143,11 +147,15 @@ def scenery(
     return Scenery(scale, exact, extent, known, bottom, top, seen, goals, deforms)
 
 
+def _curves(section: Section, key: str, recording: Recording) -> list[np.ndarray]:
+    given = tables_in(recording.header.get("scene_values"), key)
+    try:
+        return [section.curve_of(section.model.model_validate(one)) for one in given.values()]
+    except ValidationError as error:
+        raise bad(recording.path, f"[{key}] of its scene: {error.errors(include_url=False)[0]['msg']}") from None
+
+
 def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:
     """The goals (m, 2) [m] of the recorded scene; those that an edit has set later are not known."""
-    scene, found = recording.header.get("scene_values"), []
-    for one in physics_of(recording):
-        for key, section in one.sections.items():
-            given = scene.get(key, {}) if section.curve and isinstance(scene, dict) else {}
-            found += [section.curve_of(section.model.model_validate(goal)) for goal in given.values()]
-    return tuple(found)
+    sections = [item for one in physics_of(recording) for item in one.sections.items()]
+    return tuple(curve for key, section in sections if section.curve for curve in _curves(section, key, recording))

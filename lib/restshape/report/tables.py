@@ -156,8 +156,7 @@ def quantity_units(header: Mapping[str, Any]) -> dict[str, str]:
     scene = header.get("scene_values")
     given = scene.get("quantities", {}) if isinstance(scene, Mapping) else {}
     units = kind_units()
-    specs = {name: spec for name, spec in given.items() if isinstance(spec, Mapping)}
-    return {name: next((units[key] for key in spec if key in units), "") for name, spec in specs.items()}
+    return {name: next((units[key] for key in spec if key in units), "") for name, spec in given.items()}
 
 
 @cache

@@ -77,13 +77,13 @@ class EdgeDensity:
     """The same on one edge of the outline, its ends included: there its own normal counts, not that of both edges.
 
     Args:
-        nodes: (m,) nodes of the mesh of corners.
+        at: (m, 2) [m] places of the nodes.
         normal: (m, 2) out of the material, across this edge.
         length: (m,) [m] half of this edge's facets beside each node.
         density: (m,) [Hz/m^2].
     """
 
-    nodes: np.ndarray
+    at: np.ndarray
     normal: np.ndarray
     length: np.ndarray
     density: np.ndarray
@@ -107,7 +107,7 @@ def edge_densities(analysis: SolvedModes, found: OutlineDensity) -> dict[str, Ed
         normal, length = _across(mesh, ends, row, len(found.nodes))
         own = np.flatnonzero(length)
         density = (found.gradient[own] * normal[own]).sum(axis=1) / length[own]
-        densities[edge.name] = EdgeDensity(found.nodes[own], normal[own], length[own], density)
+        densities[edge.name] = EdgeDensity(mesh.X[found.nodes[own]], normal[own], length[own], density)
     return densities
 
 
