@@ -24,7 +24,9 @@ ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
-    "OMPI_MCA_btl": "^openib",
+    # With "uct" each process would end a second later.
+    "OMPI_MCA_btl": "^uct,openib,ofi",
+    "OMPI_MCA_ess_singleton_isolated": "1",
     # Ranks that wait give way: beside another worker there are more of them than cores.
     "OMPI_MCA_mpi_yield_when_idle": "1",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",

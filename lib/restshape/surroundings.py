@@ -1,6 +1,7 @@
 """Libraries that would obey files of the current folder, started so that they do not."""
 
 import contextlib
+import os
 import signal
 import sys
 from collections.abc import Sequence
@@ -27,6 +28,8 @@ def start_petsc(words: Sequence[str] = ()) -> None:
     """
     import petsc4py
 
+    # A process that nobody has started with mpiexec would start a daemon of Open MPI, for 0.1 s, to spawn ranks.
+    os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
     handlers = {number: signal.getsignal(number) for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM)}
     try:
         petsc4py.init(["restshape", "-skip_petscrc", *words])
